@@ -1,0 +1,97 @@
+//! Diagnostics: what is wrong with somebody's data, said so that it can be mended. One type for logs,
+//! taxonomies, specs, rules and labels. Codes are stable; each has a page in `docs/diagnostics/`.
+
+mod render;
+
+pub use render::{render_json, render_sarif, render_text, summary};
+
+use crate::{Bilingual, Lang};
+use serde::Serialize;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// The document or record is not usable as it is, or something was lost.
+    Error,
+    /// It is usable, but somebody should look.
+    Warning,
+    /// For information.
+    Note,
+}
+
+/// Where it is. Every part that is known.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Place {
+    /// File as the user named it; `<stdin>` for standard input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Line, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<usize>,
+    /// Column in characters, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<usize>,
+    /// JSON pointer (RFC 6901) inside the document, `""` for the whole of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<String>,
+    /// The line's text, for the snippet.
+    #[serde(skip)]
+    pub snippet: Option<String>,
+    /// Length in characters of the underlined part.
+    #[serde(skip)]
+    pub span: usize,
+}
+
+/// One finding.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    /// Stable code: `label.enum.longitudinal`, `av2.feather.truncated`.
+    pub code: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What is wrong, naming the value.
+    pub message: Bilingual,
+    /// Where.
+    pub place: Place,
+    /// How to mend it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hint: Option<Bilingual>,
+}
+
+impl Diagnostic {
+    /// An error.
+    pub fn error(code: &'static str, message: Bilingual) -> Self {
+        Self { code, severity: Severity::Error, message, place: Place::default(), hint: None }
+    }
+    /// A warning.
+    pub fn warning(code: &'static str, message: Bilingual) -> Self {
+        Self { severity: Severity::Warning, ..Self::error(code, message) }
+    }
+    /// A note.
+    pub fn note(code: &'static str, message: Bilingual) -> Self {
+        Self { severity: Severity::Note, ..Self::error(code, message) }
+    }
+    /// The same with a hint.
+    #[must_use]
+    pub fn with_hint(mut self, hint: Bilingual) -> Self {
+        self.hint = Some(hint);
+        self
+    }
+    /// The same at `place`.
+    #[must_use]
+    pub fn at(mut self, place: Place) -> Self {
+        self.place = place;
+        self
+    }
+    /// The same in `file`, the rest of the place kept.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<String>) -> Self {
+        self.place.file = Some(file.into());
+        self
+    }
+    /// The message in `lang`.
+    pub fn message(&self, lang: Lang) -> &str {
+        self.message.get(lang)
+    }
+}

@@ -1,0 +1,162 @@
+//! Diagnostics as people and machines read them: rustc-like text, JSON lines' array, SARIF 2.1.0.
+
+use super::{Diagnostic, Severity};
+use crate::Lang;
+use serde_json::json;
+use std::fmt::Write as _;
+
+/// Text form, legible without colour:
+///
+/// ```text
+/// error[label.enum.longitudinal]: 'brake' is not a longitudinal decision
+///   --> labels.jsonl:3:41 (/driving_decision/longitudinal)
+///    |
+///  3 | ...
+///    | ^^^^
+///    = hint: did you mean 'stop_for_obstacle'?
+/// ```
+pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
+    let mut out = String::new();
+    let word = match (d.severity, lang) {
+        (Severity::Error, Lang::En) => "error",
+        (Severity::Error, Lang::Zh) => "错误",
+        (Severity::Warning, Lang::En) => "warning",
+        (Severity::Warning, Lang::Zh) => "警告",
+        (Severity::Note, Lang::En) => "note",
+        (Severity::Note, Lang::Zh) => "提示",
+    };
+    let _ = writeln!(out, "{word}[{}]: {}", d.code, d.message(lang));
+    let p = &d.place;
+    let mut place = p.file.clone().unwrap_or_default();
+    if let Some(line) = p.line {
+        let _ = write!(place, ":{line}");
+        if let Some(column) = p.column {
+            let _ = write!(place, ":{column}");
+        }
+    }
+    if let Some(pointer) = p.pointer.as_deref().filter(|p| !p.is_empty()) {
+        let _ = write!(place, "{}({pointer})", if place.is_empty() { "" } else { " " });
+    }
+    if !place.is_empty() {
+        let _ = writeln!(out, "  --> {place}");
+    }
+    if let (Some(snippet), Some(line), Some(column)) = (&p.snippet, p.line, p.column) {
+        let number = line.to_string();
+        let pad = " ".repeat(number.len());
+        let (shown, offset) = window(snippet, column, p.span);
+        let _ = writeln!(out, " {pad} |");
+        let _ = writeln!(out, " {number} | {shown}");
+        let _ = writeln!(out, " {pad} | {}{}", " ".repeat(offset), "^".repeat(p.span.max(1)));
+    }
+    if let Some(hint) = &d.hint {
+        let word = if lang == Lang::Zh { "建议" } else { "hint" };
+        let _ = writeln!(out, "   = {word}: {}", hint.get(lang));
+    }
+    out
+}
+
+/// At most some 100 characters of a long line around `column`, and the display offset of the column in it.
+fn window(line: &str, column: usize, span: usize) -> (String, usize) {
+    const WIDTH: usize = 100;
+    let chars: Vec<char> = line.chars().collect();
+    let at = (column.saturating_sub(1)).min(chars.len());
+    let start = if chars.len() <= WIDTH || at + span < WIDTH { 0 } else { at.saturating_sub(WIDTH / 3) };
+    let end = (start + WIDTH).min(chars.len());
+    let mut shown = String::new();
+    if start > 0 {
+        shown.push('…');
+    }
+    let mut offset = usize::from(start > 0);
+    for (i, &c) in chars[start..end].iter().enumerate() {
+        let c = if c == '\t' { ' ' } else { c };
+        if start + i < at {
+            // Chinese characters take two cells in a terminal.
+            offset += if (c as u32) >= 0x1100 { 2 } else { 1 };
+        }
+        shown.push(c);
+    }
+    if end < chars.len() {
+        shown.push('…');
+    }
+    (shown, offset)
+}
+
+/// `{"diagnostics": [...], "errors": n, "warnings": n}`; messages in `lang` under `message`, both under `messages`.
+pub fn render_json(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
+    let rows: Vec<_> = all
+        .iter()
+        .map(|d| {
+            json!({
+                "code": d.code,
+                "severity": d.severity,
+                "message": d.message(lang),
+                "messages": d.message,
+                "place": d.place,
+                "hint": d.hint.as_ref().map(|h| h.get(lang)),
+            })
+        })
+        .collect();
+    let count = |s: Severity| all.iter().filter(|d| d.severity == s).count();
+    json!({ "diagnostics": rows, "errors": count(Severity::Error), "warnings": count(Severity::Warning) })
+}
+
+/// SARIF 2.1.0, one run, one rule a code.
+pub fn render_sarif(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
+    let mut codes: Vec<&str> = all.iter().map(|d| d.code).collect();
+    codes.sort_unstable();
+    codes.dedup();
+    let results: Vec<_> = all
+        .iter()
+        .map(|d| {
+            let mut text = d.message(lang).to_owned();
+            if let Some(h) = &d.hint {
+                let _ = write!(text, " ({})", h.get(lang));
+            }
+            let mut location = json!({});
+            if let Some(file) = &d.place.file {
+                location["physicalLocation"] = json!({ "artifactLocation": { "uri": file } });
+                if let Some(line) = d.place.line {
+                    let mut region = json!({ "startLine": line });
+                    if let Some(column) = d.place.column {
+                        region["startColumn"] = json!(column);
+                    }
+                    location["physicalLocation"]["region"] = region;
+                }
+            }
+            if let Some(pointer) = &d.place.pointer {
+                location["logicalLocations"] = json!([{ "fullyQualifiedName": pointer }]);
+            }
+            json!({
+                "ruleId": d.code,
+                "level": match d.severity { Severity::Error => "error", Severity::Warning => "warning", Severity::Note => "note" },
+                "message": { "text": text },
+                "locations": [location],
+            })
+        })
+        .collect();
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "whyroad",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": codes.iter().map(|c| json!({ "id": c, "helpUri": format!("docs/diagnostics/{c}.md") })).collect::<Vec<_>>(),
+            } },
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    })
+}
+
+/// One line that counts errors and warnings.
+pub fn summary(errors: usize, warnings: usize, lang: Lang) -> String {
+    match lang {
+        Lang::En => format!(
+            "{errors} error{}, {warnings} warning{}",
+            if errors == 1 { "" } else { "s" },
+            if warnings == 1 { "" } else { "s" }
+        ),
+        Lang::Zh => format!("{errors} 个错误，{warnings} 个警告"),
+    }
+}

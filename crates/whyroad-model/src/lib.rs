@@ -1,0 +1,30 @@
+//! The words that all of Whyroad shares: ids, time, units, scene tables, signal tables, messages, diagnostics.
+//!
+//! Nothing here reads a file, knows a format or decides anything about driving. A type is here because at
+//! least two crates must agree on it.
+
+pub mod column;
+pub mod decision;
+pub mod diagnostic;
+pub mod ids;
+pub mod messages;
+pub mod object;
+pub mod road_map;
+pub mod scene;
+pub mod signal;
+pub mod text;
+pub mod time;
+pub mod units;
+
+pub use column::{Column, Tri};
+pub use diagnostic::{Diagnostic, Place, Severity};
+pub use ids::{ClipId, DriveId, ScenarioId, TrackId};
+pub use object::ObjectClass;
+pub use road_map::RoadMap;
+pub use scene::Drive;
+pub use signal::SignalTable;
+pub use text::{Bilingual, Lang};
+pub use time::{FrameRange, Nanos};
+
+/// Version of the exchange format (DATA_FORMAT.md 1.3) that this build reads and writes.
+pub const FORMAT_VERSION: &str = "2.0.0";

@@ -1,0 +1,172 @@
+//! The mining interface: query (DATA_FORMAT.md 5.1) and result (5.2).
+
+use crate::{Nanos, ScenarioId};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// `{"mining_query": {...}}`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MiningQueryMessage {
+    /// The query.
+    pub mining_query: MiningQuery,
+}
+
+/// What to look for. All conditions hold at once, for the stated time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MiningQuery {
+    /// Name of the query, repeated in the result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub query_id: Option<String>,
+    /// Class that the result is for: L1, L2 or leaf.
+    pub scenario_id: ScenarioId,
+    /// Conditions on signals.
+    pub conditions: Vec<QueryCondition>,
+    /// How long they must hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_constraints: Option<TimeConstraints>,
+    /// At most so many clips, the best first; absent or null is all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub output_limit: Option<u32>,
+}
+
+/// `field operator value unit`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct QueryCondition {
+    /// A signal's name or alias.
+    pub field: String,
+    /// Comparison.
+    pub operator: QueryOperator,
+    /// A number, text or truth value.
+    pub value: serde_json::Value,
+    /// Unit of the value; absent is the signal's base unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+}
+
+/// Comparison in a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(inline)]
+pub enum QueryOperator {
+    /// Greater.
+    #[serde(rename = ">")]
+    Gt,
+    /// Greater or equal.
+    #[serde(rename = ">=")]
+    Ge,
+    /// Less.
+    #[serde(rename = "<")]
+    Lt,
+    /// Less or equal.
+    #[serde(rename = "<=")]
+    Le,
+    /// Equal.
+    #[serde(rename = "==")]
+    Eq,
+    /// Not equal.
+    #[serde(rename = "!=")]
+    Ne,
+    /// One of a list.
+    #[serde(rename = "in")]
+    In,
+}
+
+/// Bounds, in seconds, on how long the conditions hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeConstraints {
+    /// At least, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition_duration_min: Option<f64>,
+    /// At most, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition_duration_max: Option<f64>,
+}
+
+/// `{"mining_result": {...}}`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MiningResultMessage {
+    /// The result.
+    pub mining_result: MiningResult,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MiningResult {
+    /// The query's id.
+    pub query_id: String,
+    /// The query's class.
+    pub scenario_id: ScenarioId,
+    /// Episodes that match.
+    pub total_matched: u64,
+    /// Episodes listed below.
+    pub returned: u64,
+    /// Best first.
+    pub clips: Vec<MinedClip>,
+    /// Computed over all that match.
+    pub statistics: MiningStatistics,
+    /// Leaves that some drives could not answer, with the signals that those drives lack.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_observable: Vec<NotObservable>,
+}
+
+/// One match.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MinedClip {
+    /// The clip.
+    pub clip_id: String,
+    /// 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub match_score: f64,
+    /// Where the keyframe is.
+    pub keyframe_suggestion: MinedKeyframe,
+    /// Conditions with their values at the keyframe.
+    pub conditions_matched: Vec<MatchedCondition>,
+    /// The leaf, where the query was for more than one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario_id: Option<ScenarioId>,
+    /// The episode's id in `episodes.parquet`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub episode_id: Option<String>,
+    /// The target, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target_id: Option<String>,
+}
+
+/// Keyframe of a match.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct MinedKeyframe {
+    /// Moment.
+    pub timestamp: Nanos,
+    /// Frame in the clip.
+    pub frame_idx: u32,
+}
+
+/// A condition and what it measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MatchedCondition {
+    /// As written, with unit: `target_vehicle.lateral_offset > 0.5m`.
+    pub condition: String,
+    /// The value in the condition's unit; null when unknown there.
+    pub actual_value: serde_json::Value,
+}
+
+/// Figures over all matches.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MiningStatistics {
+    /// Matches by score, tenths: `{"0.9-1.0": 523}`; empty tenths left out.
+    pub score_distribution: BTreeMap<String, u64>,
+}
+
+/// A leaf that cannot be decided on some drives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NotObservable {
+    /// The leaf.
+    pub scenario_id: ScenarioId,
+    /// Drives on which it cannot be decided.
+    pub drives: Vec<String>,
+    /// Signals that they lack.
+    pub missing_signals: Vec<String>,
+}

@@ -1,0 +1,179 @@
+//! The road around a drive, in the drive's world frame. Geometry only; questions about it are signals.
+
+use serde::{Deserialize, Serialize};
+
+/// A point in the world frame, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Point3 {
+    /// m.
+    pub x: f64,
+    /// m.
+    pub y: f64,
+    /// m.
+    pub z: f64,
+}
+
+/// Everything the map of a drive tells, each list ordered by id.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RoadMap {
+    /// Lanes, junction lanes included.
+    pub lanes: Vec<Lane>,
+    /// Pedestrian crossings.
+    pub crosswalks: Vec<Area>,
+    /// Junction areas.
+    pub junctions: Vec<Area>,
+    /// Where vehicles may drive.
+    pub drivable_areas: Vec<Area>,
+    /// Lines at which to stop.
+    pub stop_lines: Vec<StopLine>,
+    /// Signs.
+    pub signs: Vec<Sign>,
+    /// Toll gates, speed bumps, tunnels and the like.
+    pub facilities: Vec<Facility>,
+}
+
+/// One lane segment. Left and right are as seen when driving along it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lane {
+    /// Id within the map.
+    pub id: String,
+    /// Left edge in driving direction; empty when the source has only a centre line and no width.
+    pub left: Vec<Point3>,
+    /// Right edge in driving direction.
+    pub right: Vec<Point3>,
+    /// Centre line in driving direction; made from the edges where the source has none.
+    pub centre: Vec<Point3>,
+    /// Mark on the left edge.
+    pub left_mark: LaneMark,
+    /// Mark on the right edge.
+    pub right_mark: LaneMark,
+    /// Adjacent lane on the left; may run the other way.
+    pub left_neighbour: Option<String>,
+    /// Adjacent lane on the right.
+    pub right_neighbour: Option<String>,
+    /// Lanes that can be entered at the end.
+    pub successors: Vec<String>,
+    /// Lanes that lead here.
+    pub predecessors: Vec<String>,
+    /// Who the lane is for.
+    pub kind: LaneKind,
+    /// Inside a junction.
+    pub in_junction: bool,
+    /// Legal limit, m/s.
+    pub speed_limit_mps: Option<f64>,
+    /// Stated width, m; where there are edges, measure those.
+    pub width_m: Option<f64>,
+    /// Junction that the lane belongs to or ends at, where the source tells.
+    pub junction_id: Option<String>,
+    /// Turn that the lane makes across a junction, where the source tells.
+    pub turn: Option<TurnKind>,
+}
+
+/// Who a lane is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LaneKind {
+    /// General traffic.
+    #[default]
+    Vehicle,
+    /// Buses.
+    Bus,
+    /// Bicycles.
+    Bike,
+    /// Pedestrians.
+    Sidewalk,
+    /// Hard shoulder.
+    Shoulder,
+    /// Anything else the source names.
+    Other,
+}
+
+/// Direction of a movement across a junction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurnKind {
+    /// Straight on.
+    Straight,
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+    /// Back.
+    Uturn,
+}
+
+/// What is painted on a lane's edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LaneMark {
+    /// The source does not tell.
+    #[default]
+    Unknown,
+    /// Nothing.
+    None,
+    /// One dashed line.
+    Dashed,
+    /// One solid line.
+    Solid,
+    /// Two dashed lines.
+    DoubleDashed,
+    /// Two solid lines.
+    DoubleSolid,
+    /// Solid on the left, dashed on the right.
+    SolidDashed,
+    /// Dashed on the left, solid on the right.
+    DashedSolid,
+}
+
+/// A polygon, closed by its first point, in either winding.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Area {
+    /// Id within the map.
+    pub id: String,
+    /// Corners.
+    pub boundary: Vec<Point3>,
+}
+
+/// A stop line across a lane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StopLine {
+    /// Id within the map.
+    pub id: String,
+    /// The line.
+    pub line: Vec<Point3>,
+    /// Lanes that stop there.
+    pub lane_ids: Vec<String>,
+}
+
+/// A sign beside or over the road.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sign {
+    /// Id within the map.
+    pub id: String,
+    /// `stop`, `yield`, `speed_limit`, ...
+    pub kind: String,
+    /// Where it stands.
+    pub position: Point3,
+    /// Lanes that it concerns.
+    pub lane_ids: Vec<String>,
+    /// A number on it (a limit in m/s), where there is one.
+    pub value: Option<f64>,
+}
+
+/// A part of the road with a purpose: `speed_bump`, `toll`, `gate`, `tunnel`, `roundabout`, `construction`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facility {
+    /// Id within the map.
+    pub id: String,
+    /// What it is.
+    pub kind: String,
+    /// Its area, or its line when it has two points.
+    pub boundary: Vec<Point3>,
+}
+
+impl RoadMap {
+    /// The lane with this id.
+    pub fn lane(&self, id: &str) -> Option<&Lane> {
+        self.lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok().map(|i| &self.lanes[i])
+    }
+}

@@ -1,0 +1,299 @@
+//! Scene tables in memory: one drive as every format is brought to it. Positions are in a right-handed
+//! metric world frame (x east-ish, y left of x, z up), headings in radians counter-clockwise from x in
+//! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
+//! means that the log does not tell.
+
+use crate::{DriveId, FrameRange, Nanos, ObjectClass, RoadMap, TrackId};
+use serde::{Deserialize, Serialize};
+
+/// Frames in a clip: 20 s at 10 Hz (LABELING.md 4).
+pub const CLIP_FRAMES: usize = 200;
+/// Nominal frames a second of all scene tables.
+pub const FRAME_RATE_HZ: f64 = 10.0;
+
+/// One recorded drive.
+#[derive(Clone, Debug, Default)]
+pub struct Drive {
+    /// What is known about the drive as a whole.
+    pub meta: DriveMeta,
+    /// Frame times, strictly ascending, nominally 10 Hz. All tables index into this by frame.
+    pub times: Vec<Nanos>,
+    /// The recording vehicle. `None` when the log has no pose for it.
+    pub ego: Option<Ego>,
+    /// Everything else that was tracked, ordered by id. Never contains the ego.
+    pub tracks: Vec<Track>,
+    /// The road, when the log has a map.
+    pub map: Option<RoadMap>,
+    /// Traffic light states, ordered by lane, then time. `None` when the log has none.
+    pub lights: Option<Vec<LightState>>,
+    /// Weather, surface and the like. `None` when the log has none.
+    pub context: Option<Vec<ContextState>>,
+    /// Camera frames, ordered by camera, then time. `None` when the log has none.
+    pub media: Option<Vec<MediaFrame>>,
+}
+
+/// What is known about a drive as a whole.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DriveMeta {
+    /// Id, unique in the lake and safe as a folder name.
+    pub drive_id: DriveId,
+    /// Input format: `av2`, `sumo`, ...
+    pub format: String,
+    /// The vehicle or fleet that recorded it (DATA_FORMAT.md 3.1 `source`).
+    pub source: String,
+    /// City or road network.
+    pub place: Option<String>,
+    /// Identity of the map, when there is one.
+    pub map_ref: Option<String>,
+    /// Licence of the data, as an SPDX id where there is one.
+    pub licence: Option<String>,
+    /// Frame of reference of the poses.
+    pub frame_of_reference: FrameOfReference,
+    /// Hash of the input's content; equal input gives an equal hash.
+    pub content_hash: String,
+    /// Cameras and other sensors named by the log.
+    pub video: Vec<String>,
+    /// Non-camera sensors named by the log.
+    pub sensors: Vec<String>,
+    /// Whether vehicle bus signals were recorded.
+    pub can: bool,
+    /// What the log could have had but has not, in words.
+    pub missing: Vec<String>,
+}
+
+/// What positions in a drive refer to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrameOfReference {
+    /// Fixed to the ground.
+    #[default]
+    World,
+    /// The ego vehicle at each frame: the log has no ego pose. Positions relative to the ego are known
+    /// (ego reference point of the source), velocities over ground are not.
+    Ego,
+}
+
+/// The recording vehicle, one value a frame (`Drive::times`) in each vector.
+#[derive(Clone, Debug, Default)]
+pub struct Ego {
+    /// Box length, m.
+    pub length_m: f64,
+    /// Box width, m.
+    pub width_m: f64,
+    /// Box height, m.
+    pub height_m: f64,
+    /// From the source's reference point (rear axle, front bumper, ...) forward to the box centre, m; already applied to the poses.
+    pub reference_to_centre_m: f64,
+    /// Motion of the box centre.
+    pub motion: Motion,
+    /// Vehicle bus signals; empty vectors where the log has none.
+    pub bus: EgoBus,
+}
+
+/// Motion of a box centre in the world frame; all vectors have one length, NaN is unknown.
+#[derive(Clone, Debug, Default)]
+pub struct Motion {
+    /// m.
+    pub x: Vec<f64>,
+    /// m.
+    pub y: Vec<f64>,
+    /// m.
+    pub z: Vec<f64>,
+    /// rad, (-pi, pi].
+    pub heading: Vec<f64>,
+    /// m/s along world x.
+    pub vx: Vec<f64>,
+    /// m/s along world y.
+    pub vy: Vec<f64>,
+    /// m/s2 along the heading; negative is braking while driving forward.
+    pub accel: Vec<f64>,
+    /// rad/s, counter-clockwise.
+    pub yaw_rate: Vec<f64>,
+}
+
+impl Motion {
+    /// `n` rows, all unknown.
+    pub fn unknown(n: usize) -> Self {
+        let v = || vec![f64::NAN; n];
+        Self { x: v(), y: v(), z: v(), heading: v(), vx: v(), vy: v(), accel: v(), yaw_rate: v() }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// True when there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// Speed over ground in m/s, never negative; NaN when unknown.
+    pub fn speed(&self, row: usize) -> f64 {
+        self.vx[row].hypot(self.vy[row])
+    }
+
+    /// Velocity along the heading in m/s: negative when driving backwards.
+    pub fn forward_speed(&self, row: usize) -> f64 {
+        let (s, c) = self.heading[row].sin_cos();
+        self.vx[row] * c + self.vy[row] * s
+    }
+}
+
+/// Vehicle bus signals, one value a frame; an empty vector means that the log has none, NaN or `None` that this frame has none.
+#[derive(Clone, Debug, Default)]
+pub struct EgoBus {
+    /// Steering wheel angle, rad, left positive.
+    pub steering: Vec<f64>,
+    /// Brake pedal or brake light.
+    pub brake: Vec<Option<bool>>,
+    /// Throttle 0..1.
+    pub throttle: Vec<f64>,
+    /// `P`, `R`, `N`, `D`.
+    pub gear: Vec<Option<char>>,
+    /// Indicator.
+    pub turn_signal: Vec<Option<TurnSignal>>,
+    /// Automatic emergency braking active.
+    pub aeb: Vec<Option<bool>>,
+    /// Cruise control active.
+    pub cruise: Vec<Option<bool>>,
+    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`.
+    pub route_command: Vec<Option<String>>,
+}
+
+/// State of the indicators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurnSignal {
+    /// Both off.
+    Off,
+    /// Left on.
+    Left,
+    /// Right on.
+    Right,
+    /// Both on.
+    Hazard,
+}
+
+/// One tracked object: rows only for the frames in which it was observed.
+#[derive(Clone, Debug, Default)]
+pub struct Track {
+    /// Id within the drive.
+    pub id: TrackId,
+    /// Class on our scale.
+    pub class: ObjectClass,
+    /// Class in the source's words.
+    pub source_class: String,
+    /// Frame of each row, strictly ascending; may have gaps.
+    pub frames: Vec<u32>,
+    /// Motion of the box centre, one row a frame in `frames`.
+    pub motion: Motion,
+    /// Box length in m, a row each; NaN where the log has no sizes.
+    pub length_m: Vec<f64>,
+    /// Box width in m, a row each.
+    pub width_m: Vec<f64>,
+    /// Box height in m, a row each.
+    pub height_m: Vec<f64>,
+    /// Lidar points in the box or another count of visibility, NaN where unknown.
+    pub interior_points: Vec<f64>,
+    /// Indicators, where the source tells (simulators do); empty when it does not.
+    pub turn_signal: Vec<Option<TurnSignal>>,
+}
+
+
+impl Track {
+    /// First frame and one past the last.
+    pub fn span(&self) -> FrameRange {
+        match (self.frames.first(), self.frames.last()) {
+            (Some(&a), Some(&b)) => FrameRange::new(a as usize, b as usize + 1),
+            _ => FrameRange::default(),
+        }
+    }
+
+    /// Row of `frame`, if the object was observed then.
+    pub fn row_at(&self, frame: usize) -> Option<usize> {
+        let frame = u32::try_from(frame).ok()?;
+        self.frames.binary_search(&frame).ok()
+    }
+}
+
+/// State of one signal head as it concerns one lane or one movement over a junction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightState {
+    /// Lane that the light controls (its id in the map).
+    pub lane_id: String,
+    /// Lane behind the light, where the source tells movements apart.
+    pub to_lane_id: Option<String>,
+    /// When the state began or was observed.
+    pub time: Nanos,
+    /// The state.
+    pub colour: LightColour,
+}
+
+/// Colour of a traffic light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightColour {
+    /// Stop.
+    Red,
+    /// Clear the junction.
+    Yellow,
+    /// Green without conflicting traffic having right of way.
+    Green,
+    /// Green that must give way to others.
+    GreenYield,
+    /// Red and yellow: about to be green.
+    RedYellow,
+    /// Flashing yellow.
+    FlashingYellow,
+    /// Dark.
+    Off,
+    /// Seen but not readable.
+    Unknown,
+}
+
+/// A stated condition of the surroundings that holds from `time` until the next state of the same `kind`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContextState {
+    /// When it began.
+    pub time: Nanos,
+    /// `weather`, `surface`, `lighting`, `construction`, ...
+    pub kind: String,
+    /// Value in the words of `schema/signals.yaml`.
+    pub value: String,
+    /// Who says so.
+    pub source: String,
+}
+
+/// One camera frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediaFrame {
+    /// Camera name.
+    pub camera: String,
+    /// Exposure time.
+    pub time: Nanos,
+    /// Where the picture is, relative to the lake or as the log names it.
+    pub uri: String,
+    /// Frame number inside a video.
+    pub index: u32,
+}
+
+impl Drive {
+    /// Number of frames.
+    pub fn frame_count(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Frame ranges of the clips: [`CLIP_FRAMES`] each, the last one shorter.
+    pub fn clips(&self) -> Vec<FrameRange> {
+        (0..self.times.len())
+            .step_by(CLIP_FRAMES)
+            .map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(self.times.len())))
+            .collect()
+    }
+
+    /// The track with this id.
+    pub fn track(&self, id: &TrackId) -> Option<&Track> {
+        self.tracks.binary_search_by(|t| t.id.cmp(id)).ok().map(|i| &self.tracks[i])
+    }
+}

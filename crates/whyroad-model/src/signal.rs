@@ -1,0 +1,52 @@
+//! Signal tables: what is derived from one drive, by name. The catalogue of names is `schema/signals.yaml`.
+
+use crate::{Column, DriveId, FrameRange, Nanos, ObjectClass, TrackId};
+use std::collections::BTreeMap;
+
+/// All signals of one drive.
+///
+/// Names are as in the catalogue: `ego.speed`, `target.gap`, `map.distance_to_junction`. A signal is in
+/// exactly one of `frame_columns`, `target_columns` and `unavailable`.
+#[derive(Clone, Debug, Default)]
+pub struct SignalTable {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Frame times.
+    pub times: Vec<Nanos>,
+    /// Signals with one value a frame.
+    pub frame_columns: BTreeMap<String, Column>,
+    /// One entry a target, in the order of the rows.
+    pub targets: Vec<TargetSpan>,
+    /// Signals with one value a target and frame; all have the same number of rows.
+    pub target_columns: BTreeMap<String, Column>,
+    /// Signals that this log cannot support, with what it would need: `{"light.state": ["traffic lights"]}`.
+    pub unavailable: BTreeMap<String, Vec<String>>,
+}
+
+/// Where the rows of one target are: dense from its first to its last observed frame. In frames between
+/// in which it was not observed, every target signal is unknown except `target.observed` (false).
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetSpan {
+    /// Track id.
+    pub id: TrackId,
+    /// Class.
+    pub class: ObjectClass,
+    /// Row of the first frame in every target column.
+    pub first_row: usize,
+    /// Frames covered; row = `first_row + frame - frames.start`.
+    pub frames: FrameRange,
+}
+
+impl TargetSpan {
+    /// The row of `frame`, if it is covered.
+    pub fn row(&self, frame: usize) -> Option<usize> {
+        self.frames.contains(frame).then(|| self.first_row + frame - self.frames.start)
+    }
+}
+
+impl SignalTable {
+    /// The target with this id.
+    pub fn target(&self, id: &TrackId) -> Option<&TargetSpan> {
+        self.targets.iter().find(|t| &t.id == id)
+    }
+}

@@ -1,0 +1,9 @@
+//! One file a command: its arguments, and the calls that answer them.
+
+pub(crate) mod demo;
+pub(crate) mod ingest;
+pub(crate) mod inspect;
+pub(crate) mod mine;
+pub(crate) mod report;
+pub(crate) mod taxonomy;
+pub(crate) mod validate;

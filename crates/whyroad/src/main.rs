@@ -1,0 +1,65 @@
+//! The `whyroad` binary: arguments in, printing out; no domain logic. One file a command in `cmd/`.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
+
+mod cmd;
+mod output;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The open data engine for Chain-of-Causation driving data.
+#[derive(Parser)]
+#[command(name = "whyroad", version, propagate_version = true, max_term_width = 110)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options that every command understands.
+#[derive(clap::Args, Clone, Debug)]
+pub(crate) struct Global {
+    /// Read schema/ and scenarios/ from this folder instead of the built-in framework
+    #[arg(long, global = true, value_name = "DIR", env = "WHYROAD_FRAMEWORK")]
+    pub framework: Option<PathBuf>,
+    /// Language of messages
+    #[arg(long, global = true, value_name = "LANG", default_value = "en", env = "WHYROAD_LANG")]
+    pub lang: whyroad_model::Lang,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// List, show, lint, compare and document the taxonomy
+    Taxonomy(cmd::taxonomy::Args),
+    /// Check labels and other messages
+    Validate(cmd::validate::Args),
+    /// Bring recorded drives into a lake
+    Ingest(cmd::ingest::Args),
+    /// Show what a lake holds
+    Inspect(cmd::inspect::Args),
+    /// Find episodes
+    Mine(cmd::mine::Args),
+    /// Write the coverage report
+    Report(cmd::report::Args),
+    /// Run everything on sample drives and write a report
+    Demo(cmd::demo::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Taxonomy(a) => cmd::taxonomy::run(&cli.global, a),
+        Command::Validate(a) => cmd::validate::run(&cli.global, a),
+        Command::Ingest(a) => cmd::ingest::run(&cli.global, a),
+        Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
+        Command::Mine(a) => cmd::mine::run(&cli.global, a),
+        Command::Report(a) => cmd::report::run(&cli.global, a),
+        Command::Demo(a) => cmd::demo::run(&cli.global, a),
+    };
+    result.unwrap_or_else(|e| {
+        eprintln!("error: {e:#}");
+        output::FINDINGS
+    })
+}

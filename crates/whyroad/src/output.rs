@@ -1,0 +1,13 @@
+//! Exit codes shared by the commands: 0 fine, 1 findings or failure, 2 usage (clap's), 3 done but some input was lost.
+
+use std::process::ExitCode;
+
+/// All went well.
+pub(crate) const FINE: ExitCode = ExitCode::SUCCESS;
+/// There are findings, or the command could not do it at all.
+pub(crate) const FINDINGS: ExitCode = ExitCode::FAILURE;
+
+/// Done, but some input was lost.
+pub(crate) fn lost_input() -> ExitCode {
+    ExitCode::from(3)
+}
