@@ -1,1 +1,16 @@
-//! Placeholder, replaced in the next commit.
+//! The framework as data: text in, validated taxonomy, decisions, labelling specs and rule sources out.
+//!
+//! Nothing here reads a file or a clock: callers pass texts, or take the copy that is built in. Mining rules
+//! are carried, not interpreted. The label checker is in [`validate`].
+
+pub mod decisions;
+pub mod framework;
+pub mod spec;
+pub mod taxonomy;
+pub mod validate;
+
+pub use decisions::DecisionSets;
+pub use framework::{Framework, RuleSource};
+pub use spec::ResolvedSpec;
+pub use taxonomy::{L1, L2, L3, Resolution, Taxonomy};
+pub use validate::Lexicon;

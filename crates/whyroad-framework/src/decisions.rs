@@ -1,0 +1,61 @@
+//! Names and meanings of the driving decisions (`schema/driving_decisions.yaml`). The closed sets themselves
+//! are `whyroad_model::decision`; loading holds the two equal.
+
+use whyroad_model::Bilingual;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// The decisions of both channels, in the order of LABELING.md 2.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DecisionSets {
+    /// `major.minor.patch`.
+    pub version: String,
+    /// Along the path.
+    pub longitudinal: Vec<LongitudinalText>,
+    /// Across the path.
+    pub lateral: Vec<LateralText>,
+}
+
+/// One longitudinal decision in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LongitudinalText {
+    /// Which.
+    pub id: Longitudinal,
+    /// In words.
+    pub text: DecisionText,
+}
+
+/// One lateral decision in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LateralText {
+    /// Which.
+    pub id: Lateral,
+    /// In words.
+    pub text: DecisionText,
+    /// The directions it may have; empty when it must have none.
+    pub directions: Vec<LateralDirection>,
+}
+
+/// What is said of a decision.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DecisionText {
+    /// Short name.
+    pub name: Bilingual,
+    /// What it means.
+    pub meaning: Bilingual,
+    /// What it is not to be confused with.
+    pub not: Option<Bilingual>,
+    /// The row of AR1 table 1 that it maps to (LABELING.md 2), where there is one.
+    pub ar1: Option<String>,
+}
+
+impl DecisionSets {
+    /// Name and meaning of a longitudinal decision.
+    pub fn longitudinal(&self, id: Longitudinal) -> Option<&DecisionText> {
+        self.longitudinal.iter().find(|d| d.id == id).map(|d| &d.text)
+    }
+
+    /// Name and meaning of a lateral decision.
+    pub fn lateral(&self, id: Lateral) -> Option<&DecisionText> {
+        self.lateral.iter().find(|d| d.id == id).map(|d| &d.text)
+    }
+}

@@ -1,0 +1,94 @@
+//! Labelling specs after inheritance: what a labeller of one leaf has to do (LABELING.md 4, TAXONOMY.md last
+//! column). An L3 says what differs from its L2, an L2 what differs from its L1's default.
+
+use whyroad_model::decision::Lateral;
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Bilingual, ScenarioId};
+
+/// Everything about labelling one leaf.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ResolvedSpec {
+    /// Which leaf.
+    pub leaf: ScenarioId,
+    /// The decision moment or range.
+    pub keyframe: KeyframeSpec,
+    /// Only where a leaf has two (`cutout_reveal`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_keyframe: Option<KeyframeSpec>,
+    /// Start of `time_range`.
+    pub start: BoundSpec,
+    /// End of `time_range`.
+    pub end: BoundSpec,
+    /// Context kept outside `time_range`.
+    pub pack: PackSpec,
+    /// What the annotator must note besides the label, in file order.
+    pub records: Vec<RecordSpec>,
+    /// True when at least one critical component must say `uncertainty: high` (LABELING.md 3).
+    pub uncertainty_high: bool,
+    /// The lateral decision that the leaf prescribes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lateral: Option<Lateral>,
+}
+
+/// A keyframe: its kind, its rule in words and, where signals exist for it, as a moment of the rule language.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct KeyframeSpec {
+    /// One moment or a range.
+    #[serde(rename = "type")]
+    pub kind: KeyframeType,
+    /// In words.
+    pub rule: Bilingual,
+    /// In the rule language.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expr: Option<String>,
+    /// When the rule gives nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<MomentSpec>,
+}
+
+/// A start or an end.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct BoundSpec {
+    /// In words.
+    pub rule: Bilingual,
+    /// In the rule language.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expr: Option<String>,
+    /// When the rule gives nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<MomentSpec>,
+}
+
+/// A moment in words and, where signals exist for it, in the rule language.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MomentSpec {
+    /// In words.
+    pub rule: Bilingual,
+    /// In the rule language.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expr: Option<String>,
+}
+
+/// Context outside `time_range`.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct PackSpec {
+    /// Before the start, s.
+    pub before_s: f64,
+    /// After the end, s.
+    pub after_s: f64,
+    /// The context after the end stops here when this comes first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after_until: Option<MomentSpec>,
+}
+
+/// Something to note.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct RecordSpec {
+    /// Key in the label's `records`.
+    pub id: String,
+    /// Name for people.
+    pub name: Bilingual,
+    /// Unit of a measured value; absent for text.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+}

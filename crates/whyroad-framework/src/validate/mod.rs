@@ -1,0 +1,5 @@
+//! The label checker.
+
+mod lexicon;
+
+pub use lexicon::Lexicon;
