@@ -8,6 +8,7 @@ pub mod framework;
 pub mod spec;
 pub mod taxonomy;
 pub mod validate;
+mod yaml;
 
 pub use decisions::DecisionSets;
 pub use framework::{Framework, RuleSource};

@@ -1,0 +1,197 @@
+//! Reading a mapping field by field, going on after each mistake: what is missing, of the wrong kind, written
+//! twice or unknown is reported with its place, and the rest is read.
+
+use super::{Entry, Mark, Node, Value};
+use crate::taxonomy::did_you_mean;
+use whyroad_model::{Bilingual, Diagnostic, Place};
+
+/// The codes that one family of files (`taxonomy.*`, `spec.*`) uses for mistakes of form.
+#[derive(Debug)]
+pub(crate) struct Family {
+    pub syntax: &'static str,
+    pub missing: &'static str,
+    pub unknown: &'static str,
+    pub kind: &'static str,
+    pub duplicate: &'static str,
+    pub empty: &'static str,
+}
+
+/// Diagnostics of one file.
+pub(crate) struct Report<'t> {
+    pub file: &'t str,
+    pub family: &'static Family,
+    lines: Vec<&'t str>,
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl<'t> Report<'t> {
+    pub fn new(file: &'t str, text: &'t str, family: &'static Family) -> Self {
+        Self { file, family, lines: text.lines().collect(), diagnostics: Vec::new() }
+    }
+
+    /// Adds `d` at `mark`.
+    pub fn push(&mut self, d: Diagnostic, mark: Mark, pointer: &str) {
+        let place = Place {
+            file: Some(self.file.to_owned()),
+            line: Some(mark.line),
+            column: Some(mark.column),
+            pointer: Some(pointer.to_owned()),
+            snippet: self.lines.get(mark.line.saturating_sub(1)).map(|s| (*s).to_owned()),
+            span: mark.span,
+        };
+        self.diagnostics.push(d.at(place));
+    }
+
+    /// Adds an error about `node`.
+    pub fn error(&mut self, code: &'static str, node: &Node, zh: String, en: String) {
+        self.push(Diagnostic::error(code, Bilingual::new(zh, en)), node.mark, &node.pointer);
+    }
+
+    /// Parses `text`; a syntax error is reported and yields nothing.
+    pub fn parse(&mut self, text: &str) -> Option<Node> {
+        match super::parse(text) {
+            Ok(node) => Some(node),
+            Err(e) => {
+                let message =
+                    Bilingual::new(format!("不是合法的 YAML：{}", e.message.zh), format!("not valid YAML: {}", e.message.en));
+                self.push(Diagnostic::error(self.family.syntax, message), e.mark, "");
+                None
+            }
+        }
+    }
+
+    fn wrong_kind(&mut self, node: &Node, wanted: Bilingual) {
+        let found = node.value.kind();
+        self.error(
+            self.family.kind,
+            node,
+            format!("此处应为{}，实为{}", wanted.zh, found.zh),
+            format!("expected {}, found {}", wanted.en, found.en),
+        );
+    }
+
+    /// The text of a scalar.
+    pub fn text(&mut self, node: &Node) -> Option<String> {
+        match &node.value {
+            Value::Scalar { text, .. } if text.trim().is_empty() => {
+                self.error(self.family.empty, node, "文本为空".into(), "the text is empty".into());
+                None
+            }
+            Value::Scalar { text, .. } => Some(text.trim().to_owned()),
+            _ => {
+                self.wrong_kind(node, Bilingual::new("文本", "text"));
+                None
+            }
+        }
+    }
+
+    /// The items of a list.
+    pub fn items<'n>(&mut self, node: &'n Node) -> &'n [Node] {
+        match &node.value {
+            Value::List(items) => items,
+            _ => {
+                self.wrong_kind(node, Bilingual::new("列表", "a list"));
+                &[]
+            }
+        }
+    }
+
+    /// The entries of a mapping, keys unique: a key's second use is reported and left out.
+    pub fn entries<'n>(&mut self, node: &'n Node) -> Option<Vec<&'n Entry>> {
+        let Value::Map(entries) = &node.value else {
+            self.wrong_kind(node, Bilingual::new("映射", "a mapping"));
+            return None;
+        };
+        let mut out: Vec<&Entry> = Vec::with_capacity(entries.len());
+        for e in entries {
+            if let Some(first) = out.iter().find(|o| o.key == e.key) {
+                let (key, line) = (&e.key, first.mark.line);
+                let message = Bilingual::new(
+                    format!("键 '{key}' 重复，首次出现在第 {line} 行"),
+                    format!("key '{key}' is written twice, first on line {line}"),
+                );
+                self.push(Diagnostic::error(self.family.duplicate, message), e.mark, &e.node.pointer);
+            } else {
+                out.push(e);
+            }
+        }
+        Some(out)
+    }
+}
+
+/// A mapping that is being read. Every key that is asked for is a known one; [`Fields::close`] reports the others.
+pub(crate) struct Fields<'n> {
+    node: &'n Node,
+    entries: Vec<&'n Entry>,
+    asked: Vec<&'static str>,
+}
+
+impl<'n> Fields<'n> {
+    /// Starts reading `node`; reports it when it is no mapping.
+    pub fn open(node: &'n Node, report: &mut Report) -> Option<Self> {
+        Some(Self { node, entries: report.entries(node)?, asked: Vec::new() })
+    }
+
+    /// The key as it stands, null included.
+    pub fn entry(&mut self, key: &'static str) -> Option<&'n Entry> {
+        self.asked.push(key);
+        self.entries.iter().find(|e| e.key == key).copied()
+    }
+
+    /// The value of an optional key; null counts as absent.
+    pub fn get(&mut self, key: &'static str) -> Option<&'n Node> {
+        self.entry(key).map(|e| &e.node).filter(|n| !matches!(n.value, Value::Null))
+    }
+
+    /// The value of a required key.
+    pub fn need(&mut self, key: &'static str, report: &mut Report) -> Option<&'n Node> {
+        let found = self.get(key);
+        if found.is_none() {
+            report.error(
+                report.family.missing,
+                self.node,
+                format!("缺少必填字段 '{key}'"),
+                format!("required field '{key}' is missing"),
+            );
+        }
+        found
+    }
+
+    /// A required text.
+    pub fn text(&mut self, key: &'static str, report: &mut Report) -> Option<String> {
+        self.need(key, report).and_then(|n| report.text(n))
+    }
+
+    /// An optional text.
+    pub fn text_opt(&mut self, key: &'static str, report: &mut Report) -> Option<String> {
+        self.get(key).and_then(|n| report.text(n))
+    }
+
+    /// An optional list; absent is empty.
+    pub fn list(&mut self, key: &'static str, report: &mut Report) -> &'n [Node] {
+        self.get(key).map_or(&[], |n| report.items(n))
+    }
+
+    /// Reports the keys that nobody asked for.
+    pub fn close(self, report: &mut Report) {
+        for e in &self.entries {
+            if self.asked.contains(&e.key.as_str()) {
+                continue;
+            }
+            let key = &e.key;
+            let mut d = Diagnostic::error(
+                report.family.unknown,
+                Bilingual::new(format!("未知字段 '{key}'"), format!("unknown field '{key}'")),
+            );
+            let hint = match did_you_mean(key, self.asked.iter().copied()) {
+                Some(near) => Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
+                None => {
+                    let known = self.asked.join(", ");
+                    Bilingual::new(format!("可用字段：{known}"), format!("known fields: {known}"))
+                }
+            };
+            d = d.with_hint(hint);
+            report.push(d, e.mark, &e.node.pointer);
+        }
+    }
+}
