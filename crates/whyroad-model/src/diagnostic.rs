@@ -3,7 +3,7 @@
 
 mod render;
 
-pub use render::{render_json, render_sarif, render_text, summary};
+pub use render::{json_row, render_json, render_sarif, render_text, sarif_result, summary};
 
 use crate::{Bilingual, Lang};
 use serde::Serialize;
@@ -38,6 +38,9 @@ pub struct Place {
     /// The line's text, for the snippet.
     #[serde(skip)]
     pub snippet: Option<String>,
+    /// Characters of the line that were left out before the snippet; 0 when it starts with its line.
+    #[serde(skip)]
+    pub snippet_start: usize,
     /// Length in characters of the underlined part.
     #[serde(skip)]
     pub span: usize,

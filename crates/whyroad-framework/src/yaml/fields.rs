@@ -38,6 +38,7 @@ impl<'t> Report<'t> {
             pointer: Some(pointer.to_owned()),
             snippet: self.lines.get(mark.line.saturating_sub(1)).map(|s| (*s).to_owned()),
             span: mark.span,
+            ..Place::default()
         };
         self.diagnostics.push(d.at(place));
     }

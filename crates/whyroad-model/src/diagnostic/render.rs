@@ -43,10 +43,10 @@ pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
     if let (Some(snippet), Some(line), Some(column)) = (&p.snippet, p.line, p.column) {
         let number = line.to_string();
         let pad = " ".repeat(number.len());
-        let (shown, offset) = window(snippet, column, p.span);
+        let (shown, offset, width) = window(snippet, p.snippet_start, column, p.span.max(1));
         let _ = writeln!(out, " {pad} |");
         let _ = writeln!(out, " {number} | {shown}");
-        let _ = writeln!(out, " {pad} | {}{}", " ".repeat(offset), "^".repeat(p.span.max(1)));
+        let _ = writeln!(out, " {pad} | {}{}", " ".repeat(offset), "^".repeat(width));
     }
     if let Some(hint) = &d.hint {
         let word = if lang == Lang::Zh { "建议" } else { "hint" };
@@ -55,47 +55,55 @@ pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
     out
 }
 
-/// At most some 100 characters of a long line around `column`, and the display offset of the column in it.
-fn window(line: &str, column: usize, span: usize) -> (String, usize) {
+/// Terminal cells of a character: Chinese ones take two.
+fn cells(c: char) -> usize {
+    if (c as u32) >= 0x1100 { 2 } else { 1 }
+}
+
+/// At most some 100 characters of a long line around `column`, the display offset of the column in it, and
+/// the display width of the `span` characters there. `left_out` characters of the line are not in `line`.
+fn window(line: &str, left_out: usize, column: usize, span: usize) -> (String, usize, usize) {
     const WIDTH: usize = 100;
     let chars: Vec<char> = line.chars().collect();
-    let at = (column.saturating_sub(1)).min(chars.len());
+    let at = column.saturating_sub(1).saturating_sub(left_out).min(chars.len());
     let start = if chars.len() <= WIDTH || at + span < WIDTH { 0 } else { at.saturating_sub(WIDTH / 3) };
     let end = (start + WIDTH).min(chars.len());
     let mut shown = String::new();
-    if start > 0 {
+    if start + left_out > 0 {
         shown.push('…');
     }
-    let mut offset = usize::from(start > 0);
+    let mut offset = usize::from(start + left_out > 0);
+    let mut width = 0;
     for (i, &c) in chars[start..end].iter().enumerate() {
         let c = if c == '\t' { ' ' } else { c };
         if start + i < at {
-            // Chinese characters take two cells in a terminal.
-            offset += if (c as u32) >= 0x1100 { 2 } else { 1 };
+            offset += cells(c);
+        } else if start + i < at + span {
+            width += cells(c);
         }
         shown.push(c);
     }
     if end < chars.len() {
         shown.push('…');
     }
-    (shown, offset)
+    (shown, offset, width.max(1))
+}
+
+/// One finding as JSON: the message in `lang` under `message`, both languages under `messages`.
+pub fn json_row(d: &Diagnostic, lang: Lang) -> serde_json::Value {
+    json!({
+        "code": d.code,
+        "severity": d.severity,
+        "message": d.message(lang),
+        "messages": d.message,
+        "place": d.place,
+        "hint": d.hint.as_ref().map(|h| h.get(lang)),
+    })
 }
 
 /// `{"diagnostics": [...], "errors": n, "warnings": n}`; messages in `lang` under `message`, both under `messages`.
 pub fn render_json(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
-    let rows: Vec<_> = all
-        .iter()
-        .map(|d| {
-            json!({
-                "code": d.code,
-                "severity": d.severity,
-                "message": d.message(lang),
-                "messages": d.message,
-                "place": d.place,
-                "hint": d.hint.as_ref().map(|h| h.get(lang)),
-            })
-        })
-        .collect();
+    let rows: Vec<_> = all.iter().map(|d| json_row(d, lang)).collect();
     let count = |s: Severity| all.iter().filter(|d| d.severity == s).count();
     json!({ "diagnostics": rows, "errors": count(Severity::Error), "warnings": count(Severity::Warning) })
 }
@@ -105,35 +113,7 @@ pub fn render_sarif(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
     let mut codes: Vec<&str> = all.iter().map(|d| d.code).collect();
     codes.sort_unstable();
     codes.dedup();
-    let results: Vec<_> = all
-        .iter()
-        .map(|d| {
-            let mut text = d.message(lang).to_owned();
-            if let Some(h) = &d.hint {
-                let _ = write!(text, " ({})", h.get(lang));
-            }
-            let mut location = json!({});
-            if let Some(file) = &d.place.file {
-                location["physicalLocation"] = json!({ "artifactLocation": { "uri": file } });
-                if let Some(line) = d.place.line {
-                    let mut region = json!({ "startLine": line });
-                    if let Some(column) = d.place.column {
-                        region["startColumn"] = json!(column);
-                    }
-                    location["physicalLocation"]["region"] = region;
-                }
-            }
-            if let Some(pointer) = &d.place.pointer {
-                location["logicalLocations"] = json!([{ "fullyQualifiedName": pointer }]);
-            }
-            json!({
-                "ruleId": d.code,
-                "level": match d.severity { Severity::Error => "error", Severity::Warning => "warning", Severity::Note => "note" },
-                "message": { "text": text },
-                "locations": [location],
-            })
-        })
-        .collect();
+    let results: Vec<_> = all.iter().map(|d| sarif_result(d, lang)).collect();
     json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -146,6 +126,34 @@ pub fn render_sarif(all: &[Diagnostic], lang: Lang) -> serde_json::Value {
             "columnKind": "unicodeCodePoints",
             "results": results,
         }],
+    })
+}
+
+/// One finding as a SARIF `result`.
+pub fn sarif_result(d: &Diagnostic, lang: Lang) -> serde_json::Value {
+    let mut text = d.message(lang).to_owned();
+    if let Some(h) = &d.hint {
+        let _ = write!(text, " ({})", h.get(lang));
+    }
+    let mut location = json!({});
+    if let Some(file) = &d.place.file {
+        location["physicalLocation"] = json!({ "artifactLocation": { "uri": file } });
+        if let Some(line) = d.place.line {
+            let mut region = json!({ "startLine": line });
+            if let Some(column) = d.place.column {
+                region["startColumn"] = json!(column);
+            }
+            location["physicalLocation"]["region"] = region;
+        }
+    }
+    if let Some(pointer) = &d.place.pointer {
+        location["logicalLocations"] = json!([{ "fullyQualifiedName": pointer }]);
+    }
+    json!({
+        "ruleId": d.code,
+        "level": match d.severity { Severity::Error => "error", Severity::Warning => "warning", Severity::Note => "note" },
+        "message": { "text": text },
+        "locations": [location],
     })
 }
 
