@@ -1,1 +1,23 @@
-//! Placeholder, replaced in the next commit.
+//! The lake: scene tables on disk. One folder a drive, one Parquet file a table, plain enough for DuckDB or
+//! pandas (`docs/lake.md` lists tables, columns and units). This crate knows how drives are *stored*; it
+//! knows no input format and derives nothing.
+//!
+//! What holds for every drive in a lake: the folder appears whole or not at all (written aside, then renamed);
+//! rows are ordered by clip, then target, then frame, one row group holds the whole drive, and both are
+//! recorded in the file and checked on read; unknown is null on disk and NaN or `None` in memory.
+
+mod clips;
+mod columns;
+mod error;
+mod file;
+mod lake;
+mod manifest;
+mod tables;
+mod validity;
+
+pub use clips::clip_metadata;
+pub use error::{CODES, LakeError};
+pub use lake::{Lake, WriteOutcome};
+
+/// Version of the lake's layout. Raised when a reader of the old one would misread the new one.
+pub const LAKE_VERSION: u32 = 1;

@@ -1,0 +1,41 @@
+//! Clip metadata (DATA_FORMAT.md 3.1) of a drive's clips. Pure: all of it follows from the drive.
+
+use whyroad_model::messages::clip::{ClipMetadata, DataSources};
+use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::{ClipId, Drive};
+
+/// One entry a clip, in the order of time, without pre-labels (those are mining's).
+///
+/// A clip's length reaches from its first frame to one nominal frame period after its last, so 200 frames
+/// at exactly 10 Hz are 20.0 s and the last frame's time lies inside. Rounded to 1 ms.
+pub fn clip_metadata(drive: &Drive) -> Vec<ClipMetadata> {
+    let meta = &drive.meta;
+    drive
+        .clips()
+        .into_iter()
+        .enumerate()
+        .map(|(index, frames)| {
+            let (first, last) = (drive.times[frames.start], drive.times[frames.end - 1]);
+            let duration_s = last.seconds_since(first) + 1.0 / FRAME_RATE_HZ;
+            ClipMetadata {
+                clip_id: ClipId::of(&meta.drive_id, index).0,
+                source: meta.source.clone(),
+                capture_time: first,
+                duration_sec: (duration_s * 1e3).round() / 1e3,
+                frame_rate: FRAME_RATE_HZ,
+                total_frames: u32::try_from(frames.len()).unwrap_or(u32::MAX),
+                data_sources: DataSources {
+                    video: meta.video.clone(),
+                    sensor: meta.sensors.clone(),
+                    can: meta.can,
+                    map: drive.map.is_some(),
+                },
+                pre_labels: None,
+                drive_id: Some(meta.drive_id.0.clone()),
+                place: meta.place.clone(),
+                map_ref: meta.map_ref.clone(),
+                licence: meta.licence.clone(),
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,216 @@
+//! Columns in memory to Arrow arrays and back, with the one convention of the lake: unknown is null on disk,
+//! NaN or `None` in memory.
+
+use arrow_array::builder::{Float64Builder, ListBuilder, StringBuilder, StructBuilder};
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type, UInt32Type};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt32Array,
+};
+use arrow_schema::{ArrowError, DataType, Field, Fields, Schema};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::PathBuf;
+use std::sync::Arc;
+use whyroad_model::road_map::Point3;
+
+use crate::LakeError;
+
+/// A table on its way to disk: named columns of one length.
+#[derive(Default)]
+pub(crate) struct TableBuilder {
+    fields: Vec<Field>,
+    arrays: Vec<ArrayRef>,
+}
+
+impl TableBuilder {
+    fn push(mut self, name: &str, nullable: bool, array: ArrayRef) -> Self {
+        self.fields.push(Field::new(name, array.data_type().clone(), nullable));
+        self.arrays.push(array);
+        self
+    }
+
+    /// Numbers; NaN becomes null.
+    pub fn numbers(self, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        let array: Float64Array = values.into_iter().map(|v| (!v.is_nan()).then_some(v)).collect();
+        self.push(name, true, Arc::new(array))
+    }
+    /// Integers that are always known: times.
+    pub fn integers(self, name: &str, values: impl IntoIterator<Item = i64>) -> Self {
+        self.push(name, false, Arc::new(Int64Array::from_iter_values(values)))
+    }
+    /// Counts and indices that are always known.
+    pub fn indices(self, name: &str, values: impl IntoIterator<Item = u32>) -> Self {
+        self.push(name, false, Arc::new(UInt32Array::from_iter_values(values)))
+    }
+    /// Texts that are always known.
+    pub fn texts<S: AsRef<str>>(self, name: &str, values: impl IntoIterator<Item = S>) -> Self {
+        self.push(name, false, Arc::new(StringArray::from_iter_values(values)))
+    }
+    /// Texts that may be unknown.
+    pub fn texts_or_null<S: AsRef<str>>(
+        self,
+        name: &str,
+        values: impl IntoIterator<Item = Option<S>>,
+    ) -> Self {
+        let array: StringArray = values.into_iter().collect();
+        self.push(name, true, Arc::new(array))
+    }
+    /// Truth values that may be unknown.
+    pub fn flags(self, name: &str, values: impl IntoIterator<Item = Option<bool>>) -> Self {
+        let array: BooleanArray = values.into_iter().collect();
+        self.push(name, true, Arc::new(array))
+    }
+    /// Lists of texts.
+    pub fn text_lists<'a>(self, name: &str, rows: impl IntoIterator<Item = &'a [String]>) -> Self {
+        let mut b = ListBuilder::new(StringBuilder::new());
+        for row in rows {
+            for text in row {
+                b.values().append_value(text);
+            }
+            b.append(true);
+        }
+        self.push(name, false, Arc::new(b.finish()))
+    }
+    /// Lines and polygons: lists of `{x, y, z}`.
+    pub fn points<'a>(self, name: &str, rows: impl IntoIterator<Item = &'a [Point3]>) -> Self {
+        let fields: Vec<Field> = ["x", "y", "z"].map(|n| Field::new(n, DataType::Float64, true)).into();
+        let mut b = ListBuilder::new(StructBuilder::from_fields(fields, 0));
+        for row in rows {
+            for p in row {
+                for (i, v) in [p.x, p.y, p.z].into_iter().enumerate() {
+                    if let Some(c) = b.values().field_builder::<Float64Builder>(i) {
+                        c.append_option((!v.is_nan()).then_some(v));
+                    }
+                }
+                b.values().append(true);
+            }
+            b.append(true);
+        }
+        self.push(name, false, Arc::new(b.finish()))
+    }
+    /// A group of columns under one name.
+    pub fn group(self, name: &str, inner: TableBuilder) -> Self {
+        let array = arrow_array::StructArray::new(Fields::from(inner.fields), inner.arrays, None);
+        self.push(name, false, Arc::new(array))
+    }
+    /// All columns; fails when their lengths differ.
+    pub fn finish(self) -> Result<RecordBatch, ArrowError> {
+        RecordBatch::try_new(Arc::new(Schema::new(self.fields)), self.arrays)
+    }
+}
+
+/// A table read from disk. Every getter fails with the file's name when the column is not there or not of its type.
+pub(crate) struct Table {
+    pub path: PathBuf,
+    pub batch: RecordBatch,
+}
+
+impl Table {
+    pub fn rows(&self) -> usize {
+        self.batch.num_rows()
+    }
+
+    fn column(&self, name: &str) -> Result<&ArrayRef, LakeError> {
+        self.batch
+            .column_by_name(name)
+            .ok_or_else(|| LakeError::broken(&self.path, format!("column '{name}' is missing")))
+    }
+
+    fn wrong_type(&self, name: &str) -> LakeError {
+        LakeError::broken(&self.path, format!("column '{name}' is not of the expected type"))
+    }
+
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, LakeError> {
+        let a = self.column(name)?.as_primitive_opt::<Float64Type>().ok_or_else(|| self.wrong_type(name))?;
+        Ok(or_nan(a))
+    }
+    pub fn integers(&self, name: &str) -> Result<Vec<i64>, LakeError> {
+        let a = self.column(name)?.as_primitive_opt::<Int64Type>().ok_or_else(|| self.wrong_type(name))?;
+        self.no_null(name, a)?;
+        Ok(a.values().to_vec())
+    }
+    pub fn indices(&self, name: &str) -> Result<Vec<u32>, LakeError> {
+        let a = self.column(name)?.as_primitive_opt::<UInt32Type>().ok_or_else(|| self.wrong_type(name))?;
+        self.no_null(name, a)?;
+        Ok(a.values().to_vec())
+    }
+    /// Texts that must all be known.
+    pub fn texts(&self, name: &str) -> Result<&StringArray, LakeError> {
+        let a = self.texts_or_null(name)?;
+        self.no_null(name, a)?;
+        Ok(a)
+    }
+    pub fn texts_or_null(&self, name: &str) -> Result<&StringArray, LakeError> {
+        self.column(name)?.as_string_opt::<i32>().ok_or_else(|| self.wrong_type(name))
+    }
+    pub fn flags(&self, name: &str) -> Result<Vec<Option<bool>>, LakeError> {
+        let a = self.column(name)?.as_boolean_opt().ok_or_else(|| self.wrong_type(name))?;
+        Ok(a.iter().collect())
+    }
+    pub fn text_lists(&self, name: &str) -> Result<Vec<Vec<String>>, LakeError> {
+        let a = self.column(name)?.as_list_opt::<i32>().ok_or_else(|| self.wrong_type(name))?;
+        (0..a.len())
+            .map(|i| {
+                let row = a.value(i);
+                let texts = row.as_string_opt::<i32>().ok_or_else(|| self.wrong_type(name))?;
+                Ok(texts.iter().map(|t| t.unwrap_or_default().to_owned()).collect())
+            })
+            .collect()
+    }
+    pub fn points(&self, name: &str) -> Result<Vec<Vec<Point3>>, LakeError> {
+        let a = self.column(name)?.as_list_opt::<i32>().ok_or_else(|| self.wrong_type(name))?;
+        (0..a.len())
+            .map(|i| {
+                let row = a.value(i);
+                let s = row.as_struct_opt().ok_or_else(|| self.wrong_type(name))?;
+                let axis = |n: &str| {
+                    s.column_by_name(n)
+                        .and_then(|c| c.as_primitive_opt::<Float64Type>())
+                        .map(or_nan)
+                        .ok_or_else(|| self.wrong_type(name))
+                };
+                let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
+                Ok((0..s.len()).map(|k| Point3 { x: x[k], y: y[k], z: z[k] }).collect())
+            })
+            .collect()
+    }
+    /// Texts of a closed set; fails on a text that is not in it.
+    pub fn members<T: DeserializeOwned>(&self, name: &str) -> Result<Vec<Option<T>>, LakeError> {
+        let column = self.texts_or_null(name)?;
+        column.iter().map(|t| t.map(|t| self.member(name, t)).transpose()).collect()
+    }
+    /// One text of a closed set.
+    pub fn member<T: DeserializeOwned>(&self, name: &str, text: &str) -> Result<T, LakeError> {
+        serde_json::from_value(serde_json::Value::String(text.to_owned()))
+            .map_err(|_| LakeError::broken(&self.path, format!("'{text}' is not a value of column '{name}'")))
+    }
+
+    fn no_null(&self, name: &str, a: &dyn Array) -> Result<(), LakeError> {
+        if a.null_count() == 0 {
+            return Ok(());
+        }
+        Err(LakeError::broken(&self.path, format!("column '{name}' has nulls")))
+    }
+}
+
+fn or_nan(a: &Float64Array) -> Vec<f64> {
+    if a.null_count() == 0 {
+        return a.values().to_vec();
+    }
+    a.iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+}
+
+/// The name of a unit variant as serde writes it: the one spelling of closed sets in all of Whyroad's files.
+pub(crate) fn member_name<T: Serialize>(value: &T) -> String {
+    match serde_json::to_value(value) {
+        Ok(serde_json::Value::String(s)) => s,
+        // Only unit variants of plain enums are passed here; they always become a string.
+        _ => String::new(),
+    }
+}
+
+/// An all-unknown column in memory is an empty vector ("the log has none").
+pub(crate) fn empty_if_unknown<T>(values: Vec<T>, is_known: impl Fn(&T) -> bool) -> Vec<T> {
+    if values.iter().any(is_known) { values } else { Vec::new() }
+}

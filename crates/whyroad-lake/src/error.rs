@@ -1,0 +1,138 @@
+//! What can go wrong with a lake, and how each is told to a person.
+
+use std::path::{Path, PathBuf};
+use whyroad_model::{Bilingual, Diagnostic, DriveId};
+
+/// Codes of the diagnostics that [`LakeError::diagnostic`] gives; each has a page in `docs/diagnostics/`.
+pub const CODES: &[&str] = &[
+    "lake.not_a_lake",
+    "lake.version",
+    "lake.drive_missing",
+    "lake.drive_invalid",
+    "lake.table_broken",
+    "lake.row_order",
+    "lake.io",
+];
+
+/// A lake operation that could not be done at all.
+#[derive(Debug, thiserror::Error)]
+pub enum LakeError {
+    /// The folder has no `whyroad-lake.json`.
+    #[error("{} is not a lake: it has no whyroad-lake.json", .0.display())]
+    NotALake(PathBuf),
+    /// The lake or a drive was written in a layout that this build does not read.
+    #[error("{} has lake version {found}; this build reads {}", .path.display(), crate::LAKE_VERSION)]
+    Version {
+        /// File that states the version.
+        path: PathBuf,
+        /// Version found.
+        found: u32,
+    },
+    /// No such drive.
+    #[error("there is no drive '{0}' in the lake")]
+    DriveMissing(DriveId),
+    /// The drive breaks a promise of the scene tables and was not written.
+    #[error("drive '{drive}' is not valid: {reason}")]
+    DriveInvalid {
+        /// The drive.
+        drive: DriveId,
+        /// The promise that it breaks.
+        reason: String,
+    },
+    /// A table cannot be read: damaged, truncated, a column missing or of another type, a value that is none.
+    #[error("{}: {reason}", .path.display())]
+    TableBroken {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Rows are not in the order that the file promises.
+    #[error("{}: row {row} is out of order (clip, target, frame)", .path.display())]
+    RowOrder {
+        /// The file.
+        path: PathBuf,
+        /// First row out of order, from 0.
+        row: usize,
+    },
+    /// The file system refused.
+    #[error("{}: {source}", .path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Its reason.
+        source: std::io::Error,
+    },
+}
+
+impl LakeError {
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> LakeError + '_ {
+        |source| LakeError::Io { path: path.to_owned(), source }
+    }
+
+    pub(crate) fn broken(path: &Path, reason: impl std::fmt::Display) -> LakeError {
+        LakeError::TableBroken { path: path.to_owned(), reason: reason.to_string() }
+    }
+
+    /// Stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            LakeError::NotALake(_) => "lake.not_a_lake",
+            LakeError::Version { .. } => "lake.version",
+            LakeError::DriveMissing(_) => "lake.drive_missing",
+            LakeError::DriveInvalid { .. } => "lake.drive_invalid",
+            LakeError::TableBroken { .. } => "lake.table_broken",
+            LakeError::RowOrder { .. } => "lake.row_order",
+            LakeError::Io { .. } => "lake.io",
+        }
+    }
+
+    /// The same for people, with a remedy.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let zh = match self {
+            LakeError::NotALake(p) => format!("{} 不是数据湖：缺少 whyroad-lake.json", p.display()),
+            LakeError::Version { found, .. } => {
+                format!("数据湖版本为 {found}，本程序只能读取版本 {}", crate::LAKE_VERSION)
+            }
+            LakeError::DriveMissing(d) => format!("数据湖中没有行程“{d}”"),
+            LakeError::DriveInvalid { drive, reason } => format!("行程“{drive}”不合法：{reason}"),
+            LakeError::TableBroken { reason, .. } => format!("数据表无法读取：{reason}"),
+            LakeError::RowOrder { row, .. } => format!("第 {row} 行的顺序不对（应按片段、目标、帧排序）"),
+            LakeError::Io { source, .. } => format!("文件系统出错：{source}"),
+        };
+        let hint = match self {
+            LakeError::NotALake(_) => Bilingual::new(
+                "先用 `whyroad ingest FORMAT PATH --lake DIR` 建立数据湖",
+                "make one with `whyroad ingest FORMAT PATH --lake DIR`",
+            ),
+            LakeError::Version { .. } => Bilingual::new(
+                "请升级 whyroad，或重新导入原始数据",
+                "use the whyroad that wrote it, or ingest the source data again into a new lake",
+            ),
+            LakeError::DriveMissing(_) => Bilingual::new(
+                "用 `whyroad inspect --lake DIR` 查看已有行程",
+                "`whyroad inspect --lake DIR` lists the drives",
+            ),
+            LakeError::DriveInvalid { .. } => Bilingual::new(
+                "这是导入适配器的缺陷，请附上报告反馈",
+                "an adapter must not produce this; please report it with the message",
+            ),
+            LakeError::TableBroken { .. } | LakeError::RowOrder { .. } => Bilingual::new(
+                "删除该行程的文件夹后重新导入",
+                "delete the drive's folder and ingest its source again",
+            ),
+            LakeError::Io { .. } => {
+                Bilingual::new("检查路径、权限与磁盘空间", "check the path, permissions and free space")
+            }
+        };
+        let d = Diagnostic::error(self.code(), Bilingual::new(zh, self.to_string())).with_hint(hint);
+        match self {
+            LakeError::NotALake(p) => d.in_file(p.display().to_string()),
+            LakeError::Version { path, .. }
+            | LakeError::TableBroken { path, .. }
+            | LakeError::RowOrder { path, .. }
+            | LakeError::Io { path, .. } => d.in_file(path.display().to_string()),
+            LakeError::DriveMissing(_) | LakeError::DriveInvalid { .. } => d,
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! A lake folder: which drives it holds, reading one, writing one so that it is there whole or not at all.
+
+use crate::manifest::{DriveManifest, LakeMarker};
+use crate::tables::{clips, ego, frames, road_map, states, tracks};
+use crate::{LAKE_VERSION, LakeError, clip_metadata, file, validity};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use whyroad_model::messages::clip::ClipMetadata;
+use whyroad_model::{Drive, DriveId, Nanos};
+
+const MARKER: &str = "whyroad-lake.json";
+const MANIFEST: &str = "drive.json";
+
+/// An opened lake.
+#[derive(Clone, Debug)]
+pub struct Lake {
+    dir: PathBuf,
+}
+
+/// What [`Lake::write_drive`] did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WriteOutcome {
+    /// The drive is new.
+    Written,
+    /// A drive of the same id and content hash is there already; nothing was touched.
+    Unchanged,
+    /// A drive of the same id but other content was replaced.
+    Replaced,
+}
+
+impl Lake {
+    /// Opens an existing lake.
+    pub fn open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
+        let dir = dir.as_ref().to_owned();
+        let path = dir.join(MARKER);
+        let text = match fs::read_to_string(&path) {
+            Ok(t) => t,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(LakeError::NotALake(dir)),
+            Err(e) => return Err(LakeError::io(&path)(e)),
+        };
+        let marker: LakeMarker = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
+        if marker.version != LAKE_VERSION {
+            return Err(LakeError::Version { path, found: marker.version });
+        }
+        Ok(Self { dir })
+    }
+
+    /// Opens the lake, making an empty one where there is none. Refuses a folder that holds something else.
+    pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
+        let dir = dir.as_ref();
+        match Self::open(dir) {
+            Err(LakeError::NotALake(_)) => {}
+            other => return other,
+        }
+        fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?;
+        let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
+        write_json(&dir.join(MARKER), &marker)?;
+        Ok(Self { dir: dir.to_owned() })
+    }
+
+    /// The lake's folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    fn drive_dir(&self, id: &DriveId) -> PathBuf {
+        self.dir.join("drives").join(id.as_str())
+    }
+
+    /// Ids of all drives, sorted.
+    pub fn drive_ids(&self) -> Vec<DriveId> {
+        let Ok(entries) = fs::read_dir(self.dir.join("drives")) else { return Vec::new() };
+        let mut ids: Vec<DriveId> = entries
+            .flatten()
+            // A name with a leading dot is a drive being written.
+            .filter(|e| {
+                !e.file_name().to_string_lossy().starts_with('.') && e.path().join(MANIFEST).is_file()
+            })
+            .map(|e| DriveId(e.file_name().to_string_lossy().into_owned()))
+            .collect();
+        ids.sort();
+        ids
+    }
+
+    fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
+        // An id that is no folder name cannot be in the lake, and must not be joined to a path.
+        if !validity::is_folder_safe(id.as_str()) {
+            return Err(LakeError::DriveMissing(id.clone()));
+        }
+        let path = self.drive_dir(id).join(MANIFEST);
+        let text = match fs::read_to_string(&path) {
+            Ok(t) => t,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                return Err(LakeError::DriveMissing(id.clone()));
+            }
+            Err(e) => return Err(LakeError::io(&path)(e)),
+        };
+        let manifest: DriveManifest = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
+        if manifest.lake_version != LAKE_VERSION {
+            return Err(LakeError::Version { path, found: manifest.lake_version });
+        }
+        Ok(manifest)
+    }
+
+    /// Reads one drive whole.
+    pub fn read_drive(&self, id: &DriveId) -> Result<Drive, LakeError> {
+        let manifest = self.manifest(id)?;
+        let dir = self.drive_dir(id);
+        let table = |name: &str, order: &str| -> Result<Option<_>, LakeError> {
+            let path = dir.join(format!("{name}.parquet"));
+            let Some(&rows) = manifest.tables.get(name) else { return Ok(None) };
+            let Some(t) = file::read_table(&path, order)? else {
+                return Err(LakeError::broken(
+                    &path,
+                    "the file is missing, although drive.json names the table",
+                ));
+            };
+            if t.rows() != rows {
+                return Err(LakeError::broken(&path, format!("{} rows, drive.json states {rows}", t.rows())));
+            }
+            Ok(Some(t))
+        };
+        let needed =
+            |name: &str| LakeError::broken(&dir.join(MANIFEST), format!("table '{name}' is not named"));
+
+        let times =
+            frames::from_table(&table("frames", frames::ROW_ORDER)?.ok_or_else(|| needed("frames"))?)?;
+        let n = times.len();
+        let tracks =
+            tracks::from_table(&table("tracks", tracks::ROW_ORDER)?.ok_or_else(|| needed("tracks"))?, n)?;
+        Ok(Drive {
+            meta: manifest.meta.clone(),
+            times,
+            ego: table("ego", ego::ROW_ORDER)?.map(|t| ego::from_table(&t, n)).transpose()?,
+            tracks,
+            map: table("map", road_map::ROW_ORDER)?.map(|t| road_map::from_table(&t)).transpose()?,
+            lights: table("lights", states::LIGHTS_ORDER)?
+                .map(|t| states::lights_from_table(&t))
+                .transpose()?,
+            context: table("context", states::CONTEXT_ORDER)?
+                .map(|t| states::context_from_table(&t))
+                .transpose()?,
+            media: table("media", states::MEDIA_ORDER)?.map(|t| states::media_from_table(&t)).transpose()?,
+        })
+    }
+
+    /// Id, start and number of frames of a drive's clips, without reading the drive.
+    pub fn clip_summaries(&self, id: &DriveId) -> Result<Vec<(String, Nanos, u32)>, LakeError> {
+        self.manifest(id)?;
+        let path = self.drive_dir(id).join("clips.parquet");
+        let table = file::read_table(&path, clips::ROW_ORDER)?
+            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
+        clips::summaries(&table)
+    }
+
+    /// Clip metadata of a drive.
+    pub fn clips(&self, drive: &Drive) -> Vec<ClipMetadata> {
+        clip_metadata(drive)
+    }
+
+    /// Writes one drive. A drive of the same id is replaced, unless its content hash is equal. Readers see the
+    /// old folder or the new one, never a part: the tables are written aside and the folder is then renamed.
+    pub fn write_drive(&self, drive: &Drive) -> Result<WriteOutcome, LakeError> {
+        let id = &drive.meta.drive_id;
+        if let Some(reason) = validity::broken_promise(drive) {
+            return Err(LakeError::DriveInvalid { drive: id.clone(), reason });
+        }
+        let target = self.drive_dir(id);
+        match self.manifest(id) {
+            Ok(m) if m.meta.content_hash == drive.meta.content_hash && !m.meta.content_hash.is_empty() => {
+                return Ok(WriteOutcome::Unchanged);
+            }
+            // A drive that is broken or of another version is replaced like any other.
+            _ => {}
+        }
+        let aside = |what: &str| self.dir.join("drives").join(format!(".{what}-{}-{id}", std::process::id()));
+        let (fresh, old) = (aside("new"), aside("old"));
+        for leftover in [&fresh, &old] {
+            remove_dir(leftover)?;
+        }
+        fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
+        write_tables(&fresh, drive).inspect_err(|_| {
+            // The error that made it fail is the one to report.
+            let _ = fs::remove_dir_all(&fresh);
+        })?;
+        let replaced = target.exists();
+        if replaced {
+            fs::rename(&target, &old).map_err(LakeError::io(&target))?;
+        }
+        fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+        remove_dir(&old)?;
+        Ok(if replaced { WriteOutcome::Replaced } else { WriteOutcome::Written })
+    }
+}
+
+fn write_tables(dir: &Path, drive: &Drive) -> Result<(), LakeError> {
+    let mut tables = BTreeMap::new();
+    let mut write = |name: &str, table, order: &str| -> Result<(), LakeError> {
+        let rows = file::write_table(&dir.join(format!("{name}.parquet")), table, order)?;
+        tables.insert(name.to_owned(), rows);
+        Ok(())
+    };
+    write("clips", clips::to_table(&clip_metadata(drive)), clips::ROW_ORDER)?;
+    write("frames", frames::to_table(drive), frames::ROW_ORDER)?;
+    write("tracks", tracks::to_table(drive), tracks::ROW_ORDER)?;
+    if let Some(e) = &drive.ego {
+        write("ego", ego::to_table(drive, e), ego::ROW_ORDER)?;
+    }
+    if let Some(m) = &drive.map {
+        write("map", road_map::to_table(m), road_map::ROW_ORDER)?;
+    }
+    if let Some(l) = &drive.lights {
+        write("lights", states::lights_to_table(l), states::LIGHTS_ORDER)?;
+    }
+    if let Some(c) = &drive.context {
+        write("context", states::context_to_table(c), states::CONTEXT_ORDER)?;
+    }
+    if let Some(m) = &drive.media {
+        write("media", states::media_to_table(m), states::MEDIA_ORDER)?;
+    }
+    let manifest = DriveManifest {
+        lake_version: LAKE_VERSION,
+        meta: drive.meta.clone(),
+        frames: drive.times.len(),
+        tables,
+    };
+    write_json(&dir.join(MANIFEST), &manifest)
+}
+
+fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), LakeError> {
+    let mut text = serde_json::to_string_pretty(value).map_err(|e| LakeError::broken(path, e))?;
+    text.push('\n');
+    let mut file = fs::File::create(path).map_err(LakeError::io(path))?;
+    file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(LakeError::io(path))
+}
+
+fn remove_dir(path: &Path) -> Result<(), LakeError> {
+    match fs::remove_dir_all(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(LakeError::io(path)(e)),
+        _ => Ok(()),
+    }
+}

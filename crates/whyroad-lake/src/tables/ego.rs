@@ -1,0 +1,95 @@
+//! `ego.parquet`: the recording vehicle, a row a frame.
+
+use crate::LakeError;
+use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
+use crate::tables::frames;
+use whyroad_model::Drive;
+use whyroad_model::scene::{CLIP_FRAMES, Ego, EgoBus, Motion};
+
+pub(crate) const ROW_ORDER: &str = "frame";
+
+pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
+    let n = drive.times.len();
+    let clips = frames::clip_ids(drive);
+    let bus = &ego.bus;
+    let constant = |v: f64| std::iter::repeat_n(v, n);
+    let table = TableBuilder::default()
+        .texts("clip_id", (0..n).map(|f| clips[f / CLIP_FRAMES].as_str()))
+        .indices("frame", (0..).take(n))
+        .integers("time_ns", drive.times.iter().map(|t| t.0));
+    motion_columns(table, &ego.motion)
+        .numbers("length_m", constant(ego.length_m))
+        .numbers("width_m", constant(ego.width_m))
+        .numbers("height_m", constant(ego.height_m))
+        .numbers("reference_to_centre_m", constant(ego.reference_to_centre_m))
+        .numbers("steering_rad", (0..n).map(|i| bus.steering.get(i).copied().unwrap_or(f64::NAN)))
+        .flags("brake", (0..n).map(|i| bus.brake.get(i).copied().flatten()))
+        .numbers("throttle", (0..n).map(|i| bus.throttle.get(i).copied().unwrap_or(f64::NAN)))
+        .texts_or_null("gear", (0..n).map(|i| bus.gear.get(i).copied().flatten().map(String::from)))
+        .texts_or_null(
+            "turn_signal",
+            (0..n).map(|i| bus.turn_signal.get(i).copied().flatten().map(|t| member_name(&t))),
+        )
+        .flags("aeb", (0..n).map(|i| bus.aeb.get(i).copied().flatten()))
+        .flags("cruise", (0..n).map(|i| bus.cruise.get(i).copied().flatten()))
+        .texts_or_null("route_command", (0..n).map(|i| bus.route_command.get(i).and_then(Option::as_ref)))
+}
+
+/// The eight columns of [`Motion`], shared by `ego` and `tracks`.
+pub(crate) fn motion_columns(table: TableBuilder, m: &Motion) -> TableBuilder {
+    table
+        .numbers("x_m", m.x.iter().copied())
+        .numbers("y_m", m.y.iter().copied())
+        .numbers("z_m", m.z.iter().copied())
+        .numbers("heading_rad", m.heading.iter().copied())
+        .numbers("vx_mps", m.vx.iter().copied())
+        .numbers("vy_mps", m.vy.iter().copied())
+        .numbers("accel_mps2", m.accel.iter().copied())
+        .numbers("yaw_rate_radps", m.yaw_rate.iter().copied())
+}
+
+/// The inverse of [`motion_columns`].
+pub(crate) fn read_motion(t: &Table) -> Result<Motion, LakeError> {
+    Ok(Motion {
+        x: t.numbers("x_m")?,
+        y: t.numbers("y_m")?,
+        z: t.numbers("z_m")?,
+        heading: t.numbers("heading_rad")?,
+        vx: t.numbers("vx_mps")?,
+        vy: t.numbers("vy_mps")?,
+        accel: t.numbers("accel_mps2")?,
+        yaw_rate: t.numbers("yaw_rate_radps")?,
+    })
+}
+
+pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError> {
+    let frames = t.indices("frame")?;
+    if let Some(row) = (0..frames.len()).find(|&i| frames[i] as usize != i) {
+        return Err(LakeError::RowOrder { path: t.path.clone(), row });
+    }
+    if frames.len() != frame_count {
+        return Err(LakeError::broken(&t.path, format!("{} rows for {frame_count} frames", frames.len())));
+    }
+    let first = |name: &str| t.numbers(name).map(|v| v.first().copied().unwrap_or(f64::NAN));
+    let number = |name: &str| t.numbers(name).map(|v| empty_if_unknown(v, |x| !x.is_nan()));
+    let flag = |name: &str| t.flags(name).map(|v| empty_if_unknown(v, Option::is_some));
+    let gear = t.texts_or_null("gear")?.iter().map(|g| g.and_then(|g| g.chars().next())).collect();
+    let route = t.texts_or_null("route_command")?.iter().map(|g| g.map(str::to_owned)).collect();
+    Ok(Ego {
+        length_m: first("length_m")?,
+        width_m: first("width_m")?,
+        height_m: first("height_m")?,
+        reference_to_centre_m: first("reference_to_centre_m")?,
+        motion: read_motion(t)?,
+        bus: EgoBus {
+            steering: number("steering_rad")?,
+            brake: flag("brake")?,
+            throttle: number("throttle")?,
+            gear: empty_if_unknown(gear, Option::is_some),
+            turn_signal: empty_if_unknown(t.members("turn_signal")?, Option::is_some),
+            aeb: flag("aeb")?,
+            cruise: flag("cruise")?,
+            route_command: empty_if_unknown(route, Option::is_some),
+        },
+    })
+}
