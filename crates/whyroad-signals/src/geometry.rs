@@ -1,0 +1,79 @@
+//! Plane geometry that the signals share: angles, points, polylines by arc length, polygons, oriented boxes.
+//! Nothing here knows of driving.
+
+mod angle;
+mod oriented_box;
+mod polygon;
+mod polyline;
+
+pub use angle::{angle_between_lines, unwrap, wrap};
+pub use oriented_box::OrientedBox;
+pub use polygon::Polygon;
+pub use polyline::{Polyline, Projection};
+
+use std::ops::{Add, Mul, Sub};
+
+/// A point or vector in the plane of the world frame, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct P2 {
+    /// m.
+    pub x: f64,
+    /// m.
+    pub y: f64,
+}
+
+/// The point `(x, y)`.
+pub const fn p2(x: f64, y: f64) -> P2 {
+    P2 { x, y }
+}
+
+impl P2 {
+    /// Unit vector with this heading (rad).
+    pub fn from_heading(heading: f64) -> P2 {
+        let (y, x) = heading.sin_cos();
+        P2 { x, y }
+    }
+    /// Scalar product.
+    pub fn dot(self, o: P2) -> f64 {
+        self.x * o.x + self.y * o.y
+    }
+    /// z of the cross product: positive when `o` is counter-clockwise of `self`.
+    pub fn cross(self, o: P2) -> f64 {
+        self.x * o.y - self.y * o.x
+    }
+    /// Length.
+    pub fn norm(self) -> f64 {
+        self.x.hypot(self.y)
+    }
+    /// Turned left by a right angle.
+    pub fn left(self) -> P2 {
+        p2(-self.y, self.x)
+    }
+    /// Direction, rad in (-pi, pi].
+    pub fn heading(self) -> f64 {
+        self.y.atan2(self.x)
+    }
+    /// True when both numbers are finite.
+    pub fn is_finite(self) -> bool {
+        self.x.is_finite() && self.y.is_finite()
+    }
+}
+
+impl Add for P2 {
+    type Output = P2;
+    fn add(self, o: P2) -> P2 {
+        p2(self.x + o.x, self.y + o.y)
+    }
+}
+impl Sub for P2 {
+    type Output = P2;
+    fn sub(self, o: P2) -> P2 {
+        p2(self.x - o.x, self.y - o.y)
+    }
+}
+impl Mul<f64> for P2 {
+    type Output = P2;
+    fn mul(self, k: f64) -> P2 {
+        p2(self.x * k, self.y * k)
+    }
+}

@@ -1,0 +1,201 @@
+//! A polyline by arc length: the driven path, a lane's centre line, an edge. Beyond its ends it goes on straight.
+
+use super::P2;
+
+/// A polyline with the arc length at each point.
+#[derive(Clone, Debug, Default)]
+pub struct Polyline {
+    points: Vec<P2>,
+    s: Vec<f64>,
+}
+
+/// Where a point lies along and beside a polyline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Arc length of the foot point, m; negative before the start, beyond the length after the end.
+    pub s: f64,
+    /// Signed distance, left positive, m.
+    pub lateral: f64,
+    /// The segment used.
+    pub segment: usize,
+}
+
+impl Polyline {
+    /// A polyline through `points`, repeated ones dropped; `None` when fewer than two distinct points are left.
+    pub fn new(points: impl IntoIterator<Item = P2>) -> Option<Self> {
+        let mut kept: Vec<P2> = Vec::new();
+        let mut s = Vec::new();
+        for p in points {
+            match (kept.last(), s.last()) {
+                (Some(&q), Some(&at)) => {
+                    let d = (p - q).norm();
+                    // A millimetre: shorter segments have no usable direction.
+                    if d > 1e-3 {
+                        kept.push(p);
+                        s.push(at + d);
+                    }
+                }
+                _ if p.is_finite() => {
+                    kept.push(p);
+                    s.push(0.0);
+                }
+                _ => {}
+            }
+        }
+        (kept.len() >= 2).then_some(Self { points: kept, s })
+    }
+
+    /// The points.
+    pub fn points(&self) -> &[P2] {
+        &self.points
+    }
+
+    /// Arc length at each point.
+    pub fn arc_lengths(&self) -> &[f64] {
+        &self.s
+    }
+
+    /// Length, m.
+    pub fn length(&self) -> f64 {
+        self.s.last().copied().unwrap_or(0.0)
+    }
+
+    fn segment_at(&self, s: f64) -> usize {
+        self.s.partition_point(|&v| v <= s).clamp(1, self.points.len() - 1) - 1
+    }
+
+    fn direction(&self, segment: usize) -> P2 {
+        let d = self.points[segment + 1] - self.points[segment];
+        d * (1.0 / d.norm())
+    }
+
+    /// The point at arc length `s`, on the straight continuation outside.
+    pub fn point_at(&self, s: f64) -> P2 {
+        let i = self.segment_at(s);
+        self.points[i] + self.direction(i) * (s - self.s[i])
+    }
+
+    /// Direction of the segment at `s`, rad.
+    pub fn heading_at(&self, s: f64) -> f64 {
+        self.direction(self.segment_at(s)).heading()
+    }
+
+    /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points do not jump.
+    pub fn smooth_heading_at(&self, s: f64, reach: f64) -> f64 {
+        let chord = self.point_at(s + reach) - self.point_at(s - reach);
+        if chord.norm() > 1e-6 { chord.heading() } else { self.heading_at(s) }
+    }
+
+    /// Nearest foot point of `p` over the whole line.
+    pub fn project(&self, p: P2) -> Projection {
+        self.project_segments(p, 0, self.points.len() - 1)
+    }
+
+    /// Nearest foot point of `p` among the segments that touch arc lengths `from..=to`. Keeps lines that cross
+    /// themselves (a loop, a roundabout) unambiguous.
+    pub fn project_between(&self, p: P2, from: f64, to: f64) -> Projection {
+        let first = self.segment_at(from.min(to));
+        let last = self.segment_at(to.max(from));
+        self.project_segments(p, first, last + 1)
+    }
+
+    fn project_segments(&self, p: P2, first: usize, end: usize) -> Projection {
+        let n = self.points.len() - 1;
+        let mut best = (f64::INFINITY, Projection { s: 0.0, lateral: 0.0, segment: first });
+        for i in first..end {
+            let a = self.points[i];
+            let ab = self.points[i + 1] - a;
+            let length = self.s[i + 1] - self.s[i];
+            let mut along = (p - a).dot(ab) / length;
+            // The first and last segment go on straight; between them the foot stays on the segment.
+            if i > 0 {
+                along = along.max(0.0);
+            }
+            if i + 1 < n {
+                along = along.min(length);
+            }
+            let foot = a + ab * (along / length);
+            let away = p - foot;
+            let d2 = away.dot(away);
+            if d2 < best.0 {
+                let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
+                best = (d2, Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i });
+            }
+        }
+        best.1
+    }
+
+    /// Smallest distance of `p` from the line itself (not its continuation), m.
+    pub fn distance(&self, p: P2) -> f64 {
+        let d2 = self.points.windows(2).map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+        d2.sqrt()
+    }
+
+    /// Signed curvature at `s` from the change of direction over `reach` either side, 1/m, left positive.
+    pub fn curvature_at(&self, s: f64, reach: f64) -> f64 {
+        let before = self.point_at(s) - self.point_at(s - reach);
+        let after = self.point_at(s + reach) - self.point_at(s);
+        // Each chord stands for the direction half way along it: the two are `reach` apart.
+        super::wrap(after.heading() - before.heading()) / reach
+    }
+}
+
+/// Squared distance of `p` from the segment `a b`.
+pub(super) fn segment_distance2(p: P2, a: P2, b: P2) -> f64 {
+    let ab = b - a;
+    let l2 = ab.dot(ab);
+    let t = if l2 > 0.0 { ((p - a).dot(ab) / l2).clamp(0.0, 1.0) } else { 0.0 };
+    let d = p - (a + ab * t);
+    d.dot(d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::p2;
+
+    fn l_shape() -> Polyline {
+        Polyline::new([p2(0.0, 0.0), p2(10.0, 0.0), p2(10.0, 0.0), p2(10.0, 10.0)]).unwrap()
+    }
+
+    #[test]
+    fn projection_by_hand() {
+        let line = l_shape();
+        assert_eq!(line.length(), 20.0);
+        let at = line.project(p2(4.0, 2.0));
+        assert_eq!((at.s, at.lateral), (4.0, 2.0));
+        let at = line.project(p2(12.0, 5.0));
+        assert_eq!((at.s, at.lateral), (15.0, -2.0));
+        let outer_corner = line.project(p2(13.0, -4.0));
+        assert_eq!((outer_corner.s, outer_corner.lateral), (10.0, -5.0));
+    }
+
+    #[test]
+    fn the_ends_go_on_straight() {
+        let line = l_shape();
+        assert_eq!(line.project(p2(-3.0, -1.0)), Projection { s: -3.0, lateral: -1.0, segment: 0 });
+        assert_eq!(line.project(p2(11.0, 30.0)).s, 40.0);
+        assert_eq!(line.point_at(-2.0), p2(-2.0, 0.0));
+        assert_eq!(line.point_at(25.0), p2(10.0, 15.0));
+    }
+
+    #[test]
+    fn a_window_keeps_the_right_branch() {
+        // Out along y = 0, back along y = 4: the point is nearer to the way back, but asked on the way out.
+        let line = Polyline::new([p2(0.0, 0.0), p2(50.0, 0.0), p2(50.0, 4.0), p2(0.0, 4.0)]).unwrap();
+        assert_eq!(line.project_between(p2(20.0, 3.0), 0.0, 40.0).s, 20.0);
+        assert!(line.project(p2(20.0, 3.0)).s > 80.0);
+    }
+
+    #[test]
+    fn curvature_of_a_circle() {
+        // Radius 25 m, left: 1/25.
+        let line = Polyline::new((0..=100).map(|i| {
+            let a = f64::from(i) * 0.02;
+            p2(25.0 * a.sin(), 25.0 - 25.0 * a.cos())
+        }))
+        .unwrap();
+        assert!((line.curvature_at(25.0, 5.0) - 0.04).abs() < 2e-4);
+        assert!(Polyline::new([p2(1.0, 1.0), p2(1.0, 1.0)]).is_none());
+    }
+}

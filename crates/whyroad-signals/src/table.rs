@@ -1,0 +1,127 @@
+//! Collects columns into a [`SignalTable`]. What a column is, and whether the log can support it, the catalogue
+//! says; a family only computes.
+
+use crate::catalogue::{Catalogue, Scope, SignalKind};
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::scene::FrameOfReference;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{Column, Drive, SignalTable, Tri};
+
+/// What this log lacks, in the words of [`crate::catalogue::NEEDS`].
+pub fn missing(drive: &Drive) -> BTreeSet<&'static str> {
+    let mut missing = BTreeSet::new();
+    let ego = drive.ego.as_ref().filter(|e| e.motion.x.iter().any(|x| x.is_finite()));
+    if ego.is_none() || drive.meta.frame_of_reference == FrameOfReference::Ego {
+        missing.insert("ego pose");
+    }
+    if !drive.map.as_ref().is_some_and(|m| !m.lanes.is_empty()) {
+        missing.insert("map");
+    }
+    if drive.lights.is_none() {
+        missing.insert("traffic lights");
+    }
+    if !drive.meta.can && ego.is_none_or(|e| !has_bus(&e.bus)) {
+        missing.insert("vehicle bus");
+    }
+    // A log without any track has nothing whose size could be missing.
+    let sized = |t: &whyroad_model::scene::Track| t.length_m.iter().any(|l| l.is_finite());
+    let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());
+    if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
+        missing.insert("object sizes");
+    }
+    if !drive.tracks.iter().any(|t| !t.turn_signal.is_empty()) {
+        missing.insert("turn signals");
+    }
+    if !drive.tracks.iter().any(|t| t.interior_points.iter().any(|n| n.is_finite())) {
+        missing.insert("visibility");
+    }
+    missing
+}
+
+fn has_bus(bus: &whyroad_model::scene::EgoBus) -> bool {
+    !(bus.brake.is_empty() && bus.turn_signal.is_empty() && bus.aeb.is_empty() && bus.steering.is_empty())
+}
+
+/// A signal table in the making.
+pub struct TableBuilder<'a> {
+    catalogue: &'a Catalogue,
+    table: SignalTable,
+    rows: usize,
+}
+
+impl<'a> TableBuilder<'a> {
+    /// An empty table for `drive`: one target a track, dense from its first to its last frame.
+    pub fn new(catalogue: &'a Catalogue, drive: &Drive) -> Self {
+        let mut rows = 0;
+        let mut targets = Vec::with_capacity(drive.tracks.len());
+        for track in drive.tracks.iter().filter(|t| !t.frames.is_empty()) {
+            let frames = track.span();
+            targets.push(TargetSpan { id: track.id.clone(), class: track.class, first_row: rows, frames });
+            rows += frames.len();
+        }
+        let table = SignalTable {
+            drive_id: drive.meta.drive_id.clone(),
+            times: drive.times.clone(),
+            targets,
+            ..SignalTable::default()
+        };
+        Self { catalogue, table, rows }
+    }
+
+    /// Number of target rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// The targets, in row order.
+    pub fn targets(&self) -> &[TargetSpan] {
+        &self.table.targets
+    }
+
+    /// Adds a number signal; one value a frame or target row.
+    pub fn number(&mut self, name: &str, values: Vec<f64>) {
+        self.add(name, Column::Number(values));
+    }
+
+    /// Adds a flag signal.
+    pub fn flag(&mut self, name: &str, values: Vec<Tri>) {
+        self.add(name, Column::Flag(values));
+    }
+
+    /// Adds a category signal from indices into the catalogue's values; `None` is unknown.
+    pub fn category(&mut self, name: &str, codes: impl IntoIterator<Item = Option<u16>>) {
+        let names = match self.catalogue.get(name).map(|d| &d.kind) {
+            Some(SignalKind::Category(names)) => names.clone(),
+            _ => std::sync::Arc::from([]),
+        };
+        let codes = codes.into_iter().map(|c| c.unwrap_or(UNKNOWN_CODE)).collect();
+        self.add(name, Column::Category { codes, names });
+    }
+
+    fn add(&mut self, name: &str, column: Column) {
+        let Some(def) = self.catalogue.get(name) else { return };
+        let (columns, rows) = match def.scope {
+            Scope::Frame => (&mut self.table.frame_columns, self.table.times.len()),
+            Scope::Target => (&mut self.table.target_columns, self.rows),
+        };
+        debug_assert_eq!(column.len(), rows, "{name}");
+        columns.insert(def.name.clone(), column);
+    }
+
+    /// The finished table: what the log cannot support is named instead of given.
+    pub fn finish(mut self, missing: &BTreeSet<&'static str>) -> SignalTable {
+        let mut unavailable = BTreeMap::new();
+        for def in self.catalogue.iter() {
+            let lacking: Vec<String> =
+                def.needs.iter().filter(|n| missing.contains(n.as_str())).cloned().collect();
+            if !lacking.is_empty() {
+                self.table.frame_columns.remove(&def.name);
+                self.table.target_columns.remove(&def.name);
+                unavailable.insert(def.name.clone(), lacking);
+            }
+        }
+        self.table.unavailable = unavailable;
+        self.table
+    }
+}
