@@ -1,5 +1,6 @@
 //! The label checker.
 
+mod json;
 mod lexicon;
 
 pub use lexicon::Lexicon;
