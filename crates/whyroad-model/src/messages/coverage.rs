@@ -1,0 +1,59 @@
+//! What mining looked for and what came of it, leaf by leaf: `coverage.json`. Not one of DATA_FORMAT.md's
+//! messages; a rule that could not be decided is never counted as one that found nothing.
+
+use crate::decision::closed_set;
+use crate::{DriveId, ScenarioId};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One mining run over a lake.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Coverage {
+    /// Version of the taxonomy whose leaves these are.
+    pub taxonomy_version: String,
+    /// Drives that were searched, sorted.
+    pub drives: Vec<DriveId>,
+    /// Every leaf of the taxonomy, in its order.
+    pub leaves: Vec<LeafCoverage>,
+}
+
+closed_set!(
+    /// What is known about a leaf after a mining run.
+    CoverageState {
+        /// At least one episode.
+        Found = "found",
+        /// Its rule could be decided on at least one drive, and nothing was found.
+        NotFound = "not_found",
+        /// It has a rule, but every drive lacks signals that it needs.
+        NotObservable = "not_observable",
+        /// No rule is written yet.
+        NoRule = "no_rule",
+    }
+);
+
+/// One leaf.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LeafCoverage {
+    /// The leaf.
+    pub scenario_id: ScenarioId,
+    /// The state over all drives.
+    pub state: CoverageState,
+    /// Episodes, primary and secondary.
+    pub episodes: u64,
+    /// Episodes for which this leaf was the primary one.
+    pub primary_episodes: u64,
+    /// Drives on which the rule could be decided.
+    pub drives_searched: u64,
+    /// Drives on which it could not, with what they lack.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<DriveGap>,
+}
+
+/// Why a rule could not be decided on a drive.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct DriveGap {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Signals that the rule needs and the drive cannot support, sorted.
+    pub missing_signals: Vec<String>,
+}

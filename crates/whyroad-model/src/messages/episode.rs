@@ -1,0 +1,42 @@
+//! One episode as mining writes it to `episodes.jsonl`: what `episodes.parquet` has, and in words what the
+//! report and the label drafts need beside it. Not one of DATA_FORMAT.md's messages.
+
+use super::label::{Keyframe, TimeRange};
+use super::mining::MatchedCondition;
+use crate::{Bilingual, ClipId, DriveId, ScenarioId, TrackId};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A stretch of a drive in which one leaf's rule held, with the evidence.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EpisodeRecord {
+    /// Id, the same as in `episodes.parquet`.
+    pub episode_id: String,
+    /// The leaf.
+    pub scenario_id: ScenarioId,
+    /// The drive.
+    pub drive_id: DriveId,
+    /// The clip that the keyframe is in.
+    pub clip_id: ClipId,
+    /// The target that the rule bound; null for rules without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target_id: Option<TrackId>,
+    /// From start to end; frames count from the clip's first frame and are clamped to the clip.
+    pub time_range: TimeRange,
+    /// The keyframe; its frame counts from the clip's first frame.
+    pub keyframe: Keyframe,
+    /// Match score, 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub score: f64,
+    /// True when arbitration chose this leaf for its keyframe (LABELING.md 1, MECE).
+    pub is_primary: bool,
+    /// The primary episode that this one is secondary to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub primary_episode_id: Option<String>,
+    /// How the keyframe was found, from the labelling spec.
+    pub keyframe_rule: Bilingual,
+    /// Conditions of the rule with their values at the keyframe.
+    pub conditions_matched: Vec<MatchedCondition>,
+    /// Signals that the rule read, by catalogue name, sorted.
+    pub signals: Vec<String>,
+}
