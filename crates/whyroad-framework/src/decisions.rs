@@ -1,6 +1,10 @@
 //! Names and meanings of the driving decisions (`schema/driving_decisions.yaml`). The closed sets themselves
 //! are `whyroad_model::decision`; loading holds the two equal.
 
+mod read;
+
+pub use read::read_decisions;
+
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
@@ -9,6 +13,8 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 pub struct DecisionSets {
     /// `major.minor.patch`.
     pub version: String,
+    /// What null means: no change of decision.
+    pub null_decision: DecisionText,
     /// Along the path.
     pub longitudinal: Vec<LongitudinalText>,
     /// Across the path.

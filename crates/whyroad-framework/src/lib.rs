@@ -8,6 +8,7 @@ pub mod framework;
 pub mod spec;
 pub mod taxonomy;
 pub mod validate;
+pub mod version;
 mod yaml;
 
 pub use decisions::DecisionSets;

@@ -32,11 +32,7 @@ pub(crate) struct Node {
 pub(crate) enum Value {
     /// Empty, `~` or `null`.
     Null,
-    Scalar {
-        text: String,
-        /// True for quoted and block scalars, which are never numbers.
-        quoted: bool,
-    },
+    Scalar(String),
     List(Vec<Node>),
     Map(Vec<Entry>),
 }
@@ -61,7 +57,7 @@ impl Value {
     pub fn kind(&self) -> Bilingual {
         match self {
             Value::Null => Bilingual::new("空值", "null"),
-            Value::Scalar { text, .. } => Bilingual::same(format!("'{text}'")),
+            Value::Scalar(text) => Bilingual::same(format!("'{text}'")),
             Value::List(_) => Bilingual::new("列表", "a list"),
             Value::Map(_) => Bilingual::new("映射", "a mapping"),
         }
@@ -86,7 +82,9 @@ pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
         let width = if span.end.line() == span.start.line() { span.end.col() - span.start.col() } else { 1 };
         let mark = mark_of(&span.start, width.max(1));
         let done = match event {
-            Event::Scalar(text, style, _, _) => Some(Node { value: scalar(&text, style), mark, pointer: String::new() }),
+            Event::Scalar(text, style, _, _) => {
+                Some(Node { value: scalar(&text, style), mark, pointer: String::new() })
+            }
             Event::SequenceStart(..) => {
                 stack.push(Open::List(Mark { span: 1, ..mark }, Vec::new()));
                 None
@@ -97,17 +95,25 @@ pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
             }
             Event::SequenceEnd | Event::MappingEnd => stack.pop().map(|open| match open {
                 Open::List(mark, items) => Node { value: Value::List(items), mark, pointer: String::new() },
-                Open::Map(mark, entries, _) => Node { value: Value::Map(entries), mark, pointer: String::new() },
+                Open::Map(mark, entries, _) => {
+                    Node { value: Value::Map(entries), mark, pointer: String::new() }
+                }
             }),
             Event::Alias(_) => {
                 return Err(SyntaxError {
-                    message: Bilingual::new("不支持 YAML 别名（*名称）", "YAML aliases (*name) are not supported"),
+                    message: Bilingual::new(
+                        "不支持 YAML 别名（*名称）",
+                        "YAML aliases (*name) are not supported",
+                    ),
                     mark,
                 });
             }
             Event::DocumentStart(_) if root.is_some() => {
                 return Err(SyntaxError {
-                    message: Bilingual::new("文件含有多个 YAML 文档", "the file holds more than one YAML document"),
+                    message: Bilingual::new(
+                        "文件含有多个 YAML 文档",
+                        "the file holds more than one YAML document",
+                    ),
                     mark,
                 });
             }
@@ -120,7 +126,7 @@ pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
             Some(Open::Map(_, entries, pending)) => match pending.take() {
                 Some((key, mark)) => entries.push(Entry { key, mark, node }),
                 None => match node.value {
-                    Value::Scalar { text, .. } => *pending = Some((text, node.mark)),
+                    Value::Scalar(text) => *pending = Some((text, node.mark)),
                     Value::Null => *pending = Some(("null".to_owned(), node.mark)),
                     Value::List(_) | Value::Map(_) => {
                         return Err(SyntaxError {
@@ -132,7 +138,11 @@ pub(crate) fn parse(text: &str) -> Result<Node, SyntaxError> {
             },
         }
     }
-    let mut root = root.unwrap_or(Node { value: Value::Null, mark: Mark { line: 1, column: 1, span: 1 }, pointer: String::new() });
+    let mut root = root.unwrap_or(Node {
+        value: Value::Null,
+        mark: Mark { line: 1, column: 1, span: 1 },
+        pointer: String::new(),
+    });
     point(&mut root, String::new());
     Ok(root)
 }
@@ -146,7 +156,7 @@ fn scalar(text: &str, style: ScalarStyle) -> Value {
     if !quoted && matches!(text, "" | "~" | "null" | "Null" | "NULL") {
         return Value::Null;
     }
-    Value::Scalar { text: text.to_owned(), quoted }
+    Value::Scalar(text.to_owned())
 }
 
 /// Fills in the pointers from `node` down.
@@ -162,7 +172,7 @@ fn point(node: &mut Node, pointer: String) {
                 point(&mut e.node, format!("{pointer}/{}", e.key.replace('~', "~0").replace('/', "~1")));
             }
         }
-        Value::Null | Value::Scalar { .. } => {}
+        Value::Null | Value::Scalar(_) => {}
     }
     node.pointer = pointer;
 }

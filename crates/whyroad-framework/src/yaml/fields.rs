@@ -53,8 +53,10 @@ impl<'t> Report<'t> {
         match super::parse(text) {
             Ok(node) => Some(node),
             Err(e) => {
-                let message =
-                    Bilingual::new(format!("不是合法的 YAML：{}", e.message.zh), format!("not valid YAML: {}", e.message.en));
+                let message = Bilingual::new(
+                    format!("不是合法的 YAML：{}", e.message.zh),
+                    format!("not valid YAML: {}", e.message.en),
+                );
                 self.push(Diagnostic::error(self.family.syntax, message), e.mark, "");
                 None
             }
@@ -74,11 +76,11 @@ impl<'t> Report<'t> {
     /// The text of a scalar.
     pub fn text(&mut self, node: &Node) -> Option<String> {
         match &node.value {
-            Value::Scalar { text, .. } if text.trim().is_empty() => {
+            Value::Scalar(text) if text.trim().is_empty() => {
                 self.error(self.family.empty, node, "文本为空".into(), "the text is empty".into());
                 None
             }
-            Value::Scalar { text, .. } => Some(text.trim().to_owned()),
+            Value::Scalar(text) => Some(text.trim().to_owned()),
             _ => {
                 self.wrong_kind(node, Bilingual::new("文本", "text"));
                 None
@@ -185,7 +187,9 @@ impl<'n> Fields<'n> {
                 Bilingual::new(format!("未知字段 '{key}'"), format!("unknown field '{key}'")),
             );
             let hint = match did_you_mean(key, self.asked.iter().copied()) {
-                Some(near) => Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
+                Some(near) => {
+                    Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?"))
+                }
                 None => {
                     let known = self.asked.join(", ");
                     Bilingual::new(format!("可用字段：{known}"), format!("known fields: {known}"))

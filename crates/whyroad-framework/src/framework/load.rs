@@ -1,0 +1,123 @@
+//! From the texts of `schema/` and `scenarios/` to a [`Framework`].
+
+use super::{Framework, RuleSource};
+use crate::Lexicon;
+use crate::decisions::read_decisions;
+use crate::spec::raw::LabelingLayer;
+use crate::spec::{ReadSpec, finish, overlay, read_spec};
+use crate::taxonomy::{Taxonomy, read_taxonomy};
+use std::collections::BTreeMap;
+use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
+
+pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
+const DECISIONS: &str = "schema/driving_decisions.yaml";
+const LEXICON: &str = "schema/decision_lexicon.yaml";
+const SIGNALS: &str = "schema/signals.yaml";
+
+pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
+    let mut out = Vec::new();
+    let Some(text) = files.get(TAXONOMY) else {
+        out.push(missing_file(TAXONOMY));
+        return (None, out);
+    };
+    let (taxonomy, found) = read_taxonomy(TAXONOMY, text);
+    out.extend(found);
+    let Some(taxonomy) = taxonomy else { return (None, out) };
+    let mut framework = Framework { taxonomy, ..Framework::default() };
+
+    match files.get(DECISIONS) {
+        Some(text) => {
+            let (decisions, found) = read_decisions(DECISIONS, text);
+            framework.decisions = decisions;
+            out.extend(found);
+        }
+        None => out.push(missing_file(DECISIONS)),
+    }
+    match files.get(LEXICON) {
+        Some(text) => {
+            let (lexicon, found) = Lexicon::parse(LEXICON, text);
+            framework.lexicon = lexicon;
+            out.extend(found);
+        }
+        None => out.push(missing_file(LEXICON)),
+    }
+    match files.get(SIGNALS) {
+        Some(text) => framework.signals_yaml.clone_from(text),
+        None => out.push(missing_file(SIGNALS)),
+    }
+    load_specs(files, &mut framework, &mut out);
+    (Some(framework), out)
+}
+
+fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: &mut Vec<Diagnostic>) {
+    let mut read: BTreeMap<String, ReadSpec> = BTreeMap::new();
+    for (path, text) in files {
+        // Cases beside the rules belong to whyroad-mining.
+        if !path.starts_with("scenarios/") || !path.ends_with(".yaml") || path.ends_with(".cases.yaml") {
+            continue;
+        }
+        let (spec, found) = read_spec(path, text, &framework.taxonomy);
+        out.extend(found);
+        if let Some(spec) = spec {
+            read.insert(path.clone(), spec);
+        }
+    }
+    let taxonomy: &Taxonomy = &framework.taxonomy;
+    for l1 in &taxonomy.l1 {
+        let l1_file = format!("scenarios/{}.yaml", l1.id);
+        if !files.contains_key(&l1_file) {
+            out.push(missing_file(&l1_file));
+        }
+        let nothing = LabelingLayer::default();
+        let default = read.get(&l1_file).and_then(|r| r.spec.labeling.as_ref()).unwrap_or(&nothing);
+        for l2 in &l1.l2 {
+            let file = format!("scenarios/{}/{}.yaml", l1.id, l2.id);
+            let Some(spec) = read.get(&file) else {
+                // A file that is there but unreadable has been reported already.
+                if !files.contains_key(&file) {
+                    out.push(missing_file(&file));
+                }
+                continue;
+            };
+            let l2_layer = overlay(default, spec.spec.labeling.as_ref().unwrap_or(&nothing));
+            for l3 in &l2.l3 {
+                let Some(leaf) = spec.spec.leaves.as_ref().and_then(|l| l.get(&l3.id)) else { continue };
+                let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
+                let layer = overlay(&l2_layer, leaf.labeling.as_ref().unwrap_or(&nothing));
+                let mark = spec.leaf_marks.get(&l3.id);
+                match finish(id.clone(), &layer) {
+                    Ok(resolved) => {
+                        framework.specs.insert(id.clone(), resolved);
+                    }
+                    Err(missing) => {
+                        out.push(incomplete(&id, &missing, &file, mark.map(|m| (m.line, m.column))))
+                    }
+                }
+                if let (Some(rule), Some(mark)) = (&leaf.mining, spec.mining_marks.get(&l3.id)) {
+                    let (rule, file) = (rule.clone(), file.clone());
+                    framework.rules.push(RuleSource { leaf: id, file, rule, line: mark.line });
+                }
+            }
+        }
+    }
+}
+
+fn missing_file(path: &str) -> Diagnostic {
+    let code = if path.starts_with("scenarios/") { "spec.file.missing" } else { "taxonomy.file.missing" };
+    Diagnostic::error(code, Bilingual::new(format!("缺少文件 '{path}'"), format!("file '{path}' is missing")))
+        .in_file(path)
+}
+
+fn incomplete(leaf: &ScenarioId, missing: &[&str], file: &str, at: Option<(usize, usize)>) -> Diagnostic {
+    let fields = missing.join(", ");
+    let message = Bilingual::new(
+        format!("叶子 '{leaf}' 及其上级都没有规定：{fields}"),
+        format!("neither leaf '{leaf}' nor its L2 or L1 states: {fields}"),
+    );
+    Diagnostic::error("spec.incomplete", message).at(Place {
+        file: Some(file.to_owned()),
+        line: at.map(|a| a.0),
+        column: at.map(|a| a.1),
+        ..Place::default()
+    })
+}

@@ -1,0 +1,310 @@
+//! A file of `scenarios/` to a [`SpecFile`], with every problem reported and everything readable kept.
+
+use super::raw::{
+    BoundLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer, SpecFile, Words,
+};
+use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
+use crate::yaml::{Entry, Family, Fields, Mark, Node, Report, Value};
+use indexmap::IndexMap;
+use whyroad_model::decision::Lateral;
+use whyroad_model::messages::{KeyframeType, Uncertainty};
+use whyroad_model::{Bilingual, Diagnostic};
+
+static FAMILY: Family = Family {
+    syntax: "spec.yaml",
+    missing: "spec.field.missing",
+    unknown: "spec.field.unknown",
+    kind: "spec.field.type",
+    duplicate: "spec.field.duplicate",
+    empty: "spec.text.empty",
+};
+
+/// A file that was read, and where its leaves stand.
+#[derive(Clone, Debug)]
+pub(crate) struct ReadSpec {
+    pub spec: SpecFile,
+    /// Place of each leaf's key.
+    pub leaf_marks: IndexMap<String, Mark>,
+    /// Place of each leaf's `mining:` block.
+    pub mining_marks: IndexMap<String, Mark>,
+}
+
+/// Reads one file and checks it against the classes.
+pub(crate) fn read_spec(file: &str, text: &str, taxonomy: &Taxonomy) -> (Option<ReadSpec>, Vec<Diagnostic>) {
+    let mut report = Report::new(file, text, &FAMILY);
+    let read = report.parse(text).and_then(|root| document(&root, text, taxonomy, &mut report));
+    (read, report.diagnostics)
+}
+
+fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Option<ReadSpec> {
+    let mut f = Fields::open(root, r)?;
+    let version = read_version(&mut f, "spec.version", r);
+    let l1_node = f.need("l1", r);
+    let l1 = l1_node.and_then(|n| r.text(n));
+    let l2_node = f.get("l2");
+    let l2 = l2_node.and_then(|n| r.text(n));
+    let labeling = f.get("labeling").and_then(|n| layer(n, r));
+    let leaves_node = if l2_node.is_some() { f.need("leaves", r) } else { f.get("leaves") };
+    f.close(r);
+
+    let (l1, l1_node) = (l1?, l1_node?);
+    let mut usable = check_path(&l1, l2.as_deref(), l2_node.unwrap_or(l1_node), r);
+    if taxonomy.l1(&l1).is_none() {
+        unknown_class(&l1, taxonomy.l1.iter().map(|a| a.id.as_str()), l1_node, r);
+        usable = false;
+    }
+    if let (true, Some(l2), Some(node)) = (usable, &l2, l2_node)
+        && taxonomy.l2(&l1, l2).is_none()
+    {
+        let known = taxonomy.l1(&l1).map_or(&[][..], |a| &a.l2).iter().map(|b| b.id.as_str());
+        unknown_class(l2, known, node, r);
+        usable = false;
+    }
+    if let (None, Some(node)) = (&l2, leaves_node) {
+        let (zh, en) = ("L1 的文件不能含有 leaves", "the file of an L1 has no leaves");
+        r.error("spec.field.unknown", node, zh.into(), en.into());
+    }
+    // Rules are handed on as serde_yaml_ng values, so that whyroad-mining needs no YAML reader of ours.
+    let values: serde_yaml_ng::Value = serde_yaml_ng::from_str(text).unwrap_or_default();
+    let mut out = ReadSpec {
+        spec: SpecFile { version, l1, l2, labeling, leaves: None },
+        leaf_marks: IndexMap::new(),
+        mining_marks: IndexMap::new(),
+    };
+    if let (Some(l2), Some(node)) = (&out.spec.l2, leaves_node) {
+        let mut leaves = IndexMap::new();
+        for entry in r.entries(node).unwrap_or_default() {
+            let leaf = leaf(entry, r);
+            let mining = leaf.1.and_then(|mark| {
+                out.mining_marks.insert(entry.key.clone(), mark);
+                values.get("leaves")?.get(entry.key.as_str())?.get("mining").cloned()
+            });
+            out.leaf_marks.insert(entry.key.clone(), entry.mark);
+            leaves.insert(entry.key.clone(), LeafLayer { labeling: leaf.0, mining });
+        }
+        if usable {
+            check_leaves(&out.spec.l1, l2, &out.leaf_marks, node, taxonomy, r);
+        }
+        out.spec.leaves = Some(leaves);
+    }
+    usable.then_some(out)
+}
+
+/// The folder and file name must say the same as the fields: people look files up by name.
+fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut Report) -> bool {
+    let wanted = match l2 {
+        None => format!("scenarios/{l1}.yaml"),
+        Some(l2) => format!("scenarios/{l1}/{l2}.yaml"),
+    };
+    let file = r.file.replace('\\', "/");
+    if file == wanted || file.ends_with(&format!("/{wanted}")) {
+        return true;
+    }
+    r.error(
+        "spec.path",
+        node,
+        format!("文件内容属于 '{wanted}'，与文件路径不符"),
+        format!("by its content this file belongs at '{wanted}'"),
+    );
+    false
+}
+
+fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node, r: &mut Report) {
+    let mut d = Diagnostic::error(
+        "spec.class.unknown",
+        Bilingual::new(format!("分类体系中没有 '{id}'"), format!("the taxonomy has no '{id}' here")),
+    );
+    if let Some(near) = did_you_mean(id, known) {
+        d = d.with_hint(suggestion(near));
+    }
+    r.push(d, node.mark, &node.pointer);
+}
+
+/// Leaves that do not exist, leaves that are left out, and the order.
+fn check_leaves(
+    l1: &str,
+    l2: &str,
+    marks: &IndexMap<String, Mark>,
+    node: &Node,
+    taxonomy: &Taxonomy,
+    r: &mut Report,
+) {
+    let Some((_, class)) = taxonomy.l2(l1, l2) else { return };
+    let known: Vec<&str> = class.l3.iter().map(|c| c.id.as_str()).collect();
+    for (id, mark) in marks.iter().filter(|(id, _)| !known.contains(&id.as_str())) {
+        let place = Node { value: Value::Null, mark: *mark, pointer: format!("{}/{id}", node.pointer) };
+        unknown_class(id, known.iter().copied(), &place, r);
+    }
+    for id in known.iter().filter(|id| !marks.contains_key(**id)) {
+        r.error(
+            "spec.class.missing",
+            node,
+            format!("叶子 '{l1}.{l2}.{id}' 没有列出"),
+            format!("leaf '{l1}.{l2}.{id}' is not listed"),
+        );
+    }
+    let written: Vec<&str> = marks.keys().map(String::as_str).filter(|id| known.contains(id)).collect();
+    let ordered: Vec<&str> = known.iter().copied().filter(|id| marks.contains_key(*id)).collect();
+    if written != ordered {
+        let order = ordered.join(", ");
+        let d = Diagnostic::warning(
+            "spec.order",
+            Bilingual::new("叶子的顺序与分类体系不同", "the leaves are not in the order of the taxonomy"),
+        );
+        r.push(d.with_hint(Bilingual::same(order)), node.mark, &node.pointer);
+    }
+}
+
+fn leaf(entry: &Entry, r: &mut Report) -> (Option<LabelingLayer>, Option<Mark>) {
+    if matches!(entry.node.value, Value::Null) {
+        return (None, None);
+    }
+    let Some(mut f) = Fields::open(&entry.node, r) else { return (None, None) };
+    let labeling = f.get("labeling").and_then(|n| layer(n, r));
+    let mining = f.entry("mining").filter(|e| !matches!(e.node.value, Value::Null));
+    f.close(r);
+    if let Some(e) = mining {
+        r.entries(&e.node);
+    }
+    (labeling, mining.map(|e| e.mark))
+}
+
+fn layer(node: &Node, r: &mut Report) -> Option<LabelingLayer> {
+    let mut f = Fields::open(node, r)?;
+    let layer = LabelingLayer {
+        keyframe: f.get("keyframe").and_then(|n| keyframe(n, r)),
+        second_keyframe: f.get("second_keyframe").and_then(|n| keyframe(n, r)),
+        start: f.get("start").and_then(|n| bound(n, r)),
+        end: f.get("end").and_then(|n| bound(n, r)),
+        pack: f.get("pack").and_then(|n| pack(n, r)),
+        records: f.get("records").map(|n| records(n, r)),
+        uncertainty: f.get("uncertainty").and_then(|n| {
+            member(
+                n,
+                "spec.uncertainty.unknown",
+                Uncertainty::from_id,
+                Uncertainty::ALL.iter().map(|u| u.id()),
+                r,
+            )
+        }),
+        lateral: f.get("lateral").and_then(|n| {
+            member(n, "spec.lateral.unknown", Lateral::from_id, Lateral::ALL.iter().map(|d| d.id()), r)
+        }),
+    };
+    f.close(r);
+    Some(layer)
+}
+
+fn keyframe(node: &Node, r: &mut Report) -> Option<KeyframeLayer> {
+    let mut f = Fields::open(node, r)?;
+    let kind = f.get("type").and_then(|n| {
+        member(n, "spec.keyframe.type", KeyframeType::from_id, KeyframeType::ALL.iter().map(|k| k.id()), r)
+    });
+    let layer = KeyframeLayer {
+        kind,
+        rule: f.get("rule").and_then(|n| words(n, r)),
+        expr: f.text_opt("expr", r),
+        fallback: f.get("fallback").and_then(|n| moment(n, r)),
+    };
+    f.close(r);
+    Some(layer)
+}
+
+fn bound(node: &Node, r: &mut Report) -> Option<BoundLayer> {
+    let mut f = Fields::open(node, r)?;
+    let layer = BoundLayer {
+        rule: f.get("rule").and_then(|n| words(n, r)),
+        expr: f.text_opt("expr", r),
+        fallback: f.get("fallback").and_then(|n| moment(n, r)),
+    };
+    f.close(r);
+    Some(layer)
+}
+
+fn moment(node: &Node, r: &mut Report) -> Option<MomentLayer> {
+    let mut f = Fields::open(node, r)?;
+    let rule = f.need("rule", r).and_then(|n| words(n, r));
+    let expr = f.text_opt("expr", r);
+    f.close(r);
+    Some(MomentLayer { rule: rule?, expr })
+}
+
+fn pack(node: &Node, r: &mut Report) -> Option<PackLayer> {
+    let mut f = Fields::open(node, r)?;
+    let layer = PackLayer {
+        before_s: f.get("before_s").and_then(|n| seconds(n, r)),
+        after_s: f.get("after_s").and_then(|n| seconds(n, r)),
+        after_until: f.get("after_until").and_then(|n| moment(n, r)),
+    };
+    f.close(r);
+    Some(layer)
+}
+
+fn records(node: &Node, r: &mut Report) -> Vec<RecordLayer> {
+    let mut out: Vec<RecordLayer> = Vec::new();
+    for item in r.items(node) {
+        let Some(mut f) = Fields::open(item, r) else { continue };
+        let id = f.text("id", r);
+        let name = f.need("name", r).and_then(|n| words(n, r));
+        let unit = f.text_opt("unit", r);
+        f.close(r);
+        let (Some(id), Some(name)) = (id, name) else { continue };
+        let well_formed = id.starts_with(|c: char| c.is_ascii_lowercase())
+            && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
+        if !well_formed || out.iter().any(|o| o.id == id) {
+            let (zh, en) = (
+                format!("记录项 id '{id}' 重复，或不是小写下划线形式"),
+                format!("record id '{id}' is used twice or is not lower snake case"),
+            );
+            r.error("spec.record.id", item, zh, en);
+            continue;
+        }
+        out.push(RecordLayer { id, name, unit });
+    }
+    out
+}
+
+fn words(node: &Node, r: &mut Report) -> Option<Words> {
+    let mut f = Fields::open(node, r)?;
+    let zh = f.text("zh", r);
+    let en = f.text("en", r);
+    f.close(r);
+    Some(Words { zh: zh?, en: en? })
+}
+
+fn seconds(node: &Node, r: &mut Report) -> Option<f64> {
+    let text = r.text(node)?;
+    match text.parse::<f64>() {
+        Ok(s) if s.is_finite() && s >= 0.0 => Some(s),
+        _ => {
+            r.error(
+                "spec.seconds",
+                node,
+                format!("'{text}' 不是非负的秒数"),
+                format!("'{text}' is not a number of seconds that is zero or more"),
+            );
+            None
+        }
+    }
+}
+
+fn member<T>(
+    node: &Node,
+    code: &'static str,
+    from_id: fn(&str) -> Option<T>,
+    all: impl Iterator<Item = &'static str> + Clone,
+    r: &mut Report,
+) -> Option<T> {
+    let text = r.text(node)?;
+    let found = from_id(&text);
+    if found.is_none() {
+        let known = all.clone().collect::<Vec<_>>().join(", ");
+        let hint = did_you_mean(&text, all).map_or_else(|| Bilingual::same(known), suggestion);
+        let message = Bilingual::new(
+            format!("'{text}' 不在允许的取值中"),
+            format!("'{text}' is not one of the allowed values"),
+        );
+        r.push(Diagnostic::error(code, message).with_hint(hint), node.mark, &node.pointer);
+    }
+    found
+}
