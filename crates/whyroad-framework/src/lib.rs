@@ -4,7 +4,12 @@
 //! are carried, not interpreted. The label checker is in [`validate`].
 
 pub mod decisions;
+pub mod diff;
+pub mod docs;
 pub mod framework;
+pub mod listing;
+pub mod markdown;
+pub mod schemas;
 pub mod spec;
 pub mod taxonomy;
 pub mod validate;

@@ -1,0 +1,163 @@
+//! `docs/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with English
+//! beside Chinese and every number counted. `markdown` can read it back.
+
+use crate::taxonomy::{Decides, L1, L2, L3};
+use crate::{Framework, ResolvedSpec};
+use std::fmt::Write as _;
+use whyroad_model::{Bilingual, ScenarioId};
+
+/// The whole page.
+pub fn taxonomy_page(f: &Framework) -> String {
+    let t = &f.taxonomy;
+    let (l1, l2, l3) = t.counts();
+    let mut out = String::new();
+    let _ = writeln!(
+        out,
+        "<!-- Written by `whyroad taxonomy docs` from schema/ and scenarios/. Change those, not this page. -->\n\n\
+         # 场景分类全集 · Scenario taxonomy\n\n\
+         > 版本: {}\n> 总计: {l1}个L1 | {l2}个L2 | {l3}个L3\n\n{}\n\n{}\n",
+        t.version, t.description.zh, t.description.en
+    );
+    statistics(f, &mut out);
+    for l1 in &t.l1 {
+        section_l1(f, l1, &mut out);
+    }
+    tree(f, &mut out);
+    out
+}
+
+/// The tree with counts, as it stands in TAXONOMY.md.
+pub fn tree_text(f: &Framework) -> String {
+    let t = &f.taxonomy;
+    let (n1, n2, n3) = t.counts();
+    let mut out = format!("场景分类体系 v{} ({n1} L1 | {n2} L2 | {n3} L3)\n", t.version);
+    for (i, l1) in t.l1.iter().enumerate() {
+        let (branch, trunk) = if i + 1 == n1 { ("└──", "    ") } else { ("├──", "│   ") };
+        let leaves: usize = l1.l2.iter().map(|b| b.l3.len()).sum();
+        let _ = writeln!(out, "│\n{branch} {} ({}) [{} L2, {leaves} L3]", l1.id, l1.name.zh, l1.l2.len());
+        for (j, l2) in l1.l2.iter().enumerate() {
+            let branch = if j + 1 == l1.l2.len() { "└──" } else { "├──" };
+            let ids: Vec<&str> = l2.l3.iter().map(|c| c.id.as_str()).collect();
+            let _ = writeln!(out, "{trunk}{branch} {} [{}]: {}", l2.id, l2.l3.len(), ids.join(", "));
+        }
+    }
+    out
+}
+
+fn statistics(f: &Framework, out: &mut String) {
+    let t = &f.taxonomy;
+    let ruled = |within: &ScenarioId| f.rules.iter().filter(|r| r.leaf.is_within(within)).count();
+    out.push_str("## 分类统计 · Counts\n\n| L1 | 名称 | Name | L2数量 | L3数量 | 有挖掘规则 · with a mining rule |\n|----|------|------|------|------|------|\n");
+    for a in &t.l1 {
+        let id = ScenarioId { l1: a.id.clone(), l2: None, l3: None };
+        let leaves: usize = a.l2.iter().map(|b| b.l3.len()).sum();
+        let _ = writeln!(
+            out,
+            "| `{}` | {} | {} | {} | {leaves} | {} |",
+            a.id,
+            cell(&a.name.zh),
+            cell(&a.name.en),
+            a.l2.len(),
+            ruled(&id)
+        );
+    }
+    let (_, l2, l3) = t.counts();
+    let _ = writeln!(out, "| **总计** | - | Total | **{l2}** | **{l3}** | {} |\n", f.rules.len());
+}
+
+fn section_l1(f: &Framework, l1: &L1, out: &mut String) {
+    let _ = writeln!(
+        out,
+        "---\n\n## L1: {} ({})\n\n**{}**\n\n> **定义**: {}\n>\n> **Definition**: {}\n",
+        l1.name.zh, l1.id, l1.name.en, l1.definition.zh, l1.definition.en
+    );
+    for l2 in &l1.l2 {
+        section_l2(f, l1, l2, out);
+    }
+}
+
+fn section_l2(f: &Framework, l1: &L1, l2: &L2, out: &mut String) {
+    let _ = writeln!(
+        out,
+        "### L2: {} - {}\n\n**{}**\n\n> **定义**: {}\n>\n> **Definition**: {}\n",
+        l2.id, l2.name.zh, l2.name.en, l2.definition.zh, l2.definition.en
+    );
+    let decisions: Vec<String> = l2
+        .typical_decisions
+        .longitudinal
+        .iter()
+        .map(|d| format!("`{d}`"))
+        .chain(l2.typical_decisions.lateral.iter().map(|d| format!("`{d}`")))
+        .collect();
+    if !decisions.is_empty() {
+        let _ = writeln!(out, "典型决策 · Typical decisions: {}\n", decisions.join(", "));
+    }
+    out.push_str("| L3 ID | 名称 | Name | 条件 | Condition | 标注要求 · Labelling |\n|-------|------|------|------|------|------|\n");
+    for l3 in &l2.l3 {
+        let spec = f.specs.get(&ScenarioId::leaf(&l1.id, &l2.id, &l3.id));
+        let _ = writeln!(
+            out,
+            "| `{}` | {} | {} | {} | {} | {} |",
+            l3.id,
+            cell(&l3.name.zh),
+            cell(&l3.name.en),
+            cell(&l3.condition.zh),
+            cell(&l3.condition.en),
+            cell(&labelling(spec))
+        );
+    }
+    out.push('\n');
+    for l3 in &l2.l3 {
+        definition(l3, out);
+    }
+    out.push('\n');
+    decides(l1, l2, out);
+}
+
+fn definition(l3: &L3, out: &mut String) {
+    let _ = writeln!(out, "- `{}`: {}<br>{}", l3.id, l3.definition.zh, l3.definition.en);
+}
+
+/// What a labeller must do beyond keyframe, start and end; those are in `whyroad taxonomy show`.
+fn labelling(spec: Option<&ResolvedSpec>) -> String {
+    let Some(spec) = spec else { return "?".to_owned() };
+    let mut parts = vec![format!("keyframe: {}", spec.keyframe.kind)];
+    if spec.second_keyframe.is_some() {
+        parts.push("双keyframe · two keyframes".to_owned());
+    }
+    for r in &spec.records {
+        let unit = r.unit.as_ref().map(|u| format!(" ({u})")).unwrap_or_default();
+        parts.push(format!("`{}`: {} · {}{unit}", r.id, r.name.zh, r.name.en));
+    }
+    if spec.uncertainty_high {
+        parts.push("uncertainty=high".to_owned());
+    }
+    if let Some(lateral) = spec.lateral {
+        parts.push(format!("lateral=`{lateral}`"));
+    }
+    parts.join("<br>")
+}
+
+fn decides(l1: &L1, l2: &L2, out: &mut String) {
+    let of_l2 = l2.decides.iter().map(|d| (format!("{}.{}", l1.id, l2.id), d));
+    let of_l3 = l2.l3.iter().flat_map(|c| c.decides.iter().map(move |d| (format!("{}.{}.{}", l1.id, l2.id, c.id), d)));
+    let rules: Vec<(String, &Decides)> = of_l2.chain(of_l3).collect();
+    if rules.is_empty() {
+        return;
+    }
+    out.push_str("易混类别的判定 · What decides between overlapping classes:\n\n");
+    for (id, d) in rules {
+        let Bilingual { zh, en } = &d.rule;
+        let _ = writeln!(out, "- `{id}` / `{}`: {zh}<br>{en}", d.against);
+    }
+    out.push('\n');
+}
+
+fn tree(f: &Framework, out: &mut String) {
+    let _ = write!(out, "---\n\n## 场景树状图 · Tree\n\n```\n{}```\n", tree_text(f));
+}
+
+/// Text that cannot break a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
