@@ -1,0 +1,468 @@
+//! Syntax to program: names looked up, types and units checked, values converted. Everything that can be
+//! wrong with a rule is found here, when it is read; evaluation cannot fail.
+
+mod atoms;
+mod moments;
+mod names;
+
+pub use names::nearest;
+
+use super::Fault;
+use super::program::{Kind, NodeId, Op, Program, Scope, Subject};
+use super::syntax::{ArithmeticOp, CompareOp, Expr, ExprKind, Quantity, Span};
+use std::collections::BTreeMap;
+use whyroad_model::Nanos;
+use whyroad_model::units::Dimension;
+use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, TargetRestriction};
+
+/// Turns expressions into nodes of one program.
+pub struct Checker<'a> {
+    catalogue: &'a Catalogue,
+    /// Named numbers of the rule.
+    pub parameters: BTreeMap<String, Quantity>,
+    /// Named conditions or numbers of the rule, in terms of which others may be written.
+    pub definitions: BTreeMap<String, (Expr, NodeId)>,
+    /// What has been built so far.
+    pub program: Program,
+    /// Restriction of the target by prefixes such as `target_vehicle.`.
+    pub subject: Option<Subject>,
+}
+
+type Lowered = Result<NodeId, Fault>;
+
+impl<'a> Checker<'a> {
+    /// A checker with an empty program.
+    pub fn new(catalogue: &'a Catalogue) -> Self {
+        Self {
+            catalogue,
+            parameters: BTreeMap::new(),
+            definitions: BTreeMap::new(),
+            program: Program::default(),
+            subject: None,
+        }
+    }
+
+    /// The node of an expression that must be a condition.
+    pub fn condition(&mut self, expr: &Expr) -> Lowered {
+        let id = self.lower(expr)?;
+        match &self.program.node(id).kind {
+            Kind::Condition => Ok(id),
+            other => Err(Fault::new(
+                "rule.type",
+                expr.span,
+                format!("此处应为条件，而不是{}", kind_zh(other)),
+                format!("expected a condition, not {}", kind_en(other)),
+            )
+            .hint("请与某个值比较，例如 > 5 m/s", "compare it with something, as in > 5 m/s")),
+        }
+    }
+
+    fn number(&mut self, expr: &Expr) -> Result<(NodeId, Dimension), Fault> {
+        let id = self.lower(expr)?;
+        match &self.program.node(id).kind {
+            Kind::Number(d) => Ok((id, *d)),
+            other => Err(Fault::new(
+                "rule.type",
+                expr.span,
+                format!("此处应为数，而不是{}", kind_zh(other)),
+                format!("expected a number, not {}", kind_en(other)),
+            )),
+        }
+    }
+
+    /// A time that is not negative: a literal or a parameter.
+    fn duration(&self, expr: &Expr) -> Result<Nanos, Fault> {
+        let quantity = match &expr.kind {
+            ExprKind::Number(q) => Some(*q),
+            ExprKind::Name(name) => self.parameters.get(name).copied(),
+            _ => None,
+        };
+        match quantity {
+            Some(q) if q.unit.dimension == Dimension::Time && q.value >= 0.0 => {
+                Ok(Nanos::from_secs_f64(q.base()))
+            }
+            _ => Err(Fault::new("rule.unit.mismatch", expr.span, "此处应为时长", "expected a time")
+                .hint("例如 0.5 s", "such as 0.5 s")),
+        }
+    }
+
+    /// The node of an expression of any type.
+    pub fn lower(&mut self, expr: &Expr) -> Lowered {
+        match &expr.kind {
+            ExprKind::Number(q) => {
+                Ok(self.program.add(Op::Constant(q.base()), Kind::Number(q.unit.dimension)))
+            }
+            ExprKind::Name(name) => self.name(name, expr.span),
+            ExprKind::Call(name, arguments) => self.call(name, arguments, expr.span),
+            ExprKind::Negate(of) => {
+                let (id, d) = self.number(of)?;
+                Ok(self.program.add(Op::Negate(id), Kind::Number(d)))
+            }
+            ExprKind::Arithmetic(op, a, b) => self.arithmetic(*op, a, b, expr.span),
+            ExprKind::Not(of) => {
+                let id = self.condition(of)?;
+                Ok(self.flag(Op::Not(id)))
+            }
+            ExprKind::And(all) => {
+                let all = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                Ok(self.flag(Op::And(all)))
+            }
+            ExprKind::Or(all) => {
+                let all = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                Ok(self.flag(Op::Or(all)))
+            }
+            ExprKind::Compare(first, rest) => {
+                let mut left = first.as_ref();
+                let mut all = Vec::new();
+                for (op, right) in rest {
+                    all.push(self.compare(*op, left, right)?);
+                    left = right;
+                }
+                Ok(if all.len() == 1 { all[0] } else { self.flag(Op::And(all)) })
+            }
+            ExprKind::In(of, members) => self.membership(of, members),
+            ExprKind::Known(of) => {
+                let id = self.lower(of)?;
+                Ok(self.flag(Op::Known(id)))
+            }
+            ExprKind::For(of, time) => {
+                let (id, time) = (self.condition(of)?, self.duration(time)?);
+                Ok(self.flag(Op::For(id, time)))
+            }
+            ExprKind::Within(of, time) => {
+                let (id, time) = (self.condition(of)?, self.duration(time)?);
+                Ok(self.flag(Op::Within(id, time)))
+            }
+            ExprKind::Then(first, second, time) => {
+                let (a, b) = (self.condition(first)?, self.condition(second)?);
+                let time = self.duration(time)?;
+                let before = self.flag(Op::Previously(a, Some(time)));
+                Ok(self.flag(Op::And(vec![b, before])))
+            }
+            ExprKind::At(of) => {
+                let id = self.lower(of)?;
+                let kind = self.program.node(id).kind.clone();
+                Ok(self.program.add(Op::AtKeyframe(id), kind))
+            }
+        }
+    }
+
+    fn flag(&mut self, op: Op) -> NodeId {
+        self.program.add(op, Kind::Condition)
+    }
+
+    fn name(&mut self, name: &str, span: Span) -> Lowered {
+        if let Some(q) = self.parameters.get(name) {
+            return Ok(self.program.add(Op::Constant(q.base()), Kind::Number(q.unit.dimension)));
+        }
+        if let Some((_, id)) = self.definitions.get(name) {
+            return Ok(*id);
+        }
+        if let "true" | "false" = name {
+            return Ok(self.flag(Op::Truth(name == "true")));
+        }
+        let (def, restriction) = self.catalogue.resolve(name).ok_or_else(|| {
+            let own = self.parameters.keys().chain(self.definitions.keys()).map(String::as_str);
+            names::unknown(self.catalogue, name, span, own)
+        })?;
+        let restriction = match restriction {
+            TargetRestriction::Any => None,
+            TargetRestriction::Vehicle => Some(Subject::Vehicle),
+            TargetRestriction::Vru => Some(Subject::Vru),
+        };
+        if let Some(r) = restriction {
+            if self.subject.is_some_and(|s| s != r) {
+                return Err(Fault::new(
+                    "rule.target",
+                    span,
+                    "一条规则只能有一种目标",
+                    "a rule has one kind of target: target_vehicle and target_vru cannot be mixed",
+                ));
+            }
+            self.subject = Some(r);
+        }
+        let (name, kind) = (def.name.clone(), kind_of(def));
+        Ok(self.program.add(Op::Signal(name), kind))
+    }
+
+    fn arithmetic(&mut self, op: ArithmeticOp, a: &Expr, b: &Expr, span: Span) -> Lowered {
+        let ((x, dx), (y, dy)) = (self.number(a)?, self.number(b)?);
+        match op {
+            ArithmeticOp::Multiply => {
+                let d = match (dx, dy) {
+                    (Dimension::Ratio, d) | (d, Dimension::Ratio) => d,
+                    _ => {
+                        return Err(Fault::new(
+                            "rule.unit.mismatch",
+                            span,
+                            "乘法的一边须为无单位的数",
+                            "one side of `*` must be a number without a unit",
+                        ));
+                    }
+                };
+                Ok(self.program.add(Op::Multiply(x, y), Kind::Number(d)))
+            }
+            _ if dx != dy => Err(mismatch(span, dx, dy)),
+            ArithmeticOp::Add => Ok(self.program.add(Op::Add(x, y), Kind::Number(dx))),
+            ArithmeticOp::Subtract => Ok(self.program.add(Op::Subtract(x, y), Kind::Number(dx))),
+        }
+    }
+
+    fn compare(&mut self, op: CompareOp, a: &Expr, b: &Expr) -> Lowered {
+        let left = self.lower(a)?;
+        if let Kind::Category(members) = self.program.node(left).kind.clone() {
+            return self.compare_category(op, left, &members, b, a.span.to(b.span));
+        }
+        let right = self.lower(b)?;
+        let span = a.span.to(b.span);
+        let (l, r) = (self.program.node(left).kind.clone(), self.program.node(right).kind.clone());
+        match (l, r) {
+            (Kind::Number(x), Kind::Number(y)) if x == y => {
+                let scale = self.scale(left).or_else(|| self.scale(right)).unwrap_or(1.0);
+                Ok(self.flag(Op::Compare { op, left, right, scale }))
+            }
+            (Kind::Number(x), Kind::Number(Dimension::Ratio)) if matches!(b.kind, ExprKind::Number(_)) => {
+                let base = x.base().symbol;
+                Err(mismatch(span, x, Dimension::Ratio)
+                    .hint(format!("请写上单位，例如 {base}"), format!("write the unit, such as {base}")))
+            }
+            (Kind::Number(x), Kind::Number(y)) => Err(mismatch(span, x, y)),
+            (Kind::Condition, Kind::Condition) if op == CompareOp::Equal || op == CompareOp::NotEqual => {
+                let (both, neither) = {
+                    let (nl, nr) = (self.flag(Op::Not(left)), self.flag(Op::Not(right)));
+                    (self.flag(Op::And(vec![left, right])), self.flag(Op::And(vec![nl, nr])))
+                };
+                let same = self.flag(Op::Or(vec![both, neither]));
+                Ok(if op == CompareOp::Equal { same } else { self.flag(Op::Not(same)) })
+            }
+            (l, r) => Err(Fault::new(
+                "rule.type",
+                span,
+                format!("{}不能与{}比较", kind_zh(&l), kind_zh(&r)),
+                format!("cannot compare {} with {}", kind_en(&l), kind_en(&r)),
+            )),
+        }
+    }
+
+    fn compare_category(
+        &mut self,
+        op: CompareOp,
+        of: NodeId,
+        members: &[String],
+        b: &Expr,
+        span: Span,
+    ) -> Lowered {
+        let (ExprKind::Name(word), CompareOp::Equal | CompareOp::NotEqual) = (&b.kind, op) else {
+            return Err(Fault::new(
+                "rule.type",
+                span,
+                "类别只能用 ==、!= 或 in 与名称比较",
+                "a category is compared with a name, by ==, != or `in`",
+            ));
+        };
+        let id = self.member(of, members, &[(word.clone(), b.span)])?;
+        Ok(if op == CompareOp::Equal { id } else { self.flag(Op::Not(id)) })
+    }
+
+    fn membership(&mut self, of: &Expr, members: &[(String, Span)]) -> Lowered {
+        let id = self.lower(of)?;
+        match self.program.node(id).kind.clone() {
+            Kind::Category(known) => self.member(id, &known, members),
+            other => Err(Fault::new(
+                "rule.type",
+                of.span,
+                format!("`in` 只用于类别，而不是{}", kind_zh(&other)),
+                format!("`in` is for categories, not {}", kind_en(&other)),
+            )),
+        }
+    }
+
+    fn member(&mut self, of: NodeId, known: &[String], members: &[(String, Span)]) -> Lowered {
+        for (word, span) in members {
+            if !known.contains(word) {
+                let all = known.join(", ");
+                let fault = Fault::new(
+                    "rule.member.unknown",
+                    *span,
+                    format!("没有名为 '{word}' 的取值"),
+                    format!("'{word}' is not one of the values here"),
+                );
+                return Err(match nearest(word, known.iter().map(String::as_str)) {
+                    Some(n) => fault.hint(
+                        format!("是否想写 '{n}'？可用取值：{all}"),
+                        format!("did you mean '{n}'? Values: {all}"),
+                    ),
+                    None => fault.hint(format!("可用取值：{all}"), format!("values: {all}")),
+                });
+            }
+        }
+        let mut words: Vec<String> = members.iter().map(|(w, _)| w.clone()).collect();
+        words.sort();
+        words.dedup();
+        Ok(self.flag(Op::Member(of, words)))
+    }
+
+    fn call(&mut self, name: &str, arguments: &[Expr], span: Span) -> Lowered {
+        match (name, arguments) {
+            ("abs", [x]) => {
+                let (id, d) = self.number(x)?;
+                Ok(self.program.add(Op::Absolute(id), Kind::Number(d)))
+            }
+            ("min" | "max", [x, time]) => {
+                let ((id, d), time) = (self.number(x)?, self.duration(time)?);
+                let op = if name == "min" { Op::Least(id, time) } else { Op::Greatest(id, time) };
+                Ok(self.program.add(op, Kind::Number(d)))
+            }
+            ("share", [c, time]) => {
+                let (id, time) = (self.condition(c)?, self.duration(time)?);
+                Ok(self.program.add(Op::Share(id, time), Kind::Number(Dimension::Ratio)))
+            }
+            ("rises" | "falls", [c]) => {
+                let now = self.condition(c)?;
+                let before = self.flag(Op::Before(now));
+                let (now, before) = if name == "rises" {
+                    (now, self.flag(Op::Not(before)))
+                } else {
+                    (self.flag(Op::Not(now)), before)
+                };
+                Ok(self.flag(Op::And(vec![now, before])))
+            }
+            ("previously", [c]) => {
+                let id = self.condition(c)?;
+                Ok(self.flag(Op::Previously(id, None)))
+            }
+            ("previously", [c, time]) => {
+                let (id, time) = (self.condition(c)?, self.duration(time)?);
+                Ok(self.flag(Op::Previously(id, Some(time))))
+            }
+            _ => Err(unknown_call(name, arguments.len(), span)),
+        }
+    }
+
+    /// Typical magnitude of a number: that of the first signal in it.
+    fn scale(&self, id: NodeId) -> Option<f64> {
+        match &self.program.node(id).op {
+            Op::Signal(name) => self.catalogue.get(name).map(|d| d.scale),
+            op => op.operands().into_iter().find_map(|o| self.scale(o)),
+        }
+    }
+
+    /// True when the node's value belongs to a target.
+    pub fn is_of_target(&self, id: NodeId) -> bool {
+        self.program.node(id).scope == Scope::Target
+    }
+}
+
+fn kind_of(def: &SignalDef) -> Kind {
+    match &def.kind {
+        SignalKind::Number(d) => Kind::Number(*d),
+        SignalKind::Flag => Kind::Condition,
+        SignalKind::Category(names) => Kind::Category(names.to_vec()),
+    }
+}
+
+/// Operators written as calls, with their forms.
+const CALLS: &[(&str, &str)] = &[
+    ("abs", "abs(x)"),
+    ("min", "min(x, 3 s)"),
+    ("max", "max(x, 3 s)"),
+    ("share", "share(c, 3 s)"),
+    ("rises", "rises(c)"),
+    ("falls", "falls(c)"),
+    ("previously", "previously(c) or previously(c, 3 s)"),
+];
+
+fn unknown_call(name: &str, count: usize, span: Span) -> Fault {
+    if let Some((_, form)) = CALLS.iter().find(|(n, _)| *n == name) {
+        return Fault::new(
+            "rule.call",
+            span,
+            format!("{name} 的参数不对（给了 {count} 个）"),
+            format!("{name} does not take {count} argument(s) here"),
+        )
+        .hint(format!("写法：{form}"), format!("it is written {form}"));
+    }
+    if matches!(name, "first" | "last" | "least" | "greatest") {
+        return Fault::new(
+            "rule.call",
+            span,
+            format!("{name}(…) 是时刻，不是条件"),
+            format!("{name}(..) is a moment, not a condition; moments belong in keyframe, start and end"),
+        );
+    }
+    let fault = Fault::new(
+        "rule.call",
+        span,
+        format!("没有名为 {name} 的运算"),
+        format!("there is no operator '{name}'"),
+    );
+    let all: Vec<&str> = CALLS.iter().map(|(_, form)| *form).collect();
+    let all = all.join(", ");
+    match nearest(name, CALLS.iter().map(|(n, _)| *n)) {
+        Some(n) => fault
+            .hint(format!("是否想写 '{n}'？可用：{all}"), format!("did you mean '{n}'? There are: {all}")),
+        None => fault.hint(format!("可用：{all}"), format!("there are: {all}")),
+    }
+}
+
+fn mismatch(span: Span, a: Dimension, b: Dimension) -> Fault {
+    Fault::new(
+        "rule.unit.mismatch",
+        span,
+        format!("单位不一致：{} 与 {}", dimension_zh(a), dimension_zh(b)),
+        format!("units do not match: {} and {}", dimension_en(a), dimension_en(b)),
+    )
+}
+
+fn with_unit(word: &str, d: Dimension) -> String {
+    match d.base().symbol {
+        "" => word.to_owned(),
+        unit => format!("{word} ({unit})"),
+    }
+}
+
+fn dimension_en(d: Dimension) -> String {
+    let word = match d {
+        Dimension::Ratio => "a number without a unit",
+        Dimension::Length => "a length",
+        Dimension::Time => "a time",
+        Dimension::Speed => "a speed",
+        Dimension::Acceleration => "an acceleration",
+        Dimension::Jerk => "a jerk",
+        Dimension::Angle => "an angle",
+        Dimension::AngularSpeed => "an angular speed",
+        Dimension::Curvature => "a curvature",
+    };
+    with_unit(word, d)
+}
+
+fn dimension_zh(d: Dimension) -> String {
+    let word = match d {
+        Dimension::Ratio => "无单位的数",
+        Dimension::Length => "长度",
+        Dimension::Time => "时间",
+        Dimension::Speed => "速度",
+        Dimension::Acceleration => "加速度",
+        Dimension::Jerk => "加加速度",
+        Dimension::Angle => "角度",
+        Dimension::AngularSpeed => "角速度",
+        Dimension::Curvature => "曲率",
+    };
+    with_unit(word, d)
+}
+
+fn kind_en(k: &Kind) -> String {
+    match k {
+        Kind::Number(d) => dimension_en(*d),
+        Kind::Condition => "a condition".to_owned(),
+        Kind::Category(_) => "a category".to_owned(),
+    }
+}
+
+fn kind_zh(k: &Kind) -> String {
+    match k {
+        Kind::Number(d) => dimension_zh(*d),
+        Kind::Condition => "条件".to_owned(),
+        Kind::Category(_) => "类别".to_owned(),
+    }
+}

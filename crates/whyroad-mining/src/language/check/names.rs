@@ -1,0 +1,52 @@
+//! Names that are not there, and what was probably meant.
+
+use super::super::syntax::Span;
+use super::Fault;
+use whyroad_signals::catalogue::Catalogue;
+
+/// Prefixes that name a target and at the same time say what it is (DATA_FORMAT.md 5.1 `target_vehicle.`).
+const TARGET_PREFIXES: &[&str] = &["target_vehicle.", "target_vru."];
+
+/// The fault for a name that is neither a signal nor one of the rule's `own` names.
+pub(super) fn unknown<'n>(
+    catalogue: &'n Catalogue,
+    written: &str,
+    span: Span,
+    own: impl Iterator<Item = &'n str>,
+) -> Fault {
+    let fault = Fault::new(
+        "rule.signal.unknown",
+        span,
+        format!("没有名为 '{written}' 的信号或参数"),
+        format!("there is no signal or parameter '{written}'"),
+    );
+    let prefix = TARGET_PREFIXES.iter().find(|p| written.starts_with(**p));
+    let plain = prefix.map_or(written.to_owned(), |p| format!("target.{}", &written[p.len()..]));
+    let known = catalogue
+        .iter()
+        .flat_map(|d| std::iter::once(d.name.as_str()).chain(d.aliases.iter().map(String::as_str)));
+    match nearest(&plain, known.chain(own)) {
+        Some(n) => {
+            let n = match (prefix, n.strip_prefix("target.")) {
+                (Some(p), Some(rest)) => format!("{p}{rest}"),
+                _ => n.to_owned(),
+            };
+            fault.hint(format!("是否想写 '{n}'？"), format!("did you mean '{n}'?"))
+        }
+        None => fault.hint("可用信号见 schema/signals.yaml", "the signals are listed in schema/signals.yaml"),
+    }
+}
+
+/// The candidate most like `written`, when one is alike enough to be what was meant. The first one wins a tie.
+pub fn nearest<'c>(written: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    let mut best: Option<(f64, &str)> = None;
+    for c in candidates {
+        let likeness =
+            strsim::jaro_winkler(written, c).max(strsim::normalized_damerau_levenshtein(written, c));
+        if likeness > best.map_or(0.0, |b| b.0) {
+            best = Some((likeness, c));
+        }
+    }
+    // Below this, names of one family (`target.speed`, `target.accel`) are proposed for nonsense.
+    best.filter(|(likeness, _)| *likeness >= 0.8).map(|(_, c)| c)
+}

@@ -1,0 +1,250 @@
+//! A checked program: an arena of operations over signals, all numbers in base units. Equal operations are
+//! one node, so that a condition that several leaves share is evaluated once a drive.
+
+use super::syntax::CompareOp;
+use std::collections::BTreeSet;
+use whyroad_model::units::{Dimension, Unit};
+use whyroad_model::{Nanos, ObjectClass};
+
+/// Index of a node in its program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub usize);
+
+/// Over which rows a node has a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Scope {
+    /// One value a frame of the drive.
+    Frame,
+    /// One value a frame of each target.
+    Target,
+}
+
+/// Which objects can be the target of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Subject {
+    /// Everything that is tracked.
+    Any,
+    /// Motor vehicles.
+    Vehicle,
+    /// Trucks, buses and the like.
+    LargeVehicle,
+    /// Vulnerable road users.
+    Vru,
+}
+
+impl Subject {
+    /// The word for it in a rule file.
+    pub fn from_word(word: &str) -> Option<Self> {
+        match word {
+            "any" => Some(Self::Any),
+            "vehicle" => Some(Self::Vehicle),
+            "large_vehicle" => Some(Self::LargeVehicle),
+            "vru" => Some(Self::Vru),
+            _ => None,
+        }
+    }
+
+    /// True when an object of this class can be the target.
+    pub fn admits(self, class: ObjectClass) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Vehicle => class.is_vehicle(),
+            Self::LargeVehicle => class.is_large_vehicle(),
+            Self::Vru => class.is_vru(),
+        }
+    }
+}
+
+/// Type of a node's value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A number in the dimension's base unit.
+    Number(Dimension),
+    /// Three-valued truth.
+    Condition,
+    /// One of a closed set of names.
+    Category(Vec<String>),
+}
+
+/// What a node computes. Operands come before their users in the arena.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Op {
+    /// A number of the rule.
+    Constant(f64),
+    /// `true` or `false` of the rule.
+    Truth(bool),
+    /// A signal of any kind, by its name in the catalogue.
+    Signal(String),
+    /// `-a`.
+    Negate(NodeId),
+    /// `a + b`.
+    Add(NodeId, NodeId),
+    /// `a - b`.
+    Subtract(NodeId, NodeId),
+    /// `a * b`.
+    Multiply(NodeId, NodeId),
+    /// `abs(a)`.
+    Absolute(NodeId),
+    /// `min(a, 3 s)`: least value in the past window, now included.
+    Least(NodeId, Nanos),
+    /// `max(a, 3 s)`: greatest value in the past window, now included.
+    Greatest(NodeId, Nanos),
+    /// `share(c, 3 s)`: part of the past window, now included, in which the condition was true.
+    Share(NodeId, Nanos),
+    /// Comparison of two numbers; `scale` turns their difference into a margin.
+    Compare {
+        /// Operator.
+        op: CompareOp,
+        /// Left side.
+        left: NodeId,
+        /// Right side.
+        right: NodeId,
+        /// Typical magnitude of what is compared, in its base unit.
+        scale: f64,
+    },
+    /// Category in a set of names.
+    Member(NodeId, Vec<String>),
+    /// The operand has a known value.
+    Known(NodeId),
+    /// Kleene negation.
+    Not(NodeId),
+    /// Kleene conjunction.
+    And(Vec<NodeId>),
+    /// Kleene disjunction.
+    Or(Vec<NodeId>),
+    /// Belongs to a run of true that lasts at least so long.
+    For(NodeId, Nanos),
+    /// True now or at some frame until so much later.
+    Within(NodeId, Nanos),
+    /// True at some earlier frame, not longer ago than so much where a time is given.
+    Previously(NodeId, Option<Nanos>),
+    /// The operand's value at the frame before.
+    Before(NodeId),
+    /// The operand's value at the episode's keyframe, at every frame.
+    AtKeyframe(NodeId),
+}
+
+/// A node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it computes.
+    pub op: Op,
+    /// Type of its value.
+    pub kind: Kind,
+    /// Rows of its value.
+    pub scope: Scope,
+    /// True when the value depends on where the keyframe is.
+    pub needs_keyframe: bool,
+}
+
+/// A moment of the labelling spec. What "true" ranges over (the match, before or after the keyframe) is the
+/// business of who resolves it: see [`crate::episode::moment`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Moment {
+    /// The keyframe.
+    Keyframe,
+    /// First frame of the match.
+    MatchStart,
+    /// One past the last frame of the match.
+    MatchEnd,
+    /// First frame of the range at which it is true.
+    First(NodeId),
+    /// Last frame of the range at which it is true.
+    Last(NodeId),
+    /// A bare condition: the frame nearest to the keyframe; the first one when the keyframe itself is sought.
+    Nearest(NodeId),
+    /// First frame of the range with the least value.
+    Least(NodeId),
+    /// First frame of the range with the greatest value.
+    Greatest(NodeId),
+    /// The earliest of several; missing when one of them is.
+    Earliest(Vec<Moment>),
+    /// The latest of several; missing when one of them is.
+    Latest(Vec<Moment>),
+    /// Another moment moved in time.
+    Offset(Box<Moment>, Nanos),
+}
+
+/// What a condition measures, for telling a person: `target.ttc < 3s` and the value it had.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Atom {
+    /// As written, parameters replaced by their values.
+    pub text: String,
+    /// Truth of the atom.
+    pub condition: NodeId,
+    /// The measured number or category; the condition itself where nothing is measured.
+    pub measured: NodeId,
+    /// The signals it reads.
+    pub signals: BTreeSet<String>,
+    /// Unit that the measured number is told in.
+    pub unit: &'static Unit,
+}
+
+/// All nodes of one rule.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Program {
+    /// Operands before users.
+    pub nodes: Vec<Node>,
+}
+
+impl Program {
+    /// The node.
+    pub fn node(&self, id: NodeId) -> &Node {
+        &self.nodes[id.0]
+    }
+
+    /// Adds a node, or finds the equal one.
+    pub fn add(&mut self, op: Op, kind: Kind) -> NodeId {
+        if let Some(i) = self.nodes.iter().position(|n| n.op == op && n.kind == kind) {
+            return NodeId(i);
+        }
+        let operands = op.operands();
+        let scope = match &op {
+            Op::Signal(name) if name.starts_with("target.") => Scope::Target,
+            _ => operands.iter().map(|o| self.node(*o).scope).max().unwrap_or(Scope::Frame),
+        };
+        let needs_keyframe =
+            matches!(op, Op::AtKeyframe(_)) || operands.iter().any(|o| self.node(*o).needs_keyframe);
+        self.nodes.push(Node { op, kind, scope, needs_keyframe });
+        NodeId(self.nodes.len() - 1)
+    }
+
+    /// Names of all signals that `root` reads.
+    pub fn signals(&self, root: NodeId) -> BTreeSet<String> {
+        let mut out = BTreeSet::new();
+        let mut todo = vec![root];
+        while let Some(id) = todo.pop() {
+            let node = self.node(id);
+            if let Op::Signal(name) = &node.op {
+                out.insert(name.clone());
+            }
+            todo.extend(node.op.operands());
+        }
+        out
+    }
+}
+
+impl Op {
+    /// The nodes it reads.
+    pub fn operands(&self) -> Vec<NodeId> {
+        match self {
+            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) => vec![],
+            Op::Negate(a)
+            | Op::Absolute(a)
+            | Op::Least(a, _)
+            | Op::Greatest(a, _)
+            | Op::Share(a, _)
+            | Op::Member(a, _)
+            | Op::Known(a)
+            | Op::Not(a)
+            | Op::For(a, _)
+            | Op::Within(a, _)
+            | Op::Previously(a, _)
+            | Op::Before(a)
+            | Op::AtKeyframe(a) => vec![*a],
+            Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) => vec![*a, *b],
+            Op::Compare { left, right, .. } => vec![*left, *right],
+            Op::And(all) | Op::Or(all) => all.clone(),
+        }
+    }
+}

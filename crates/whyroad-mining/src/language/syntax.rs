@@ -1,0 +1,122 @@
+//! An expression as written: names not yet looked up, units not yet converted. Every part knows its place.
+
+use whyroad_model::units::Unit;
+
+/// Bytes `start..end` of an expression's text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// From the start of `self` to the end of `other`.
+    #[must_use]
+    pub fn to(self, other: Span) -> Span {
+        Span { start: self.start, end: other.end }
+    }
+}
+
+/// A part of an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// Kinds of expression.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ExprKind {
+    /// `5 km/h`; no unit is a pure number.
+    Number(Quantity),
+    /// A signal, parameter, definition, member of a closed set, or moment.
+    Name(String),
+    /// `rises(x)`, `max(x, 3 s)`.
+    Call(String, Vec<Expr>),
+    /// `-x`.
+    Negate(Box<Expr>),
+    /// `not c`.
+    Not(Box<Expr>),
+    /// `a + b` and the like.
+    Arithmetic(ArithmeticOp, Box<Expr>, Box<Expr>),
+    /// `a and b and c`.
+    And(Vec<Expr>),
+    /// `a or b or c`.
+    Or(Vec<Expr>),
+    /// `a < b`, `a < b <= c`.
+    Compare(Box<Expr>, Vec<(CompareOp, Expr)>),
+    /// `x in {a, b}`.
+    In(Box<Expr>, Vec<(String, Span)>),
+    /// `x is known`.
+    Known(Box<Expr>),
+    /// `c for 0.5 s`.
+    For(Box<Expr>, Box<Expr>),
+    /// `c within 3 s`: now or later.
+    Within(Box<Expr>, Box<Expr>),
+    /// `a then b within 3 s`: b now, and a before it.
+    Then(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `x at keyframe`.
+    At(Box<Expr>),
+}
+
+/// A number with its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    /// In `unit`.
+    pub value: f64,
+    /// As written; the ratio's empty unit when there is none.
+    pub unit: &'static Unit,
+}
+
+impl Quantity {
+    /// In the dimension's base unit.
+    pub fn base(self) -> f64 {
+        self.value * self.unit.to_base
+    }
+}
+
+/// Arithmetic of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArithmeticOp {
+    /// `+`
+    Add,
+    /// `-`
+    Subtract,
+    /// `*`, where one side is a pure number.
+    Multiply,
+}
+
+/// Comparison of two values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CompareOp {
+    /// `<`
+    Less,
+    /// `<=`
+    LessOrEqual,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterOrEqual,
+    /// `==`
+    Equal,
+    /// `!=`
+    NotEqual,
+}
+
+impl CompareOp {
+    /// As written.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Less => "<",
+            Self::LessOrEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterOrEqual => ">=",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Expected readings come from the grammar in `docs/rules.md` and from DATA_FORMAT.md 5.
+
+use super::*;
+use crate::language::program::Op;
+use crate::language::syntax::{ExprKind, Quantity};
+use whyroad_model::Lang;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::units::Unit;
+use whyroad_signals::Catalogue;
+
+fn check(text: &str) -> Result<(Program, NodeId), Fault> {
+    let mut checker = Checker::new(Catalogue::bundled());
+    let band = Quantity { value: 7.0, unit: Unit::parse("m").unwrap() };
+    checker.parameters.insert("band".to_owned(), band);
+    let expr = parse::parse(text)?;
+    let id = checker.condition(&expr)?;
+    Ok((checker.program, id))
+}
+
+fn fault(text: &str) -> Fault {
+    check(text).expect_err(text)
+}
+
+fn describe(text: &str) -> String {
+    let checker = Checker::new(Catalogue::bundled());
+    checker.describe(&parse::parse(text).unwrap())
+}
+
+#[test]
+fn and_binds_tighter_than_or_and_for_speaks_of_all_to_its_left() {
+    let kind = |text| parse::parse(text).unwrap().kind;
+    let ExprKind::Or(all) = kind("ego.brake or ego.aeb and ego.standstill") else { panic!("or on top") };
+    assert!(matches!(all[1].kind, ExprKind::And(_)));
+    // DESIGN.md "Rules": the duration is that of the whole conjunction, as in DATA_FORMAT.md 5.1.
+    let ExprKind::For(of, _) = kind("target.lateral_offset > 0.5 m and ttc < 5 s for 0.5 s") else {
+        panic!("for on top")
+    };
+    assert!(matches!(of.kind, ExprKind::And(_)));
+    let ExprKind::Then(_, second, _) = kind("ego.brake then ego.standstill within 3 s") else {
+        panic!("then on top")
+    };
+    assert!(matches!(second.kind, ExprKind::Name(_)), "`within` belongs to the `then`");
+}
+
+#[test]
+fn numbers_arrive_in_base_units() {
+    let (program, _) = check("ego.speed > 36 km/h").unwrap();
+    assert!(program.nodes.iter().any(|n| matches!(n.op, Op::Constant(v) if (v - 10.0).abs() < 1e-12)));
+    let (program, _) = check("abs(ego.yaw_rate) > 180 deg/s").unwrap();
+    assert!(
+        program
+            .nodes
+            .iter()
+            .any(|n| matches!(n.op, Op::Constant(v) if (v - std::f64::consts::PI).abs() < 1e-12))
+    );
+}
+
+#[test]
+fn equal_parts_are_one_node() {
+    let (program, _) = check("rises(ego.speed > 1 m/s) or falls(ego.speed > 1 m/s)").unwrap();
+    assert_eq!(program.nodes.iter().filter(|n| matches!(n.op, Op::Compare { .. })).count(), 1);
+}
+
+#[test]
+fn every_kind_of_fault_has_its_code_and_place() {
+    // (text, code, the part that is meant)
+    let cases = [
+        ("ego.sped > 5 m/s", "rule.signal.unknown", "ego.sped"),
+        ("target_vehicle.lateral_ofset > 0.5 m", "rule.signal.unknown", "target_vehicle.lateral_ofset"),
+        ("ego.speed > 5 s", "rule.unit.mismatch", "ego.speed > 5 s"),
+        ("ego.speed > 5", "rule.unit.mismatch", "ego.speed > 5"),
+        ("ego.speed > 5 kmh", "rule.unit.unknown", "kmh"),
+        ("ego.speed + band > 3 m", "rule.unit.mismatch", "ego.speed + band"),
+        ("ego.speed", "rule.type", "ego.speed"),
+        ("ego.standstill > 3 m", "rule.type", "ego.standstill > 3 m"),
+        ("ego.lane_change == lft", "rule.member.unknown", "lft"),
+        ("ego.lane_change in {left, up}", "rule.member.unknown", "up"),
+        ("ego.speed in {left}", "rule.type", "ego.speed"),
+        ("ego.brake for 5 m", "rule.unit.mismatch", "5 m"),
+        ("rise(ego.brake)", "rule.call", "rise(ego.brake)"),
+        ("abs(ego.speed, 3 s) > 1 m/s", "rule.call", "abs(ego.speed, 3 s)"),
+        ("target_vehicle.speed > 1 m/s and target_vru.speed > 1 m/s", "rule.target", "target_vru.speed"),
+        ("ego.brake for 1 s and ego.aeb", "rule.syntax", "and"),
+        ("ego.brake then ego.aeb", "rule.syntax", ""),
+        ("(ego.brake", "rule.syntax", ""),
+        ("ego.brake ego.aeb", "rule.syntax", "ego.aeb"),
+        ("ego.speed = 5 m/s", "rule.syntax", "="),
+        ("", "rule.syntax", ""),
+        ("ego.speed > 1..2 m/s", "rule.syntax", "1..2"),
+    ];
+    for (text, code, part) in cases {
+        let f = fault(text);
+        assert_eq!((f.code, &text[f.span.start..f.span.end]), (code, part), "{text}");
+    }
+    let deep = format!("{}ego.brake{}", "(".repeat(5000), ")".repeat(5000));
+    assert_eq!(fault(&deep).code, "rule.syntax", "deep nesting is refused, not a stack overflow");
+}
+
+#[test]
+fn a_fault_reads_like_rustc() {
+    let origin = Place {
+        file: Some("scenarios/reactive_agent/cutin.yaml".to_owned()),
+        line: Some(40),
+        ..Place::default()
+    };
+    let text = "target.lateral_offset > 0.5 m and ego.sped < 3 m/s";
+    insta::assert_snapshot!(render_text(&fault(text).locate(text, &origin), Lang::En));
+    insta::assert_snapshot!(render_text(&fault(text).locate(text, &origin), Lang::Zh));
+}
+
+#[test]
+fn conditions_are_described_as_data_format_prints_them() {
+    // DATA_FORMAT.md 5.2.
+    assert_eq!(describe("target_vehicle.lateral_offset   >   0.5 m"), "target_vehicle.lateral_offset > 0.5m");
+    assert_eq!(describe("not (ego.brake or ego.aeb)"), "not (ego.brake or ego.aeb)");
+}
+
+#[test]
+fn a_description_reads_back_as_the_same_program() {
+    for text in [
+        "abs(target.path_lateral) < band and target.class in {car, bus}",
+        "(a_flag or ego.brake) and not ego.aeb for 0.5 s",
+        "ego.brake then (ego.speed < 5 km/h for 2 s) within 3 s",
+        "-7 m < target.path_lateral <= 7 m",
+        "max(ego.speed, 3 s) - 2 * ego.speed > -1.5 m/s",
+        "share(ego.brake, 2 s) >= 80 % or ttc is not known",
+        "previously(rises(ego.brake), 4 s) within 1 s",
+    ] {
+        let text = text.replace("a_flag", "ego.standstill");
+        let (program, id) = check(&text).unwrap();
+        let mut checker = Checker::new(Catalogue::bundled());
+        let band = Quantity { value: 7.0, unit: Unit::parse("m").unwrap() };
+        checker.parameters.insert("band".to_owned(), band);
+        let described = checker.describe(&parse::parse(&text).unwrap());
+        let again = check(&described).unwrap_or_else(|f| panic!("{described}: {f:?}"));
+        assert_eq!((program, id), again, "{text} became {described}");
+    }
+}
