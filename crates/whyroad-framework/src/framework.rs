@@ -5,7 +5,7 @@ mod load;
 use crate::{DecisionSets, Lexicon, ResolvedSpec, Taxonomy};
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use whyroad_model::{Diagnostic, ScenarioId};
 
 /// Classes, decisions, labelling specs, rule sources, and the texts that other crates parse.
@@ -17,18 +17,22 @@ pub struct Framework {
     pub decisions: DecisionSets,
     /// One spec a leaf, inheritance applied.
     pub specs: BTreeMap<ScenarioId, ResolvedSpec>,
-    /// One `mining:` block a leaf that has one, in taxonomy order.
+    /// One spec an L2 that has any, for what is known to be of that L2 and of no leaf in particular.
+    pub l2_specs: BTreeMap<ScenarioId, ResolvedSpec>,
+    /// One `mining:` block an L2 or leaf that has one, in taxonomy order, an L2 before its leaves.
     pub rules: Vec<RuleSource>,
     /// Words that name decisions in a trace.
     pub lexicon: Lexicon,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
+    /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.
+    pub precedence_yaml: String,
 }
 
-/// A leaf's mining rule as written. whyroad-mining gives it meaning.
+/// A mining rule as written, of a leaf or of an L2. whyroad-mining gives it meaning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RuleSource {
-    /// Which leaf.
+    /// Which leaf, or which L2.
     pub leaf: ScenarioId,
     /// `scenarios/<l1>/<l2>.yaml`.
     pub file: String,
@@ -36,6 +40,8 @@ pub struct RuleSource {
     pub rule: serde_yaml_ng::Value,
     /// Line of the block in the file, from 1.
     pub line: usize,
+    /// The whole file, so that a fault in an expression can be shown where it stands.
+    pub text: Arc<str>,
 }
 
 static SCHEMA: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../schema");

@@ -7,12 +7,14 @@ use crate::spec::raw::LabelingLayer;
 use crate::spec::{ReadSpec, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
 const DECISIONS: &str = "schema/driving_decisions.yaml";
 const LEXICON: &str = "schema/decision_lexicon.yaml";
 const SIGNALS: &str = "schema/signals.yaml";
+const PRECEDENCE: &str = "schema/precedence.yaml";
 
 pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
     let mut out = Vec::new();
@@ -44,6 +46,10 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
     match files.get(SIGNALS) {
         Some(text) => framework.signals_yaml.clone_from(text),
         None => out.push(missing_file(SIGNALS)),
+    }
+    match files.get(PRECEDENCE) {
+        Some(text) => framework.precedence_yaml.clone_from(text),
+        None => out.push(missing_file(PRECEDENCE)),
     }
     load_specs(files, &mut framework, &mut out);
     (Some(framework), out)
@@ -80,6 +86,16 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
                 continue;
             };
             let l2_layer = overlay(default, spec.spec.labeling.as_ref().unwrap_or(&nothing));
+            let text: Arc<str> = files.get(&file).map(String::as_str).unwrap_or_default().into();
+            let l2_id = ScenarioId { l1: l1.id.clone(), l2: Some(l2.id.clone()), l3: None };
+            // What an L2 leaves to its leaves is reported there.
+            if let Ok(resolved) = finish(l2_id.clone(), &l2_layer) {
+                framework.l2_specs.insert(l2_id.clone(), resolved);
+            }
+            if let (Some(rule), Some(mark)) = (&spec.spec.mining, spec.l2_mining_mark) {
+                let (rule, file, text) = (rule.clone(), file.clone(), text.clone());
+                framework.rules.push(RuleSource { leaf: l2_id, file, rule, line: mark.line, text });
+            }
             for l3 in &l2.l3 {
                 let Some(leaf) = spec.spec.leaves.as_ref().and_then(|l| l.get(&l3.id)) else { continue };
                 let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
@@ -94,8 +110,8 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
                     }
                 }
                 if let (Some(rule), Some(mark)) = (&leaf.mining, spec.mining_marks.get(&l3.id)) {
-                    let (rule, file) = (rule.clone(), file.clone());
-                    framework.rules.push(RuleSource { leaf: id, file, rule, line: mark.line });
+                    let (rule, file, text) = (rule.clone(), file.clone(), text.clone());
+                    framework.rules.push(RuleSource { leaf: id, file, rule, line: mark.line, text });
                 }
             }
         }

@@ -23,6 +23,10 @@ pub struct SpecFile {
     /// What holds for the whole L1 or L2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labeling: Option<LabelingLayer>,
+    /// The mining rule of the L2, which its leaves' rules inherit from (docs/rules.md).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
+    pub mining: Option<serde_yaml_ng::Value>,
     /// Every leaf of the L2, in taxonomy order; `{}` where nothing differs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaves: Option<IndexMap<String, LeafLayer>>,

@@ -27,6 +27,8 @@ pub(crate) struct ReadSpec {
     pub leaf_marks: IndexMap<String, Mark>,
     /// Place of each leaf's `mining:` block.
     pub mining_marks: IndexMap<String, Mark>,
+    /// Place of the L2's own `mining:` block.
+    pub l2_mining_mark: Option<Mark>,
 }
 
 /// Reads one file and checks it against the classes.
@@ -44,9 +46,17 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Opt
     let l2_node = f.get("l2");
     let l2 = l2_node.and_then(|n| r.text(n));
     let labeling = f.get("labeling").and_then(|n| layer(n, r));
+    let l2_mining = f.entry("mining").filter(|e| !matches!(e.node.value, Value::Null));
     let leaves_node = if l2_node.is_some() { f.need("leaves", r) } else { f.get("leaves") };
     f.close(r);
 
+    if let Some(e) = l2_mining {
+        r.entries(&e.node);
+        if l2_node.is_none() {
+            let (zh, en) = ("L1 的文件不能含有 mining", "the file of an L1 has no mining rule");
+            r.error("spec.field.unknown", &e.node, zh.into(), en.into());
+        }
+    }
     let (l1, l1_node) = (l1?, l1_node?);
     let mut usable = check_path(&l1, l2.as_deref(), l2_node.unwrap_or(l1_node), r);
     if taxonomy.l1(&l1).is_none() {
@@ -67,7 +77,15 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Opt
     // Rules are handed on as serde_yaml_ng values, so that whyroad-mining needs no YAML reader of ours.
     let values: serde_yaml_ng::Value = serde_yaml_ng::from_str(text).unwrap_or_default();
     let mut out = ReadSpec {
-        spec: SpecFile { version, l1, l2, labeling, leaves: None },
+        spec: SpecFile {
+            version,
+            l1,
+            l2,
+            labeling,
+            mining: l2_mining.and_then(|_| values.get("mining").cloned()),
+            leaves: None,
+        },
+        l2_mining_mark: l2_mining.map(|e| e.mark),
         leaf_marks: IndexMap::new(),
         mining_marks: IndexMap::new(),
     };
