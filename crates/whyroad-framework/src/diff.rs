@@ -127,7 +127,13 @@ pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
         },
         _ => VersionCheck::Unknown,
     };
-    TaxonomyDiff { from_version: a.version.clone(), to_version: b.version.clone(), changes, step, version_check }
+    TaxonomyDiff {
+        from_version: a.version.clone(),
+        to_version: b.version.clone(),
+        changes,
+        step,
+        version_check,
+    }
 }
 
 impl Change {
@@ -229,24 +235,37 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, out: &mut Vec<Change>) 
     if compare_text(x.name, y.name) != Wording::Same {
         push(ChangeKind::Renamed, "name", x.name.clone(), y.name.clone(), Step::Patch);
     }
-    let texts = [("definition", Some(x.definition), Some(y.definition)), ("condition", x.condition, y.condition)];
+    let texts =
+        [("definition", Some(x.definition), Some(y.definition)), ("condition", x.condition, y.condition)];
     for (field, before, after) in texts {
         let (Some(before), Some(after)) = (before, after) else { continue };
         match compare_text(before, after) {
             Wording::Same => {}
-            Wording::Reworded => push(ChangeKind::Reworded, field, before.clone(), after.clone(), Step::Patch),
-            Wording::Meaning => push(ChangeKind::MeaningChanged, field, before.clone(), after.clone(), Step::Major),
+            Wording::Reworded => {
+                push(ChangeKind::Reworded, field, before.clone(), after.clone(), Step::Patch)
+            }
+            Wording::Meaning => {
+                push(ChangeKind::MeaningChanged, field, before.clone(), after.clone(), Step::Major)
+            }
         }
     }
     for d in y.decides {
         match x.decides.iter().find(|o| o.against == d.against) {
-            None => push(ChangeKind::MeaningChanged, "decides", about(&d.against, None), about(&d.against, Some(&d.rule)), Step::Minor),
+            None => push(
+                ChangeKind::MeaningChanged,
+                "decides",
+                about(&d.against, None),
+                about(&d.against, Some(&d.rule)),
+                Step::Minor,
+            ),
             Some(o) => {
                 let (before, after) = (about(&o.against, Some(&o.rule)), about(&d.against, Some(&d.rule)));
                 match compare_text(&o.rule, &d.rule) {
                     Wording::Same => {}
                     Wording::Reworded => push(ChangeKind::Reworded, "decides", before, after, Step::Patch),
-                    Wording::Meaning => push(ChangeKind::MeaningChanged, "decides", before, after, Step::Major),
+                    Wording::Meaning => {
+                        push(ChangeKind::MeaningChanged, "decides", before, after, Step::Major)
+                    }
                 }
             }
         }
@@ -254,22 +273,49 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, out: &mut Vec<Change>) 
     // A TAXONOMY.md states no rules: only where B states some can one be missed.
     for o in x.decides.iter().filter(|o| !y.decides.iter().any(|d| d.against == o.against)) {
         if y.typical.is_some_and(|t| *t != TypicalDecisions::default()) {
-            push(ChangeKind::MeaningChanged, "decides", about(&o.against, Some(&o.rule)), about(&o.against, None), Step::Major);
+            push(
+                ChangeKind::MeaningChanged,
+                "decides",
+                about(&o.against, Some(&o.rule)),
+                about(&o.against, None),
+                Step::Major,
+            );
         }
     }
     if let (Some(before), Some(after)) = (x.typical, y.typical)
         && before != after
         && ![before, after].contains(&&TypicalDecisions::default())
     {
-        push(ChangeKind::MeaningChanged, "typical_decisions", decisions(before), decisions(after), Step::Minor);
+        push(
+            ChangeKind::MeaningChanged,
+            "typical_decisions",
+            decisions(before),
+            decisions(after),
+            Step::Minor,
+        );
     }
-    if x.mining_conditions != y.mining_conditions && !x.mining_conditions.is_empty() && !y.mining_conditions.is_empty() {
-        push(ChangeKind::Reworded, "mining_conditions", joined(x.mining_conditions), joined(y.mining_conditions), Step::Patch);
+    if x.mining_conditions != y.mining_conditions
+        && !x.mining_conditions.is_empty()
+        && !y.mining_conditions.is_empty()
+    {
+        push(
+            ChangeKind::Reworded,
+            "mining_conditions",
+            joined(x.mining_conditions),
+            joined(y.mining_conditions),
+            Step::Patch,
+        );
     }
     if let (Some(before), Some(after)) = (x.spec_ref, y.spec_ref)
         && before != after
     {
-        push(ChangeKind::Arranged, "labeling_spec_ref", Bilingual::same(before), Bilingual::same(after), Step::Patch);
+        push(
+            ChangeKind::Arranged,
+            "labeling_spec_ref",
+            Bilingual::same(before),
+            Bilingual::same(after),
+            Step::Patch,
+        );
     }
 }
 

@@ -140,7 +140,10 @@ fn labelling(spec: Option<&ResolvedSpec>) -> String {
 
 fn decides(l1: &L1, l2: &L2, out: &mut String) {
     let of_l2 = l2.decides.iter().map(|d| (format!("{}.{}", l1.id, l2.id), d));
-    let of_l3 = l2.l3.iter().flat_map(|c| c.decides.iter().map(move |d| (format!("{}.{}.{}", l1.id, l2.id, c.id), d)));
+    let of_l3 = l2
+        .l3
+        .iter()
+        .flat_map(|c| c.decides.iter().map(move |d| (format!("{}.{}.{}", l1.id, l2.id, c.id), d)));
     let rules: Vec<(String, &Decides)> = of_l2.chain(of_l3).collect();
     if rules.is_empty() {
         return;

@@ -150,9 +150,9 @@ impl Line<'_> {
     fn count_before(&self, label: &str) -> Option<(usize, Place)> {
         let end = self.text.find(label)?;
         let before = self.text[..end].trim_end().trim_end_matches('个').trim_end();
-        let digits_start = before.rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| {
-            i + before[i..].chars().next().map_or(1, char::len_utf8)
-        });
+        let digits_start = before
+            .rfind(|c: char| !c.is_ascii_digit())
+            .map_or(0, |i| i + before[i..].chars().next().map_or(1, char::len_utf8));
         let digits = &before[digits_start..];
         Some((digits.parse().ok()?, self.place(digits_start, digits)))
     }
@@ -229,8 +229,11 @@ fn cells(line: &Line) -> Vec<Item> {
 
 /// A body row of a table: of the statistics, or of an L2's variants.
 fn row(columns: &[String], cells: &[Item], out: &mut MarkdownTaxonomy) {
-    let column = |names: &[&str]| columns.iter().position(|c| names.contains(&c.as_str())).and_then(|i| cells.get(i));
-    if let (Some(l1), Some(l2), Some(l3)) = (column(&["L1"]), column(&["L2数量", "L2"]), column(&["L3数量", "L3"])) {
+    let column =
+        |names: &[&str]| columns.iter().position(|c| names.contains(&c.as_str())).and_then(|i| cells.get(i));
+    if let (Some(l1), Some(l2), Some(l3)) =
+        (column(&["L1"]), column(&["L2数量", "L2"]), column(&["L3数量", "L3"]))
+    {
         let subject = match l1.text.as_str() {
             "总计" | "Total" => Subject::Whole,
             id => Subject::L1(id.to_owned()),
@@ -238,14 +241,23 @@ fn row(columns: &[String], cells: &[Item], out: &mut MarkdownTaxonomy) {
         for (level, cell) in [(2, l2), (3, l3)] {
             if let Ok(number) = cell.text.parse() {
                 let place = cell.place.clone();
-                out.stated.push(Stated { subject: subject.clone(), level, number, place, part: Part::Statistics });
+                out.stated.push(Stated {
+                    subject: subject.clone(),
+                    level,
+                    number,
+                    place,
+                    part: Part::Statistics,
+                });
             }
         }
         return;
     }
-    let Some(id) = column(&["L3 ID"]).filter(|c| !c.text.is_empty() && !c.text.starts_with('-')) else { return };
+    let Some(id) = column(&["L3 ID"]).filter(|c| !c.text.is_empty() && !c.text.starts_with('-')) else {
+        return;
+    };
     let text = |names: &[&str]| column(names).map(|c| c.text.clone()).unwrap_or_default();
-    let class = Class { id: id.clone(), name: text(&["名称"]), meaning: text(&["条件"]), children: Vec::new() };
+    let class =
+        Class { id: id.clone(), name: text(&["名称"]), meaning: text(&["条件"]), children: Vec::new() };
     if let Some(l2) = out.listed.last_mut().and_then(|l1| l1.children.last_mut()) {
         l2.children.push(class);
     }
@@ -268,8 +280,11 @@ fn tree_line(line: &Line, out: &mut MarkdownTaxonomy) {
     }
     let (label, inside, after) = (&body[..open], &body[open + 1..close], &body[close + 1..]);
     if let Some((id, name)) = label.split_once('(') {
-        let class =
-            Class { id: line.item(at, id), name: name.trim().trim_end_matches(')').to_owned(), ..Class::default() };
+        let class = Class {
+            id: line.item(at, id),
+            name: name.trim().trim_end_matches(')').to_owned(),
+            ..Class::default()
+        };
         for (level, mark) in [(2, " L2"), (3, " L3")] {
             if let Some((number, place)) = line.count_before(mark) {
                 let subject = Subject::L1(class.id.text.clone());

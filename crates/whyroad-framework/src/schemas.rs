@@ -5,8 +5,8 @@ mod rules;
 
 use crate::Framework;
 use crate::spec::raw::SpecFile;
-use schemars::generate::SchemaSettings;
 use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use whyroad_model::FORMAT_VERSION;
 use whyroad_model::messages::{
@@ -32,17 +32,32 @@ impl SchemaFile {
 
 /// All schemas, in the order of DATA_FORMAT.md. Classes and mandatory fields come from `framework`.
 pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {
-    let mut scenario_label = of::<ScenarioLabelMessage>("scenario_label", "DATA_FORMAT.md 2.2: place of a sample in the taxonomy.");
+    let mut scenario_label = of::<ScenarioLabelMessage>(
+        "scenario_label",
+        "DATA_FORMAT.md 2.2: place of a sample in the taxonomy.",
+    );
     rules::classes(&mut scenario_label["$defs"]["ScenarioLabel"], &framework.taxonomy);
-    let clip_metadata = of::<ClipMetadataMessage>("clip_metadata", "DATA_FORMAT.md 3.1: what a labeller is told about a clip.");
-    let pre_label = of::<ScenarioPreLabelMessage>("scenario_pre_label", "DATA_FORMAT.md 3.2: mining's proposal for one episode.");
-    let keyframe = of::<KeyframeSuggestionMessage>("keyframe_suggestion", "DATA_FORMAT.md 3.3: where mining would put the keyframe.");
+    let clip_metadata = of::<ClipMetadataMessage>(
+        "clip_metadata",
+        "DATA_FORMAT.md 3.1: what a labeller is told about a clip.",
+    );
+    let pre_label = of::<ScenarioPreLabelMessage>(
+        "scenario_pre_label",
+        "DATA_FORMAT.md 3.2: mining's proposal for one episode.",
+    );
+    let keyframe = of::<KeyframeSuggestionMessage>(
+        "keyframe_suggestion",
+        "DATA_FORMAT.md 3.3: where mining would put the keyframe.",
+    );
     let mut coc = of::<CocLabel>("coc_output", "DATA_FORMAT.md 4: a finished Chain-of-Causation label.");
     rules::classes(&mut coc["$defs"]["ScenarioLabel"], &framework.taxonomy);
     rules::label(&mut coc, framework);
     let query = of::<MiningQueryMessage>("mining_query", "DATA_FORMAT.md 5.1: what to look for.");
     let result = of::<MiningResultMessage>("mining_result", "DATA_FORMAT.md 5.2: what was found.");
-    let spec = of::<SpecFile>("labeling_spec", "A file of scenarios/: how an L1, or an L2 and its leaves, are labelled.");
+    let spec = of::<SpecFile>(
+        "labeling_spec",
+        "A file of scenarios/: how an L1, or an L2 and its leaves, are labelled.",
+    );
     [
         ("scenario_label", scenario_label),
         ("clip_metadata", clip_metadata),

@@ -1,9 +1,11 @@
 //! The classes (TAXONOMY.md) as validated values, in the order of the file, and how a person's text finds one.
 //! Reading the YAML is in `read`.
 
+mod lookup;
 mod read;
 mod resolve;
 
+pub use lookup::{class_ambiguous, class_not_found};
 pub use read::read_taxonomy;
 pub(crate) use read::{FAMILY, optional_bilingual, read_bilingual, read_version, suggestion};
 pub use resolve::{Resolution, did_you_mean};

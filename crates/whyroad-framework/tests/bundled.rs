@@ -36,7 +36,9 @@ fn its_counts_are_those_that_the_specification_lists() {
     let t = &Framework::bundled().taxonomy;
     assert_eq!(t.counts(), (5, 31, 122));
     let per_l1: Vec<_> =
-        t.l1.iter().map(|a| (a.id.as_str(), a.l2.len(), a.l2.iter().map(|b| b.l3.len()).sum::<usize>())).collect();
+        t.l1.iter()
+            .map(|a| (a.id.as_str(), a.l2.len(), a.l2.iter().map(|b| b.l3.len()).sum::<usize>()))
+            .collect();
     let expected = [
         ("reactive_agent", 9, 34),
         ("reactive_road", 5, 28),
@@ -60,7 +62,10 @@ fn every_class_is_described_and_every_l2_has_typical_decisions() {
         for text in [&l1.definition, &l2.definition, &l3.definition, &l3.condition] {
             assert!(!text.zh.is_empty() && !text.en.is_empty() && text.zh != text.en, "{id}: {text:?}");
         }
-        assert!(!l3.typical_decisions.longitudinal.is_empty() || !l3.typical_decisions.lateral.is_empty(), "{id}");
+        assert!(
+            !l3.typical_decisions.longitudinal.is_empty() || !l3.typical_decisions.lateral.is_empty(),
+            "{id}"
+        );
         assert!(!l2.mining_conditions.is_empty(), "{id}");
     }
 }

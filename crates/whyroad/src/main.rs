@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
 
 mod cmd;
+mod framework_folder;
 mod output;
 
 use clap::{Parser, Subcommand};

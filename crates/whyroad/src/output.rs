@@ -11,3 +11,12 @@ pub(crate) const FINDINGS: ExitCode = ExitCode::FAILURE;
 pub(crate) fn lost_input() -> ExitCode {
     ExitCode::from(3)
 }
+
+/// Writes data to stdout. A reader that has heard enough (`| head`) ends the program quietly, as it would any other.
+pub(crate) fn put(text: &str) {
+    use std::io::Write as _;
+    let mut out = std::io::stdout().lock();
+    if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
+        std::process::exit(0);
+    }
+}

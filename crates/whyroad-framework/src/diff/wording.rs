@@ -26,7 +26,8 @@ pub(super) enum Wording {
 pub(super) fn compare_text(before: &Bilingual, after: &Bilingual) -> Wording {
     let pairs = [(&before.zh, &after.zh), (&before.en, &after.en)];
     let stated: Vec<_> = pairs.into_iter().filter(|(x, y)| !x.is_empty() && !y.is_empty()).collect();
-    let changed: Vec<_> = stated.iter().filter(|(x, y)| bare(x) != bare(y) || hard_parts(x) != hard_parts(y)).collect();
+    let changed: Vec<_> =
+        stated.iter().filter(|(x, y)| bare(x) != bare(y) || hard_parts(x) != hard_parts(y)).collect();
     if changed.is_empty() {
         return Wording::Same;
     }
@@ -54,10 +55,13 @@ fn bare(text: &str) -> String {
 }
 
 /// Words that turn or bound a statement. Chinese ones are looked for anywhere, English ones as whole words.
-const TURNS_ZH: &[&str] = &["不", "无", "未", "没", "非", "除", "至少", "至多", "以上", "以下", "大于", "小于", "超过", "低于", "仅", "或"];
+const TURNS_ZH: &[&str] = &[
+    "不", "无", "未", "没", "非", "除", "至少", "至多", "以上", "以下", "大于", "小于", "超过", "低于", "仅",
+    "或",
+];
 const TURNS_EN: &[&str] = &[
-    "not", "no", "never", "without", "unless", "except", "only", "or", "over", "under", "above", "below", "least",
-    "most", "more", "less", "than", "before", "after",
+    "not", "no", "never", "without", "unless", "except", "only", "or", "over", "under", "above", "below",
+    "least", "most", "more", "less", "than", "before", "after",
 ];
 
 /// What the text measures or excludes by, in order.
@@ -121,7 +125,10 @@ mod tests {
     #[test]
     fn the_unchanged_language_pins_the_meaning() {
         let before = ("前车突然急刹", "The lead brakes hard");
-        assert_eq!(judge(before, ("前车突然急刹", "The vehicle ahead suddenly brakes sharply")), Wording::Reworded);
+        assert_eq!(
+            judge(before, ("前车突然急刹", "The vehicle ahead suddenly brakes sharply")),
+            Wording::Reworded
+        );
         assert_eq!(judge(before, ("旁车缓慢靠近", "A neighbour drifts closer")), Wording::Meaning);
     }
 

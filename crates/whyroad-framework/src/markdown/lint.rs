@@ -51,7 +51,9 @@ fn listed_count(stated: &Stated, listed: &[Class], whole: (usize, usize, usize))
     };
     match &stated.subject {
         Subject::Whole => Some(pick(whole)),
-        Subject::L1(id) => listed.iter().find(|a| a.id.text == *id).map(|a| pick(counts(std::slice::from_ref(a)))),
+        Subject::L1(id) => {
+            listed.iter().find(|a| a.id.text == *id).map(|a| pick(counts(std::slice::from_ref(a))))
+        }
         Subject::L2(l1, l2) => {
             let a = listed.iter().find(|a| a.id.text == *l1)?;
             a.children.iter().find(|b| b.id.text == *l2).map(|b| b.children.len())
@@ -76,7 +78,10 @@ fn count_differs(stated: &Stated, listed: Option<usize>) -> Option<Diagnostic> {
         format!("{}写明{}有 {number} 个 L{level}，各表实际列出 {listed} 个", part.zh, of.zh),
         format!("{} states {number} L{level} {}, the tables list {listed}", part.en, of.en),
     );
-    let hint = Bilingual::new(format!("改为 {listed}；数量应由程序计算"), format!("make it {listed}; counts are best computed, not typed"));
+    let hint = Bilingual::new(
+        format!("改为 {listed}；数量应由程序计算"),
+        format!("make it {listed}; counts are best computed, not typed"),
+    );
     Some(Diagnostic::error("taxonomy.md.count", message).with_hint(hint).at(stated.place.clone()))
 }
 

@@ -1,13 +1,116 @@
-//! `whyroad taxonomy`.
+//! `whyroad taxonomy`: list, show, lint, diff, docs, schemas. One file each.
 
-use crate::{Global, output};
+mod diff;
+mod generate;
+mod lint;
+mod list;
+mod show;
+
+use crate::Global;
+use clap::{Subcommand, ValueEnum};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Arguments of `whyroad taxonomy`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
 
-pub(crate) fn run(_global: &Global, _args: Args) -> anyhow::Result<ExitCode> {
-    let _ = (output::FINE, output::lost_input());
-    anyhow::bail!("not built yet")
+#[derive(Subcommand)]
+enum Command {
+    /// List all classes, or those of one L1
+    List {
+        /// Only this L1 and what is below it
+        #[arg(long, value_name = "ID")]
+        l1: Option<String>,
+        /// Form of the output
+        #[arg(long, value_enum, default_value = "text")]
+        format: DataFormat,
+    },
+    /// Show one class: meaning, decisions, rules against its neighbours, how it is labelled
+    Show {
+        /// Full id (reactive_agent.cutin.urgent), prefix (reactive_agent.cutin) or a short id that only one class has (urgent)
+        id: String,
+        /// Form of the output
+        #[arg(long, value_enum, default_value = "text")]
+        format: DataFormat,
+    },
+    /// Check the framework, a taxonomy file (.yaml), or the numbers and classes of a TAXONOMY.md
+    ///
+    /// Exit code 1 when anything is found.
+    Lint {
+        /// A .yaml or .md file; the whole framework when absent
+        file: Option<PathBuf>,
+        /// Form of the output
+        #[arg(long, value_enum, default_value = "text")]
+        format: FindingFormat,
+    },
+    /// Compare two taxonomies, and say whether the step is major, minor or patch
+    ///
+    /// A and B are framework folders, .yaml or .md files, or the word `bundled`.
+    /// Exit code 1 when the version that B states is too low for its changes.
+    Diff {
+        /// The earlier one
+        a: PathBuf,
+        /// The later one
+        b: PathBuf,
+        /// Form of the output
+        #[arg(long, value_enum, default_value = "text")]
+        format: DiffFormat,
+    },
+    /// Write docs/TAXONOMY.md
+    Docs {
+        /// Write nothing; exit code 1 when the file is not up to date
+        #[arg(long)]
+        check: bool,
+        /// File to write
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+    /// Write the JSON Schemas of all messages and of the labelling specs
+    Schemas {
+        /// Write nothing; exit code 1 when a file is not up to date
+        #[arg(long)]
+        check: bool,
+        /// Folder to write to
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DataFormat {
+    Text,
+    Json,
+    Yaml,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FindingFormat {
+    Text,
+    Json,
+    Sarif,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DiffFormat {
+    Text,
+    Json,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    match args.command {
+        Command::List { l1, format } => list::run(global, l1.as_deref(), format),
+        Command::Show { id, format } => show::run(global, &id, format),
+        Command::Lint { file, format } => lint::run(global, file.as_deref(), format),
+        Command::Diff { a, b, format } => diff::run(global, &a, &b, format),
+        Command::Docs { check, out } => {
+            generate::docs(global, generate::Action::from_flag(check), out.as_deref())
+        }
+        Command::Schemas { check, out } => {
+            generate::schemas(global, generate::Action::from_flag(check), out.as_deref())
+        }
+    }
 }

@@ -1,0 +1,69 @@
+//! `whyroad taxonomy lint`.
+
+use super::FindingFormat;
+use crate::{Global, framework_folder, output};
+use anyhow::{Context as _, bail};
+use std::path::Path;
+use std::process::ExitCode;
+use whyroad_framework::Framework;
+use whyroad_framework::markdown::lint_markdown;
+use whyroad_framework::taxonomy::read_taxonomy;
+use whyroad_model::diagnostic::{self, Severity};
+use whyroad_model::{Diagnostic, Lang};
+
+pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -> anyhow::Result<ExitCode> {
+    let found = match file {
+        None => framework(global)?,
+        Some(path) => {
+            let text =
+                std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let name = path.display().to_string();
+            match path.extension().and_then(|e| e.to_str()) {
+                Some("md") => lint_markdown(&name, &text, Some(&framework_folder::load(global)?.0.taxonomy)),
+                Some("yaml" | "yml") => read_taxonomy(&name, &text).1,
+                _ => bail!("{} is neither .yaml nor .md", path.display()),
+            }
+        }
+    };
+    print(&found, format, global.lang);
+    let clean = found.iter().all(|d| d.severity == Severity::Note);
+    Ok(if clean { output::FINE } else { output::FINDINGS })
+}
+
+fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
+    let (framework, mut found) = Framework::from_files(&framework_folder::files(global)?);
+    if let Some(dir) = &global.framework {
+        for d in &mut found {
+            let file = d.place.file.take();
+            d.place.file = file.map(|f| dir.join(f).display().to_string());
+        }
+    }
+    if found.is_empty()
+        && let Some(f) = framework
+    {
+        let (l1, l2, l3) = f.taxonomy.counts();
+        let (version, specs, rules) = (&f.taxonomy.version, f.specs.len(), f.rules.len());
+        match global.lang {
+            Lang::En => eprintln!(
+                "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labelling specs, {rules} mining rules"
+            ),
+            Lang::Zh => eprintln!(
+                "分类体系 {version}：{l1} 个 L1，{l2} 个 L2，{l3} 个 L3；{specs} 份标注规格，{rules} 条挖掘规则"
+            ),
+        }
+    }
+    Ok(found)
+}
+
+fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
+    match format {
+        FindingFormat::Json => output::put(&format!("{:#}\n", diagnostic::render_json(found, lang))),
+        FindingFormat::Sarif => output::put(&format!("{:#}\n", diagnostic::render_sarif(found, lang))),
+        FindingFormat::Text => {
+            let texts: Vec<String> = found.iter().map(|d| diagnostic::render_text(d, lang)).collect();
+            output::put(&texts.join("\n"));
+            let count = |s: Severity| found.iter().filter(|d| d.severity == s).count();
+            eprintln!("{}", diagnostic::summary(count(Severity::Error), count(Severity::Warning), lang));
+        }
+    }
+}

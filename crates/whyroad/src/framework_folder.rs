@@ -1,0 +1,61 @@
+//! The framework in force: the built-in one, or the folder that `--framework` names.
+
+use crate::Global;
+use anyhow::{Context as _, bail};
+use std::collections::BTreeMap;
+use std::path::Path;
+use whyroad_framework::Framework;
+use whyroad_model::{Diagnostic, diagnostic};
+
+/// The texts of the framework in force by relative path (`schema/...`, `scenarios/...`).
+pub(crate) fn files(global: &Global) -> anyhow::Result<BTreeMap<String, String>> {
+    match &global.framework {
+        None => Ok(Framework::bundled_files()),
+        Some(dir) => read_folder(dir),
+    }
+}
+
+/// The framework in force, with what is wrong in it said on stderr. An error when it has no usable taxonomy.
+pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {
+    let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
+    let (framework, found) = Framework::from_files(&read_folder(dir)?);
+    for d in &found {
+        eprint!("{}", diagnostic::render_text(d, global.lang));
+    }
+    match framework {
+        Some(framework) => Ok((framework, found)),
+        None => bail!("{} holds no usable framework", dir.display()),
+    }
+}
+
+/// All text files below `schema/` and `scenarios/` of `dir`.
+pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<BTreeMap<String, String>> {
+    let mut out = BTreeMap::new();
+    for root in ["schema", "scenarios"] {
+        let folder = dir.join(root);
+        if folder.is_dir() {
+            collect(&folder, root, &mut out)?;
+        }
+    }
+    if out.is_empty() {
+        bail!("{} has no schema/ or scenarios/ folder with files", dir.display());
+    }
+    Ok(out)
+}
+
+fn collect(folder: &Path, prefix: &str, out: &mut BTreeMap<String, String>) -> anyhow::Result<()> {
+    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    for entry in entries {
+        let entry = entry.with_context(|| format!("cannot read {}", folder.display()))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let (path, inner) = (entry.path(), format!("{prefix}/{name}"));
+        if path.is_dir() {
+            collect(&path, &inner, out)?;
+        } else if name.ends_with(".yaml") || name.ends_with(".json") {
+            let text =
+                std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            out.insert(inner, text);
+        }
+    }
+    Ok(())
+}
