@@ -2,5 +2,6 @@
 
 mod json;
 mod lexicon;
+mod trace;
 
 pub use lexicon::Lexicon;

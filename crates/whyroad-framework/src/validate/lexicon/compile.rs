@@ -1,0 +1,162 @@
+//! From word lists to one automaton: leftmost, longest match, so that a longer word always hides the shorter
+//! ones inside it.
+
+use super::expand::{Plain, expand};
+use super::{File, Lexicon, Says};
+use aho_corasick::{AhoCorasick, MatchKind};
+use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// What a word does in a sentence. The lexicon file explains each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::validate) enum Role {
+    SentenceEnd,
+    ClauseEnd,
+    DecisionMarker,
+    Duty,
+    Reason,
+    Hypothesis,
+    Intention,
+    Sequel,
+    Negation,
+    NegationAdjacent,
+    NegationEnd,
+    Ego,
+    Agent,
+    ObjectOf,
+    Neutral,
+    /// The identifier of a decision, which does not belong in a trace.
+    DecisionId,
+    /// Names a decision: index into the lexicon's phrases.
+    Phrase(usize),
+}
+
+/// A word with its role, and its side where it has one.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::validate) struct Pattern {
+    pub role: Role,
+    pub side: Option<LateralDirection>,
+    /// The word starts, or ends, with a letter or digit of ASCII, and must stand as a whole word there.
+    whole_start: bool,
+    whole_end: bool,
+}
+
+/// A word found in a text.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::validate) struct Hit {
+    pub role: Role,
+    pub side: Option<LateralDirection>,
+    pub start: usize,
+    pub end: usize,
+}
+
+impl Lexicon {
+    /// The words of `text` in order.
+    pub(in crate::validate) fn hits<'t>(&'t self, text: &'t str) -> impl Iterator<Item = Hit> + 't {
+        let bytes = text.as_bytes();
+        let is_word = move |i: usize| bytes.get(i).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
+        self.automaton.iter().flat_map(move |a| a.find_iter(text)).filter_map(move |m| {
+            let p = &self.patterns[m.pattern().as_usize()];
+            let (start, end) = (m.start(), m.end());
+            let cut = (p.whole_start && start > 0 && is_word(start - 1)) || (p.whole_end && is_word(end));
+            (!cut).then_some(Hit { role: p.role, side: p.side, start, end })
+        })
+    }
+}
+
+/// The lexicon, and what is wrong with the file's patterns.
+pub(super) fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
+    let mut builder = Builder { raw, texts: BTreeMap::new(), problems: Vec::new() };
+    let w = &raw.words;
+    for (role, words) in [
+        (Role::SentenceEnd, &w.sentence_end),
+        (Role::ClauseEnd, &w.clause_end),
+        (Role::DecisionMarker, &w.decision_marker),
+        (Role::Duty, &w.duty),
+        (Role::Reason, &w.reason),
+        (Role::Hypothesis, &w.hypothesis),
+        (Role::Intention, &w.intention),
+        (Role::Sequel, &w.sequel),
+        (Role::Negation, &w.negation),
+        (Role::NegationAdjacent, &w.negation_adjacent),
+        (Role::NegationEnd, &w.negation_end),
+        (Role::Ego, &w.ego),
+        (Role::Agent, &w.agent),
+        (Role::ObjectOf, &w.object_of),
+        (Role::Neutral, &w.neutral),
+    ] {
+        for pattern in words.all() {
+            builder.add(pattern, role, None);
+        }
+    }
+    let mut phrases = Vec::new();
+    for (i, p) in raw.phrases.iter().enumerate() {
+        phrases.push(Says { supports_only: p.supports_only, ..p.says.clone() });
+        for pattern in p.zh.iter().chain(&p.en) {
+            builder.add(pattern, Role::Phrase(i), p.side);
+        }
+    }
+    // Ids of one word (`turn`, `resume`) are plain English and no evidence of anything.
+    let ids = Longitudinal::ALL.iter().map(|d| d.id()).chain(Lateral::ALL.iter().map(|d| d.id()));
+    for id in ids.filter(|id| id.contains('_')) {
+        builder.add(id, Role::DecisionId, None);
+    }
+
+    let Builder { texts, mut problems, .. } = builder;
+    let automaton = AhoCorasick::builder()
+        .match_kind(MatchKind::LeftmostLongest)
+        .ascii_case_insensitive(true)
+        .build(texts.keys())
+        .map_err(|e| {
+            problems.push(Bilingual::new(format!("词表过大：{e}"), format!("the lexicon is too large: {e}")))
+        })
+        .ok();
+    let patterns = texts
+        .iter()
+        .map(|(text, (role, side))| {
+            let word = |b: Option<&u8>| b.is_some_and(u8::is_ascii_alphanumeric);
+            let bytes = text.as_bytes();
+            Pattern {
+                role: *role,
+                side: *side,
+                whole_start: word(bytes.first()),
+                whole_end: word(bytes.last()),
+            }
+        })
+        .collect();
+    let lexicon =
+        Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, automaton, patterns };
+    (lexicon, problems)
+}
+
+struct Builder<'f> {
+    raw: &'f File,
+    texts: BTreeMap<String, (Role, Option<LateralDirection>)>,
+    problems: Vec<Bilingual>,
+}
+
+impl Builder<'_> {
+    fn add(&mut self, pattern: &str, role: Role, side: Option<LateralDirection>) {
+        let Some(plains) = expand(pattern, &self.raw.sides) else {
+            self.problems.push(Bilingual::new(
+                format!("模式 '{pattern}' 的括号不成对"),
+                format!("pattern '{pattern}' has a bracket that is not closed"),
+            ));
+            return;
+        };
+        for Plain { text, side: own } in plains {
+            let meaning = (role, side.or(own));
+            let text = text.to_lowercase();
+            match self.texts.get(&text) {
+                Some(other) if *other != meaning => self.problems.push(Bilingual::new(
+                    format!("'{text}' 在词表中有两种含义"),
+                    format!("'{text}' has two meanings in the lexicon"),
+                )),
+                _ => {
+                    self.texts.insert(text, meaning);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Length of a trace and the numbers in it, in one pass.
+
+use crate::validate::lexicon::Limits;
+
+/// What a trace looks like from afar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::validate) struct Form {
+    /// In Chinese characters; a Latin word counts as several (lexicon file, `limits`).
+    pub length: usize,
+    /// Numbers written in digits; `G6` and `SUV2` are names, not numbers.
+    pub numbers: usize,
+}
+
+pub(in crate::validate) fn form(text: &str, limits: &Limits) -> Form {
+    let mut out = Form::default();
+    let (mut in_word, mut in_number) = (false, false);
+    for c in text.chars() {
+        if c.is_ascii_digit() {
+            if !in_word && !in_number {
+                in_number = true;
+                out.numbers += 1;
+                out.length += 1;
+            }
+        } else if c.is_ascii_alphabetic() || (c < '\u{2E80}' && c.is_alphabetic()) {
+            // `12.5m`: the unit belongs to its number.
+            if !in_word && !in_number {
+                out.length += limits.latin_word_counts_as;
+            }
+            (in_word, in_number) = (true, false);
+        } else if c >= '\u{2E80}' && c.is_alphabetic() {
+            (in_word, in_number) = (false, false);
+            out.length += 1;
+        } else if !(in_number && matches!(c, '.' | ':' | ',')) && !(in_word && matches!(c, '\'' | '’' | '-')) {
+            (in_word, in_number) = (false, false);
+        }
+    }
+    out
+}
