@@ -1,13 +1,184 @@
-//! `whyroad ingest`.
+//! `whyroad ingest`: recorded drives into a lake, with a report of what was read, kept and lost.
 
 use crate::{Global, output};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::PathBuf;
 use std::process::ExitCode;
+use whyroad_ingest::report::reason_text;
+use whyroad_ingest::{Format, Options, RowCount, SourceReport};
+use whyroad_lake::{Lake, WriteOutcome};
+use whyroad_model::diagnostic::{render_json, render_text};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Severity};
 
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Format (av2, sumo; left out: recognised by the files), then log folders, files, or folders of such
+    #[arg(required = true, value_name = "[FORMAT] PATH")]
+    inputs: Vec<String>,
+    /// Lake to write into; made when it is not there
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Id of the drive; only with a single source
+    #[arg(long, value_name = "ID")]
+    drive_id: Option<String>,
+    /// How to print the report
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: ReportFormat,
+}
 
-pub(crate) fn run(_global: &Global, _args: Args) -> anyhow::Result<ExitCode> {
-    let _ = (output::FINE, output::lost_input());
-    anyhow::bail!("not built yet")
+/// How the report is printed.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum ReportFormat {
+    Text,
+    Json,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (format, paths) = match Format::from_name(&args.inputs[0]) {
+        Some(f) => (Some(f), &args.inputs[1..]),
+        None => (None, &args.inputs[..]),
+    };
+    if paths.is_empty() {
+        anyhow::bail!("name at least one path after the format");
+    }
+    let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+    let (sources, problems) = whyroad_ingest::find_sources(format, &paths);
+    if args.drive_id.is_some() && sources.len() > 1 {
+        anyhow::bail!("--drive-id names one drive, but there are {} sources", sources.len());
+    }
+    let options = Options { drive_id: args.drive_id.map(DriveId::from) };
+    for d in &problems {
+        eprint!("{}", render_text(d, global.lang));
+    }
+    if sources.is_empty() {
+        return Ok(output::FINDINGS);
+    }
+    let lake = Lake::create_or_open(&args.lake)?;
+
+    let bar = progress(sources.len());
+    let mut reports = Vec::with_capacity(sources.len());
+    for source in &sources {
+        bar.set_message(source.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+        let report = whyroad_ingest::ingest(source, &options, &lake);
+        bar.suspend(|| {
+            for d in &report.diagnostics {
+                eprint!("{}", render_text(d, global.lang));
+            }
+        });
+        reports.push(report);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+
+    match args.format {
+        ReportFormat::Text => output::put(&text_report(&reports, global.lang)),
+        ReportFormat::Json => output::put(&format!("{:#}\n", json_report(&reports, global.lang))),
+    }
+    Ok(exit_code(&reports, &problems))
+}
+
+fn progress(sources: usize) -> ProgressBar {
+    // Draws on stderr, and only on a terminal.
+    let bar = ProgressBar::new(sources as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// 1 when nothing came into the lake, 3 when something did and something was lost.
+fn exit_code(reports: &[SourceReport], problems: &[Diagnostic]) -> ExitCode {
+    if reports.iter().all(|r| r.outcome.is_none()) {
+        return output::FINDINGS;
+    }
+    let lost = reports.iter().any(SourceReport::lost_input)
+        || problems.iter().any(|d| d.severity == Severity::Error);
+    if lost { output::lost_input() } else { output::FINE }
+}
+
+fn outcome_text(outcome: Option<WriteOutcome>, lang: Lang) -> String {
+    let text = match outcome {
+        Some(WriteOutcome::Written) => Bilingual::new("已写入", "written"),
+        Some(WriteOutcome::Unchanged) => Bilingual::new("未变（内容相同）", "unchanged (same content)"),
+        Some(WriteOutcome::Replaced) => Bilingual::new("已替换", "replaced"),
+        None => Bilingual::new("未导入", "not ingested"),
+    };
+    text.get(lang).to_owned()
+}
+
+fn text_report(reports: &[SourceReport], lang: Lang) -> String {
+    let mut out = String::new();
+    for r in reports {
+        let name = r.drive_id.as_ref().map_or(r.source.as_str(), |id| id.as_str());
+        out += &format!("{name}: {}", outcome_text(r.outcome, lang));
+        if r.drive_id.is_some() {
+            out += &match lang {
+                Lang::Zh => format!("，{} 帧，{:.1} 秒，{} 条轨迹", r.frames, r.duration_s, r.tracks),
+                Lang::En => format!(", {} frames, {:.1} s, {} tracks", r.frames, r.duration_s, r.tracks),
+            };
+        }
+        out.push('\n');
+        for t in &r.tables {
+            out += &format!("  {}\n", table_line(t, lang));
+        }
+        if !r.missing.is_empty() {
+            let label = Bilingual::new("日志中没有", "not in the log");
+            out += &format!("  {}: {}\n", label.get(lang), r.missing.join(", "));
+        }
+    }
+    let kept = reports.iter().filter(|r| r.outcome.is_some()).count();
+    let dropped: usize = reports.iter().flat_map(|r| &r.tables).map(RowCount::dropped_total).sum();
+    out += &match lang {
+        Lang::Zh => format!("{} 个来源中 {kept} 个已在数据湖中，丢弃 {dropped} 行\n", reports.len()),
+        Lang::En => format!("{kept} of {} sources are in the lake, {dropped} rows dropped\n", reports.len()),
+    };
+    out
+}
+
+fn table_line(t: &RowCount, lang: Lang) -> String {
+    let list = |counts: &whyroad_ingest::report::Counts| {
+        let parts: Vec<String> =
+            counts.iter().map(|(k, n)| format!("{} {n}", reason_text(k).get(lang))).collect();
+        parts.join(", ")
+    };
+    let (read, kept, aside, dropped) = match lang {
+        Lang::Zh => ("读取", "保留", "不采用", "丢弃"),
+        Lang::En => ("read", "kept", "left out", "dropped"),
+    };
+    let mut line = format!("{:<12} {read} {:>7}   {kept} {:>7}", t.table, t.read, t.kept_total());
+    if t.kept.len() > 1 {
+        line += &format!(" ({})", list(&t.kept));
+    }
+    for (label, counts) in [(aside, &t.set_aside), (dropped, &t.dropped)] {
+        if !counts.is_empty() {
+            line += &format!("   {label} {} ({})", counts.values().sum::<usize>(), list(counts));
+        }
+    }
+    line
+}
+
+fn json_report(reports: &[SourceReport], lang: Lang) -> serde_json::Value {
+    let one = |r: &SourceReport| {
+        let tables: Vec<_> = r
+            .tables
+            .iter()
+            .map(|t| {
+                serde_json::json!({
+                    "table": t.table, "read": t.read, "kept": t.kept, "left_out": t.set_aside, "dropped": t.dropped,
+                })
+            })
+            .collect();
+        let outcome = r.outcome.map(|o| match o {
+            WriteOutcome::Written => "written",
+            WriteOutcome::Unchanged => "unchanged",
+            WriteOutcome::Replaced => "replaced",
+        });
+        serde_json::json!({
+            "source": r.source, "drive_id": r.drive_id, "outcome": outcome, "frames": r.frames,
+            "duration_s": r.duration_s, "tracks": r.tracks, "tables": tables, "missing": r.missing,
+            "diagnostics": render_json(&r.diagnostics, lang),
+        })
+    };
+    serde_json::Value::Array(reports.iter().map(one).collect())
 }

@@ -1,0 +1,120 @@
+//! What an ingest did: rows read, kept, set aside and dropped, by reason, for every source. Counts add up:
+//! read = kept + set aside + dropped.
+
+use std::collections::BTreeMap;
+use whyroad_lake::WriteOutcome;
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Severity};
+
+/// Why rows are not in the lake, or as what they are.
+pub type Counts = BTreeMap<&'static str, usize>;
+
+/// The rows of one table or file of a source.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RowCount {
+    /// `annotations`, `pose`, `map`, `fcd`, ...
+    pub table: &'static str,
+    /// Rows that the file has.
+    pub read: usize,
+    /// Rows in the lake, by what they became.
+    pub kept: Counts,
+    /// Rows left out by design (between frames, while the ego was away).
+    pub set_aside: Counts,
+    /// Rows lost, by reason.
+    pub dropped: Counts,
+}
+
+impl RowCount {
+    /// Counts of a table, all zero.
+    pub fn new(table: &'static str) -> Self {
+        Self { table, ..Self::default() }
+    }
+
+    /// Number of rows in the lake.
+    pub fn kept_total(&self) -> usize {
+        self.kept.values().sum()
+    }
+
+    /// Number of rows lost.
+    pub fn dropped_total(&self) -> usize {
+        self.dropped.values().sum()
+    }
+
+    /// True when every row is accounted for.
+    pub fn adds_up(&self) -> bool {
+        self.read == self.kept_total() + self.set_aside.values().sum::<usize>() + self.dropped_total()
+    }
+
+    pub(crate) fn keep(&mut self, what: &'static str, rows: usize) {
+        add(&mut self.kept, what, rows);
+    }
+    pub(crate) fn set_aside(&mut self, why: &'static str, rows: usize) {
+        add(&mut self.set_aside, why, rows);
+    }
+    pub(crate) fn drop_rows(&mut self, why: &'static str, rows: usize) {
+        add(&mut self.dropped, why, rows);
+    }
+}
+
+fn add(counts: &mut Counts, key: &'static str, rows: usize) {
+    if rows > 0 {
+        *counts.entry(key).or_default() += rows;
+    }
+}
+
+/// What became of one source: a log folder, a simulation.
+#[derive(Clone, Debug, Default)]
+pub struct SourceReport {
+    /// As the user named it.
+    pub source: String,
+    /// The drive that it became.
+    pub drive_id: Option<DriveId>,
+    /// What the lake did with it; `None` when there is no drive.
+    pub outcome: Option<WriteOutcome>,
+    /// Frames of the drive.
+    pub frames: usize,
+    /// Length of the drive, s.
+    pub duration_s: f64,
+    /// Tracked objects.
+    pub tracks: usize,
+    /// Rows by table.
+    pub tables: Vec<RowCount>,
+    /// What the log could have had but has not.
+    pub missing: Vec<String>,
+    /// Everything that somebody should know.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl SourceReport {
+    /// A report of nothing yet.
+    pub fn new(source: impl Into<String>) -> Self {
+        Self { source: source.into(), ..Self::default() }
+    }
+
+    /// True when input was lost: rows dropped, or a part that could not be read.
+    pub fn lost_input(&self) -> bool {
+        self.tables.iter().any(|t| t.dropped_total() > 0)
+            || self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+}
+
+/// The word for a reason or a kind of row, for people.
+pub fn reason_text(key: &str) -> Bilingual {
+    let (zh, en) = match key {
+        "track" => ("轨迹", "tracks"),
+        "ego" => ("自车", "ego"),
+        "pose" => ("位姿", "poses"),
+        "lane" => ("车道", "lanes"),
+        "crosswalk" => ("人行横道", "crosswalks"),
+        "junction" => ("路口", "junctions"),
+        "drivable_area" => ("可行驶区域", "drivable areas"),
+        "duplicate" => ("重复", "duplicate"),
+        "invalid" => ("数值无效", "invalid values"),
+        "no_pose" => ("该时刻没有位姿", "no pose at that time"),
+        "between_frames" => ("在两帧之间", "between frames"),
+        "ego_away" => ("自车不在", "while the ego was away"),
+        "out_of_order" => ("时间倒退", "backward time"),
+        "not_a_road_user_lane" => ("不是道路车道", "not a lane of the road"),
+        other => (other, other),
+    };
+    Bilingual::new(zh, en)
+}

@@ -1,0 +1,134 @@
+//! From paths to a lake: which sources there are, and one source at a time into the lake.
+
+use crate::{SourceReport, av2};
+use std::path::{Path, PathBuf};
+use whyroad_lake::Lake;
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
+
+/// Formats that have an adapter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Argoverse 2 sensor logs.
+    Av2,
+}
+
+impl Format {
+    /// All formats.
+    pub const ALL: &'static [Format] = &[Format::Av2];
+
+    /// Name on the command line and in `DriveMeta::format`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Av2 => "av2",
+        }
+    }
+
+    /// The format with this name.
+    pub fn from_name(name: &str) -> Option<Format> {
+        Format::ALL.iter().copied().find(|f| f.name() == name)
+    }
+
+    fn find(self, path: &Path) -> std::io::Result<Vec<PathBuf>> {
+        match self {
+            Format::Av2 => av2::find_logs(path),
+        }
+    }
+}
+
+/// What the user may say beside the paths.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Id of the drive, when there is one source; otherwise each names its own.
+    pub drive_id: Option<DriveId>,
+}
+
+/// One drive to be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Adapter.
+    pub format: Format,
+    /// Folder or file.
+    pub path: PathBuf,
+}
+
+/// The sources at or below `paths`, and what is wrong with paths that have none. Without a format, every adapter is asked.
+pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
+    let formats = format.as_ref().map_or(Format::ALL, std::slice::from_ref);
+    let (mut sources, mut problems) = (Vec::new(), Vec::new());
+    for path in paths {
+        let label = path.display().to_string();
+        if !path.exists() {
+            problems.push(not_there(&label));
+            continue;
+        }
+        let before = sources.len();
+        for &format in formats {
+            match format.find(path) {
+                Ok(found) => sources.extend(found.into_iter().map(|path| Source { format, path })),
+                Err(e) => problems.push(unreadable(&label, &e.to_string())),
+            }
+        }
+        if sources.len() == before && problems.is_empty() {
+            problems.push(nothing_found(&label, formats));
+        }
+    }
+    (sources, problems)
+}
+
+/// Reads one source.
+pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport) {
+    match source.format {
+        Format::Av2 => av2::read(&source.path, options.drive_id.as_ref()),
+    }
+}
+
+/// Reads one source and writes its drive. The report says everything; a drive that is not in the lake has no `outcome`.
+pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
+    let (drive, mut report) = read(source, options);
+    if let Some(drive) = drive {
+        let span = (drive.times.first(), drive.times.last());
+        report.drive_id = Some(drive.meta.drive_id.clone());
+        report.frames = drive.frame_count();
+        report.duration_s = span.0.zip(span.1).map_or(0.0, |(a, b): (&Nanos, &Nanos)| b.seconds_since(*a));
+        report.tracks = drive.tracks.len();
+        report.missing = drive.meta.missing.clone();
+        match lake.write_drive(&drive) {
+            Ok(outcome) => report.outcome = Some(outcome),
+            Err(e) => report.diagnostics.push(e.diagnostic()),
+        }
+    }
+    report
+}
+
+fn not_there(path: &str) -> Diagnostic {
+    Diagnostic::error(
+        "ingest.path.missing",
+        Bilingual::new(format!("{path} 不存在"), format!("{path} does not exist")),
+    )
+    .in_file(path)
+}
+
+fn unreadable(path: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error(
+        "ingest.path.unreadable",
+        Bilingual::new(format!("{path} 无法读取：{reason}"), format!("{path} cannot be read: {reason}")),
+    )
+    .in_file(path)
+}
+
+fn nothing_found(path: &str, formats: &[Format]) -> Diagnostic {
+    let names: Vec<&str> = formats.iter().map(|f| f.name()).collect();
+    let names = names.join(", ");
+    Diagnostic::error(
+        "ingest.nothing_found",
+        Bilingual::new(
+            format!("{path} 中没有可识别的行程（已尝试：{names}）"),
+            format!("nothing in {path} looks like a drive (tried: {names})"),
+        ),
+    )
+    .with_hint(Bilingual::new(
+        "docs/guides/ingest.zh.md 说明各格式需要哪些文件",
+        "docs/guides/ingest.md says which files each format needs",
+    ))
+    .in_file(path)
+}

@@ -1,0 +1,57 @@
+//! What all adapters do with a source: name the drive, hash the input, tell of impossible speeds.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use whyroad_model::{Bilingual, Diagnostic, DriveId};
+
+/// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
+/// Equal hashes mean an equal drive, so a lake need not write it again.
+pub(crate) struct ContentHash(blake3::Hasher);
+
+impl ContentHash {
+    pub fn new(format: &str, revision: u32) -> Self {
+        let mut h = Self(blake3::Hasher::new());
+        h.add("format", format.as_bytes());
+        h.add("revision", &revision.to_le_bytes());
+        h
+    }
+
+    pub fn add(&mut self, name: &str, content: &[u8]) {
+        // Lengths first, so that no two lists of parts run together into the same bytes.
+        for part in [name.as_bytes(), content] {
+            self.0.update(&(part.len() as u64).to_le_bytes());
+            self.0.update(part);
+        }
+    }
+
+    pub fn finish(self) -> String {
+        self.0.finalize().to_hex().to_string()
+    }
+}
+
+/// The last part of a path, as text.
+pub(crate) fn file_label(path: &Path) -> String {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// A drive id from a name: what is not safe in a folder name becomes `-`.
+pub(crate) fn drive_id(name: &str) -> DriveId {
+    let safe = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' };
+    let id: String = name.chars().map(safe).take(128).collect();
+    let id = id.trim_start_matches('.');
+    DriveId::from(if id.is_empty() { "drive" } else { id })
+}
+
+/// Speeds that cannot be, by track; none gives no diagnostic.
+pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usize>) -> Option<Diagnostic> {
+    let (track, _) = rows_by_track.first_key_value()?;
+    let (rows, tracks) = (rows_by_track.values().sum::<usize>(), rows_by_track.len());
+    let message = Bilingual::new(
+        format!("{tracks} 条轨迹的 {rows} 行速度不可能；其速度与加速度记为未知；例如 {track}"),
+        format!(
+            "{rows} rows of {tracks} tracks have speeds that cannot be; their speed and acceleration are set to unknown; for example {track}"
+        ),
+    );
+    Some(Diagnostic::warning("ingest.speed.impossible", message).in_file(file))
+}
