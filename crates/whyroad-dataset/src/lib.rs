@@ -1,1 +1,8 @@
-//! Placeholder, replaced in the next commit.
+//! What came of mining and labelling: coverage over all leaves, the report that shows it, label drafts.
+//!
+//! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on
+//! the crates that make them. Nothing here writes a file; callers store what is returned.
+
+pub mod coverage;
+pub mod names;
+pub mod report;

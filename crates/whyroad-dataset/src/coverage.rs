@@ -1,0 +1,134 @@
+//! Coverage over the whole taxonomy: mining's `coverage.json` laid over the tree, with counts at every level.
+//! A leaf that mining does not mention is one without a rule; it is shown as that, never left out.
+
+use std::collections::BTreeMap;
+use whyroad_framework::{L1, L2, L3, Taxonomy};
+use whyroad_model::messages::{Coverage, CoverageState, DriveGap};
+use whyroad_model::{Bilingual, ScenarioId};
+
+/// One leaf with its place in the tree and what is known of it.
+#[derive(Clone, Debug)]
+pub struct LeafRow<'a> {
+    /// Full id.
+    pub id: ScenarioId,
+    /// Kind of trigger.
+    pub l1: &'a L1,
+    /// Triggering event.
+    pub l2: &'a L2,
+    /// The leaf.
+    pub l3: &'a L3,
+    /// The state over all drives.
+    pub state: CoverageState,
+    /// Episodes, primary and secondary.
+    pub episodes: u64,
+    /// Episodes for which this leaf was the primary one.
+    pub primary_episodes: u64,
+    /// Drives on which the rule could be decided.
+    pub drives_searched: u64,
+    /// Drives on which it could not.
+    pub gaps: &'a [DriveGap],
+}
+
+/// How many leaves are in each state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StateCounts {
+    /// With at least one episode.
+    pub found: usize,
+    /// Searched, nothing found.
+    pub not_found: usize,
+    /// Never decidable on these drives.
+    pub not_observable: usize,
+    /// Without a rule.
+    pub no_rule: usize,
+}
+
+impl StateCounts {
+    /// The number for one state.
+    pub fn get(self, state: CoverageState) -> usize {
+        match state {
+            CoverageState::Found => self.found,
+            CoverageState::NotFound => self.not_found,
+            CoverageState::NotObservable => self.not_observable,
+            CoverageState::NoRule => self.no_rule,
+        }
+    }
+
+    /// All leaves counted.
+    pub fn total(self) -> usize {
+        CoverageState::ALL.iter().map(|s| self.get(*s)).sum()
+    }
+
+    fn add(&mut self, state: CoverageState) {
+        match state {
+            CoverageState::Found => self.found += 1,
+            CoverageState::NotFound => self.not_found += 1,
+            CoverageState::NotObservable => self.not_observable += 1,
+            CoverageState::NoRule => self.no_rule += 1,
+        }
+    }
+}
+
+/// Every leaf of `taxonomy` in its order. Leaves that only `coverage` knows belong to another taxonomy
+/// version and are in [`unknown_leaves`].
+pub fn rows<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<LeafRow<'a>> {
+    let known: BTreeMap<&ScenarioId, usize> =
+        coverage.leaves.iter().enumerate().map(|(i, l)| (&l.scenario_id, i)).collect();
+    taxonomy
+        .leaves()
+        .map(|(l1, l2, l3)| {
+            let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
+            let told = known.get(&id).map(|&i| &coverage.leaves[i]);
+            LeafRow {
+                l1,
+                l2,
+                l3,
+                state: told.map_or(CoverageState::NoRule, |l| l.state),
+                episodes: told.map_or(0, |l| l.episodes),
+                primary_episodes: told.map_or(0, |l| l.primary_episodes),
+                drives_searched: told.map_or(0, |l| l.drives_searched),
+                gaps: told.map_or(&[], |l| &l.gaps),
+                id,
+            }
+        })
+        .collect()
+}
+
+/// Leaves in `coverage` that `taxonomy` does not have.
+pub fn unknown_leaves<'a>(taxonomy: &Taxonomy, coverage: &'a Coverage) -> Vec<&'a ScenarioId> {
+    coverage.leaves.iter().map(|l| &l.scenario_id).filter(|id| taxonomy.leaf(id).is_none()).collect()
+}
+
+/// Leaves by state.
+pub fn counts(rows: &[LeafRow<'_>]) -> StateCounts {
+    let mut out = StateCounts::default();
+    for row in rows {
+        out.add(row.state);
+    }
+    out
+}
+
+impl LeafRow<'_> {
+    /// Signals that some drive lacked for this leaf, sorted, each once.
+    pub fn missing_signals(&self) -> Vec<&str> {
+        let mut out: Vec<&str> =
+            self.gaps.iter().flat_map(|g| g.missing_signals.iter().map(String::as_str)).collect();
+        out.sort_unstable();
+        out.dedup();
+        out
+    }
+}
+
+/// The name of a state for people.
+pub fn state_name(state: CoverageState) -> Bilingual {
+    match state {
+        CoverageState::Found => Bilingual::new("已找到", "found"),
+        CoverageState::NotFound => Bilingual::new("已搜索，未找到", "searched, not found"),
+        CoverageState::NotObservable => {
+            Bilingual::new("不可观测（缺信号）", "not observable (signals missing)")
+        }
+        CoverageState::NoRule => Bilingual::new("尚无规则", "no rule yet"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

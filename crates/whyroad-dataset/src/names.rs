@@ -1,0 +1,33 @@
+//! Names for people of what the scene tables only have ids for.
+
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Bilingual, ObjectClass};
+
+/// What a class of objects is called.
+pub fn class_name(class: ObjectClass) -> Bilingual {
+    let (zh, en) = match class {
+        ObjectClass::Car => ("轿车", "car"),
+        ObjectClass::Truck => ("卡车", "truck"),
+        ObjectClass::Bus => ("公交车", "bus"),
+        ObjectClass::LargeVehicle => ("大型车辆", "large vehicle"),
+        ObjectClass::Motorcycle => ("摩托车", "motorcycle"),
+        ObjectClass::Bicycle => ("自行车", "bicycle"),
+        ObjectClass::Bicyclist => ("骑行者", "cyclist"),
+        ObjectClass::Motorcyclist => ("摩托车骑手", "motorcyclist"),
+        ObjectClass::Pedestrian => ("行人", "pedestrian"),
+        ObjectClass::WheeledPedestrian => ("轮椅或婴儿车行人", "wheeled pedestrian"),
+        ObjectClass::Animal => ("动物", "animal"),
+        ObjectClass::Cone => ("锥桶", "cone"),
+        ObjectClass::StaticObject => ("静态物体", "static object"),
+        ObjectClass::Unknown => ("未知物体", "unknown object"),
+    };
+    Bilingual::new(zh, en)
+}
+
+/// What a kind of keyframe is called.
+pub fn keyframe_kind(kind: KeyframeType) -> Bilingual {
+    match kind {
+        KeyframeType::Reactive => Bilingual::new("时刻型", "one moment"),
+        KeyframeType::Proactive => Bilingual::new("区间型", "a range"),
+    }
+}

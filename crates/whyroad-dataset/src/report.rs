@@ -1,0 +1,96 @@
+//! The report: one self-contained HTML page, in Chinese and English, with the coverage of the whole taxonomy
+//! and a card for each episode. It fetches nothing, and says so to the browser (Content-Security-Policy).
+//!
+//! Drives are added one at a time, so that memory does not grow with the lake.
+
+mod birds_eye;
+mod card;
+mod markup;
+mod page;
+mod plot;
+mod summary;
+mod tree_map;
+mod view;
+
+use crate::coverage;
+use std::collections::BTreeMap;
+use whyroad_framework::{DecisionSets, Taxonomy};
+use whyroad_model::messages::{Coverage, EpisodeRecord};
+use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
+
+/// What the report says of a signal; from the catalogue, which this crate does not read.
+#[derive(Clone, Debug, Default)]
+pub struct SignalInfo {
+    /// Base unit; empty for flags, categories and pure numbers.
+    pub unit: String,
+    /// What it means.
+    pub meaning: Bilingual,
+    /// Typical magnitude in the base unit.
+    pub scale: f64,
+}
+
+/// What holds for the whole report.
+#[derive(Clone, Copy, Debug)]
+pub struct ReportContext<'a> {
+    /// The classes.
+    pub taxonomy: &'a Taxonomy,
+    /// Decisions in words, for drafts shown on the cards.
+    pub decisions: &'a DecisionSets,
+    /// What mining looked for and what came of it.
+    pub coverage: &'a Coverage,
+    /// Signals by name.
+    pub signals: &'a BTreeMap<String, SignalInfo>,
+    /// Language that is shown first; the reader can switch.
+    pub lang: Lang,
+    /// At most so many cards, so that a browser can hold the page; what is left out is counted on the page.
+    pub max_cards: usize,
+}
+
+/// Collects the page.
+#[derive(Debug)]
+pub struct ReportBuilder<'a> {
+    context: ReportContext<'a>,
+    cards: Vec<card::Card>,
+    episodes: usize,
+    drives: Vec<page::DriveLine>,
+}
+
+impl<'a> ReportBuilder<'a> {
+    /// An empty report.
+    pub fn new(context: ReportContext<'a>) -> Self {
+        Self { context, cards: Vec::new(), episodes: 0, drives: Vec::new() }
+    }
+
+    /// Adds a drive with its episodes; episodes of other drives are ignored.
+    ///
+    /// Primary episodes come first where there are more than the page can hold.
+    pub fn add_drive(&mut self, drive: &Drive, signals: &SignalTable, episodes: &[EpisodeRecord]) {
+        let mut own: Vec<&EpisodeRecord> =
+            episodes.iter().filter(|e| e.drive_id == drive.meta.drive_id).collect();
+        own.sort_by(|a, b| {
+            let key = |e: &EpisodeRecord| (e.keyframe.timestamp, !e.is_primary, e.scenario_id.clone());
+            key(a).cmp(&key(b)).then_with(|| a.episode_id.cmp(&b.episode_id))
+        });
+        self.episodes += own.len();
+        self.drives.push(page::DriveLine::new(drive, own.len()));
+        let room = self.context.max_cards.saturating_sub(self.cards.len());
+        let mut chosen: Vec<&EpisodeRecord> = own.clone();
+        if own.len() > room {
+            chosen.sort_by_key(|e| !e.is_primary);
+            chosen.truncate(room);
+            chosen.sort_by_key(|e| e.keyframe.timestamp);
+        }
+        for episode in chosen {
+            self.cards.push(card::render(&self.context, drive, signals, episode));
+        }
+    }
+
+    /// The page.
+    pub fn finish(self) -> String {
+        let rows = coverage::rows(self.context.taxonomy, self.context.coverage);
+        page::render(&self.context, &rows, &self.drives, &self.cards, self.episodes)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,97 @@
+//! The table of all leaves, one line each: state, counts, what is missing. The tree map's cells link here.
+
+use super::markup::Markup;
+use crate::coverage::{LeafRow, counts, state_name};
+use whyroad_model::messages::CoverageState;
+
+/// Counts by state, with the fill and the mark that the tree map uses: its legend.
+pub(super) fn legend(rows: &[LeafRow<'_>]) -> Markup {
+    let mut m = Markup::new();
+    let counts = counts(rows);
+    m.raw("<ul class=\"legend\">");
+    for &state in CoverageState::ALL {
+        m.raw("<li data-state=\"").text(state.id()).raw("\"><svg viewBox=\"0 0 34 22\" width=\"34\" height=\"22\"><rect width=\"34\" height=\"22\" class=\"");
+        m.raw("st-")
+            .text(state.id())
+            .raw("\"/><text x=\"17\" y=\"15\" class=\"tm-mark middle\">")
+            .raw(mark(state));
+        m.raw("</text></svg> <b>").int(counts.get(state)).raw("</b> ").both(&state_name(state)).raw("</li>");
+    }
+    m.raw("</ul>");
+    m
+}
+
+fn mark(state: CoverageState) -> &'static str {
+    match state {
+        CoverageState::Found => "n",
+        CoverageState::NotFound => "0",
+        CoverageState::NotObservable => "?",
+        CoverageState::NoRule => "–",
+    }
+}
+
+/// The table.
+pub(super) fn table(rows: &[LeafRow<'_>]) -> Markup {
+    let mut m = Markup::new();
+    m.raw("<table class=\"leaves\"><thead><tr><th>").say("场景", "scenario").raw("</th><th>ID</th><th>");
+    m.say("状态", "state")
+        .raw("</th><th class=\"n\">")
+        .say("片段数", "episodes")
+        .raw("</th><th class=\"n\">");
+    m.say("其中主场景", "primary")
+        .raw("</th><th class=\"n\">")
+        .say("已搜索行程", "drives searched")
+        .raw("</th><th>");
+    m.say("缺少的信号", "missing signals").raw("</th></tr></thead>");
+    for group in rows.chunk_by(|a, b| a.l1.id == b.l1.id) {
+        let c = counts(group);
+        m.raw("<tbody><tr class=\"l1\"><th colspan=\"2\">").both(&group[0].l1.name).raw(" <code>");
+        m.text(&group[0].l1.id).raw("</code></th><th colspan=\"5\">");
+        m.say("已找到 ", "found ").int(c.found).raw(" / ").int(group.len()).raw("</th></tr>");
+        for row in group {
+            leaf(&mut m, row);
+        }
+        m.raw("</tbody>");
+    }
+    m.raw("</table>");
+    m
+}
+
+fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
+    let id = row.id.to_string();
+    m.raw("<tr id=\"leaf-").text(&id).raw("\" data-state=\"").text(row.state.id()).raw("\"><td>");
+    m.both(&row.l2.name).raw(" · ").both(&row.l3.name).raw("<div class=\"faint definition\">");
+    m.both(&row.l3.definition)
+        .raw("</div></td><td><code>")
+        .text(&id)
+        .raw("</code></td><td class=\"state\"><i class=\"dot dot-");
+    m.text(row.state.id()).raw("\">").raw(mark_small(row.state)).raw("</i>").both(&state_name(row.state));
+    for count in [row.episodes, row.primary_episodes, row.drives_searched] {
+        m.raw("</td><td class=\"n\">");
+        // Without a rule nothing was counted, and a zero would say that something was.
+        if row.state != CoverageState::NoRule {
+            m.int(count);
+        }
+    }
+    m.raw("</td><td>");
+    for (i, signal) in row.missing_signals().iter().enumerate() {
+        m.raw(if i == 0 { "<code>" } else { ", <code>" }).text(signal).raw("</code>");
+    }
+    if !row.gaps.is_empty() && row.drives_searched > 0 {
+        m.raw(" <span class=\"faint\">")
+            .say("（", "(")
+            .int(row.gaps.len())
+            .say(" 个行程）", " drives)")
+            .raw("</span>");
+    }
+    m.raw("</td></tr>");
+}
+
+fn mark_small(state: CoverageState) -> &'static str {
+    match state {
+        CoverageState::Found => "✓",
+        CoverageState::NotFound => "0",
+        CoverageState::NotObservable => "?",
+        CoverageState::NoRule => "–",
+    }
+}
