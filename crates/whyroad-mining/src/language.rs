@@ -45,31 +45,23 @@ impl Fault {
         self
     }
 
-    /// As a diagnostic; `origin` is where the expression `text` stands.
-    pub fn locate(self, text: &str, origin: &Place) -> Diagnostic {
-        let before = &text[..self.span.start.min(text.len())];
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        let line_text = text[line_start..].lines().next().unwrap_or_default();
-        let marked = &text[self.span.start.min(text.len())..self.span.end.min(text.len())];
-        let column_in_line = before[line_start..].chars().count() + 1;
-        let first_line = line_start == 0;
+    /// As a diagnostic about the expression `text`, shown as it is; `origin` says where it comes from.
+    pub fn about(self, text: &str, origin: &Place) -> Diagnostic {
+        let start = self.span.start.min(text.len());
+        let end = self.span.end.clamp(start, text.len());
+        let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
         let place = Place {
-            file: origin.file.clone(),
-            line: origin.line.map(|l| l + before.matches('\n').count()),
-            // A place with a column is the expression's exact start in its file; without one the
-            // expression itself is shown.
-            column: Some(match origin.column {
-                Some(c) if first_line => c + column_in_line - 1,
-                _ => column_in_line,
-            }),
-            pointer: origin.pointer.clone(),
-            snippet: Some(match &origin.snippet {
-                Some(s) if first_line && origin.column.is_some() => s.clone(),
-                _ => line_text.to_owned(),
-            }),
-            snippet_start: 0,
-            span: marked.lines().next().unwrap_or_default().chars().count().max(1),
+            line: origin.line.or(Some(1)).map(|l| l + text[..start].matches('\n').count()),
+            column: Some(text[line_start..start].chars().count() + 1),
+            snippet: text[line_start..].lines().next().map(str::to_owned),
+            span: text[start..end].lines().next().unwrap_or_default().chars().count().max(1),
+            ..origin.clone()
         };
+        self.at(place)
+    }
+
+    /// As a diagnostic at a place that is known already.
+    pub fn at(self, place: Place) -> Diagnostic {
         let d = Diagnostic::error(self.code, self.message).at(place);
         match self.hint {
             Some(h) => d.with_hint(h),

@@ -3,5 +3,12 @@
 //! The evaluator is a pure function of one drive's signals: no I/O, no clock, and no knowledge of what a
 //! scenario is about. What a scenario is stands in `scenarios/`; only [`engine`] reads a lake.
 
-pub mod evaluate;
 pub mod language;
+pub mod rule;
+pub mod evaluate;
+pub mod episode;
+pub mod drive;
+
+pub use drive::{DriveEpisodes, mine_drive};
+pub use episode::{Episode, Rank};
+pub use rule::{CODES, Rule, RuleSet};

@@ -165,6 +165,20 @@ pub enum Moment {
     Offset(Box<Moment>, Nanos),
 }
 
+impl Moment {
+    /// The conditions and numbers that it looks at.
+    pub fn conditions(&self) -> Vec<NodeId> {
+        match self {
+            Moment::Keyframe | Moment::MatchStart | Moment::MatchEnd => vec![],
+            Moment::First(c) | Moment::Last(c) | Moment::Nearest(c) | Moment::Least(c) | Moment::Greatest(c) => {
+                vec![*c]
+            }
+            Moment::Earliest(all) | Moment::Latest(all) => all.iter().flat_map(Moment::conditions).collect(),
+            Moment::Offset(of, _) => of.conditions(),
+        }
+    }
+}
+
 /// What a condition measures, for telling a person: `target.ttc < 3s` and the value it had.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Atom {

@@ -104,8 +104,8 @@ fn a_fault_reads_like_rustc() {
         ..Place::default()
     };
     let text = "target.lateral_offset > 0.5 m and ego.sped < 3 m/s";
-    insta::assert_snapshot!(render_text(&fault(text).locate(text, &origin), Lang::En));
-    insta::assert_snapshot!(render_text(&fault(text).locate(text, &origin), Lang::Zh));
+    insta::assert_snapshot!(render_text(&fault(text).about(text, &origin), Lang::En));
+    insta::assert_snapshot!(render_text(&fault(text).about(text, &origin), Lang::Zh));
 }
 
 #[test]

@@ -1,0 +1,32 @@
+//! One drive: every rule run, the episodes arbitrated, what could not be decided named. A pure function; the
+//! unit that runs in parallel, and later inside other engines.
+
+use crate::episode::arbitrate::arbitrate;
+use crate::episode::{Episode, find};
+use crate::rule::RuleSet;
+use std::collections::BTreeMap;
+use whyroad_model::{DriveId, ScenarioId, SignalTable};
+
+/// What was found in one drive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DriveEpisodes {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Episodes in order of keyframe, class, target.
+    pub episodes: Vec<Episode>,
+    /// For each rule, by its class: the signals for lack of which it could not be decided (none: it could).
+    pub missing: BTreeMap<ScenarioId, Vec<String>>,
+}
+
+/// Runs all rules over the signals of one drive.
+pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
+    let mut out = DriveEpisodes { drive_id: table.drive_id.clone(), ..DriveEpisodes::default() };
+    let mut episodes = Vec::new();
+    for rule in &rules.rules {
+        let found = find(rule, table);
+        episodes.extend(found.episodes);
+        out.missing.insert(rule.scenario.clone(), found.missing.into_iter().collect());
+    }
+    out.episodes = arbitrate(episodes, &table.times, &rules.precedence);
+    out
+}

@@ -1,0 +1,55 @@
+//! From a rule's truth over time to episodes: runs, keyframe, time range, score. Everything is in frames of
+//! the whole drive; clips come in only where an episode is written down.
+
+pub mod arbitrate;
+mod build;
+pub mod moment;
+
+pub use build::{Found, find};
+
+use whyroad_model::messages::{KeyframeType, MatchedCondition};
+use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
+
+/// A stretch of a drive in which a rule held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Episode {
+    /// The leaf, or the L2 where the variant is not known.
+    pub scenario: ScenarioId,
+    /// The target that the rule bound.
+    pub target: Option<TrackId>,
+    /// Frames in which the rule's condition held, short breaks included.
+    pub matched: FrameRange,
+    /// One moment or a range.
+    pub kind: KeyframeType,
+    /// The keyframe; the start of the range for a range.
+    pub keyframe: usize,
+    /// `time_range` of the labelling spec; contains the keyframe.
+    pub range: FrameRange,
+    /// The time range with the context that its spec asks for.
+    pub context: FrameRange,
+    /// How the keyframe was found.
+    pub keyframe_rule: Bilingual,
+    /// 0 to 1; see [`score`].
+    pub score: f64,
+    /// Conditions with their values at the keyframe.
+    pub conditions: Vec<MatchedCondition>,
+    /// Signals that the rule read, sorted.
+    pub signals: Vec<String>,
+    /// Whether arbitration made it primary, or which episode of the list it is secondary to.
+    pub rank: Rank,
+}
+
+/// Result of arbitration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rank {
+    /// The primary trigger at its keyframe.
+    Primary,
+    /// Secondary to the episode at this index.
+    SecondaryTo(usize),
+}
+
+/// Match score of a margin: 0.5 where the conditions are only just met, towards 1 as they are exceeded by
+/// typical magnitudes. Strictly increasing; with margins cut off at 2, at most 0.982.
+pub fn score(margin: f64) -> f64 {
+    0.5 + 0.5 * margin.tanh()
+}

@@ -1,0 +1,53 @@
+//! One primary class a decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
+//!
+//! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
+//! already has its keyframe in the neighbourhood. Nothing is dropped but an L2's episode of which a leaf of
+//! the same L2 tells more.
+
+use super::{Episode, Rank};
+use crate::rule::Precedence;
+use whyroad_model::{Nanos, ScenarioId};
+
+/// Drops what a leaf tells better, orders the rest by keyframe, and ranks it.
+pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
+    let mut episodes = without_resolved(episodes);
+    episodes.sort_by(|a, b| {
+        (a.keyframe, &a.scenario, &a.target, a.matched).cmp(&(b.keyframe, &b.scenario, &b.target, b.matched))
+    });
+    let mut order: Vec<usize> = (0..episodes.len()).collect();
+    order.sort_by(|&i, &j| {
+        let (a, b) = (&episodes[i], &episodes[j]);
+        let rank = |e: &Episode| precedence.rank(&e.scenario);
+        rank(a).cmp(&rank(b)).then(b.score.total_cmp(&a.score)).then(i.cmp(&j))
+    });
+    let mut primary: Vec<usize> = Vec::new();
+    for i in order {
+        let time = times[episodes[i].keyframe];
+        let distance = |p: &usize| (times[episodes[*p].keyframe].0 - time.0).abs();
+        let rival = primary.iter().copied().find(|p| distance(p) < precedence.neighbourhood.0);
+        match rival {
+            Some(p) => episodes[i].rank = Rank::SecondaryTo(p),
+            None => {
+                episodes[i].rank = Rank::Primary;
+                primary.push(i);
+            }
+        }
+    }
+    episodes
+}
+
+/// An L2's own rule stands for "this L2, variant unknown": where a leaf of it matched the same target at the
+/// same time, the variant is known.
+fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {
+    let resolved = |e: &Episode| {
+        e.scenario.l3.is_none()
+            && episodes.iter().any(|o| {
+                o.scenario.is_leaf()
+                    && o.scenario.is_within(&ScenarioId { l3: None, ..e.scenario.clone() })
+                    && o.target == e.target
+                    && !o.matched.intersect(e.matched).is_empty()
+            })
+    };
+    let keep: Vec<bool> = episodes.iter().map(|e| !resolved(e)).collect();
+    episodes.into_iter().zip(keep).filter(|(_, k)| *k).map(|(e, _)| e).collect()
+}

@@ -1,0 +1,251 @@
+//! One rule on one drive: its matches, and an episode for each that also meets `require` at its keyframe.
+
+use super::moment::{Known, Sought, resolve};
+use super::{Episode, Rank, score};
+use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Pass, Row, Series, Truths};
+use crate::language::program::{Atom, Moment, NodeId};
+use crate::rule::{Listed, Rule};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use whyroad_model::messages::MatchedCondition;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, Tri};
+
+/// What came of one rule on one drive.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// Episodes in order of targets, then time.
+    pub episodes: Vec<Episode>,
+    /// Signals for lack of which the rule could not be decided; empty when it could.
+    pub missing: BTreeSet<String>,
+}
+
+/// Runs one rule over one drive.
+pub fn find(rule: &Rule, table: &SignalTable) -> Found {
+    let mut evaluator = Evaluator::new(&rule.program, table);
+    let mut found = Found::default();
+    let mut decided = Decided::default();
+    match rule.subject {
+        None => on_rows(rule, None, &mut evaluator, &mut found.episodes, &mut decided),
+        Some(subject) => {
+            for span in table.targets.iter().filter(|t| subject.admits(t.class)) {
+                on_rows(rule, Some(span), &mut evaluator, &mut found.episodes, &mut decided);
+            }
+        }
+    }
+    if found.episodes.is_empty() {
+        found.missing = missing(rule, table, &decided);
+    }
+    found
+}
+
+/// How far the rule's condition was known.
+#[derive(Default)]
+struct Decided {
+    rows: usize,
+    known: usize,
+}
+
+/// Signals that the drive does not have, when the rule reads any: "nothing found" would claim too much. Where
+/// the drive has them all and yet not one row could be decided, those that are never known.
+fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
+    let signals = rule.signals();
+    let column = |s: &String| table.frame_columns.get(s).or_else(|| table.target_columns.get(s));
+    let absent: BTreeSet<String> = signals.iter().filter(|s| column(s).is_none()).cloned().collect();
+    if !absent.is_empty() || decided.rows == 0 || decided.known > 0 {
+        return absent;
+    }
+    let never_known = |s: &&String| column(s).is_some_and(|c| c.known_count() == 0);
+    signals.iter().filter(never_known).cloned().collect()
+}
+
+fn on_rows<'a>(
+    rule: &'a Rule,
+    span: Option<&'a TargetSpan>,
+    evaluator: &mut Evaluator<'a>,
+    out: &mut Vec<Episode>,
+    decided: &mut Decided,
+) {
+    let mut pass = evaluator.pass(span);
+    let series = evaluator.series(rule.when, &mut pass);
+    let Series::Truths(when) = series.as_ref() else { return };
+    decided.rows += when.value.len();
+    decided.known += when.value.iter().filter(|t| **t != Tri::Unknown).count();
+    for (first, last) in matches(when, evaluator.rows(&pass), rule) {
+        out.extend(episode(rule, span, when, (first, last), evaluator, &mut pass));
+    }
+}
+
+/// Runs of true as first and last row, near ones merged, too short and too long ones dropped.
+fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for (i, t) in when.value.iter().enumerate() {
+        if *t != Tri::True {
+            continue;
+        }
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == i || rows[i].time - rows[*last].end <= rule.merge_gap => *last = i,
+            _ => runs.push((i, i)),
+        }
+    }
+    runs.retain(|&(first, last)| {
+        let lasts = rows[last].end - rows[first].time;
+        lasts + CLOCK_TOLERANCE >= rule.min_duration
+            && rule.max_duration.is_none_or(|max| lasts <= max + CLOCK_TOLERANCE)
+    });
+    runs
+}
+
+fn episode<'a>(
+    rule: &'a Rule,
+    span: Option<&'a TargetSpan>,
+    when: &Truths,
+    (first, last): (usize, usize),
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Option<Episode> {
+    let times = Times::of(evaluator, pass, (first, last))?;
+    let mut known = Known { first, last, keyframe: None };
+    let (keyframe_time, keyframe_rule) = keyframe(rule, known, evaluator, pass);
+    let keyframe = times.frame_at(keyframe_time);
+    known.keyframe = Some(times.time(keyframe));
+    // A keyframe may lie outside the match (0.5 s before the turn): the conditions are judged at the frame of
+    // the match that is nearest to it.
+    let judged = keyframe.clamp(times.matched.start, times.matched.end - 1);
+    let mut at = evaluator.at_keyframe(pass, judged);
+    let row = evaluator.rows(&at).iter().position(|r| r.frame == Some(judged))?;
+    let mut margin = mean_margin(when, first, last);
+    for id in &rule.require {
+        let (truth, m) = truth_at(*id, row, evaluator, &mut at);
+        if truth != Tri::True {
+            return None;
+        }
+        margin = margin.min(m);
+    }
+    let conditions = conditions(rule, row, evaluator, &mut at);
+    let mut bound = |ways: &[Moment], sought, default: Nanos| {
+        ways.iter().find_map(|m| resolve(m, sought, known, evaluator, &mut at)).unwrap_or(default)
+    };
+    let start = bound(&rule.timing.start, Sought::Start, times.time(times.matched.start));
+    let end = bound(&rule.timing.end, Sought::End, times.end(times.matched.end - 1));
+    let until = bound(rule.timing.after_until.as_slice(), Sought::End, Nanos(i64::MAX));
+    let start = start.min(times.time(keyframe));
+    // The time range holds the keyframe's own frame.
+    let end = end.max(times.end(keyframe));
+    let range = times.range(start, end);
+    let after = (end + rule.timing.after).min(until.max(end));
+    Some(Episode {
+        scenario: rule.scenario.clone(),
+        target: span.map(|s| s.id.clone()),
+        matched: times.matched,
+        kind: rule.timing.kind,
+        keyframe,
+        range,
+        context: times.range(start - rule.timing.before, after),
+        keyframe_rule,
+        score: score(margin),
+        conditions,
+        signals: rule.signals().into_iter().collect(),
+        rank: Rank::Primary,
+    })
+}
+
+/// The first way that finds the keyframe, with its rule in words.
+fn keyframe<'a>(
+    rule: &'a Rule,
+    known: Known,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> (Nanos, Bilingual) {
+    for (moment, words) in &rule.timing.keyframe {
+        if let Some(time) = resolve(moment, Sought::Keyframe, known, evaluator, pass) {
+            return (time, words.clone());
+        }
+    }
+    (evaluator.rows(pass)[known.first].time, rule.timing.at_match_start.clone())
+}
+
+/// Mean over the rows of the match in which the condition held.
+fn mean_margin(when: &Truths, first: usize, last: usize) -> f64 {
+    let held: Vec<f64> =
+        (first..=last).filter(|&i| when.value[i] == Tri::True).map(|i| when.margin[i]).collect();
+    held.iter().sum::<f64>() / held.len() as f64
+}
+
+fn truth_at<'a>(id: NodeId, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> (Tri, f64) {
+    match evaluator.series(id, pass).as_ref() {
+        Series::Truths(t) => (t.value[row], t.margin[row]),
+        _ => (Tri::Unknown, f64::NAN),
+    }
+}
+
+fn conditions<'a>(
+    rule: &'a Rule,
+    row: usize,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Vec<MatchedCondition> {
+    let mut out = Vec::new();
+    for atom in &rule.atoms {
+        let holds = truth_at(atom.condition, row, evaluator, pass).0;
+        if rule.listed == Listed::All || holds == Tri::True {
+            let actual_value = measured(atom, row, evaluator, pass);
+            out.push(MatchedCondition { condition: atom.text.clone(), actual_value });
+        }
+    }
+    out
+}
+
+/// The measured value in the atom's unit, to four decimals; null when unknown or infinite.
+fn measured<'a>(atom: &Atom, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> Value {
+    match evaluator.series(atom.measured, pass).as_ref() {
+        Series::Numbers(v) => {
+            let rounded = (v[row] / atom.unit.to_base * 1e4).round() / 1e4;
+            serde_json::Number::from_f64(rounded).map_or(Value::Null, Value::Number)
+        }
+        Series::Truths(t) => t.value[row].known().map_or(Value::Null, Value::Bool),
+        Series::Categories(codes, names) => {
+            names.get(usize::from(codes[row])).map_or(Value::Null, |n| Value::String(n.clone()))
+        }
+    }
+}
+
+/// Frames of the drive by time.
+struct Times {
+    /// Rows of the drive that are frames, by frame.
+    frames: Vec<Row>,
+    matched: FrameRange,
+}
+
+impl Times {
+    fn of(evaluator: &Evaluator<'_>, pass: &Pass<'_>, (first, last): (usize, usize)) -> Option<Times> {
+        let rows = evaluator.rows(pass);
+        // Rows of a match begin and end with a frame: a gap is never true.
+        let matched = FrameRange::new(rows[first].frame?, rows[last].frame? + 1);
+        let drive = evaluator.pass(None);
+        let frames = evaluator.rows(&drive).iter().filter(|r| r.frame.is_some()).copied().collect();
+        Some(Times { frames, matched })
+    }
+
+    fn time(&self, frame: usize) -> Nanos {
+        self.frames[frame].time
+    }
+
+    fn end(&self, frame: usize) -> Nanos {
+        self.frames[frame].end
+    }
+
+    /// The frame that begins nearest to `time`; the earlier one of two that are equally near.
+    fn frame_at(&self, time: Nanos) -> usize {
+        let distance = |i: &usize| (self.frames[*i].time.0 - time.0).abs();
+        (0..self.frames.len()).min_by_key(distance).unwrap_or(0)
+    }
+
+    /// Frames from `start` until `end`, clamped to the drive.
+    fn range(&self, start: Nanos, end: Nanos) -> FrameRange {
+        let from = self.frame_at(start);
+        let beyond = self.frames.last().is_none_or(|l| (l.end.0 - end.0).abs() <= (l.time.0 - end.0).abs());
+        let to = if beyond { self.frames.len() } else { self.frame_at(end) };
+        FrameRange::new(from, to.max(from + 1))
+    }
+}

@@ -1,0 +1,117 @@
+//! A rule: one program that says when a scenario happens, and how its moments are found. Made from a
+//! `mining:` block and the leaf's labelling spec ([`source`]) or from a JSON query ([`query`]).
+
+pub mod origin;
+pub mod query;
+pub mod set;
+pub mod source;
+
+pub use set::{Precedence, RuleSet};
+
+use crate::language::program::{Atom, Moment, NodeId, Program, Subject};
+use std::collections::BTreeSet;
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Bilingual, Nanos, ScenarioId};
+
+/// Codes of the diagnostics that this crate emits; each has a page in `docs/diagnostics/`.
+pub const CODES: &[&str] = &[
+    "rule.syntax",
+    "rule.signal.unknown",
+    "rule.unit.unknown",
+    "rule.unit.mismatch",
+    "rule.type",
+    "rule.member.unknown",
+    "rule.call",
+    "rule.target",
+    "rule.block",
+    "rule.precedence",
+    "rule.case",
+    "mine.drive.unreadable",
+    "mine.query.syntax",
+    "mine.query.scenario",
+    "mine.scenario.no_rule",
+];
+
+/// An executable rule.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// The leaf, or the L2 where the rule cannot tell the variant.
+    pub scenario: ScenarioId,
+    /// What the target can be; `None` when the rule speaks of the ego alone.
+    pub subject: Option<Subject>,
+    /// All operations of the rule and of its moments.
+    pub program: Program,
+    /// The condition whose runs of true are the matches.
+    pub when: NodeId,
+    /// Conditions at the keyframe.
+    pub require: Vec<NodeId>,
+    /// The parts of `when` and `require` that a person is told about.
+    pub atoms: Vec<Atom>,
+    /// Which atoms an episode lists.
+    pub listed: Listed,
+    /// Shorter matches are dropped, after merging.
+    pub min_duration: Nanos,
+    /// Longer matches are dropped.
+    pub max_duration: Option<Nanos>,
+    /// Matches of one target that are no further apart are one.
+    pub merge_gap: Nanos,
+    /// Keyframe, start, end, context.
+    pub timing: Timing,
+}
+
+/// Which atoms an episode lists as matched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Listed {
+    /// Those that hold at the keyframe (a rule may have alternatives).
+    Holding,
+    /// All of them (the conditions of a query all hold together).
+    All,
+}
+
+/// How the moments of an episode are found. Whatever is missing falls back, at last to the match itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Timing {
+    /// One moment or a range.
+    pub kind: KeyframeType,
+    /// The keyframe: each way to find it with its rule in words, the best first.
+    pub keyframe: Vec<(Moment, Bilingual)>,
+    /// What the keyframe is when none of these finds it: the start of the match, in words.
+    pub at_match_start: Bilingual,
+    /// Start of the time range, the best way first.
+    pub start: Vec<Moment>,
+    /// End of the time range, the best way first.
+    pub end: Vec<Moment>,
+    /// Context before the start.
+    pub before: Nanos,
+    /// Context after the end.
+    pub after: Nanos,
+    /// The context after the end stops here when this comes first.
+    pub after_until: Option<Moment>,
+}
+
+impl Timing {
+    /// The match itself, from its first to its last frame.
+    pub fn of_match() -> Self {
+        Self {
+            kind: KeyframeType::Reactive,
+            keyframe: vec![],
+            at_match_start: Bilingual::new("匹配条件首次全部成立", "the conditions first hold together"),
+            start: vec![],
+            end: vec![],
+            before: Nanos::default(),
+            after: Nanos::default(),
+            after_until: None,
+        }
+    }
+}
+
+impl Rule {
+    /// Names of the signals on which it depends whether there is a match.
+    pub fn signals(&self) -> BTreeSet<String> {
+        let mut out = self.program.signals(self.when);
+        for id in &self.require {
+            out.extend(self.program.signals(*id));
+        }
+        out
+    }
+}

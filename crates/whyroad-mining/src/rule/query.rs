@@ -1,0 +1,151 @@
+//! A JSON `mining_query` (DATA_FORMAT.md 5.1) to a [`Rule`]: the same program that a rule file makes.
+
+use super::{Listed, Rule, Timing};
+use crate::language::program::{Kind, Op};
+use crate::language::syntax::{CompareOp, Expr, ExprKind, Quantity, Span};
+use crate::language::token::unknown_unit;
+use crate::language::{Checker, Fault};
+use serde_json::Value;
+use whyroad_model::messages::mining::{MiningQuery, QueryCondition, QueryOperator};
+use whyroad_model::units::{UNITS, Unit};
+use whyroad_model::{Diagnostic, Nanos, Place};
+use whyroad_signals::{Catalogue, SignalKind};
+
+/// The rule that a query means. All conditions hold at once; how long is bounded by its time constraints; a
+/// break of a single frame ends a match.
+pub fn compile_query(query: &MiningQuery, catalogue: &Catalogue, file: &str) -> Result<Rule, Vec<Diagnostic>> {
+    let mut checker = Checker::new(catalogue);
+    let mut found = Vec::new();
+    let mut conditions = Vec::new();
+    let mut atoms = Vec::new();
+    let at = |i: usize, part: Part| Place {
+        file: Some(file.to_owned()),
+        pointer: Some(format!("/mining_query/conditions/{i}{}", part.pointer())),
+        ..Place::default()
+    };
+    for (i, condition) in query.conditions.iter().enumerate() {
+        let made = expression(condition, catalogue).and_then(|expr| {
+            let id = checker.condition(&expr).map_err(|f| (Part::of(&f), f))?;
+            checker.atoms(&expr, &mut atoms).map_err(|f| (Part::Whole, f))?;
+            Ok(id)
+        });
+        match made {
+            Ok(id) => conditions.push(id),
+            Err((part, fault)) => found.push(fault.at(at(i, part))),
+        }
+    }
+    if query.conditions.is_empty() {
+        let fault = Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
+        let pointer = Some("/mining_query/conditions".to_owned());
+        found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
+    }
+    let bounds = query.time_constraints.clone().unwrap_or_default();
+    for (name, bound) in [
+        ("condition_duration_min", bounds.condition_duration_min),
+        ("condition_duration_max", bounds.condition_duration_max),
+    ] {
+        if bound.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
+            let fault = Fault::new(
+                "mine.query.syntax",
+                Span::default(),
+                format!("{name} 应为非负的秒数"),
+                format!("{name} is a number of seconds, zero or more"),
+            );
+            let pointer = Some(format!("/mining_query/time_constraints/{name}"));
+            found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
+        }
+    }
+    if !found.is_empty() {
+        return Err(found);
+    }
+    let when = checker.program.add(Op::And(conditions.clone()), Kind::Condition);
+    let of_target = conditions.iter().any(|id| checker.is_of_target(*id));
+    let any = of_target.then_some(crate::language::Subject::Any);
+    Ok(Rule {
+        scenario: query.scenario_id.clone(),
+        subject: checker.subject.or(any),
+        when,
+        require: vec![],
+        atoms,
+        listed: Listed::All,
+        min_duration: Nanos::from_secs_f64(bounds.condition_duration_min.unwrap_or(0.0)),
+        max_duration: bounds.condition_duration_max.map(Nanos::from_secs_f64),
+        merge_gap: Nanos::default(),
+        timing: Timing::of_match(),
+        program: checker.program,
+    })
+}
+
+/// Which field of a condition a fault is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Whole,
+    Field,
+    Value,
+    Unit,
+}
+
+const FIELD: Span = Span { start: 1, end: 1 };
+const VALUE: Span = Span { start: 2, end: 2 };
+
+impl Part {
+    fn pointer(self) -> &'static str {
+        match self {
+            Part::Whole => "",
+            Part::Field => "/field",
+            Part::Value => "/value",
+            Part::Unit => "/unit",
+        }
+    }
+
+    /// The parts of the expression below are told apart by their spans.
+    fn of(fault: &Fault) -> Part {
+        match fault.span {
+            FIELD => Part::Field,
+            VALUE => Part::Value,
+            _ => Part::Whole,
+        }
+    }
+}
+
+fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Part, Fault)> {
+    let field = Expr { kind: ExprKind::Name(c.field.clone()), span: FIELD };
+    let whole = FIELD.to(VALUE);
+    let wrong = |zh: &str, en: &str| (Part::Value, Fault::new("rule.type", VALUE, zh, en));
+    let op = match c.operator {
+        QueryOperator::Gt => CompareOp::Greater,
+        QueryOperator::Ge => CompareOp::GreaterOrEqual,
+        QueryOperator::Lt => CompareOp::Less,
+        QueryOperator::Le => CompareOp::LessOrEqual,
+        QueryOperator::Eq => CompareOp::Equal,
+        QueryOperator::Ne => CompareOp::NotEqual,
+        QueryOperator::In => {
+            let Some(list) = c.value.as_array() else {
+                return Err(wrong("in 的取值应为数组", "`in` takes a list of values"));
+            };
+            let words: Option<Vec<_>> =
+                list.iter().map(|v| v.as_str().map(|w| (w.to_owned(), VALUE))).collect();
+            let words =
+                words.ok_or_else(|| wrong("in 的取值应为名称", "`in` takes a list of names"))?;
+            return Ok(Expr { kind: ExprKind::In(Box::new(field), words), span: whole });
+        }
+    };
+    let value = match &c.value {
+        Value::Number(n) => {
+            let unit = match (&c.unit, catalogue.get(&c.field).map(|d| &d.kind)) {
+                (Some(symbol), _) => {
+                    Unit::parse(symbol).ok_or_else(|| (Part::Unit, unknown_unit(symbol, VALUE)))?
+                }
+                (None, Some(SignalKind::Number(d))) => d.base(),
+                (None, _) => &UNITS[0],
+            };
+            let value = n.as_f64().ok_or_else(|| wrong("取值不是数", "the value is not a number"))?;
+            ExprKind::Number(Quantity { value, unit })
+        }
+        Value::Bool(b) => ExprKind::Name(b.to_string()),
+        Value::String(word) => ExprKind::Name(word.clone()),
+        _ => return Err(wrong("取值应为数、名称或真假", "the value is a number, a name or true or false")),
+    };
+    let right = Expr { kind: value, span: VALUE };
+    Ok(Expr { kind: ExprKind::Compare(Box::new(field), vec![(op, right)]), span: whole })
+}

@@ -1,0 +1,139 @@
+//! All rules of a framework, and the order in which their classes take precedence.
+
+use super::origin::Origin;
+use super::source::{compile, inherit};
+use super::Rule;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use whyroad_framework::{Framework, Taxonomy};
+use whyroad_model::units::{Dimension, Unit};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, Place, ScenarioId};
+use whyroad_signals::Catalogue;
+
+/// Rules, in taxonomy order, an L2 before its leaves.
+#[derive(Clone, Debug, Default)]
+pub struct RuleSet {
+    /// The rules that could be made.
+    pub rules: Vec<Rule>,
+    /// Which class is primary where several match.
+    pub precedence: Precedence,
+}
+
+impl RuleSet {
+    /// All rules of a framework. A rule with faults is left out and its faults are reported.
+    pub fn of_framework(framework: &Framework, catalogue: &Catalogue) -> (RuleSet, Vec<Diagnostic>) {
+        let mut found = Vec::new();
+        let mut rules = Vec::new();
+        let blocks: BTreeMap<_, _> = framework.rules.iter().map(|r| (&r.leaf, &r.rule)).collect();
+        for source in &framework.rules {
+            let l2 = ScenarioId { l3: None, ..source.leaf.clone() };
+            let (block, owner, spec) = match &source.leaf.l3 {
+                Some(l3) => {
+                    let block = inherit(blocks.get(&l2).copied(), &source.rule);
+                    (block, format!("/leaves/{l3}"), framework.specs.get(&source.leaf))
+                }
+                // A block without `when` only holds what the leaves share.
+                None if source.rule.get("when").is_none() => continue,
+                None => (source.rule.clone(), String::new(), framework.l2_specs.get(&l2)),
+            };
+            let origin = Origin { file: &source.file, text: &source.text, line: source.line, owner };
+            match compile(&source.leaf, &block, spec, catalogue, &origin) {
+                Ok(rule) => rules.push(rule),
+                Err(faults) => found.extend(faults),
+            }
+        }
+        // A fault in an L2's block shows up again in each leaf that inherits it.
+        let mut unique: Vec<Diagnostic> = Vec::new();
+        for d in found {
+            if !unique.iter().any(|u| (u.code, u.place.line, u.place.column, &u.message) == (d.code, d.place.line, d.place.column, &d.message)) {
+                unique.push(d);
+            }
+        }
+        let (precedence, faults) = Precedence::parse(&framework.precedence_yaml, &framework.taxonomy);
+        unique.extend(faults);
+        (RuleSet { rules, precedence }, unique)
+    }
+
+    /// The rules for these classes: of the class itself and of everything below it.
+    #[must_use]
+    pub fn restricted_to(mut self, wanted: &[ScenarioId]) -> Self {
+        self.rules.retain(|r| wanted.iter().any(|w| r.scenario.is_within(w)));
+        self
+    }
+}
+
+/// Order of classes (`schema/precedence.yaml`).
+#[derive(Clone, Debug)]
+pub struct Precedence {
+    /// Keyframes nearer together than this compete.
+    pub neighbourhood: Nanos,
+    order: Vec<ScenarioId>,
+}
+
+impl Default for Precedence {
+    fn default() -> Self {
+        Self { neighbourhood: Nanos(2_000_000_000), order: Vec::new() }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PrecedenceFile {
+    #[serde(rename = "version")]
+    _version: String,
+    neighbourhood: String,
+    order: Vec<String>,
+}
+
+impl Precedence {
+    /// Reads the file; a class that does not exist, or is named twice, is reported.
+    pub fn parse(text: &str, taxonomy: &Taxonomy) -> (Precedence, Vec<Diagnostic>) {
+        let mut found = Vec::new();
+        let mut report = |line: Option<usize>, zh: String, en: String| {
+            let place = Place { file: Some("schema/precedence.yaml".to_owned()), line, ..Place::default() };
+            found.push(Diagnostic::error("rule.precedence", Bilingual::new(zh, en)).at(place));
+        };
+        let file: PrecedenceFile = match serde_yaml_ng::from_str(text) {
+            Ok(file) => file,
+            Err(e) => {
+                let line = e.location().map(|l| l.line());
+                report(line, format!("优先级文件有误：{e}"), format!("the order of precedence cannot be read: {e}"));
+                return (Precedence::default(), found);
+            }
+        };
+        let mut out = Precedence::default();
+        match seconds(&file.neighbourhood) {
+            Some(n) => out.neighbourhood = n,
+            None => report(
+                None,
+                format!("neighbourhood '{}' 不是时长", file.neighbourhood),
+                format!("neighbourhood '{}' is not a time", file.neighbourhood),
+            ),
+        }
+        for word in &file.order {
+            let line = text.lines().position(|l| l.trim() == format!("- {word}")).map(|i| i + 1);
+            match word.parse::<ScenarioId>() {
+                Ok(id) if taxonomy.contains(&id) && !out.order.contains(&id) => out.order.push(id),
+                Ok(id) if out.order.contains(&id) => {
+                    report(line, format!("'{word}' 出现了两次"), format!("'{word}' is named twice"));
+                }
+                _ => report(line, format!("没有名为 '{word}' 的类别"), format!("there is no class '{word}'")),
+            }
+        }
+        (out, found)
+    }
+
+    /// Place in the order, least first. A class that is not named comes last.
+    pub fn rank(&self, id: &ScenarioId) -> usize {
+        let named = self.order.iter().enumerate().filter(|(_, o)| id.is_within(o));
+        // The most specific entry is the one with the most parts.
+        named.max_by_key(|(_, o)| usize::from(o.l2.is_some()) + usize::from(o.l3.is_some())).map_or(usize::MAX, |(i, _)| i)
+    }
+}
+
+fn seconds(text: &str) -> Option<Nanos> {
+    let (value, symbol) = text.trim().split_once(' ')?;
+    let unit = Unit::parse(symbol).filter(|u| u.dimension == Dimension::Time)?;
+    let value: f64 = value.parse().ok()?;
+    (value >= 0.0).then(|| Nanos::from_secs_f64(value * unit.to_base))
+}

@@ -1,0 +1,294 @@
+//! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
+
+use super::origin::Origin;
+use super::{Listed, Rule, Timing};
+use crate::language::program::{Atom, Kind, Moment, NodeId, Op, Subject};
+use crate::language::syntax::{ExprKind, Quantity};
+use crate::language::{Checker, Fault, Span, parse};
+use serde::Deserialize;
+use serde_yaml_ng::{Mapping, Value};
+use whyroad_framework::ResolvedSpec;
+use whyroad_framework::spec::MomentSpec;
+use whyroad_model::units::Dimension;
+use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
+use whyroad_signals::Catalogue;
+
+/// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
+/// few frames does not make a second event.
+const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
+
+/// The block as written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Block {
+    target: Option<String>,
+    #[serde(default)]
+    parameters: Mapping,
+    #[serde(default)]
+    define: Mapping,
+    when: OneOrMany,
+    #[serde(default)]
+    require: Vec<String>,
+    min_duration: Option<String>,
+    max_duration: Option<String>,
+    merge_gap: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrMany {
+    One(String),
+    Many(Vec<String>),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ParameterBlock {
+    value: String,
+    reason: String,
+}
+
+/// A leaf's block over that of its L2: `parameters` and `define` add up, `require` is appended, the rest of
+/// the L2's is replaced by what the leaf says.
+pub fn inherit(l2: Option<&Value>, leaf: &Value) -> Value {
+    let (Some(Value::Mapping(l2)), Value::Mapping(leaf)) = (l2, leaf) else { return leaf.clone() };
+    let mut out = l2.clone();
+    for (key, value) in leaf {
+        let merged = match (key.as_str(), out.get(key), value) {
+            (Some("parameters" | "define"), Some(Value::Mapping(a)), Value::Mapping(b)) => {
+                let mut both = a.clone();
+                both.extend(b.clone());
+                Value::Mapping(both)
+            }
+            (Some("require"), Some(Value::Sequence(a)), Value::Sequence(b)) => {
+                Value::Sequence(a.iter().chain(b).cloned().collect())
+            }
+            _ => value.clone(),
+        };
+        out.insert(key.clone(), merged);
+    }
+    Value::Mapping(out)
+}
+
+/// The rule of a block, or everything that is wrong with it.
+pub fn compile(
+    scenario: &ScenarioId,
+    block: &Value,
+    spec: Option<&ResolvedSpec>,
+    catalogue: &Catalogue,
+    origin: &Origin<'_>,
+) -> Result<Rule, Vec<Diagnostic>> {
+    let block: Block = match serde_yaml_ng::from_value(block.clone()) {
+        Ok(block) => block,
+        Err(e) => {
+            let message = Bilingual::new(
+                format!("{scenario} 的 mining 块有误：{e}"),
+                format!("the mining block of {scenario}: {e}"),
+            );
+            return Err(vec![Diagnostic::error("rule.block", message).at(origin.place("/mining"))]);
+        }
+    };
+    let mut c = Compiler { checker: Checker::new(catalogue), catalogue, origin, found: Vec::new() };
+    c.parameters(&block.parameters);
+    c.define(&block.define);
+    let subject = c.subject(block.target.as_deref());
+    let whens = match block.when {
+        OneOrMany::One(text) => vec![text],
+        OneOrMany::Many(all) => all,
+    };
+    let mut atoms = Vec::new();
+    let when: Vec<NodeId> =
+        whens.iter().filter_map(|t| c.condition(t, "/mining/when", &mut atoms)).collect();
+    let require: Vec<NodeId> =
+        block.require.iter().filter_map(|t| c.condition(t, "/mining/require", &mut atoms)).collect();
+    let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
+    let min_duration = time(&block.min_duration, "/mining/min_duration").unwrap_or_default();
+    let max_duration = time(&block.max_duration, "/mining/max_duration");
+    let merge_gap = time(&block.merge_gap, "/mining/merge_gap").unwrap_or(DEFAULT_MERGE_GAP);
+    let of_target = when.iter().chain(&require).any(|id| c.checker.is_of_target(*id));
+    let subject = subject.or(c.checker.subject);
+    if of_target && subject.is_none() {
+        let fault = Fault::new(
+            "rule.target",
+            Span::default(),
+            "规则用到 target.* 信号，但没有写 target",
+            "the rule speaks of target.* but does not say what its target is",
+        );
+        c.report("/mining", "", fault.hint("例如 target: vehicle", "as in `target: vehicle`"));
+    }
+    let timing = spec.map_or_else(Timing::of_match, |s| c.timing(s, subject));
+    let when = match when.as_slice() {
+        [one] => *one,
+        all => c.checker.program.add(Op::And(all.to_vec()), Kind::Condition),
+    };
+    if !c.found.is_empty() {
+        return Err(c.found);
+    }
+    Ok(Rule {
+        scenario: scenario.clone(),
+        subject,
+        when,
+        require,
+        atoms,
+        listed: Listed::Holding,
+        min_duration,
+        max_duration,
+        merge_gap,
+        timing,
+        program: c.checker.program,
+    })
+}
+
+struct Compiler<'a> {
+    checker: Checker<'a>,
+    catalogue: &'a Catalogue,
+    origin: &'a Origin<'a>,
+    found: Vec<Diagnostic>,
+}
+
+impl Compiler<'_> {
+    fn report(&mut self, key: &str, text: &str, fault: Fault) {
+        self.found.push(self.origin.diagnose(key, text, fault));
+    }
+
+    fn condition(&mut self, text: &str, key: &str, atoms: &mut Vec<Atom>) -> Option<NodeId> {
+        let checked = parse::parse(text).and_then(|expr| {
+            let id = self.checker.condition(&expr)?;
+            self.checker.atoms(&expr, atoms)?;
+            Ok(id)
+        });
+        checked.map_err(|fault| self.report(key, text, fault)).ok()
+    }
+
+    fn moment(&mut self, text: &str, key: &str) -> Option<Moment> {
+        let checked = parse::parse(text).and_then(|expr| self.checker.moment(&expr));
+        checked.map_err(|fault| self.report(key, text, fault)).ok()
+    }
+
+    fn quantity(&mut self, text: &str, key: &str) -> Option<Quantity> {
+        let checked = parse::parse(text).and_then(|expr| match expr.kind {
+            ExprKind::Number(q) => Ok(q),
+            ExprKind::Negate(of) => match of.kind {
+                ExprKind::Number(q) => Ok(Quantity { value: -q.value, ..q }),
+                _ => Err(not_a_quantity(expr.span)),
+            },
+            _ => Err(not_a_quantity(expr.span)),
+        });
+        checked.map_err(|fault| self.report(key, text, fault)).ok()
+    }
+
+    fn time(&mut self, text: &str, key: &str) -> Option<Nanos> {
+        let q = self.quantity(text, key)?;
+        if q.unit.dimension == Dimension::Time && q.value >= 0.0 {
+            return Some(Nanos::from_secs_f64(q.base()));
+        }
+        let span = Span { start: 0, end: text.len() };
+        self.report(key, text, Fault::new("rule.unit.mismatch", span, "此处应为时长", "expected a time"));
+        None
+    }
+
+    fn parameters(&mut self, block: &Mapping) {
+        for (name, value) in block {
+            let Some(name) = name.as_str() else { continue };
+            let key = format!("/mining/parameters/{name}");
+            let parameter: ParameterBlock = match serde_yaml_ng::from_value(value.clone()) {
+                Ok(p) => p,
+                Err(e) => {
+                    let span = Span { start: 0, end: name.len() };
+                    let fault = Fault::new(
+                        "rule.block",
+                        span,
+                        format!("参数须写明 value 与 reason：{e}"),
+                        format!("a parameter has a value and a reason: {e}"),
+                    );
+                    self.report(&key, name, fault);
+                    continue;
+                }
+            };
+            let unexplained = parameter.reason.trim().is_empty();
+            if unexplained || name.contains('.') || self.catalogue.get(name).is_some() {
+                let span = Span { start: 0, end: name.len() };
+                let fault = if unexplained {
+                    Fault::new("rule.block", span, "参数缺少理由", "the parameter has no reason")
+                } else {
+                    Fault::new("rule.block", span, "参数与信号重名", "the parameter's name is that of a signal")
+                };
+                self.report(&key, name, fault);
+            }
+            if let Some(q) = self.quantity(&parameter.value, &key) {
+                self.checker.parameters.insert(name.to_owned(), q);
+            }
+        }
+    }
+
+    fn define(&mut self, block: &Mapping) {
+        for (name, value) in block {
+            let (Some(name), Some(text)) = (name.as_str(), value.as_str()) else { continue };
+            let checked = parse::parse(text).and_then(|expr| {
+                let id = self.checker.lower(&expr)?;
+                Ok((expr, id))
+            });
+            match checked {
+                Ok(definition) => {
+                    self.checker.definitions.insert(name.to_owned(), definition);
+                }
+                Err(fault) => self.report(&format!("/mining/define/{name}"), text, fault),
+            }
+        }
+    }
+
+    fn subject(&mut self, word: Option<&str>) -> Option<Subject> {
+        let word = word?;
+        let subject = Subject::from_word(word);
+        if subject.is_none() {
+            let span = Span { start: 0, end: word.len() };
+            let fault = Fault::new(
+                "rule.target",
+                span,
+                format!("没有名为 '{word}' 的目标种类"),
+                format!("'{word}' is not a kind of target"),
+            )
+            .hint("可用：vehicle, large_vehicle, vru, any", "there are vehicle, large_vehicle, vru, any");
+            self.report("/mining/target", word, fault);
+        }
+        subject
+    }
+
+    /// The moments of a labelling spec, whose expressions are checked here, with the rule that they serve.
+    fn timing(&mut self, spec: &ResolvedSpec, subject: Option<Subject>) -> Timing {
+        let mut timing = Timing::of_match();
+        timing.kind = spec.keyframe.kind;
+        let fallback = spec.keyframe.fallback.as_ref();
+        let ways = std::iter::once((&spec.keyframe.expr, &spec.keyframe.rule))
+            .chain(fallback.map(|f: &MomentSpec| (&f.expr, &f.rule)));
+        for (expr, words) in ways {
+            let moment = expr.as_ref().and_then(|e| self.moment_for(e, "/labeling/keyframe", subject));
+            timing.keyframe.extend(moment.map(|m| (m, words.clone())));
+        }
+        for (bound, out, key) in [
+            (&spec.start, &mut timing.start, "/labeling/start"),
+            (&spec.end, &mut timing.end, "/labeling/end"),
+        ] {
+            let fallback = bound.fallback.as_ref().and_then(|f| f.expr.as_ref());
+            for expr in bound.expr.iter().chain(fallback) {
+                out.extend(self.moment_for(expr, key, subject));
+            }
+        }
+        timing.before = Nanos::from_secs_f64(spec.pack.before_s);
+        timing.after = Nanos::from_secs_f64(spec.pack.after_s);
+        let until = spec.pack.after_until.as_ref().and_then(|m| m.expr.as_ref());
+        timing.after_until = until.and_then(|e| self.moment_for(e, "/labeling/pack/after_until", subject));
+        timing
+    }
+
+    /// A moment of a spec. The default of an L1 speaks of the target; it has no meaning for a rule without one.
+    fn moment_for(&mut self, text: &str, key: &str, subject: Option<Subject>) -> Option<Moment> {
+        let moment = self.moment(text, key)?;
+        let of_target = moment.conditions().iter().any(|id| self.checker.is_of_target(*id));
+        (subject.is_some() || !of_target).then_some(moment)
+    }
+}
+
+fn not_a_quantity(span: Span) -> Fault {
+    Fault::new("rule.block", span, "此处应为带单位的数", "expected a number with its unit")
+}
