@@ -8,13 +8,14 @@ pub mod plausibility;
 pub mod report;
 mod run;
 mod source;
+pub mod sumo;
 
 pub use report::{RowCount, SourceReport};
-pub use run::{Format, Options, Source, find_sources, ingest, read};
+pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, read};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
     let shared =
         ["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found", "ingest.speed.impossible"];
-    shared.iter().chain(av2::findings::CODES).copied().collect()
+    shared.iter().chain(av2::findings::CODES).chain(sumo::findings::CODES).copied().collect()
 }

@@ -113,6 +113,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "between_frames" => ("在两帧之间", "between frames"),
         "ego_away" => ("自车不在", "while the ego was away"),
         "out_of_order" => ("时间倒退", "backward time"),
+        "carried" => ("乘坐或装载在车上", "riding in a vehicle, or freight"),
         "not_a_road_user_lane" => ("不是道路车道", "not a lane of the road"),
         other => (other, other),
     };

@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::{SourceReport, av2};
+use crate::{SourceReport, av2, sumo};
 use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
@@ -10,16 +10,19 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
 pub enum Format {
     /// Argoverse 2 sensor logs.
     Av2,
+    /// SUMO floating car data and network.
+    Sumo,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: &'static [Format] = &[Format::Av2];
+    pub const ALL: &'static [Format] = &[Format::Av2, Format::Sumo];
 
     /// Name on the command line and in `DriveMeta::format`.
     pub fn name(self) -> &'static str {
         match self {
             Format::Av2 => "av2",
+            Format::Sumo => "sumo",
         }
     }
 
@@ -30,16 +33,47 @@ impl Format {
 
     fn find(self, path: &Path) -> std::io::Result<Vec<PathBuf>> {
         match self {
-            Format::Av2 => av2::find_logs(path),
+            Format::Av2 if path.is_dir() => av2::find_logs(path),
+            Format::Av2 => Ok(Vec::new()),
+            Format::Sumo => sumo::find_simulations(path),
         }
     }
 }
 
 /// What the user may say beside the paths.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Id of the drive, when there is one source; otherwise each names its own.
     pub drive_id: Option<DriveId>,
+    /// Vehicle that is the ego, for sources that do not say (simulations).
+    pub ego: String,
+    /// Time of the source's zero, for sources without a clock of their own.
+    pub start: Nanos,
+    /// Road network, when it does not lie beside the source.
+    pub net: Option<PathBuf>,
+    /// Files with vehicle types, when they do not lie beside the source.
+    pub types: Vec<PathBuf>,
+    /// Light states, when they do not lie beside the source.
+    pub lights: Option<PathBuf>,
+    /// Licence of the data, for sources that do not say; SPDX id.
+    pub licence: Option<String>,
+}
+
+/// 2026-01-01T00:00:00Z, where drives without a clock begin unless told otherwise.
+pub const DEFAULT_START: Nanos = Nanos(1_767_225_600_000_000_000);
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            drive_id: None,
+            ego: "ego".to_owned(),
+            start: DEFAULT_START,
+            net: None,
+            types: Vec::new(),
+            lights: None,
+            licence: None,
+        }
+    }
 }
 
 /// One drive to be read.
@@ -79,6 +113,7 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
 pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport) {
     match source.format {
         Format::Av2 => av2::read(&source.path, options.drive_id.as_ref()),
+        Format::Sumo => sumo::read(&source.path, options),
     }
 }
 

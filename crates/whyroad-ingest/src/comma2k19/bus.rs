@@ -1,6 +1,6 @@
 //! Raw CAN of a comma2k19 segment to [`EgoBus`], by the DBC that the user gives.
 
-use super::Recording;
+use super::recording::Recording;
 use crate::can::{CanDatabase, SignalCoding};
 use crate::resample::{latest, linear};
 use std::collections::BTreeMap;

@@ -8,7 +8,7 @@ use whyroad_ingest::report::reason_text;
 use whyroad_ingest::{Format, Options, RowCount, SourceReport};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::diagnostic::{render_json, render_text};
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Severity};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
@@ -22,6 +22,24 @@ pub(crate) struct Args {
     /// Id of the drive; only with a single source
     #[arg(long, value_name = "ID")]
     drive_id: Option<String>,
+    /// SUMO: the vehicle that is the ego
+    #[arg(long, value_name = "ID", default_value = "ego")]
+    ego: String,
+    /// Time of the source's zero, for sources without a clock
+    #[arg(long, value_name = "TIME", default_value = "2026-01-01T00:00:00Z", value_parser = Nanos::parse_iso)]
+    start_time: Nanos,
+    /// SUMO: the network, when it is not beside the FCD file
+    #[arg(long, value_name = "FILE")]
+    net: Option<PathBuf>,
+    /// SUMO: files with vehicle types, when they are not beside the FCD file or one folder up
+    #[arg(long, value_name = "FILE")]
+    types: Vec<PathBuf>,
+    /// SUMO: the lights' states, when they are not beside the FCD file
+    #[arg(long, value_name = "FILE")]
+    lights: Option<PathBuf>,
+    /// Licence of the data (SPDX id), for sources that do not say
+    #[arg(long, value_name = "ID")]
+    licence: Option<String>,
     /// How to print the report
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     format: ReportFormat,
@@ -47,7 +65,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if args.drive_id.is_some() && sources.len() > 1 {
         anyhow::bail!("--drive-id names one drive, but there are {} sources", sources.len());
     }
-    let options = Options { drive_id: args.drive_id.map(DriveId::from) };
+    let options = Options {
+        drive_id: args.drive_id.map(DriveId::from),
+        ego: args.ego,
+        start: args.start_time,
+        net: args.net,
+        types: args.types,
+        lights: args.lights,
+        licence: args.licence,
+    };
     for d in &problems {
         eprint!("{}", render_text(d, global.lang));
     }
