@@ -4,5 +4,7 @@
 //! the crates that make them. Nothing here writes a file; callers store what is returned.
 
 pub mod coverage;
+pub mod draft;
+mod moments;
 pub mod names;
 pub mod report;

@@ -93,4 +93,4 @@ impl<'a> ReportBuilder<'a> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -3,6 +3,7 @@
 use super::markup::Markup;
 use super::plot::{self, Span};
 use super::{ReportContext, birds_eye};
+use crate::moments::frame_at;
 use crate::names::{class_name, keyframe_kind};
 use whyroad_model::messages::{EpisodeRecord, KeyframeType};
 use whyroad_model::{Bilingual, Drive, FrameRange, Nanos, ScenarioId, SignalTable};
@@ -153,22 +154,4 @@ fn conditions(m: &mut Markup, episode: &EpisodeRecord) {
         m.raw("</td></tr>");
     }
     m.raw("</tbody></table>");
-}
-
-/// The frame nearest to `time`.
-pub(crate) fn frame_at(times: &[Nanos], time: Nanos) -> usize {
-    let after = times.partition_point(|t| *t < time);
-    let Some(before) = after.checked_sub(1) else { return 0 };
-    match times.get(after) {
-        Some(t) if (t.0 - time.0) < (time.0 - times[before].0) => after,
-        Some(_) => before,
-        // The end of the last frame's range is one past it.
-        None => {
-            if time > times[before] {
-                after
-            } else {
-                before
-            }
-        }
-    }
 }

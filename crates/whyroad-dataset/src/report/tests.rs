@@ -8,9 +8,9 @@ use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{Column, FrameRange, Nanos, ObjectClass, Tri};
 
-pub(super) const FRAMES: usize = 120;
+pub(crate) const FRAMES: usize = 120;
 
-pub(super) fn taxonomy() -> Taxonomy {
+pub(crate) fn taxonomy() -> Taxonomy {
     let text = include_str!("../../../../schema/scenario_taxonomy.yaml");
     whyroad_framework::taxonomy::read_taxonomy("scenario_taxonomy.yaml", text).0.unwrap()
 }
@@ -42,7 +42,7 @@ fn lane(id: &str, y: f64) -> Lane {
     }
 }
 
-pub(super) fn drive(name: &str) -> Drive {
+pub(crate) fn drive(name: &str) -> Drive {
     let crossing = |x: f64, y: f64| Point3 { x, y, z: 0.0 };
     Drive {
         meta: DriveMeta {
@@ -86,7 +86,7 @@ pub(super) fn drive(name: &str) -> Drive {
     }
 }
 
-pub(super) fn signals(drive: &Drive) -> SignalTable {
+pub(crate) fn signals(drive: &Drive) -> SignalTable {
     let id = drive.tracks[0].id.clone();
     let n = FRAMES;
     SignalTable {
@@ -130,7 +130,7 @@ pub(super) fn signals(drive: &Drive) -> SignalTable {
     }
 }
 
-pub(super) fn episode(drive: &Drive) -> EpisodeRecord {
+pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
     let at = |f: usize| drive.times[f];
     EpisodeRecord {
         episode_id: format!("{}_e1", drive.meta.drive_id),
@@ -168,7 +168,7 @@ pub(super) fn episode(drive: &Drive) -> EpisodeRecord {
     }
 }
 
-pub(super) fn coverage() -> Coverage {
+pub(crate) fn coverage() -> Coverage {
     let leaf = |id: &str, state, episodes| LeafCoverage {
         scenario_id: id.parse().unwrap(),
         state,
@@ -190,7 +190,7 @@ pub(super) fn coverage() -> Coverage {
     }
 }
 
-pub(super) fn infos() -> BTreeMap<String, SignalInfo> {
+pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
     let info = |unit: &str, zh: &str, en: &str| SignalInfo {
         unit: unit.into(),
         meaning: Bilingual::new(zh, en),

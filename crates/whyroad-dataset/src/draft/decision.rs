@@ -1,0 +1,194 @@
+//! The first action after the keyframe, read from the ego's motion. Motion says *that* the ego slows, not why;
+//! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
+
+use whyroad_framework::taxonomy::TypicalDecisions;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::DrivingDecision;
+use whyroad_model::{Bilingual, Column, SignalTable, Tri};
+
+/// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
+const HORIZON_FRAMES: usize = 60;
+/// A meta action shorter than 0.5 s is no decision.
+const HELD_FRAMES: usize = 5;
+
+/// What the ego does along its path first after the keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LongitudinalMotion {
+    /// No change: holds its speed, or stands.
+    Keeps,
+    /// Slows without standing still.
+    Slows,
+    /// Slows and comes to stand.
+    Stops,
+    /// Moves off from standstill.
+    Starts,
+    /// Speeds up while moving.
+    SpeedsUp,
+    /// The signals do not tell.
+    Unknown,
+}
+
+pub(super) fn infer(
+    signals: &SignalTable,
+    keyframe: usize,
+    typical: &TypicalDecisions,
+    mandated: Option<Lateral>,
+    notes: &mut Vec<Bilingual>,
+) -> DrivingDecision {
+    let (motion, began) = longitudinal_motion(signals, keyframe);
+    let longitudinal = choose(motion, typical);
+    note_longitudinal(motion, began, longitudinal, notes);
+    let (lateral, lateral_direction) = lateral(signals, keyframe, typical, mandated, notes);
+    DrivingDecision { longitudinal, lateral, lateral_direction }
+}
+
+/// The motion, and how long after the keyframe it begins, s.
+fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalMotion, f64) {
+    let (Some(meta), Some(standstill)) =
+        (signals.frame_columns.get("ego.meta_longitudinal"), signals.frame_columns.get("ego.standstill"))
+    else {
+        return (LongitudinalMotion::Unknown, 0.0);
+    };
+    let end = (keyframe + HORIZON_FRAMES + 1).min(meta.len());
+    let seconds = |f: usize| match (signals.times.get(f), signals.times.get(keyframe)) {
+        (Some(t), Some(k)) => t.seconds_since(*k),
+        _ => 0.0,
+    };
+    if keyframe >= end || (keyframe..end).all(|f| !meta.is_known(f)) {
+        return (LongitudinalMotion::Unknown, 0.0);
+    }
+    if standstill.flag(keyframe).is_true() {
+        let off = (keyframe..end).find(|&f| standstill.flag(f) == Tri::False);
+        return off.map_or((LongitudinalMotion::Keeps, 0.0), |f| (LongitudinalMotion::Starts, seconds(f)));
+    }
+    let Some((began, slows)) = first_change(meta, keyframe, end) else {
+        return (LongitudinalMotion::Keeps, 0.0);
+    };
+    if !slows {
+        return (LongitudinalMotion::SpeedsUp, seconds(began));
+    }
+    let stands = (began..end).any(|f| standstill.flag(f).is_true());
+    let motion = if stands { LongitudinalMotion::Stops } else { LongitudinalMotion::Slows };
+    (motion, seconds(began))
+}
+
+/// First held stretch of speeding up or slowing, and whether it is slowing.
+fn first_change(meta: &Column, from: usize, end: usize) -> Option<(usize, bool)> {
+    let change = |f: usize| match meta.category(f) {
+        Some("gentle_decelerate" | "strong_decelerate") => Some(true),
+        Some("gentle_accelerate" | "strong_accelerate") => Some(false),
+        _ => None,
+    };
+    (from..end).find_map(|f| {
+        let slows = change(f)?;
+        let held = (f..f + HELD_FRAMES).all(|g| g < end && change(g) == Some(slows));
+        held.then_some((f, slows))
+    })
+}
+
+/// Decisions that a motion can be the carrying out of.
+fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
+    use Longitudinal as D;
+    match motion {
+        LongitudinalMotion::Slows => {
+            &[D::YieldToAgent, D::LeadFollowing, D::RoadSpeedAdaptation, D::GapMatching]
+        }
+        LongitudinalMotion::Stops => {
+            &[D::YieldToAgent, D::LeadFollowing, D::StopForRegulation, D::StopForObstacle]
+        }
+        LongitudinalMotion::Starts => &[D::Resume],
+        LongitudinalMotion::SpeedsUp => {
+            &[D::LeadFollowing, D::AccelerationForPassing, D::GapMatching, D::SetSpeedTracking]
+        }
+        LongitudinalMotion::Keeps | LongitudinalMotion::Unknown => &[],
+    }
+}
+
+fn choose(motion: LongitudinalMotion, typical: &TypicalDecisions) -> Option<Longitudinal> {
+    let possible = candidates(motion);
+    let usual = typical.longitudinal.iter().find(|d| possible.contains(d)).copied();
+    // Moving off from standstill is `resume` whatever the class.
+    usual.or(if motion == LongitudinalMotion::Starts { Some(Longitudinal::Resume) } else { None })
+}
+
+fn note_longitudinal(
+    motion: LongitudinalMotion,
+    began_s: f64,
+    chosen: Option<Longitudinal>,
+    notes: &mut Vec<Bilingual>,
+) {
+    let (zh, en) = match motion {
+        LongitudinalMotion::Keeps => ("自车速度无明显变化", "the ego's speed does not change"),
+        LongitudinalMotion::Slows => ("自车开始减速", "the ego slows"),
+        LongitudinalMotion::Stops => ("自车减速至停车", "the ego slows to a stop"),
+        LongitudinalMotion::Starts => ("自车起步", "the ego moves off"),
+        LongitudinalMotion::SpeedsUp => ("自车开始加速", "the ego speeds up"),
+        LongitudinalMotion::Unknown => ("自车运动未知", "the ego's motion is unknown"),
+    };
+    let chosen = match chosen {
+        Some(d) => d.id(),
+        None => "null",
+    };
+    notes.push(Bilingual::new(
+        format!("纵向决策由运动推断：关键帧后 {began_s:.1} s {zh} → {chosen}，请确认"),
+        format!(
+            "longitudinal decision from motion: {began_s:.1} s after the keyframe {en} -> {chosen}; confirm"
+        ),
+    ));
+}
+
+fn lateral(
+    signals: &SignalTable,
+    keyframe: usize,
+    typical: &TypicalDecisions,
+    mandated: Option<Lateral>,
+    notes: &mut Vec<Bilingual>,
+) -> (Option<Lateral>, Option<LateralDirection>) {
+    if let Some(lateral) = mandated {
+        notes.push(Bilingual::new(
+            format!("横向决策由标注规格规定：{lateral}；方向请确认"),
+            format!("the labelling spec prescribes the lateral decision {lateral}; state its direction"),
+        ));
+        return (Some(lateral), None);
+    }
+    let ahead = |name: &str, none: &[&str]| {
+        let column = signals.frame_columns.get(name)?;
+        let end = (keyframe + HORIZON_FRAMES + 1).min(column.len());
+        let value = (keyframe..end).find_map(|f| column.category(f).filter(|c| !none.contains(c)))?;
+        LateralDirection::from_id(value)
+    };
+    let found = [
+        (Lateral::LaneChange, ahead("ego.lane_change", &["none"])),
+        (Lateral::Turn, ahead("ego.movement", &["straight"])),
+    ];
+    for (lateral, direction) in found {
+        let Some(direction) = direction.filter(|d| lateral.directions().contains(d)) else { continue };
+        let usual = typical.lateral.contains(&lateral);
+        notes.push(Bilingual::new(
+            format!(
+                "关键帧后 6 s 内自车{}（{}）{}",
+                if lateral == Lateral::Turn { "转弯" } else { "换道" },
+                direction.id(),
+                if usual {
+                    "，横向决策据此填写，请确认"
+                } else {
+                    "；该场景通常不以此为决策，留空"
+                }
+            ),
+            format!(
+                "within 6 s of the keyframe the ego {} {}{}",
+                if lateral == Lateral::Turn { "turns" } else { "changes lane" },
+                direction.id(),
+                if usual {
+                    ": taken as the lateral decision; confirm"
+                } else {
+                    "; not usual for this class, left null"
+                }
+            ),
+        ));
+        if usual {
+            return (Some(lateral), Some(direction));
+        }
+    }
+    (None, None)
+}
