@@ -12,9 +12,6 @@ use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Bilingual, Diagnostic, Place};
 
-/// Every code that reading a lexicon can give.
-pub const LEXICON_CODES: &[&str] = &["lexicon.syntax", "lexicon.pattern"];
-
 /// Words for decisions, for negation, and for who does what.
 #[derive(Clone, Debug, Default)]
 pub struct Lexicon {

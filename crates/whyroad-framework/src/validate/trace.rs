@@ -8,7 +8,9 @@ mod form;
 mod judge;
 mod mention;
 
-pub(super) use form::{Form, form};
+#[cfg(test)]
+pub(super) use form::Form;
+pub(super) use form::form;
 pub(super) use judge::{TraceVerdict, judge};
 pub(super) use mention::{Force, Mention, Reading, read};
 

@@ -1,0 +1,86 @@
+//! A label as the rules see it, whether it came by the fast path (typed, everything there) or by the slow one
+//! (tolerant, holes where something was already reported).
+
+use whyroad_model::Nanos;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::KeyframeType;
+
+/// A field of a label.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Slot<T> {
+    /// Not there, or null, where that is allowed.
+    #[default]
+    Absent,
+    /// There and wrong, or not there and required: already reported, so no rule speaks of it again.
+    Broken,
+    /// There.
+    Is(T),
+}
+
+impl<T> Slot<T> {
+    pub fn get(self) -> Option<T> {
+        match self {
+            Slot::Is(t) => Some(t),
+            Slot::Absent | Slot::Broken => None,
+        }
+    }
+
+    pub fn is_absent(&self) -> bool {
+        matches!(self, Slot::Absent)
+    }
+}
+
+impl<T> From<Option<T>> for Slot<T> {
+    fn from(o: Option<T>) -> Self {
+        o.map_or(Slot::Absent, Slot::Is)
+    }
+}
+
+/// One label.
+#[derive(Clone, Debug, Default)]
+pub(super) struct View<'a> {
+    pub version: Slot<&'a str>,
+    pub clip_id: Slot<&'a str>,
+    pub scenario: ScenarioView<'a>,
+    pub start: Slot<Nanos>,
+    pub end: Slot<Nanos>,
+    pub start_frame: Slot<u32>,
+    pub end_frame: Slot<u32>,
+    pub keyframe: KeyframeView,
+    /// Absent is null.
+    pub longitudinal: Slot<Longitudinal>,
+    /// Absent is null.
+    pub lateral: Slot<Lateral>,
+    pub direction: Slot<LateralDirection>,
+    pub components: Slot<Components>,
+    pub trace: Slot<&'a str>,
+    /// Ids of the records that hold something.
+    pub records: Slot<Vec<&'a str>>,
+}
+
+/// The class of a label.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ScenarioView<'a> {
+    pub l1: Slot<&'a str>,
+    pub l2: Slot<&'a str>,
+    pub l3: Slot<&'a str>,
+    pub full_id: Slot<&'a str>,
+}
+
+/// The decision moment of a label.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct KeyframeView {
+    pub timestamp: Slot<Nanos>,
+    pub frame: Slot<u32>,
+    pub kind: Slot<KeyframeType>,
+    pub range_start: Slot<Nanos>,
+    pub range_end: Slot<Nanos>,
+}
+
+/// The critical components, as far as rules ask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Components {
+    pub count: usize,
+    /// At least one says `uncertainty: high`, or says something unreadable there.
+    pub any_high: bool,
+}
