@@ -139,7 +139,7 @@ impl Catalogue {
         for signal in raw.signals {
             match resolve(signal) {
                 Ok(def) => catalogue.add(def, &mut diagnostics),
-                Err(d) => diagnostics.push(d),
+                Err(d) => diagnostics.push(*d),
             }
         }
         (catalogue, diagnostics)
@@ -192,9 +192,10 @@ impl Catalogue {
     }
 }
 
-fn resolve(raw: RawSignal) -> Result<SignalDef, Diagnostic> {
+fn resolve(raw: RawSignal) -> Result<SignalDef, Box<Diagnostic>> {
     let error = |code: &'static str, zh: String, en: String| {
-        Diagnostic::error(code, Bilingual::new(format!("信号 '{}'：{zh}", raw.name), format!("signal '{}': {en}", raw.name)))
+        let message = Bilingual::new(format!("信号 '{}'：{zh}", raw.name), format!("signal '{}': {en}", raw.name));
+        Box::new(Diagnostic::error(code, message))
     };
     let prefix_fits = match raw.scope {
         Scope::Target => raw.name.starts_with("target."),

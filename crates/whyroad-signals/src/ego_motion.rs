@@ -1,7 +1,7 @@
 //! The ego's own motion: speed, acceleration, jerk, yaw rate, curvature, standstill. Frame: world for heading,
 //! the ego's own axes for the rest (x forward, y left).
 
-use crate::geometry::{P2, p2, unwrap, wrap};
+use crate::geometry::{OrientedBox, P2, p2, unwrap, wrap};
 use crate::series::{below_with_hysteresis, slope};
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
@@ -77,9 +77,9 @@ impl EgoMotion {
         self.position.len()
     }
 
-    /// True when there are no frames.
-    pub fn is_empty(&self) -> bool {
-        self.position.is_empty()
+    /// The box on the ground in `frame`.
+    pub fn footprint(&self, frame: usize) -> OrientedBox {
+        OrientedBox { centre: self.position[frame], heading: self.heading[frame], length: self.length, width: self.width }
     }
 
     /// True when position and heading of `frame` are known.

@@ -11,23 +11,28 @@ mod table;
 
 mod ego_motion;
 mod meta_actions;
+mod bus;
+
+mod road;
+mod lanes;
+mod corridor;
+mod ego_lane;
+mod path;
+mod junction;
+mod curvature;
+mod lights;
+
+mod placement;
+mod rows;
+mod target_motion;
+mod line_crossing;
+mod gaps;
+mod relations;
+mod ttc;
+mod pet;
+mod crosswalk;
+mod lane_change;
+mod derive;
 
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
-
-use ego_motion::EgoMotion;
-use table::TableBuilder;
-use whyroad_model::{Drive, SignalTable};
-
-/// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
-pub fn derive(drive: &Drive) -> SignalTable {
-    let missing = table::missing(drive);
-    let mut table = TableBuilder::new(Catalogue::bundled(), drive);
-    let start = drive.times.first().copied().unwrap_or_default();
-    let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    if let Some(ego) = drive.ego.as_ref().filter(|_| !missing.contains("ego pose")) {
-        let ego = EgoMotion::new(ego, &times);
-        ego_motion::write(&ego, &times, &mut table);
-        meta_actions::write(&ego, &times, &mut table);
-    }
-    table.finish(&missing)
-}
+pub use derive::derive;

@@ -15,7 +15,7 @@ pub fn missing(drive: &Drive) -> BTreeSet<&'static str> {
     if ego.is_none() || drive.meta.frame_of_reference == FrameOfReference::Ego {
         missing.insert("ego pose");
     }
-    if !drive.map.as_ref().is_some_and(|m| !m.lanes.is_empty()) {
+    if drive.map.as_ref().is_none_or(|m| m.lanes.is_empty()) {
         missing.insert("map");
     }
     if drive.lights.is_none() {
@@ -77,6 +77,13 @@ impl<'a> TableBuilder<'a> {
     /// The targets, in row order.
     pub fn targets(&self) -> &[TargetSpan] {
         &self.table.targets
+    }
+
+    /// A number of target `k` already in the table, in `frame`; NaN where there is none.
+    pub fn target_number(&self, name: &str, k: usize, frame: usize) -> f64 {
+        let row = self.table.targets[k].row(frame);
+        let column = self.table.target_columns.get(name);
+        row.zip(column).and_then(|(row, c)| c.number(row)).unwrap_or(f64::NAN)
     }
 
     /// Adds a number signal; one value a frame or target row.

@@ -1,7 +1,7 @@
 //! Oriented rectangles: corners, overlap, distance, and the time until two moving ones touch.
 
 use super::polyline::segment_distance2;
-use super::{P2, p2};
+use super::P2;
 
 /// A rectangle with a heading: the footprint of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,12 +95,13 @@ impl OrientedBox {
 /// A box of the given size at the origin, for tests of this crate.
 #[cfg(test)]
 pub(crate) fn box_at(x: f64, y: f64, heading: f64, length: f64, width: f64) -> OrientedBox {
-    OrientedBox { centre: p2(x, y), heading, length, width }
+    OrientedBox { centre: P2 { x, y }, heading, length, width }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::p2;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
     #[test]

@@ -1,0 +1,56 @@
+//! Prints chosen signals of one drive as CSV, for looking at them: seconds since the first frame, then a column a
+//! signal; for `target.` signals of the target whose id begins with the given text. Unknown is empty.
+//!
+//! `cargo run -p whyroad-signals --example dump -- LAKE DRIVE TARGET_PREFIX|- SIGNAL...`
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example's output is for the reader")]
+
+use std::process::ExitCode;
+use whyroad_lake::Lake;
+use whyroad_model::column::Tri;
+use whyroad_model::{Column, DriveId};
+
+fn text(column: &Column, row: usize) -> String {
+    match column {
+        Column::Number(_) => column.number(row).map_or(String::new(), |x| format!("{x:.3}")),
+        Column::Flag(_) => match column.flag(row) {
+            Tri::True => "1".into(),
+            Tri::False => "0".into(),
+            Tri::Unknown => String::new(),
+        },
+        Column::Category { .. } => column.category(row).unwrap_or("").to_owned(),
+    }
+}
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [lake, drive, target, names @ ..] = args.as_slice() else {
+        eprintln!("usage: dump LAKE DRIVE TARGET_PREFIX|- SIGNAL...");
+        return ExitCode::from(2);
+    };
+    let drive = match Lake::open(std::path::Path::new(lake)).and_then(|l| {
+        let id = l.drive_ids().into_iter().find(|d| d.as_str().contains(drive.as_str()));
+        l.read_drive(&id.unwrap_or(DriveId(drive.clone())))
+    }) {
+        Ok(drive) => drive,
+        Err(e) => {
+            eprintln!("{e}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let started = std::time::Instant::now();
+    let table = whyroad_signals::derive(&drive);
+    eprintln!("{} targets, {} frames, {:.1} ms", table.targets.len(), table.times.len(), started.elapsed().as_secs_f64() * 1e3);
+    eprintln!("unavailable: {:?}", table.unavailable);
+    let span = table.targets.iter().find(|t| t.id.as_str().starts_with(target.as_str()));
+    println!("t,{}", names.join(","));
+    for frame in 0..table.times.len() {
+        let row = span.and_then(|s| s.row(frame));
+        let values = names.iter().map(|name| match table.frame_columns.get(name) {
+            Some(column) => text(column, frame),
+            None => table.target_columns.get(name).zip(row).map_or(String::new(), |(c, r)| text(c, r)),
+        });
+        let t = table.times[frame].seconds_since(table.times[0]);
+        println!("{t:.2},{}", values.collect::<Vec<_>>().join(","));
+    }
+    ExitCode::SUCCESS
+}

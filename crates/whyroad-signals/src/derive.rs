@@ -1,0 +1,109 @@
+//! One drive to its signal table: the families in order, each writing its own signals.
+
+use crate::catalogue::Catalogue;
+use crate::ego_lane::EgoLane;
+use crate::ego_motion::EgoMotion;
+use crate::geometry::{P2, p2};
+use crate::lanes::{Tether, assign};
+use crate::path::{Continuation, DrivenPath};
+use crate::placement::{Surroundings, Target};
+use crate::road::Road;
+use crate::rows::{Rows, observed_tracks};
+use crate::table::TableBuilder;
+use crate::{
+    bus, crosswalk, curvature, ego_lane, ego_motion, junction, lane_change, lights, line_crossing, meta_actions, pet,
+    relations, target_motion, ttc,
+};
+use whyroad_model::scene::Track;
+use whyroad_model::{Drive, ObjectClass, SignalTable};
+
+/// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
+///
+/// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
+pub fn derive(drive: &Drive) -> SignalTable {
+    let missing = crate::table::missing(drive);
+    let mut table = TableBuilder::new(Catalogue::bundled(), drive);
+    let start = drive.times.first().copied().unwrap_or_default();
+    let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    let road = drive.map.as_ref().filter(|_| !missing.contains("map")).map(Road::new);
+    let ego = drive.ego.as_ref().filter(|_| !missing.contains("ego pose")).map(|e| EgoMotion::new(e, &times));
+
+    if let Some(ego) = &drive.ego {
+        bus::write(&ego.bus, times.len(), &mut table);
+    }
+    target_motion::write_relative(drive, ego.as_ref(), &mut table);
+    if let Some(road) = &road {
+        crosswalk::write(drive, road, &mut table);
+    }
+    if let Some(ego) = &ego {
+        write_with_ego(drive, ego, road.as_ref(), &times, &mut table);
+    }
+    table.finish(&missing)
+}
+
+fn write_with_ego(drive: &Drive, ego: &EgoMotion, road: Option<&Road>, times: &[f64], table: &mut TableBuilder<'_>) {
+    ego_motion::write(ego, times, table);
+    meta_actions::write(ego, times, table);
+    let lanes = road.map(|r| EgoLane::new(r, ego));
+    let Some(path) = driven_path(ego, lanes.as_ref(), times) else { return };
+    curvature::write(&path, lanes.as_ref(), table);
+    if let (Some(road), Some(lanes)) = (road, &lanes) {
+        ego_lane::write(lanes, road, ego, table);
+        junction::write(road, &path, ego, table);
+        let rows = lane_change::Rows {
+            times,
+            position: &ego.position,
+            velocity: &ego.velocity,
+            places: &lanes.places,
+        };
+        table.category("ego.lane_change", lane_change::changes(road, &rows));
+        if let (Some(states), Some(map)) = (&drive.lights, &drive.map) {
+            lights::write(states, map, road, lanes, ego, &drive.times, table);
+        }
+    }
+
+    let around = Surroundings { ego, path: &path, lanes: lanes.as_ref() };
+    let targets: Vec<Target<'_>> = observed_tracks(drive).map(|t| around.place(t, times)).collect();
+    let near = relations::neighbours(&targets, ego.len());
+    target_motion::write(drive, &targets, table);
+    relations::write(drive, &targets, &near, table);
+    ttc::write(drive, ego, &targets, table);
+    relations::write_lead(ego, &near, table);
+    line_crossing::write(drive, &targets, table);
+    let rows = Rows::new(drive, table);
+    let sweep = pet::EgoSweep::new(ego, times);
+    let pets: Vec<Vec<f64>> = targets.iter().map(|t| sweep.pet(t, times)).collect();
+    table.number("target.pet", rows.spread(&targets, f64::NAN, |k, r, _| pets[k][r]));
+    if let Some(road) = road {
+        let codes: Vec<_> = targets.iter().map(|t| target_changes(road, t, times)).collect();
+        table.category("target.lane_change", rows.spread(&targets, None, |k, r, _| codes[k].get(r).copied().flatten()));
+    }
+}
+
+/// The driven path, continued along the ego's lanes where it has any.
+fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Option<DrivenPath> {
+    let first = (0..ego.len()).find(|&i| ego.is_known(i))?;
+    let last = (0..ego.len()).rfind(|&i| ego.is_known(i))?;
+    let along = |frame: usize| -> Continuation<'_> {
+        lanes.and_then(|l| l.at(frame)).map(|on| (on.corridor, on.s, on.lateral))
+    };
+    DrivenPath::new(ego, times, along(first), along(last))
+}
+
+/// Lane changes of a target, a value a row; empty for what does not drive in lanes.
+fn target_changes(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Option<u16>> {
+    let track: &Track = target.track;
+    let tether = match track.class {
+        class if class.is_vehicle() => Tether::VEHICLE,
+        ObjectClass::Bicycle | ObjectClass::Bicyclist => Tether::BICYCLE,
+        _ => return Vec::new(),
+    };
+    let m = &track.motion;
+    let rows: Vec<(P2, f64, f64)> = (0..m.len()).map(|r| (p2(m.x[r], m.y[r]), m.z[r], m.heading[r])).collect();
+    let places = assign(road, &rows, tether);
+    let position: Vec<P2> = rows.iter().map(|r| r.0).collect();
+    let velocity: Vec<P2> = (0..m.len()).map(|r| p2(m.vx[r], m.vy[r])).collect();
+    let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
+    let rows = lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places: &places };
+    lane_change::changes(road, &rows)
+}

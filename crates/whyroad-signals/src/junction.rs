@@ -1,0 +1,110 @@
+//! Junctions and crosswalks along the ego's driven path, as stretches of arc length; the distance to the next one,
+//! and the way that the ego takes across each junction.
+
+use crate::ego_motion::EgoMotion;
+use crate::geometry::unwrap;
+use crate::path::DrivenPath;
+use crate::road::Road;
+use crate::table::TableBuilder;
+use std::f64::consts::PI;
+use whyroad_model::Tri;
+
+/// Step in which the path is probed, m.
+const STEP_M: f64 = 0.5;
+/// Stretches of one kind with less than this between them are one, m.
+const MERGE_M: f64 = 5.0;
+/// Farther ahead than this there is none, m.
+const HORIZON_M: f64 = 150.0;
+/// A turn's heading begins to change a little before the area and ends a little behind it, m.
+const TURN_MARGIN_M: f64 = 3.0;
+/// From this angle on a traversal is a turn: 45 deg (RefAV).
+const TURN_RAD: f64 = PI / 4.0;
+/// From this angle on it is a U-turn: 135 deg.
+const UTURN_RAD: f64 = 3.0 * PI / 4.0;
+
+// Indices into the catalogue's values of ego.movement; a test holds them to the names.
+const STRAIGHT: u16 = 0;
+const LEFT: u16 = 1;
+const RIGHT: u16 = 2;
+const UTURN: u16 = 3;
+
+/// Part of the path, arc lengths in m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Where it begins.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+}
+
+/// The stretches of the path for which `inside` holds, in order.
+pub fn stretches(path: &DrivenPath, inside: impl Fn(crate::geometry::P2) -> bool, merge: f64) -> Vec<Stretch> {
+    let mut found: Vec<Stretch> = Vec::new();
+    let steps = (path.line.length() / STEP_M) as usize;
+    for i in 0..=steps {
+        let s = i as f64 * STEP_M;
+        if !inside(path.line.point_at(s)) {
+            continue;
+        }
+        match found.last_mut() {
+            Some(last) if s - last.to <= merge.max(STEP_M) + 1e-9 => last.to = s,
+            _ => found.push(Stretch { from: s, to: s }),
+        }
+    }
+    found
+}
+
+/// Distance from the front bumper to the next stretch, 0 from reaching it until the centre has left it.
+fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
+    if ego_s.is_nan() {
+        return f64::NAN;
+    }
+    let next = stretches.iter().find(|x| x.to >= ego_s);
+    let distance = next.map_or(f64::INFINITY, |x| (x.from - ego_s - front).max(0.0));
+    if distance > HORIZON_M { f64::INFINITY } else { distance }
+}
+
+/// Heading turned over one traversal and whether the recording holds it from entry to exit.
+fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
+    let near = |&i: &usize| {
+        let s = path.ego_s[i];
+        s >= stretch.from - TURN_MARGIN_M && s <= stretch.to + TURN_MARGIN_M
+    };
+    let frames: Vec<usize> = (0..headings.len()).filter(|i| headings[*i].is_finite()).filter(near).collect();
+    let (first, last) = (*frames.first()?, *frames.last()?);
+    let whole = path.driven.0 <= stretch.from && path.driven.1 >= stretch.to;
+    Some((headings[last] - headings[first], whole))
+}
+
+/// Index of the movement for a traversal.
+fn movement(angle: f64, whole: bool) -> Option<u16> {
+    if angle.abs() > UTURN_RAD {
+        Some(UTURN)
+    } else if angle.abs() >= TURN_RAD {
+        Some(if angle > 0.0 { LEFT } else { RIGHT })
+    } else {
+        whole.then_some(STRAIGHT)
+    }
+}
+
+/// Writes `ego.in_junction`, `movement`, `turn_angle`, `map.distance_to_junction`, `distance_to_crosswalk`.
+pub fn write(road: &Road, path: &DrivenPath, ego: &EgoMotion, table: &mut TableBuilder<'_>) {
+    let n = ego.len();
+    let junctions = stretches(path, |p| road.in_junction(p), MERGE_M);
+    let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
+    let headings = unwrap(&ego.heading);
+    let ways: Vec<Option<(f64, bool)>> = junctions.iter().map(|&j| turned(j, path, &headings)).collect();
+    let at = |i: usize| junctions.iter().position(|j| j.from <= path.ego_s[i] && path.ego_s[i] <= j.to);
+    let way = |i: usize| at(i).and_then(|j| ways[j]);
+    let known = |i: usize| path.ego_s[i].is_finite();
+    table.flag(
+        "ego.in_junction",
+        (0..n).map(|i| if known(i) { Tri::from(at(i).is_some()) } else { Tri::Unknown }).collect(),
+    );
+    table.number("ego.turn_angle", (0..n).map(|i| way(i).map_or(f64::NAN, |(angle, _)| angle)).collect());
+    table.category("ego.movement", (0..n).map(|i| way(i).and_then(|(angle, whole)| movement(angle, whole))));
+    let front = if ego.length.is_finite() { ego.length / 2.0 } else { 0.0 };
+    let ahead = |x: &[Stretch]| (0..n).map(|i| distance_to_next(x, path.ego_s[i], front)).collect();
+    table.number("map.distance_to_junction", ahead(&junctions));
+    table.number("map.distance_to_crosswalk", ahead(&crosswalks));
+}

@@ -1,0 +1,137 @@
+//! What a target is to the ego: lead, follower, beside, oncoming, crossing. Lead and follower are the nearest
+//! vehicles in the ego's lane (see `Placement::way`) that head the way the lane goes.
+
+use crate::ego_motion::EgoMotion;
+use crate::geometry::wrap;
+use crate::placement::{Placement, Target};
+use crate::rows::Rows;
+use crate::table::TableBuilder;
+use std::f64::consts::PI;
+use whyroad_model::Tri;
+use whyroad_model::scene::Drive;
+
+/// A lead or follower heads within this of the lane: 60 deg (RefAV following: cos > 0.5).
+const SAME_WAY_RAD: f64 = PI / 3.0;
+/// Headings from here on cross: 45 deg (RefAV).
+const CROSSING_RAD: f64 = PI / 4.0;
+/// Headings from here on are oncoming: 135 deg (RefAV).
+const ONCOMING_RAD: f64 = 3.0 * PI / 4.0;
+const CROSSING_REACH_M: f64 = 50.0;
+const ONCOMING_REACH_M: f64 = 100.0;
+const BESIDE_REACH_M: (f64, f64) = (50.0, 6.0);
+
+// Indices into the catalogue's values of target.relation; a test holds them to the names.
+const NONE: u16 = 0;
+const LEAD: u16 = 1;
+const FOLLOWER: u16 = 2;
+const AHEAD: u16 = 3;
+const BEHIND: u16 = 4;
+const LEFT: u16 = 5;
+const RIGHT: u16 = 6;
+const ONCOMING: u16 = 7;
+const CROSSING: u16 = 8;
+
+/// Lead and follower by frame: `(target index, row in its track)`.
+pub struct Neighbours {
+    /// The lead.
+    pub lead: Vec<Option<(usize, usize)>>,
+    /// The follower.
+    pub follower: Vec<Option<(usize, usize)>>,
+}
+
+fn leads_or_follows(p: &Placement) -> bool {
+    let (at, _, _) = p.way();
+    p.is_sized() && p.centre_in_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
+}
+
+/// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
+/// first by id, so that the order of candidates changes nothing.
+pub fn neighbours(targets: &[Target<'_>], frames: usize) -> Neighbours {
+    let mut found = Neighbours { lead: vec![None; frames], follower: vec![None; frames] };
+    let (mut nearest, mut farthest) = (vec![f64::INFINITY; frames], vec![f64::NEG_INFINITY; frames]);
+    for (k, target) in targets.iter().enumerate().filter(|(_, t)| t.track.class.is_vehicle()) {
+        for (row, place) in target.places.iter().enumerate() {
+            let Some(p) = place.as_ref().filter(|p| leads_or_follows(p)) else { continue };
+            let i = p.frame;
+            if p.ahead > 0.0 && p.near < nearest[i] {
+                nearest[i] = p.near;
+                found.lead[i] = Some((k, row));
+            }
+            if p.ahead <= 0.0 && p.far > farthest[i] {
+                farthest[i] = p.far;
+                found.follower[i] = Some((k, row));
+            }
+        }
+    }
+    found
+}
+
+fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> u16 {
+    if is_lead {
+        return LEAD;
+    }
+    if is_follower {
+        return FOLLOWER;
+    }
+    if !p.same_level || !p.within_reach() {
+        return NONE;
+    }
+    let turned = wrap(p.course() - p.path.heading).abs();
+    let distance = p.ahead.hypot(p.path.lateral);
+    if turned >= ONCOMING_RAD - 1e-9 {
+        return if distance <= ONCOMING_REACH_M { ONCOMING } else { NONE };
+    }
+    if turned >= CROSSING_RAD {
+        // Standing across is not crossing.
+        return if p.speed() >= 0.5 && distance <= CROSSING_REACH_M { CROSSING } else { NONE };
+    }
+    if p.centre_in_way() {
+        return if p.ahead > 0.0 { AHEAD } else { BEHIND };
+    }
+    if p.ahead.abs() <= BESIDE_REACH_M.0 && p.path.lateral.abs() <= BESIDE_REACH_M.1 {
+        return if p.path.lateral > 0.0 { LEFT } else { RIGHT };
+    }
+    NONE
+}
+
+/// Writes `target.in_ego_lane`, `is_lead`, `is_follower`, `relation`.
+pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(drive, table);
+    table.flag("target.in_ego_lane", rows.placed(targets, Tri::Unknown, |p| Tri::from(p.centre_in_way())));
+    let is = |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
+    let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
+        // Without a size it cannot be told who is nearest.
+        p.filter(|p| p.is_sized()).map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
+    };
+    table.flag("target.is_lead", rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.lead, k, p)));
+    table.flag("target.is_follower", rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.follower, k, p)));
+    table.category(
+        "target.relation",
+        rows.spread(targets, None, |k, _, p| {
+            p.map(|p| relation(p, is(&near.lead, k, p), is(&near.follower, k, p)))
+        }),
+    );
+}
+
+/// Writes the `lead.*` signals: the lead's own target signals, copied to the frame.
+pub fn write_lead(ego: &EgoMotion, near: &Neighbours, table: &mut TableBuilder<'_>) {
+    let frames = 0..ego.len();
+    let known = |i: usize| ego.is_known(i);
+    table.flag("lead.exists", frames.clone().map(|i| if known(i) { Tri::from(near.lead[i].is_some()) } else { Tri::Unknown }).collect());
+    let copies = [
+        ("lead.gap", "target.gap", f64::INFINITY),
+        ("lead.ttc", "target.ttc", f64::INFINITY),
+        ("lead.thw", "target.thw", f64::INFINITY),
+        ("lead.speed", "target.speed", f64::NAN),
+        ("lead.accel", "target.accel", f64::NAN),
+    ];
+    for (name, source, without) in copies {
+        let value = |i: usize| match near.lead[i] {
+            Some((k, _)) => table.target_number(source, k, i),
+            None if known(i) => without,
+            None => f64::NAN,
+        };
+        let column = frames.clone().map(value).collect();
+        table.number(name, column);
+    }
+}

@@ -1,0 +1,79 @@
+//! From observed rows of tracks to the dense rows of target columns: frames in which a target was not seen
+//! stay unknown.
+
+use crate::placement::{Placement, Target};
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+use whyroad_model::scene::{Drive, Track};
+
+/// The row layout of one table.
+pub struct Rows<'a> {
+    tracks: Vec<&'a Track>,
+    first_rows: Vec<usize>,
+    count: usize,
+}
+
+impl<'a> Rows<'a> {
+    /// The layout of `table`, which was made for `drive`.
+    pub fn new(drive: &'a Drive, table: &TableBuilder<'_>) -> Self {
+        Self {
+            tracks: observed_tracks(drive).collect(),
+            first_rows: table.targets().iter().map(|t| t.first_row).collect(),
+            count: table.rows(),
+        }
+    }
+
+    fn dense(&self, k: usize, row: usize) -> usize {
+        self.first_rows[k] + (self.tracks[k].frames[row] - self.tracks[k].frames[0]) as usize
+    }
+
+    fn fill<T: Clone>(&self, unknown: T, value: impl Fn(usize, &Track, usize) -> T) -> Vec<T> {
+        let mut column = vec![unknown; self.count];
+        for (k, track) in self.tracks.iter().enumerate() {
+            for row in 0..track.frames.len() {
+                column[self.dense(k, row)] = value(k, track, row);
+            }
+        }
+        column
+    }
+
+    /// A number a row of each track.
+    pub fn numbers(&self, value: impl Fn(&Track, usize) -> f64) -> Vec<f64> {
+        self.fill(f64::NAN, |_, t, r| value(t, r))
+    }
+
+    /// A flag a row, unknown where not observed.
+    pub fn flags(&self, value: impl Fn(&Track, usize) -> Tri) -> Vec<Tri> {
+        self.flags_or(Tri::Unknown, value)
+    }
+
+    /// A flag a row, `unseen` where not observed.
+    pub fn flags_or(&self, unseen: Tri, value: impl Fn(&Track, usize) -> Tri) -> Vec<Tri> {
+        self.fill(unseen, |_, t, r| value(t, r))
+    }
+
+    /// A category index a row.
+    pub fn codes(&self, value: impl Fn(&Track, usize) -> Option<u16>) -> Vec<Option<u16>> {
+        self.fill(None, |_, t, r| value(t, r))
+    }
+
+    /// A value a row from `(target index, row, placement)`; rows are those of `targets[k].track`.
+    pub fn spread<T: Clone>(
+        &self,
+        targets: &[Target<'_>],
+        unknown: T,
+        value: impl Fn(usize, usize, Option<&Placement>) -> T,
+    ) -> Vec<T> {
+        self.fill(unknown, |k, _, r| value(k, r, targets[k].places[r].as_ref()))
+    }
+
+    /// A value a placed row; unknown where there is no placement.
+    pub fn placed<T: Clone>(&self, targets: &[Target<'_>], unknown: T, value: impl Fn(&Placement) -> T) -> Vec<T> {
+        self.spread(targets, unknown.clone(), |_, _, p| p.map_or(unknown.clone(), &value))
+    }
+}
+
+/// Tracks that have rows; the order of the targets.
+pub fn observed_tracks(drive: &Drive) -> impl Iterator<Item = &Track> {
+    drive.tracks.iter().filter(|t| !t.frames.is_empty())
+}
