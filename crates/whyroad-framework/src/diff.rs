@@ -99,6 +99,20 @@ struct Entry<'t> {
     spec_ref: Option<&'t str>,
 }
 
+/// What can be compared.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Scope {
+    /// All fields.
+    Everything,
+    /// What a TAXONOMY.md says: names, and those definitions and conditions that both sides state.
+    Page,
+}
+
+/// Every full taxonomy states typical decisions (they are required); a TAXONOMY.md states none.
+fn states_rules(t: &Taxonomy) -> bool {
+    t.l1.iter().flat_map(|a| &a.l2).any(|b| b.typical_decisions != TypicalDecisions::default())
+}
+
 /// Compares B with A. A field that one side does not state at all (a TAXONOMY.md has no definitions) is not compared.
 pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
     let (old, new) = (entries(a), entries(b));
@@ -110,9 +124,10 @@ pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
     }
     changes.extend(gone.into_iter().map(|id| Change::of(ChangeKind::Removed, id, Step::Major)));
     changes.extend(come.into_iter().map(|id| Change::of(ChangeKind::Added, id, Step::Minor)));
+    let scope = if states_rules(a) && states_rules(b) { Scope::Everything } else { Scope::Page };
     for id in b.ids() {
         if let (Some(x), Some(y)) = (old.get(&id), new.get(&id)) {
-            fields(&id, x, y, &mut changes);
+            fields(&id, x, y, scope, &mut changes);
         }
     }
     order(a, b, &mut changes);
@@ -223,7 +238,7 @@ fn same_name(x: &Bilingual, y: &Bilingual) -> bool {
     one(&x.zh, &y.zh) && (x.en.is_empty() || y.en.is_empty() || x.en == y.en)
 }
 
-fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, out: &mut Vec<Change>) {
+fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut Vec<Change>) {
     let mut push = |kind, field, before: Bilingual, after: Bilingual, step| {
         out.push(Change {
             field: Some(field),
@@ -249,42 +264,25 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, out: &mut Vec<Change>) 
             }
         }
     }
-    for d in y.decides {
-        match x.decides.iter().find(|o| o.against == d.against) {
-            None => push(
-                ChangeKind::MeaningChanged,
-                "decides",
-                about(&d.against, None),
-                about(&d.against, Some(&d.rule)),
-                Step::Minor,
-            ),
-            Some(o) => {
-                let (before, after) = (about(&o.against, Some(&o.rule)), about(&d.against, Some(&d.rule)));
-                match compare_text(&o.rule, &d.rule) {
-                    Wording::Same => {}
-                    Wording::Reworded => push(ChangeKind::Reworded, "decides", before, after, Step::Patch),
-                    Wording::Meaning => {
-                        push(ChangeKind::MeaningChanged, "decides", before, after, Step::Major)
-                    }
-                }
-            }
-        }
+    if scope == Scope::Page {
+        return;
     }
-    // A TAXONOMY.md states no rules: only where B states some can one be missed.
+    for d in y.decides {
+        let old = x.decides.iter().find(|o| o.against == d.against).map(|o| &o.rule);
+        let (kind, step) = match old.map(|rule| compare_text(rule, &d.rule)) {
+            None => (ChangeKind::MeaningChanged, Step::Minor),
+            Some(Wording::Same) => continue,
+            Some(Wording::Reworded) => (ChangeKind::Reworded, Step::Patch),
+            Some(Wording::Meaning) => (ChangeKind::MeaningChanged, Step::Major),
+        };
+        push(kind, "decides", about(&d.against, old), about(&d.against, Some(&d.rule)), step);
+    }
     for o in x.decides.iter().filter(|o| !y.decides.iter().any(|d| d.against == o.against)) {
-        if y.typical.is_some_and(|t| *t != TypicalDecisions::default()) {
-            push(
-                ChangeKind::MeaningChanged,
-                "decides",
-                about(&o.against, Some(&o.rule)),
-                about(&o.against, None),
-                Step::Major,
-            );
-        }
+        let (before, after) = (about(&o.against, Some(&o.rule)), about(&o.against, None));
+        push(ChangeKind::MeaningChanged, "decides", before, after, Step::Major);
     }
     if let (Some(before), Some(after)) = (x.typical, y.typical)
         && before != after
-        && ![before, after].contains(&&TypicalDecisions::default())
     {
         push(
             ChangeKind::MeaningChanged,

@@ -46,23 +46,14 @@ pub fn tree_text(f: &Framework) -> String {
 
 fn statistics(f: &Framework, out: &mut String) {
     let t = &f.taxonomy;
-    let ruled = |within: &ScenarioId| f.rules.iter().filter(|r| r.leaf.is_within(within)).count();
-    out.push_str("## 分类统计 · Counts\n\n| L1 | 名称 | Name | L2数量 | L3数量 | 有挖掘规则 · with a mining rule |\n|----|------|------|------|------|------|\n");
+    out.push_str("## 分类统计 · Counts\n\n| L1 | 名称 | Name | L2数量 | L3数量 |\n|----|------|------|--------|--------|\n");
     for a in &t.l1 {
-        let id = ScenarioId { l1: a.id.clone(), l2: None, l3: None };
         let leaves: usize = a.l2.iter().map(|b| b.l3.len()).sum();
-        let _ = writeln!(
-            out,
-            "| `{}` | {} | {} | {} | {leaves} | {} |",
-            a.id,
-            cell(&a.name.zh),
-            cell(&a.name.en),
-            a.l2.len(),
-            ruled(&id)
-        );
+        let (zh, en) = (cell(&a.name.zh), cell(&a.name.en));
+        let _ = writeln!(out, "| `{}` | {zh} | {en} | {} | {leaves} |", a.id, a.l2.len());
     }
     let (_, l2, l3) = t.counts();
-    let _ = writeln!(out, "| **总计** | - | Total | **{l2}** | **{l3}** | {} |\n", f.rules.len());
+    let _ = writeln!(out, "| **总计** | - | Total | **{l2}** | **{l3}** |\n");
 }
 
 fn section_l1(f: &Framework, l1: &L1, out: &mut String) {

@@ -6,6 +6,7 @@ mod rules;
 use crate::Framework;
 use crate::spec::raw::SpecFile;
 use schemars::JsonSchema;
+use indexmap::IndexMap;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use whyroad_model::FORMAT_VERSION;
@@ -24,11 +25,23 @@ pub struct SchemaFile {
 }
 
 impl SchemaFile {
-    /// The file's text: pretty JSON with a final newline.
+    /// The file's text: pretty JSON with a final newline. What a reader looks for first stands first.
     pub fn text(&self) -> String {
-        format!("{:#}\n", self.schema)
+        let Value::Object(fields) = &self.schema else { return format!("{:#}\n", self.schema) };
+        let mut ordered: IndexMap<&str, &Value> = IndexMap::new();
+        for key in FIRST.iter().copied().chain(fields.keys().map(String::as_str)) {
+            if let Some(value) = fields.get(key).filter(|_| key != "$defs") {
+                ordered.insert(key, value);
+            }
+        }
+        ordered.extend(fields.get("$defs").map(|defs| ("$defs", defs)));
+        // Strings and maps with string keys always serialize.
+        serde_json::to_string_pretty(&ordered).map(|text| text + "\n").unwrap_or_default()
     }
 }
+
+/// Order of a schema file's first fields; `$defs` comes last.
+const FIRST: &[&str] = &["$schema", "$id", "title", "description", "version", "type", "properties", "required"];
 
 /// All schemas, in the order of DATA_FORMAT.md. Classes and mandatory fields come from `framework`.
 pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {

@@ -39,6 +39,9 @@ pub(super) fn label(coc: &mut Value, framework: &Framework) {
     }
     coc["properties"]["critical_components"]["minItems"] = json!(1);
     coc["$defs"]["CriticalComponent"]["properties"]["description"]["minLength"] = json!(1);
+    for channel in ["longitudinal", "lateral"] {
+        nullable(&mut coc["$defs"]["DrivingDecision"]["properties"][channel]);
+    }
     coc["$defs"]["DrivingDecision"]["allOf"] = directions();
     coc["$defs"]["Keyframe"]["allOf"] = json!([{
         "if": { "properties": { "type": { "const": "proactive" } }, "required": ["type"] },
@@ -65,6 +68,13 @@ pub(super) fn label(coc: &mut Value, framework: &Framework) {
         }
     }
     coc["allOf"] = Value::Array(conditions);
+}
+
+/// Lets a required field be null. schemars takes "required" to mean that, too, is forbidden; here null is an answer.
+fn nullable(field: &mut Value) {
+    if let Some(members) = field["oneOf"].as_array_mut() {
+        members.push(json!({ "type": "null", "description": "No change of decision." }));
+    }
 }
 
 fn directions() -> Value {

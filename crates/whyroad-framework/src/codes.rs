@@ -1,0 +1,56 @@
+//! The stable codes of what this crate finds in taxonomies and labelling specs. Each has a page in
+//! `docs/diagnostics/`; tests hold this list equal to the pages and to the codes in the source.
+//! Codes of labels are in `validate`.
+
+/// Codes of taxonomy files, decision files, TAXONOMY.md pages and of asking for a class.
+pub const TAXONOMY: &[&str] = &[
+    "taxonomy.against.self",
+    "taxonomy.against.unknown",
+    "taxonomy.children.none",
+    "taxonomy.class.ambiguous",
+    "taxonomy.class.unknown",
+    "taxonomy.conditions.unpaired",
+    "taxonomy.decision.unknown",
+    "taxonomy.decisions.set",
+    "taxonomy.definition.none",
+    "taxonomy.field.duplicate",
+    "taxonomy.field.missing",
+    "taxonomy.field.type",
+    "taxonomy.field.unknown",
+    "taxonomy.file.missing",
+    "taxonomy.generated.stale",
+    "taxonomy.id.duplicate",
+    "taxonomy.id.malformed",
+    "taxonomy.md.class",
+    "taxonomy.md.count",
+    "taxonomy.md.name",
+    "taxonomy.md.structure",
+    "taxonomy.md.tree",
+    "taxonomy.parent.unknown",
+    "taxonomy.text.empty",
+    "taxonomy.text.untranslated",
+    "taxonomy.version",
+    "taxonomy.yaml",
+];
+
+/// Codes of labelling specs.
+pub const SPEC: &[&str] = &[
+    "spec.class.missing",
+    "spec.class.unknown",
+    "spec.field.duplicate",
+    "spec.field.missing",
+    "spec.field.type",
+    "spec.field.unknown",
+    "spec.file.missing",
+    "spec.incomplete",
+    "spec.keyframe.type",
+    "spec.lateral.unknown",
+    "spec.order",
+    "spec.path",
+    "spec.record.id",
+    "spec.seconds",
+    "spec.text.empty",
+    "spec.uncertainty.unknown",
+    "spec.version",
+    "spec.yaml",
+];
