@@ -9,7 +9,7 @@ mod temporal;
 mod timeline;
 
 pub use temporal::{CLOCK_TOLERANCE, Truths};
-pub use timeline::{Row, Timeline};
+pub use timeline::{Row, STEP, Timeline};
 
 use crate::language::program::{NodeId, Op, Program, Scope};
 use crate::language::syntax::CompareOp;

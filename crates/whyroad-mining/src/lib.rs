@@ -8,6 +8,8 @@ pub mod rule;
 pub mod evaluate;
 pub mod episode;
 pub mod drive;
+pub mod engine;
+pub mod output;
 
 pub use drive::{DriveEpisodes, mine_drive};
 pub use episode::{Episode, Rank};

@@ -6,22 +6,81 @@ use crate::language::syntax::{CompareOp, Expr, ExprKind, Quantity, Span};
 use crate::language::token::unknown_unit;
 use crate::language::{Checker, Fault};
 use serde_json::Value;
-use whyroad_model::messages::mining::{MiningQuery, QueryCondition, QueryOperator};
+use whyroad_framework::Taxonomy;
+use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
+use whyroad_model::messages::mining::{MiningQuery, MiningQueryMessage, QueryCondition, QueryOperator};
 use whyroad_model::units::{UNITS, Unit};
-use whyroad_model::{Diagnostic, Nanos, Place};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, Place};
 use whyroad_signals::{Catalogue, SignalKind};
+
+/// The query in a JSON text, its class resolved. `file` is its name in diagnostics.
+pub fn parse_query(text: &str, file: &str, taxonomy: &Taxonomy) -> Result<MiningQuery, Vec<Diagnostic>> {
+    let message: MiningQueryMessage = serde_json::from_str(text).map_err(|e| {
+        let place = Place {
+            file: Some(file.to_owned()),
+            line: Some(e.line()),
+            column: Some(e.column().max(1)),
+            snippet: text.lines().nth(e.line().saturating_sub(1)).map(str::to_owned),
+            span: 1,
+            ..Place::default()
+        };
+        let said = Bilingual::new(format!("查询无法读取：{e}"), format!("the query cannot be read: {e}"));
+        vec![Diagnostic::error("mine.query.syntax", said).at(place)]
+    })?;
+    let mut query = message.mining_query;
+    let written = query.scenario_id.to_string();
+    let problem = match taxonomy.resolve(&written) {
+        Resolution::Found(id) => {
+            query.scenario_id = id;
+            return Ok(query);
+        }
+        Resolution::Ambiguous(ids) => class_ambiguous(&written, &ids),
+        Resolution::Unknown(near) => {
+            let near: Vec<String> = near.iter().map(ToString::to_string).collect();
+            class_not_found(&written, &near)
+        }
+    };
+    let place = locate(text, file, "/mining_query/scenario_id", &format!("\"{written}\""), 0);
+    Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(place)])
+}
+
+/// Place of a JSON value: its pointer, and line and column of the `nth` occurrence of its text.
+fn locate(text: &str, file: &str, pointer: &str, value: &str, nth: usize) -> Place {
+    let place = Place { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Place::default() };
+    let Some((at, _)) = text.match_indices(value).nth(nth) else { return place };
+    let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
+    Place {
+        line: Some(text[..at].matches('\n').count() + 1),
+        column: Some(text[line_start..at].chars().count() + 1),
+        snippet: text[line_start..].lines().next().map(str::to_owned),
+        span: value.chars().count(),
+        ..place
+    }
+}
 
 /// The rule that a query means. All conditions hold at once; how long is bounded by its time constraints; a
 /// break of a single frame ends a match.
-pub fn compile_query(query: &MiningQuery, catalogue: &Catalogue, file: &str) -> Result<Rule, Vec<Diagnostic>> {
+pub fn compile_query(
+    query: &MiningQuery,
+    catalogue: &Catalogue,
+    text: &str,
+    file: &str,
+) -> Result<Rule, Vec<Diagnostic>> {
     let mut checker = Checker::new(catalogue);
     let mut found = Vec::new();
     let mut conditions = Vec::new();
     let mut atoms = Vec::new();
-    let at = |i: usize, part: Part| Place {
-        file: Some(file.to_owned()),
-        pointer: Some(format!("/mining_query/conditions/{i}{}", part.pointer())),
-        ..Place::default()
+    let at = |i: usize, part: Part| {
+        let pointer = format!("/mining_query/conditions/{i}{}", part.pointer());
+        let shown = |c: &QueryCondition| match part {
+            Part::Field | Part::Whole => serde_json::to_string(&c.field),
+            Part::Value => serde_json::to_string(&c.value),
+            Part::Unit => serde_json::to_string(&c.unit),
+        };
+        let value = shown(&query.conditions[i]).unwrap_or_default();
+        // The same text in an earlier condition is another one's.
+        let nth = query.conditions[..i].iter().filter(|c| shown(c).is_ok_and(|v| v == value)).count();
+        locate(text, file, &pointer, &value, nth)
     };
     for (i, condition) in query.conditions.iter().enumerate() {
         let made = expression(condition, catalogue).and_then(|expr| {

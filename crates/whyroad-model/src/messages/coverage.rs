@@ -15,6 +15,9 @@ pub struct Coverage {
     pub drives: Vec<DriveId>,
     /// Every leaf of the taxonomy, in its order.
     pub leaves: Vec<LeafCoverage>,
+    /// L2s with a rule of their own: what is known to be of the L2 while its variant is not. In taxonomy order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unresolved: Vec<LeafCoverage>,
 }
 
 closed_set!(

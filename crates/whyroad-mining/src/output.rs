@@ -1,0 +1,11 @@
+//! What a mining run leaves behind: the messages of DATA_FORMAT.md 3 and 5, `episodes.parquet`, coverage.
+//! `docs/rules.md` lists the files.
+
+pub mod coverage;
+pub mod episode_table;
+pub mod folder;
+pub mod record;
+pub mod result;
+
+pub use folder::write_folder;
+pub use record::MinedEpisode;
