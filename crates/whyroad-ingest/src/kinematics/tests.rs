@@ -51,12 +51,12 @@ fn a_circle_has_its_speed_its_yaw_rate_and_no_acceleration_along_the_heading() {
     let (r, v) = (20.0, 8.0);
     let w = v / r;
     let t = jittered(80);
-    let heading = sample(&t, |t| wrap_angle(w * t + FRAC_PI_2 + 2.0));
+    let heading = sample(&t, |t| wrap_angle(w * t + FRAC_PI_2 + 0.5));
     assert!(heading.windows(2).any(|h| h[1] - h[0] < -PI), "the test must cross the wrap");
     let d = derive(
         &t,
-        &sample(&t, |t| r * (w * t + 2.0).cos()),
-        &sample(&t, |t| r * (w * t + 2.0).sin()),
+        &sample(&t, |t| r * (w * t + 0.5).cos()),
+        &sample(&t, |t| r * (w * t + 0.5).sin()),
         &heading,
         |_| false,
     );
