@@ -10,11 +10,15 @@ use whyroad_model::scene::FrameOfReference;
 use whyroad_model::{Drive, ObjectClass, Severity};
 
 fn log(prefix: &str) -> Option<PathBuf> {
-    let data = std::env::var_os("WHYROAD_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"), PathBuf::from);
+    let data = std::env::var_os("WHYROAD_DATA").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    );
     let logs = std::fs::read_dir(data.join("av2/sensor_logs")).ok();
     let found = logs.and_then(|logs| {
-        logs.flatten().map(|e| e.path()).find(|p| p.file_name().unwrap().to_string_lossy().starts_with(prefix))
+        logs.flatten()
+            .map(|e| e.path())
+            .find(|p| p.file_name().unwrap().to_string_lossy().starts_with(prefix))
     });
     if found.is_none() {
         println!("skipped: no recorded data");
@@ -50,7 +54,11 @@ fn every_row_is_read_and_kept() {
         assert_eq!(drive.tracks.iter().map(|t| t.frames.len()).sum::<usize>(), rows - ego);
         assert!(report.diagnostics.iter().all(|d| d.severity != Severity::Error));
         // Nothing on these logs moves faster than it can.
-        assert!(report.diagnostics.iter().all(|d| d.code != "ingest.speed.impossible"), "{:?}", report.diagnostics);
+        assert!(
+            report.diagnostics.iter().all(|d| d.code != "ingest.speed.impossible"),
+            "{:?}",
+            report.diagnostics
+        );
     }
 }
 
@@ -114,7 +122,10 @@ fn tracks_are_where_r_p_plus_t_puts_them() {
         for (frame, x, y, z, heading) in rows {
             let i = t.row_at(frame).unwrap();
             let m = &t.motion;
-            assert!(near(m.x[i], x, 1e-3) && near(m.y[i], y, 1e-3) && near(m.z[i], z, 1e-3), "{track} at {frame}");
+            assert!(
+                near(m.x[i], x, 1e-3) && near(m.y[i], y, 1e-3) && near(m.z[i], z, 1e-3),
+                "{track} at {frame}"
+            );
             assert!(near(m.heading[i], heading, 1e-4), "{track} at {frame}: {}", m.heading[i]);
         }
     }
@@ -125,7 +136,13 @@ fn a_log_without_pose_and_map_is_kept_and_says_so() {
     let Some((drive, report)) = read("b87683ae") else { return };
     assert!(drive.ego.is_none() && drive.map.is_none());
     assert_eq!(drive.meta.frame_of_reference, FrameOfReference::Ego);
-    assert!(["ego pose", "map", "lidar points in boxes"].iter().all(|m| drive.meta.missing.iter().any(|x| x == m)));
+    assert!(
+        ["ego pose", "map", "lidar points in boxes"].iter().all(|m| drive
+            .meta
+            .missing
+            .iter()
+            .any(|x| x == m))
+    );
     let codes: Vec<_> = report.diagnostics.iter().map(|d| d.code).collect();
     assert_eq!(codes, ["av2.pose.missing", "av2.map.missing"]);
     for t in &drive.tracks {
@@ -149,14 +166,25 @@ fn the_map_is_whole_and_its_links_agree() {
         for next in l.successors.iter().filter_map(|s| map.lane(s)) {
             assert!(next.predecessors.contains(&l.id), "{} -> {}", l.id, next.id);
             let (a, b) = (l.centre.last().unwrap(), next.centre[0]);
-            assert!((a.x - b.x).hypot(a.y - b.y) < 1.0, "lane {} does not end where {} begins", l.id, next.id);
+            assert!(
+                (a.x - b.x).hypot(a.y - b.y) < 1.0,
+                "lane {} does not end where {} begins",
+                l.id,
+                next.id
+            );
         }
         assert!(l.junction_id.is_some() || !l.in_junction);
     }
-    let border: Vec<_> =
-        report.diagnostics.iter().filter(|d| d.code == "av2.map.border").map(|d| d.message.en.as_str()).collect();
+    let border: Vec<_> = report
+        .diagnostics
+        .iter()
+        .filter(|d| d.code == "av2.map.border")
+        .map(|d| d.message.en.as_str())
+        .collect();
     assert!(
-        border.len() == 2 && border[0].starts_with("14 predecessors") && border[1].starts_with("21 successors"),
+        border.len() == 2
+            && border[0].starts_with("14 predecessors")
+            && border[1].starts_with("21 successors"),
         "{border:?}"
     );
 }
@@ -174,5 +202,8 @@ fn a_real_file_that_was_cut_is_an_error() {
     assert!(drive.is_none(), "its one record batch is incomplete");
     let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error).unwrap();
     assert_eq!(error.code, "av2.feather.truncated");
-    assert!(error.hint.is_some() && error.place.file.as_deref().is_some_and(|f| f.ends_with("annotations.feather")));
+    assert!(
+        error.hint.is_some()
+            && error.place.file.as_deref().is_some_and(|f| f.ends_with("annotations.feather"))
+    );
 }

@@ -15,7 +15,7 @@ pub(super) struct Feather {
     pub truncated: Option<String>,
 }
 
-const MAGIC: &[u8] = b"ARROW1\0\0";
+const MAGIC: &[u8] = b"ARROW1";
 
 /// Reads all record batches. `Err` when it is no Arrow file at all.
 pub(super) fn read(bytes: &[u8]) -> Result<Feather, String> {
@@ -28,8 +28,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Feather, String> {
         Err(e) => e.to_string(),
     };
     // The file format is a stream between two magic words, so what stands before the cut can be read as a stream.
+    // Zeros pad the first word to 8 bytes (C++) or 64 (Rust); the stream begins with 0xFFFFFFFF.
+    let start = bytes.iter().skip(MAGIC.len()).position(|b| *b != 0).map_or(bytes.len(), |p| p + MAGIC.len());
     let mut batches = Vec::new();
-    if let Ok(stream) = StreamReader::try_new(Cursor::new(&bytes[MAGIC.len()..]), None) {
+    if let Ok(stream) = StreamReader::try_new(Cursor::new(&bytes[start..]), None) {
         batches.extend(stream.map_while(Result::ok));
     }
     Ok(Feather { batches, truncated: Some(reason) })
