@@ -1,5 +1,5 @@
 //! The stable codes of what this crate finds in taxonomies and labelling specs. Each has a page in
-//! `docs/diagnostics/`; tests hold this list equal to the pages and to the codes in the source.
+//! `docs/diagnostics/`; tests hold this list equal to the pages and show that each code is emitted.
 //! Codes of labels are in `validate`.
 
 /// Codes of taxonomy files, decision files, TAXONOMY.md pages and of asking for a class.

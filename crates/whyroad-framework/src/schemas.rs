@@ -5,8 +5,8 @@ mod rules;
 
 use crate::Framework;
 use crate::spec::raw::SpecFile;
-use schemars::JsonSchema;
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 use whyroad_model::FORMAT_VERSION;
@@ -41,7 +41,8 @@ impl SchemaFile {
 }
 
 /// Order of a schema file's first fields; `$defs` comes last.
-const FIRST: &[&str] = &["$schema", "$id", "title", "description", "version", "type", "properties", "required"];
+const FIRST: &[&str] =
+    &["$schema", "$id", "title", "description", "version", "type", "properties", "required"];
 
 /// All schemas, in the order of DATA_FORMAT.md. Classes and mandatory fields come from `framework`.
 pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {

@@ -1,4 +1,5 @@
 //! The built-in framework: whole, free of findings, and the classes that the specification lists.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
@@ -146,4 +147,22 @@ fn keyframe_types_are_those_of_the_specification() {
         };
         assert_eq!(spec.keyframe.kind, expected, "{leaf}");
     }
+}
+
+#[test]
+fn records_are_demanded_of_exactly_the_leaves_that_the_specification_names() {
+    let named: Vec<&str> = include_str!("data/required_records.txt")
+        .lines()
+        .filter(|l| !l.starts_with('#'))
+        .map(|l| l.split_once(": ").unwrap().0)
+        .collect();
+    let f = Framework::bundled();
+    let demanding: Vec<String> = f
+        .taxonomy
+        .leaves()
+        .map(|(a, b, c)| ScenarioId::leaf(&a.id, &b.id, &c.id))
+        .filter(|leaf| !f.specs[leaf].records.is_empty())
+        .map(|leaf| leaf.to_string())
+        .collect();
+    assert_eq!(demanding, named);
 }

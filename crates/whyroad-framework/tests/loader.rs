@@ -1,4 +1,5 @@
 //! What the loader says of broken frameworks: every mistake, each with its code and line, and the rest still read.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
@@ -218,6 +219,7 @@ fn each_mistake_is_found_where_it_is() {
         }
         for d in &found {
             assert!(!d.message.zh.is_empty() && !d.message.en.is_empty());
+            assert!(TAXONOMY.contains(&d.code) || SPEC.contains(&d.code), "'{}' is not listed", d.code);
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

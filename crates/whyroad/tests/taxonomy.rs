@@ -1,4 +1,5 @@
 //! `whyroad taxonomy` as a user runs it: exit codes, what goes to stdout, what a person reads in both languages.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -32,7 +32,7 @@ pub fn lint_markdown(file: &str, text: &str, reference: Option<&Taxonomy>) -> Ve
     for d in &mut out {
         d.place.file = Some(file.to_owned());
     }
-    out.sort_by(|a, b| (a.place.line, a.place.column).cmp(&(b.place.line, b.place.column)));
+    out.sort_by_key(|d| (d.place.line, d.place.column));
     out
 }
 

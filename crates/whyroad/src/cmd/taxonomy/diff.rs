@@ -1,7 +1,7 @@
 //! `whyroad taxonomy diff`.
 
 use super::DiffFormat;
-use crate::{Global, framework_folder, output};
+use crate::{Global, output};
 use anyhow::{Context as _, bail};
 use std::fmt::Write as _;
 use std::path::Path;

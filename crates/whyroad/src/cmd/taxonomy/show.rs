@@ -109,7 +109,7 @@ impl Page<'_> {
         if let Some(spec) = &d.labeling {
             self.labelling(&mut out, spec);
         }
-        if c.level == "l3" {
+        if c.level == "l3" || d.mining_rule.is_some() {
             self.heading(&mut out, "挖掘规则", "Mining rule");
             let _ = match &d.mining_rule {
                 Some(place) => writeln!(out, "  {}:{}", place.file, place.line),
