@@ -61,7 +61,10 @@ pub fn derive(
             out.accel[i] = ax * c + ay * s;
         }
     }
-    let turned = |i: usize| !(wrap_angle(heading[i] - heading[i - 1]).abs() <= MAX_HEADING_STEP_RAD);
+    let turned = |i: usize| {
+        let step = wrap_angle(heading[i] - heading[i - 1]).abs();
+        step.is_nan() || step > MAX_HEADING_STEP_RAD
+    };
     for run in runs(times_s, |i| turned(i) || breaks(i)) {
         let steady = unwrapped(&heading[run.clone()]);
         let local_times = &times_s[run.clone()];

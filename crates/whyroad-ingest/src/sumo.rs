@@ -187,7 +187,9 @@ fn read_simulation(path: &Path, options: &Options, report: &mut SourceReport) ->
 /// The name of a run: the file's without its endings, or the folder's when the file is just called `fcd`.
 fn run_name(path: &Path) -> String {
     let name = file_label(path);
-    let stem = name.trim_end_matches(".gz").trim_end_matches(".xml").to_owned();
+    let stem = name.trim_end_matches(".gz").trim_end_matches(".xml");
+    // `crossroads.fcd.xml` is the run `crossroads`.
+    let stem = [".fcd", "_fcd", "-fcd"].iter().find_map(|e| stem.strip_suffix(e)).unwrap_or(stem).to_owned();
     let folder = path.canonicalize().ok().and_then(|p| Some(file_label(p.parent()?)));
     if stem.eq_ignore_ascii_case("fcd") { folder.unwrap_or(stem) } else { stem }
 }

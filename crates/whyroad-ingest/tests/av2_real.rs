@@ -2,7 +2,7 @@
 //! Expected numbers were computed with pandas and numpy from the raw files: speeds as the slope of a straight
 //! line (`numpy.polyfit`) through the raw 170 Hz axle poses within 0.1 s either side; positions as R p + t with
 //! a rotation matrix written out from the quaternion.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::PathBuf;
 use whyroad_ingest::{SourceReport, av2};

@@ -36,8 +36,8 @@ fn constant_acceleration_is_exact_to_the_ends_and_not_late() {
     let t = jittered(20);
     // 10 m/s, braking with 3 m/s2 along x; the heading is x.
     let d = derive(&t, &sample(&t, |t| 10.0 * t - 1.5 * t * t), &[0.0; 20], &[0.0; 20], |_| false);
-    for i in 0..20 {
-        assert!(close(d.vx[i], 10.0 - 3.0 * t[i], 1e-9), "row {i}");
+    for (i, t) in t.iter().enumerate() {
+        assert!(close(d.vx[i], 10.0 - 3.0 * t, 1e-9), "row {i}");
         assert!(close(d.accel[i], -3.0, 1e-9), "row {i}");
     }
     // Driving the same backwards (heading turned round): braking is an acceleration along the heading.

@@ -1,0 +1,282 @@
+//! A network and a drive small enough to compute by hand (`tests/fixtures/crossroads.net.xml`, `crossroads.fcd.xml`).
+//!
+//! Road W-J-E runs along y = 0, one lane each way, 3.2 m wide; N and S join at J (0, 0), so J is a junction. West of it,
+//! at P (-50, 0), the road is joined by nothing: P is none. The ego (5 m long) drives east in the south lane (y = -1.6)
+//! at 10 m/s with its front bumper at x = -40 + 10 t.
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::{Path, PathBuf};
+use whyroad_ingest::{Format, Options, SourceReport, find_sources, sumo};
+use whyroad_model::road_map::{LaneKind, TurnKind};
+use whyroad_model::scene::{LightColour, TurnSignal};
+use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
+
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
+}
+
+fn codes(r: &SourceReport) -> Vec<&'static str> {
+    r.diagnostics.iter().map(|d| d.code).collect()
+}
+
+fn crossroads() -> (Drive, SourceReport) {
+    let (drive, report) = sumo::read(&fixtures().join("crossroads.fcd.xml"), &Options::default());
+    assert!(report.tables.iter().all(|t| t.adds_up()), "{:?}", report.tables);
+    (drive.unwrap(), report)
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-6
+}
+
+/// FCD of a few objects: `(id, attributes)` for each step of `step_s`.
+fn fcd(step_s: f64, steps: usize, objects: impl Fn(f64) -> Vec<String>) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let mut text = String::from("<fcd-export>\n");
+    for i in 0..steps {
+        let t = i as f64 * step_s;
+        text += &format!("<timestep time=\"{t:.2}\">\n{}\n</timestep>\n", objects(t).join("\n"));
+    }
+    fs::write(dir.path().join("fcd.xml"), text + "</fcd-export>\n").unwrap();
+    dir
+}
+
+fn car(id: &str, x: f64, y: f64) -> String {
+    format!(
+        r#"<vehicle id="{id}" x="{x:.2}" y="{y:.2}" angle="90.00" type="DEFAULT_VEHTYPE" speed="10.00"/>"#
+    )
+}
+
+fn read(dir: &tempfile::TempDir) -> (Option<Drive>, SourceReport) {
+    let (drive, report) = sumo::read(&dir.path().join("fcd.xml"), &Options::default());
+    assert!(report.tables.iter().all(|t| t.adds_up()), "{:?}", report.tables);
+    (drive, report)
+}
+
+#[test]
+fn bumpers_become_centres_and_degrees_from_north_radians_from_east() {
+    let (drive, report) = crossroads();
+    assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
+    assert_eq!(drive.meta.drive_id.as_str(), "crossroads-ego");
+    assert_eq!(drive.times[0], Nanos::parse_iso("2026-01-01T00:00:00Z").unwrap());
+    assert_eq!(drive.times[3], Nanos::parse_iso("2026-01-01T00:00:00.300Z").unwrap());
+    let ego = drive.ego.as_ref().unwrap();
+    assert_eq!((ego.length_m, ego.reference_to_centre_m), (5.0, -2.5));
+    for i in 0..5 {
+        assert!(
+            near(ego.motion.x[i], -42.5 + i as f64)
+                && near(ego.motion.y[i], -1.6)
+                && near(ego.motion.heading[i], 0.0)
+        );
+        assert!(
+            near(ego.motion.vx[i], 10.0) && near(ego.motion.vy[i], 0.0) && near(ego.motion.yaw_rate[i], 0.0)
+        );
+    }
+    // FCD's own acceleration (1.5 at step 2), signals 2 (left) from step 2, 8 (brake) at step 4 beside it.
+    assert!(near(ego.motion.accel[2], 1.5));
+    assert_eq!(ego.bus.turn_signal[1..3], [Some(TurnSignal::Off), Some(TurnSignal::Left)]);
+    assert_eq!(ego.bus.brake[3..5], [Some(false), Some(true)]);
+
+    assert!(drive.track(&"ego".into()).is_none(), "the ego is not among the tracks");
+    // The oncoming lorry: 9 m long by its vType, heading west (270 degrees), so its centre is east of its bumper.
+    let lorry = drive.track(&"lorry".into()).unwrap();
+    assert_eq!((lorry.class, lorry.source_class.as_str()), (ObjectClass::Truck, "truck/lorry9"));
+    assert!(
+        near(lorry.motion.x[0], 30.0 + 4.5)
+            && near(lorry.motion.heading[0], PI)
+            && near(lorry.motion.vx[0], -8.0)
+    );
+    // A northbound cyclist (0 degrees), SUMO's default 1.6 m: 0.8 m behind its front wheel.
+    let bike = drive.track(&"bike".into()).unwrap();
+    assert_eq!(bike.class, ObjectClass::Bicycle);
+    assert!(
+        near(bike.motion.y[0], -20.8)
+            && near(bike.motion.heading[0], PI / 2.0)
+            && near(bike.motion.vy[0], 4.0)
+    );
+    // A person whose stated speed is wrong: 1.5 m/s north by its positions.
+    let walker = drive.track(&"walker".into()).unwrap();
+    assert_eq!(walker.class, ObjectClass::Pedestrian);
+    assert!(
+        near(walker.motion.y[0], 5.0) && near(walker.motion.vy[2], 1.5) && near(walker.motion.vx[2], 0.0)
+    );
+    assert!(drive.track(&"rider".into()).is_none(), "a person in a vehicle has no box of its own");
+    // The lorry leaves after step 2.
+    assert_eq!(lorry.frames, [0, 1, 2]);
+}
+
+#[test]
+fn the_network_becomes_a_map() {
+    let map = crossroads().0.map.unwrap();
+    let lane = |id: &str| map.lane(id).unwrap();
+    // South edge y = -3.2, north edge y = 0 for the eastbound lane.
+    let east = lane("pj_1");
+    assert!(east.left.iter().all(|p| near(p.y, 0.0)) && east.right.iter().all(|p| near(p.y, -3.2)));
+    assert_eq!((east.kind, east.speed_limit_mps, east.in_junction), (LaneKind::Vehicle, Some(13.89), false));
+    assert_eq!(east.junction_id.as_deref(), Some("J"));
+    assert_eq!(lane("pj_0").kind, LaneKind::Sidewalk);
+    assert_eq!(
+        (east.right_neighbour.as_deref(), east.left_neighbour.as_deref()),
+        (Some("pj_0"), Some("jp_1"))
+    );
+    assert_eq!(lane("jp_1").left_neighbour.as_deref(), Some("pj_1"), "the opposite lane");
+    assert_eq!(east.successors, [":J_0_0", ":J_1_0"]);
+    assert_eq!((lane(":J_0_0").turn, lane(":J_1_0").turn), (Some(TurnKind::Straight), Some(TurnKind::Left)));
+    assert_eq!(lane(":J_0_0").successors, ["je_0"]);
+    assert_eq!(lane("je_0").predecessors, [":J_0_0"]);
+    assert!(lane(":J_0_0").in_junction && lane(":J_0_0").speed_limit_mps.is_none());
+    assert!(!lane(":P_0_0").in_junction, "P joins two nodes only");
+    assert_eq!(lane("jn_0").kind, LaneKind::Bus);
+    assert_eq!(lane("js_0").kind, LaneKind::Bike);
+    assert_eq!(map.junctions.iter().map(|j| j.id.as_str()).collect::<Vec<_>>(), ["J"]);
+    // The crossing runs from (-12, 3.2) to (-12, -3.2), 4 m wide.
+    let corners = &map.crosswalks[0].boundary;
+    let (min, max) = corners.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.x), b.max(p.x)));
+    assert!(map.crosswalks.len() == 1 && near(min, -14.0) && near(max, -10.0), "{corners:?}");
+    // The light at J stops pj_1 at its end, x = -10.
+    assert_eq!(map.stop_lines.len(), 1);
+    assert!(
+        map.stop_lines[0].lane_ids == ["pj_1"] && map.stop_lines[0].line.iter().all(|p| near(p.x, -10.0))
+    );
+    // Neither rails nor walking areas.
+    assert!(map.lane("rail_0").is_none() && map.lane(":J_w0_0").is_none());
+}
+
+#[test]
+fn light_states_are_those_of_the_links() {
+    let options = Options { lights: Some(fixtures().join("crossroads.lights.xml")), ..Options::default() };
+    let (drive, _) = sumo::read(&fixtures().join("crossroads.fcd.xml"), &options);
+    let lights = drive.unwrap().lights.unwrap();
+    let got: Vec<_> = lights
+        .iter()
+        .map(|l| (l.to_lane_id.as_deref().unwrap(), l.time.0 % 1_000_000_000, l.colour))
+        .collect();
+    // Link 0 straight, link 1 left; "Gr" at 0, "yr" at 0.2 s, "yr" again at 0.3 s (no change), "rg" at 0.4 s.
+    assert_eq!(
+        got,
+        [
+            (":J_0_0", 0, LightColour::Green),
+            (":J_1_0", 0, LightColour::Red),
+            (":J_0_0", 200_000_000, LightColour::Yellow),
+            (":J_0_0", 400_000_000, LightColour::Red),
+            (":J_1_0", 400_000_000, LightColour::GreenYield),
+        ]
+    );
+}
+
+#[test]
+fn frames_without_the_ego_are_cut_and_counted() {
+    let dir = fcd(0.1, 30, |t| {
+        let mut all = vec![car("other", 50.0 + 10.0 * t, 0.0)];
+        if t >= 0.95 {
+            all.push(car("ego", 10.0 * t, 0.0));
+        }
+        all
+    });
+    let (drive, report) = read(&dir);
+    let drive = drive.unwrap();
+    assert_eq!(drive.frame_count(), 20);
+    assert_eq!(
+        drive.times[0].0 % 10_000_000_000,
+        1_000_000_000 + Options::default().start.0 % 10_000_000_000
+    );
+    assert_eq!(report.tables[0].set_aside.get("ego_away"), Some(&10));
+    assert_eq!(drive.tracks[0].frames.len(), 20);
+    assert!(!report.lost_input() && codes(&report) == ["sumo.net.missing"]);
+}
+
+#[test]
+fn twenty_hertz_is_thinned_and_one_hertz_is_filled_and_said_so() {
+    let scene = |t: f64| vec![car("ego", 10.0 * t, 0.0), car("other", 30.0 + 10.0 * t, 3.0)];
+    let (drive, report) = read(&fcd(0.05, 21, scene));
+    assert_eq!(drive.unwrap().frame_count(), 11);
+    assert_eq!(report.tables[0].set_aside.get("between_frames"), Some(&20));
+
+    let (drive, report) = read(&fcd(1.0, 4, scene));
+    let drive = drive.unwrap();
+    assert_eq!(drive.frame_count(), 31);
+    assert!(codes(&report).contains(&"sumo.fcd.step"));
+    let other = &drive.tracks[0].motion;
+    assert!(near(other.x[15], 30.0 + 15.0 - 2.5) && near(other.vx[15], 10.0) && near(other.accel[15], 0.0));
+}
+
+#[test]
+fn a_lane_change_without_duration_is_a_jump_and_no_speed() {
+    let dir = fcd(0.1, 20, |t| vec![car("ego", 10.0 * t, if t < 0.95 { 0.0 } else { 3.2 })]);
+    let (drive, report) = read(&dir);
+    let warning = report.diagnostics.iter().find(|d| d.code == "sumo.fcd.lane_jump").unwrap();
+    assert!(warning.message.en.starts_with("1 sideways jump"), "{}", warning.message.en);
+    let m = drive.unwrap().ego.unwrap().motion;
+    assert!(m.vy.iter().all(|v| near(*v, 0.0)) && m.vx.iter().all(|v| near(*v, 10.0)), "{:?}", m.vy);
+}
+
+#[test]
+fn a_lane_change_with_duration_has_its_sideways_speed() {
+    // 3.2 m in 3.2 s: 1 m/s to the left.
+    let dir = fcd(0.1, 20, |t| vec![car("ego", 10.0 * t, t)]);
+    let m = read(&dir).0.unwrap().ego.unwrap().motion;
+    assert!(m.vy.iter().all(|v| near(*v, 1.0)) && m.vx.iter().all(|v| near(*v, 10.0)), "{:?}", m.vy);
+}
+
+#[test]
+fn what_is_wrong_is_named_and_the_rest_is_kept() {
+    let scene = |t: f64| vec![car("ego", 10.0 * t, 0.0), car("x", 9.0, 9.0)];
+    let dir = fcd(0.1, 10, scene);
+    let file = dir.path().join("fcd.xml");
+    let text = fs::read_to_string(&file).unwrap();
+
+    fs::write(&file, &text[..text.len() / 2]).unwrap();
+    let (drive, report) = read(&dir);
+    assert!(drive.unwrap().frame_count() >= 4);
+    assert!(codes(&report).contains(&"sumo.fcd.broken") && report.lost_input());
+
+    fs::write(&file, text.replacen("angle=\"90.00\"", "", 1).replacen("x=\"9.00\"", "x=\"nan\"", 1)).unwrap();
+    let (drive, report) = read(&dir);
+    assert_eq!(report.tables[0].dropped.get("invalid"), Some(&2));
+    assert_eq!(drive.unwrap().frame_count(), 9);
+
+    let (drive, report) = sumo::read(&file, &Options { ego: "nobody".into(), ..Options::default() });
+    let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error).unwrap();
+    assert!(
+        drive.is_none()
+            && error.code == "sumo.ego.missing"
+            && error.hint.as_ref().unwrap().en.contains("ego, x")
+    );
+
+    for other in ["", "no xml", "<routes/>"] {
+        fs::write(&file, other).unwrap();
+        let (drive, report) = read(&dir);
+        assert!(
+            drive.is_none() && codes(&report) == ["sumo.fcd.unreadable"],
+            "{other}: {:?}",
+            codes(&report)
+        );
+    }
+}
+
+#[test]
+fn the_bundled_drives_are_found_and_read_whole() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives");
+    let (sources, problems) = find_sources(Some(Format::Sumo), &[folder]);
+    assert!(problems.is_empty());
+    let names: Vec<_> =
+        sources.iter().map(|s| s.path.parent().unwrap().file_name().unwrap().to_owned()).collect();
+    assert_eq!(names, ["back_street", "multilane", "signal_junction"]);
+    for s in &sources {
+        let (drive, report) = whyroad_ingest::read(s, &Options::default());
+        let drive = drive.unwrap();
+        assert!(report.diagnostics.is_empty() && !report.lost_input(), "{:?}", report.diagnostics);
+        assert!(drive.frame_count() > 400 && drive.map.is_some());
+        assert_eq!(drive.ego.unwrap().length_m, 4.8, "from types.rou.xml, one folder up");
+    }
+}
+
+#[test]
+fn every_code_has_a_page() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/diagnostics");
+    let missing: Vec<_> =
+        whyroad_ingest::codes().into_iter().filter(|c| !docs.join(format!("{c}.md")).is_file()).collect();
+    assert!(missing.is_empty(), "no page for {missing:?}");
+}
