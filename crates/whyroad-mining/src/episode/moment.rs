@@ -7,7 +7,8 @@ use whyroad_model::{Nanos, Tri};
 /// Moments outside the match are looked for no further away than one clip lasts (LABELING.md 4).
 const REACH: Nanos = Nanos(20_000_000_000);
 
-/// Which moment is sought: this decides where "true" is looked for.
+/// Which moment is sought: this decides where a bare condition is looked for. `first`, `last`, `least` and
+/// `greatest` speak of the match whatever is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sought {
     /// The keyframe: within the match.
@@ -45,14 +46,14 @@ pub fn resolve<'a>(
         Moment::Offset(of, by) => inner(of).map(|t| t + *by),
         Moment::Earliest(all) => all.iter().map(inner).collect::<Option<Vec<_>>>()?.into_iter().min(),
         Moment::Latest(all) => all.iter().map(inner).collect::<Option<Vec<_>>>()?.into_iter().max(),
-        Moment::First(c) => truth_in(*c, sought, known, evaluator, pass).into_iter().next(),
-        Moment::Last(c) => truth_in(*c, sought, known, evaluator, pass).into_iter().next_back(),
+        Moment::First(c) => truth_in(*c, Sought::Keyframe, known, evaluator, pass).into_iter().next(),
+        Moment::Last(c) => truth_in(*c, Sought::Keyframe, known, evaluator, pass).into_iter().next_back(),
         Moment::Nearest(c) => {
             let all = truth_in(*c, sought, known, evaluator, pass);
             if sought == Sought::Start { all.into_iter().next_back() } else { all.into_iter().next() }
         }
-        Moment::Least(x) => extreme(*x, |a, b| a < b, sought, known, evaluator, pass),
-        Moment::Greatest(x) => extreme(*x, |a, b| a > b, sought, known, evaluator, pass),
+        Moment::Least(x) => extreme(*x, |a, b| a < b, known, evaluator, pass),
+        Moment::Greatest(x) => extreme(*x, |a, b| a > b, known, evaluator, pass),
     }
 }
 
@@ -87,7 +88,6 @@ fn truth_in<'a>(
 fn extreme<'a>(
     x: NodeId,
     better: fn(f64, f64) -> bool,
-    sought: Sought,
     known: Known,
     evaluator: &mut Evaluator<'a>,
     pass: &mut Pass<'a>,
@@ -96,7 +96,7 @@ fn extreme<'a>(
     let Series::Numbers(v) = series.as_ref() else { return None };
     let rows = evaluator.rows(pass);
     let mut best: Option<usize> = None;
-    for i in reach(rows, sought, known).filter(|&i| !v[i].is_nan()) {
+    for i in (known.first..=known.last).filter(|&i| !v[i].is_nan()) {
         if best.is_none_or(|b| better(v[i], v[b])) {
             best = Some(i);
         }

@@ -147,15 +147,15 @@ pub enum Moment {
     MatchStart,
     /// One past the last frame of the match.
     MatchEnd,
-    /// First frame of the range at which it is true.
+    /// First frame of the match at which it is true.
     First(NodeId),
-    /// Last frame of the range at which it is true.
+    /// Last frame of the match at which it is true.
     Last(NodeId),
     /// A bare condition: the frame nearest to the keyframe; the first one when the keyframe itself is sought.
     Nearest(NodeId),
-    /// First frame of the range with the least value.
+    /// First frame of the match with the least value.
     Least(NodeId),
-    /// First frame of the range with the greatest value.
+    /// First frame of the match with the greatest value.
     Greatest(NodeId),
     /// The earliest of several; missing when one of them is.
     Earliest(Vec<Moment>),

@@ -72,7 +72,7 @@ pub struct Precedence {
 
 impl Default for Precedence {
     fn default() -> Self {
-        Self { neighbourhood: Nanos(2_000_000_000), order: Vec::new() }
+        Self { neighbourhood: Nanos(1_000_000_000), order: Vec::new() }
     }
 }
 
