@@ -62,12 +62,12 @@ fn write_with_ego(drive: &Drive, ego: &EgoMotion, road: Option<&Road>, times: &[
         }
     }
 
-    let around = Surroundings { ego, path: &path, lanes: lanes.as_ref() };
+    let around = Surroundings { ego, path: &path, lanes: lanes.as_ref(), road };
     let targets: Vec<Target<'_>> = observed_tracks(drive).map(|t| around.place(t, times)).collect();
     let near = relations::neighbours(&targets, ego.len());
     target_motion::write(drive, &targets, table);
     relations::write(drive, &targets, &near, table);
-    ttc::write(drive, ego, &targets, table);
+    ttc::write(drive, &around, &targets, table);
     relations::write_lead(ego, &near, table);
     line_crossing::write(drive, &targets, table);
     let rows = Rows::new(drive, table);

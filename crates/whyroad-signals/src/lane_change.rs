@@ -119,6 +119,9 @@ pub fn changes(road: &Road, rows: &Rows<'_>) -> Vec<Option<u16>> {
         if let Some((before, old)) = last
             && old != place.lane
             && rows.times[row] - rows.times[before] < 2.0
+            // Inside a junction lanes overlap and have no lines: cutting its corner is no lane change.
+            && !road.lanes[old].in_junction
+            && !road.lanes[place.lane].in_junction
             && let Some(side) = side_of(road, old, place.lane)
         {
             steps.push((row, old, place.lane, side));

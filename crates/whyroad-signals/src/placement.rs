@@ -3,10 +3,13 @@
 
 use crate::ego_lane::{EgoLane, lateral_extent};
 use crate::ego_motion::{EgoMotion, given_or_slope};
-use crate::geometry::{OrientedBox, P2, p2, wrap};
+use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
 use crate::path::DrivenPath;
-use crate::road::{DEFAULT_HALF_WIDTH_M, LEVEL_M};
+use crate::road::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use whyroad_model::scene::Track;
+
+/// From this speed on a target moves, m/s.
+pub const MOVING_MPS: f64 = 0.5;
 
 /// One target over its observed rows.
 pub struct Target<'a> {
@@ -50,6 +53,12 @@ pub struct Placement {
     pub path: Beside,
     /// Beside the ego's lane, with the distances to its left and right edge; `None` while the ego has none.
     pub lane: Option<(Beside, f64, f64)>,
+    /// Nearest and farthest arc length (from the ego's centre) of the part of the footprint that is in the band which
+    /// the ego sweeps along its path, m; `None` when no part is.
+    pub band: Option<(f64, f64)>,
+    /// In the ego's lane, see [`Placement::centre_in_way`]; inside junctions, where no lines are drawn, a target
+    /// that was in the lane stays in it until its whole footprint has left.
+    pub in_way: bool,
     /// At the height of the ego's path.
     pub same_level: bool,
     /// Direction of the path where the ego is, rad.
@@ -60,6 +69,12 @@ impl Placement {
     /// True when the box's size is known.
     pub fn is_sized(&self) -> bool {
         self.footprint.length.is_finite() && self.footprint.width.is_finite()
+    }
+
+    /// In the ego's lane, and not one that stands at its side clear of the ego's path: lanes with room for parking
+    /// are drawn as wide lanes.
+    pub fn blocks_way(&self) -> bool {
+        self.in_way && (self.band.is_some() || self.speed() >= MOVING_MPS)
     }
 
     /// Speed over ground, m/s.
@@ -73,7 +88,7 @@ impl Placement {
     }
 
     /// True when the centre is between the edges of [`Placement::way`], on its level and within reach.
-    pub fn centre_in_way(&self) -> bool {
+    fn centre_in_way(&self) -> bool {
         let (at, left, right) = self.way();
         self.same_level && self.within_reach() && at.lateral <= left && at.lateral >= -right
     }
@@ -97,7 +112,7 @@ impl Placement {
 
     /// Direction in which the target goes: of its velocity when it moves, else of its box, rad.
     pub fn course(&self) -> f64 {
-        if self.speed() >= 0.5 { self.velocity.heading() } else { self.footprint.heading }
+        if self.speed() >= MOVING_MPS { self.velocity.heading() } else { self.footprint.heading }
     }
 }
 
@@ -109,8 +124,15 @@ pub struct Surroundings<'a> {
     pub path: &'a DrivenPath,
     /// Its lanes, when there is a map.
     pub lanes: Option<&'a EgoLane>,
+    /// The road, when there is a map.
+    pub road: Option<&'a Road>,
 }
 
+
+/// The band that the ego sweeps is this much wider than the ego on either side, m.
+const PATH_MARGIN_M: f64 = 0.3;
+/// Points around a footprint are this close, m.
+const BAND_STEP_M: f64 = 0.5;
 
 fn corner_reach(footprint: &OrientedBox) -> f64 {
     footprint.radius() + 3.0
@@ -122,8 +144,71 @@ impl Surroundings<'_> {
         let m = &track.motion;
         let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
         let forward: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
-        let places = (0..m.len()).map(|row| self.at(track, row)).collect();
+        let mut places: Vec<Option<Placement>> = (0..m.len()).map(|row| self.at(track, row)).collect();
+        let mut was_in_way = false;
+        for place in &mut places {
+            let Some(p) = place else { continue };
+            let held = |p: &Placement| {
+                p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
+            };
+            p.in_way = p.centre_in_way() || (was_in_way && held(p));
+            was_in_way = p.in_way;
+        }
         Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places }
+    }
+
+    /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
+    /// centre is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
+    /// on either side of it and yet be clear. Beside the ego's own body the band has no margin.
+    fn in_band(&self, footprint: &OrientedBox, ego_s: f64, at: &Projection, beside: &Beside) -> Option<(f64, f64)> {
+        let half = self.ego.width / 2.0;
+        // A little more than the corners tell, for what bulges between them.
+        let widest = half + PATH_MARGIN_M + 1.0;
+        if beside.low > widest || beside.high < -widest {
+            return None;
+        }
+        let corners = footprint.corners();
+        let reach = corner_reach(footprint);
+        let mut extent: Option<(f64, f64)> = None;
+        for (i, &a) in corners.iter().enumerate() {
+            let edge = corners[(i + 1) % 4] - a;
+            let steps = (edge.norm() / BAND_STEP_M).ceil().max(1.0);
+            for k in 0..steps as usize {
+                let on = self.path.line.project_between(a + edge * (k as f64 / steps), at.s - reach, at.s + reach);
+                let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
+                if on.lateral.abs() <= half + margin {
+                    let (low, high) = extent.unwrap_or((on.s, on.s));
+                    extent = Some((low.min(on.s), high.max(on.s)));
+                }
+            }
+        }
+        extent
+    }
+
+    /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
+    fn extents(&self, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
+        let heading = self.path.heading_at(at.s);
+        let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
+        let (mut near, mut far) = (at.s, at.s);
+        let reach = corner_reach(footprint);
+        for corner in footprint.corners() {
+            let on = self.path.line.project_between(corner, at.s - reach, at.s + reach);
+            (near, far) = (near.min(on.s), far.max(on.s));
+            (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
+        }
+        (near, far, beside)
+    }
+
+    /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
+    pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
+        let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
+        let footprint = OrientedBox { centre: p.footprint.centre + p.velocity * seconds, ..p.footprint };
+        let at = self.path.project_near(footprint.centre, ego_s);
+        let (_, _, beside) = self.extents(&footprint, &at);
+        let front = ego_s + self.ego.length / 2.0;
+        // A metre of grace: the gap was closed along the path, which is not quite where the target moved.
+        self.in_band(&footprint, ego_s, &at, &beside)
+            .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
     }
 
     fn at(&self, track: &Track, row: usize) -> Option<Placement> {
@@ -138,23 +223,14 @@ impl Surroundings<'_> {
         let sized = footprint.length.is_finite() && footprint.width.is_finite() && footprint.heading.is_finite();
         let ego_s = self.path.ego_s[frame];
         let on_path = self.path.project_near(centre, ego_s);
-        let (mut near, mut far) = (on_path.s, on_path.s);
-        let mut beside = Beside {
-            lateral: on_path.lateral,
-            low: on_path.lateral,
-            high: on_path.lateral,
-            heading: self.path.heading_at(on_path.s),
+        let (near, far, beside) = if sized {
+            self.extents(&footprint, &on_path)
+        } else {
+            let heading = self.path.heading_at(on_path.s);
+            let lateral = on_path.lateral;
+            (on_path.s, on_path.s, Beside { lateral, low: lateral, high: lateral, heading })
         };
-        if sized {
-            let reach = corner_reach(&footprint);
-            for corner in footprint.corners() {
-                let at = self.path.line.project_between(corner, on_path.s - reach, on_path.s + reach);
-                near = near.min(at.s);
-                far = far.max(at.s);
-                beside.low = beside.low.min(at.lateral);
-                beside.high = beside.high.max(at.lateral);
-            }
-        }
+        let band = if sized { self.in_band(&footprint, ego_s, &on_path, &beside) } else { None };
         let lane = self.lanes.and_then(|l| l.at(frame)).map(|on| {
             let at = on.corridor.line.project_between(centre, on.s - 105.0, on.s + 155.0);
             let (low, high) =
@@ -176,6 +252,8 @@ impl Surroundings<'_> {
             far: far - ego_s,
             path: beside,
             lane,
+            band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
+            in_way: false,
             same_level: !off_level,
             heading_at_ego: self.path.heading_at(ego_s),
         })

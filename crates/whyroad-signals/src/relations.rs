@@ -3,7 +3,7 @@
 
 use crate::ego_motion::EgoMotion;
 use crate::geometry::wrap;
-use crate::placement::{Placement, Target};
+use crate::placement::{MOVING_MPS, Placement, Target};
 use crate::rows::Rows;
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
@@ -41,7 +41,7 @@ pub struct Neighbours {
 
 fn leads_or_follows(p: &Placement) -> bool {
     let (at, _, _) = p.way();
-    p.is_sized() && p.centre_in_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
+    p.is_sized() && p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
 }
 
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
@@ -83,9 +83,9 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> u16 {
     }
     if turned >= CROSSING_RAD {
         // Standing across is not crossing.
-        return if p.speed() >= 0.5 && distance <= CROSSING_REACH_M { CROSSING } else { NONE };
+        return if p.speed() >= MOVING_MPS && distance <= CROSSING_REACH_M { CROSSING } else { NONE };
     }
-    if p.centre_in_way() {
+    if p.in_way {
         return if p.ahead > 0.0 { AHEAD } else { BEHIND };
     }
     if p.ahead.abs() <= BESIDE_REACH_M.0 && p.path.lateral.abs() <= BESIDE_REACH_M.1 {
@@ -97,7 +97,7 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> u16 {
 /// Writes `target.in_ego_lane`, `is_lead`, `is_follower`, `relation`.
 pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    table.flag("target.in_ego_lane", rows.placed(targets, Tri::Unknown, |p| Tri::from(p.centre_in_way())));
+    table.flag("target.in_ego_lane", rows.placed(targets, Tri::Unknown, |p| Tri::from(p.in_way)));
     let is = |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
     let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
         // Without a size it cannot be told who is nearest.

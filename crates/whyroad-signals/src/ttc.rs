@@ -3,11 +3,12 @@
 
 use crate::ego_motion::EgoMotion;
 use crate::gaps::gap;
-use crate::geometry::wrap;
-use crate::placement::{Placement, Target};
+use crate::geometry::{P2, wrap};
+use crate::placement::{Placement, Surroundings, Target};
 use crate::rows::Rows;
 use crate::table::TableBuilder;
 use std::f64::consts::PI;
+use whyroad_model::ObjectClass;
 use whyroad_model::scene::Drive;
 
 /// Closing slower than this is not closing, m/s: it is within what differentiated positions can tell.
@@ -21,20 +22,39 @@ const HEAD_ON_RAD: f64 = 20.0 * PI / 180.0;
 /// Boxes farther apart than this are not asked for contact, m.
 const BOX_REACH_M: f64 = 150.0;
 
-/// Speed of the target along the ego's path, m/s. A crossing target recedes at best (it leaves the path before its
-/// sideways motion could bring it nearer), and an oncoming one approaches only where the path is straight between
-/// the two: a car that passes the mouth of the ego's left turn is not on a collision course along it.
-pub fn along_path(p: &Placement) -> f64 {
-    let along = p.speed() * wrap(p.velocity.heading() - p.path.heading).cos();
-    let turned = wrap(p.course() - p.path.heading).abs();
-    let straight = wrap(p.path.heading - p.heading_at_ego).abs() < HEAD_ON_RAD;
-    let head_on = turned > PI - HEAD_ON_RAD && straight;
-    // A same-direction car that backs up has a course against the path as well: that is head-on too.
-    if turned <= ALONG_RAD || head_on { along } else { along.max(0.0) }
+/// How a target goes relative to the ego's path where it is.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Along,
+    HeadOn,
+    Across,
 }
 
-fn closing(p: &Placement, ego: &EgoMotion) -> f64 {
-    ego.forward_speed[p.frame] - along_path(p)
+fn way(p: &Placement) -> Way {
+    let turned = wrap(p.course() - p.path.heading).abs();
+    let straight = wrap(p.path.heading - p.heading_at_ego).abs() < HEAD_ON_RAD;
+    if turned <= ALONG_RAD {
+        Way::Along
+    } else if turned > PI - HEAD_ON_RAD && straight {
+        // A car of the same direction that backs up goes against the path as well.
+        Way::HeadOn
+    } else {
+        Way::Across
+    }
+}
+
+/// Closing speed of an in-path pair along the path, m/s; 0 when the two will not meet there. A target that goes
+/// across recedes at best: its sideways motion brings it out of the path, not nearer along it. Whatever does not go
+/// along the path must still be in it when the ego gets there: a car that passes the mouth of the ego's left turn, or
+/// a walker who has crossed by then, is on no collision course along the path (`target.ttc_box` and `target.pet`
+/// look at those).
+fn closing(p: &Placement, gap: f64, around: &Surroundings<'_>) -> f64 {
+    let along = p.speed() * wrap(p.velocity.heading() - p.path.heading).cos();
+    let way = way(p);
+    let theirs = if way == Way::Across { along.max(0.0) } else { along };
+    let speed = around.ego.forward_speed[p.frame] - theirs;
+    let meets = way == Way::Along || speed <= CLOSING_LEAST_MPS || around.meets(p, gap.max(0.0) / speed);
+    if gap.is_finite() && !meets { 0.0 } else { speed }
 }
 
 /// TTC along the path, s.
@@ -76,8 +96,9 @@ fn thw(gap: f64, speed: f64) -> f64 {
     }
 }
 
-/// Contact time of the boxes at constant velocity and heading, s.
-fn ttc_box(p: &Placement, ego: &EgoMotion) -> f64 {
+/// Contact time of the boxes at constant velocity and heading, s. Vehicles roll where they point: the sideways part
+/// of their velocity is the annotation's, and is left out.
+fn ttc_box(p: &Placement, class: ObjectClass, ego: &EgoMotion) -> f64 {
     let own = ego.footprint(p.frame);
     if !p.is_sized() || !p.velocity.is_finite() || !ego.velocity[p.frame].is_finite() {
         return f64::NAN;
@@ -85,13 +106,16 @@ fn ttc_box(p: &Placement, ego: &EgoMotion) -> f64 {
     if !p.same_level || (own.centre - p.footprint.centre).norm() > BOX_REACH_M {
         return f64::INFINITY;
     }
-    own.time_to_contact(ego.velocity[p.frame], &p.footprint, p.velocity)
+    let forward = P2::from_heading(p.footprint.heading);
+    let theirs = if class.is_vehicle() { forward * p.velocity.dot(forward) } else { p.velocity };
+    own.time_to_contact(ego.velocity[p.frame], &p.footprint, theirs)
 }
 
 /// Writes `target.distance`, `gap`, `ttc`, `ttc_box`, `thw`, `drac`.
-pub fn write(drive: &Drive, ego: &EgoMotion, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+pub fn write(drive: &Drive, around: &Surroundings<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
-    let gap_of = |p: &Placement| gap(p, ego.length, ego.width);
+    let ego = around.ego;
+    let gap_of = |p: &Placement| gap(p, ego.length);
     let mut number = |name: &str, value: &dyn Fn(&Placement) -> f64| {
         table.number(name, rows.placed(targets, f64::NAN, value));
     };
@@ -99,8 +123,11 @@ pub fn write(drive: &Drive, ego: &EgoMotion, targets: &[Target<'_>], table: &mut
         if p.is_sized() { ego.footprint(p.frame).distance(&p.footprint) } else { f64::NAN }
     });
     number("target.gap", &gap_of);
-    number("target.ttc", &|p| ttc(gap_of(p), closing(p, ego)));
-    number("target.drac", &|p| drac(gap_of(p), closing(p, ego)));
+    number("target.ttc", &|p| ttc(gap_of(p), closing(p, gap_of(p), around)));
+    number("target.drac", &|p| drac(gap_of(p), closing(p, gap_of(p), around)));
     number("target.thw", &|p| thw(gap_of(p), ego.forward_speed[p.frame]));
-    number("target.ttc_box", &|p| ttc_box(p, ego));
+    let boxes = |k: usize, p: Option<&Placement>| {
+        p.map_or(f64::NAN, |p: &Placement| ttc_box(p, targets[k].track.class, ego))
+    };
+    table.number("target.ttc_box", rows.spread(targets, f64::NAN, |k, _, p| boxes(k, p)));
 }
