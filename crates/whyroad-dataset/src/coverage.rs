@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use whyroad_framework::{L1, L2, L3, Taxonomy};
-use whyroad_model::messages::{Coverage, CoverageState, DriveGap};
+use whyroad_model::messages::{Coverage, CoverageState, DriveGap, LeafCoverage};
 use whyroad_model::{Bilingual, ScenarioId};
 
 /// One leaf with its place in the tree and what is known of it.
@@ -27,6 +27,46 @@ pub struct LeafRow<'a> {
     pub drives_searched: u64,
     /// Drives on which it could not.
     pub gaps: &'a [DriveGap],
+}
+
+/// Episodes that are known to be of an L2 while the variant is not: the recording does not tell it.
+#[derive(Clone, Debug)]
+pub struct UnresolvedRow<'a> {
+    /// Kind of trigger.
+    pub l1: &'a L1,
+    /// Triggering event.
+    pub l2: &'a L2,
+    /// What mining told.
+    pub told: &'a LeafCoverage,
+}
+
+/// The L2s that have a rule of their own, in mining's order.
+pub fn unresolved<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<UnresolvedRow<'a>> {
+    coverage
+        .unresolved
+        .iter()
+        .filter_map(|told| {
+            let (l1, l2) = taxonomy.l2(&told.scenario_id.l1, told.scenario_id.l2.as_deref()?)?;
+            Some(UnresolvedRow { l1, l2, told })
+        })
+        .collect()
+}
+
+/// The name of a class for people: `L2 · L3`, or the L2 with the remark that its variant is not known.
+pub fn class_title(taxonomy: &Taxonomy, id: &ScenarioId) -> Bilingual {
+    if let Some((_, l2, l3)) = taxonomy.leaf(id) {
+        return Bilingual::new(
+            format!("{} · {}", l2.name.zh, l3.name.zh),
+            format!("{} · {}", l2.name.en, l3.name.en),
+        );
+    }
+    match id.l2.as_deref().and_then(|l2| taxonomy.l2(&id.l1, l2)) {
+        Some((_, l2)) => Bilingual::new(
+            format!("{}（变体未定）", l2.name.zh),
+            format!("{} (variant not known)", l2.name.en),
+        ),
+        None => Bilingual::same(id.to_string()),
+    }
 }
 
 /// How many leaves are in each state.
@@ -93,9 +133,10 @@ pub fn rows<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<LeafRow<'
         .collect()
 }
 
-/// Leaves in `coverage` that `taxonomy` does not have.
+/// Classes in `coverage` that `taxonomy` does not have.
 pub fn unknown_leaves<'a>(taxonomy: &Taxonomy, coverage: &'a Coverage) -> Vec<&'a ScenarioId> {
-    coverage.leaves.iter().map(|l| &l.scenario_id).filter(|id| taxonomy.leaf(id).is_none()).collect()
+    let told = coverage.leaves.iter().chain(&coverage.unresolved);
+    told.map(|l| &l.scenario_id).filter(|id| !taxonomy.contains(id)).collect()
 }
 
 /// Leaves by state.

@@ -12,9 +12,10 @@ mod trace;
 pub use decision::LongitudinalMotion;
 
 use crate::moments::frame_at;
-use whyroad_framework::Framework;
+use whyroad_framework::taxonomy::TypicalDecisions;
+use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::messages::{CocLabel, EpisodeRecord, ScenarioLabel, Uncertainty};
-use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
+use whyroad_model::{Bilingual, Drive, Lang, ScenarioId, SignalTable};
 
 /// A skeleton and what is to be said of it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -39,9 +40,15 @@ pub fn draft(
     let mut notes = Vec::new();
     let keyframe =
         frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1));
-    let place = framework.taxonomy.leaf(&episode.scenario_id);
-    let spec = framework.specs.get(&episode.scenario_id);
-    let typical = place.map(|(_, _, l3)| l3.typical_decisions.clone()).unwrap_or_default();
+    let class = &episode.scenario_id;
+    let spec = framework.specs.get(class);
+    let typical = typical_decisions(&framework.taxonomy, class);
+    if !class.is_leaf() {
+        notes.push(Bilingual::new(
+            "记录不足以判定变体（L3），请标注员确定",
+            "the recording does not tell the variant (L3): choose it",
+        ));
+    }
 
     let decision = decision::infer(signals, keyframe, &typical, spec.and_then(|s| s.lateral), &mut notes);
     let components = components::observed(drive, signals, episode, keyframe, lang);
@@ -83,6 +90,15 @@ pub fn draft(
         records,
     };
     Draft { episode_id: episode.episode_id.clone(), label, notes }
+}
+
+/// Those of the leaf, or of the L2 where the variant is not known.
+fn typical_decisions(taxonomy: &Taxonomy, class: &ScenarioId) -> TypicalDecisions {
+    if let Some((_, _, l3)) = taxonomy.leaf(class) {
+        return l3.typical_decisions.clone();
+    }
+    let l2 = class.l2.as_deref().and_then(|l2| taxonomy.l2(&class.l1, l2));
+    l2.map(|(_, l2)| l2.typical_decisions.clone()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 
 pub mod coverage;
 pub mod draft;
+pub mod mined;
 mod moments;
 pub mod names;
 pub mod report;

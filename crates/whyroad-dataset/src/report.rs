@@ -14,7 +14,7 @@ mod view;
 
 use crate::coverage;
 use std::collections::BTreeMap;
-use whyroad_framework::{DecisionSets, Taxonomy};
+use whyroad_framework::Taxonomy;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
 
@@ -34,8 +34,6 @@ pub struct SignalInfo {
 pub struct ReportContext<'a> {
     /// The classes.
     pub taxonomy: &'a Taxonomy,
-    /// Decisions in words, for drafts shown on the cards.
-    pub decisions: &'a DecisionSets,
     /// What mining looked for and what came of it.
     pub coverage: &'a Coverage,
     /// Signals by name.

@@ -104,6 +104,10 @@ fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
         (own.lateral, own.lateral_direction),
         (Some(Lateral::LaneChange), Some(LateralDirection::Right))
     );
+    let open = draft_of("proactive.lane_change", change);
+    assert_eq!(open.label.driving_decision.lateral, Some(Lateral::LaneChange));
+    assert_eq!(open.label.scenario.l3, None);
+    assert!(open.notes.iter().any(|n| n.en.contains("variant (L3)")));
     let cutin = draft_of("reactive_agent.cutin.urgent", change).label.driving_decision;
     assert_eq!((cutin.lateral, cutin.lateral_direction), (None, None));
 }
@@ -117,7 +121,9 @@ fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     assert_eq!(bend.label.records["curvature"], serde_json::json!(0.04));
     let overtake = draft_of("proactive.lane_change.overtake", |_| ());
     assert_eq!(overtake.label.records["overtaken_vehicle"], serde_json::Value::Null);
-    assert!(overtake.notes.iter().any(|n| n.en.contains("vehicle that is overtaken")));
+    let spec = &Framework::bundled().specs[&"proactive.lane_change.overtake".parse().unwrap()];
+    let name = &spec.records.iter().find(|r| r.id == "overtaken_vehicle").unwrap().name.en;
+    assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
     // LABELING.md 3: mandatory for blind spots.
     let blind = draft_of("reactive_road.blind_spot_slowdown.gap", |_| ());
     assert!(blind.notes.iter().any(|n| n.en.contains("uncertainty = high")));

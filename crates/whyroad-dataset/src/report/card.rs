@@ -3,10 +3,11 @@
 use super::markup::Markup;
 use super::plot::{self, Span};
 use super::{ReportContext, birds_eye};
+use crate::coverage::class_title;
 use crate::moments::frame_at;
 use crate::names::{class_name, keyframe_kind};
 use whyroad_model::messages::{EpisodeRecord, KeyframeType};
-use whyroad_model::{Bilingual, Drive, FrameRange, Nanos, ScenarioId, SignalTable};
+use whyroad_model::{Drive, FrameRange, Nanos, ScenarioId, SignalTable};
 
 /// Frames of context in the plots on either side of an episode: 3 s.
 const CONTEXT_FRAMES: usize = 30;
@@ -65,13 +66,7 @@ pub(super) fn render(
 }
 
 fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord, id: &str) {
-    let name = match context.taxonomy.leaf(&episode.scenario_id) {
-        Some((_, l2, l3)) => Bilingual::new(
-            format!("{} · {}", l2.name.zh, l3.name.zh),
-            format!("{} · {}", l2.name.en, l3.name.en),
-        ),
-        None => Bilingual::same(id),
-    };
+    let name = class_title(context.taxonomy, &episode.scenario_id);
     m.raw("<h3>").both(&name).raw("</h3><p class=\"sub\"><code>").text(id).raw("</code> ");
     if episode.is_primary {
         m.raw("<span class=\"badge primary\">").say("主场景", "primary").raw("</span>");

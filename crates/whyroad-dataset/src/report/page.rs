@@ -4,7 +4,7 @@
 use super::card::Card;
 use super::markup::Markup;
 use super::{ReportContext, summary, tree_map};
-use crate::coverage::{self, LeafRow};
+use crate::coverage::{self, LeafRow, class_title};
 use std::collections::BTreeMap;
 use whyroad_model::{Drive, DriveId, Lang, ScenarioId};
 
@@ -51,6 +51,7 @@ pub(super) fn render(
     cards: &[Card],
     episodes: usize,
 ) -> String {
+    let unresolved = coverage::unresolved(context.taxonomy, context.coverage);
     let mut m = Markup::new();
     m.raw("<!doctype html>\n<html lang=\"").raw(if context.lang == Lang::Zh { "zh" } else { "en" });
     m.raw(concat!(
@@ -61,7 +62,10 @@ pub(super) fn render(
     m.raw(STYLE).raw("</style></head><body>");
     header(&mut m, context, rows, drives, episodes);
     m.raw("<main><section id=\"coverage\"><h2>").say("场景覆盖", "Coverage").raw("</h2>");
-    m.piece(&summary::legend(rows)).raw("<div class=\"map\">").piece(&tree_map::render(rows)).raw("</div>");
+    m.piece(&summary::legend(rows))
+        .raw("<div class=\"map\">")
+        .piece(&tree_map::render(rows, &unresolved))
+        .raw("</div>");
     m.raw("<p id=\"detail\" class=\"faint\" aria-live=\"polite\">");
     m.say(
         "把鼠标移到格子上查看详情，点击跳到表格并筛选片段。",
@@ -71,11 +75,11 @@ pub(super) fn render(
     unknown(&mut m, context);
     m.raw("</section>");
     drives_table(&mut m, drives);
-    episodes_section(&mut m, rows, drives, cards, episodes);
+    episodes_section(&mut m, context, drives, cards, episodes);
     m.raw("<section id=\"leaves\"><details open><summary><h2>")
         .say("全部场景", "All scenarios")
         .raw("</h2></summary>");
-    m.piece(&summary::table(rows)).raw("</details></section>");
+    m.piece(&summary::table(rows, &unresolved)).raw("</details></section>");
     m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
     m.into_string()
 }
@@ -155,7 +159,7 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
 
 fn episodes_section(
     m: &mut Markup,
-    rows: &[LeafRow<'_>],
+    context: &ReportContext<'_>,
     drives: &[DriveLine],
     cards: &[Card],
     episodes: usize,
@@ -172,16 +176,11 @@ fn episodes_section(
     m.raw("<form class=\"filter\"><label>")
         .say("场景", "scenario")
         .raw(" <select name=\"leaf\"><option value=\"\">—</option>");
-    for row in rows.iter().filter(|r| per_leaf.contains_key(&r.id)) {
-        let id = row.id.to_string();
-        m.raw("<option value=\"")
-            .text(&id)
-            .raw("\" data-zh=\"")
-            .text(&row.l2.name.zh)
-            .raw(" · ")
-            .text(&row.l3.name.zh);
-        m.raw("\" data-en=\"").text(&row.l2.name.en).raw(" · ").text(&row.l3.name.en).raw("\" data-n=\"");
-        m.int(per_leaf[&row.id]).raw("\">").text(&id).raw("</option>");
+    let order = context.taxonomy.ids();
+    for id in order.iter().filter(|id| per_leaf.contains_key(id)) {
+        let (text, title) = (id.to_string(), class_title(context.taxonomy, id));
+        m.raw("<option value=\"").text(&text).raw("\" data-zh=\"").text(&title.zh).raw("\" data-en=\"");
+        m.text(&title.en).raw("\" data-n=\"").int(per_leaf[id]).raw("\">").text(&text).raw("</option>");
     }
     m.raw("</select></label><label>")
         .say("行程", "drive")

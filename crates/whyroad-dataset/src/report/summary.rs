@@ -1,7 +1,7 @@
 //! The table of all leaves, one line each: state, counts, what is missing. The tree map's cells link here.
 
 use super::markup::Markup;
-use crate::coverage::{LeafRow, counts, state_name};
+use crate::coverage::{LeafRow, UnresolvedRow, counts, state_name};
 use whyroad_model::messages::CoverageState;
 
 /// Counts by state, with the fill and the mark that the tree map uses: its legend.
@@ -31,7 +31,7 @@ fn mark(state: CoverageState) -> &'static str {
 }
 
 /// The table.
-pub(super) fn table(rows: &[LeafRow<'_>]) -> Markup {
+pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> Markup {
     let mut m = Markup::new();
     m.raw("<table class=\"leaves\"><thead><tr><th>").say("场景", "scenario").raw("</th><th>ID</th><th>");
     m.say("状态", "state")
@@ -48,8 +48,13 @@ pub(super) fn table(rows: &[LeafRow<'_>]) -> Markup {
         m.raw("<tbody><tr class=\"l1\"><th colspan=\"2\">").both(&group[0].l1.name).raw(" <code>");
         m.text(&group[0].l1.id).raw("</code></th><th colspan=\"5\">");
         m.say("已找到 ", "found ").int(c.found).raw(" / ").int(group.len()).raw("</th></tr>");
-        for row in group {
-            leaf(&mut m, row);
+        for l2 in group.chunk_by(|a, b| a.l2.id == b.l2.id) {
+            for row in l2 {
+                leaf(&mut m, row);
+            }
+            for row in unresolved.iter().filter(|u| u.l2.id == l2[0].l2.id && u.told.episodes > 0) {
+                without_variant(&mut m, row);
+            }
         }
         m.raw("</tbody>");
     }
@@ -85,6 +90,20 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
             .raw("</span>");
     }
     m.raw("</td></tr>");
+}
+
+/// What was found of an L2 without its variant; not a leaf, and in no count of leaves.
+fn without_variant(m: &mut Markup, row: &UnresolvedRow<'_>) {
+    m.raw("<tr class=\"unresolved\"><td>").both(&row.l2.name).raw(" <div class=\"faint definition\">");
+    m.say("属于该 L2，但记录不足以判定变体", "of this L2; the recording does not tell the variant")
+        .raw("</div></td><td><code>");
+    m.text(&row.told.scenario_id.to_string())
+        .raw("</code></td><td class=\"state faint\">")
+        .say("变体未定", "variant not known");
+    for count in [row.told.episodes, row.told.primary_episodes, row.told.drives_searched] {
+        m.raw("</td><td class=\"n\">").int(count);
+    }
+    m.raw("</td><td></td></tr>");
 }
 
 fn mark_small(state: CoverageState) -> &'static str {

@@ -187,6 +187,7 @@ pub(crate) fn coverage() -> Coverage {
             leaf("reactive_agent.cutin.slow", CoverageState::NotFound, 0),
             red,
         ],
+        unresolved: vec![leaf("proactive.lane_change", CoverageState::Found, 2)],
     }
 }
 
@@ -204,11 +205,10 @@ pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
 }
 
 fn page(name: &str, max_cards: usize) -> String {
-    let (taxonomy, decisions, coverage, infos) = (taxonomy(), DecisionSets::default(), coverage(), infos());
+    let (taxonomy, coverage, infos) = (taxonomy(), coverage(), infos());
     let drive = drive(name);
     let mut report = ReportBuilder::new(ReportContext {
         taxonomy: &taxonomy,
-        decisions: &decisions,
         coverage: &coverage,
         signals: &infos,
         lang: Lang::En,
@@ -239,6 +239,14 @@ fn the_four_states_have_their_own_fill_and_mark() {
         assert!(page.contains(&format!(".st-{state} {{ fill: ")), "{state} has a fill");
     }
     assert!(page.contains("<code>light.state</code>"), "what is missing is named");
+}
+
+#[test]
+fn what_has_no_variant_is_shown_with_its_l2_and_counted_as_no_leaf() {
+    let page = page("d", 10);
+    assert!(page.contains("<tspan class=\"more\"> +2</tspan>"));
+    assert_eq!(page.matches("<tr class=\"unresolved\">").count(), 1);
+    assert!(page.contains("<dd>1<small> / 122</small></dd>"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! by pattern and by the mark in the cell, so that the map can be read without colour.
 
 use super::markup::Markup;
-use crate::coverage::{LeafRow, state_name};
+use crate::coverage::{LeafRow, UnresolvedRow, state_name};
 use whyroad_model::Bilingual;
 use whyroad_model::messages::CoverageState;
 
@@ -87,7 +87,7 @@ fn worst_ratio(weights: &[f64], unit: f64, side: f64) -> f64 {
 }
 
 /// The map as SVG.
-pub(super) fn render(rows: &[LeafRow<'_>]) -> Markup {
+pub(super) fn render(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> Markup {
     let mut m = Markup::new();
     m.raw("<svg class=\"treemap\" viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0);
     m.raw("\" role=\"img\" aria-label=\"coverage\"><defs>");
@@ -115,7 +115,8 @@ pub(super) fn render(rows: &[LeafRow<'_>]) -> Markup {
         let l2s = groups(group, |r| r.l2.id.clone());
         let weights: Vec<f64> = l2s.iter().map(|g| g.len() as f64).collect();
         for (l2, area) in l2s.iter().zip(squarify(&weights, inner)) {
-            l2_block(&mut m, l2, area.inset(1.0, 1.0));
+            let more = unresolved.iter().find(|u| u.l2.id == l2[0].l2.id).map_or(0, |u| u.told.episodes);
+            l2_block(&mut m, l2, more, area.inset(1.0, 1.0));
         }
         m.raw("</g>");
     }
@@ -123,7 +124,8 @@ pub(super) fn render(rows: &[LeafRow<'_>]) -> Markup {
     m
 }
 
-fn l2_block(m: &mut Markup, rows: &[LeafRow<'_>], area: Rect) {
+/// `more`: episodes of the L2 whose variant is not known.
+fn l2_block(m: &mut Markup, rows: &[LeafRow<'_>], more: u64, area: Rect) {
     rect(m, area, "tm-l2");
     let name = &rows[0].l2.name;
     m.raw("<text class=\"tm-l2-name\" x=\"")
@@ -131,7 +133,12 @@ fn l2_block(m: &mut Markup, rows: &[LeafRow<'_>], area: Rect) {
         .raw("\" y=\"")
         .num(area.y + 11.5, 1)
         .raw("\">");
-    fitted(m, name, area.w - 6.0, 11.0);
+    let room = if more > 0 { 26.0 } else { 6.0 };
+    fitted(m, name, area.w - room, 11.0);
+    if more > 0 {
+        m.raw("<tspan class=\"more\"> +").int(more).raw("</tspan><title>+").int(more);
+        m.raw(" 变体未定 / variant not known</title>");
+    }
     m.raw("</text>");
     let weights = vec![1.0; rows.len()];
     for (row, cell) in rows.iter().zip(squarify(&weights, area.inset(L2_HEADER, 2.0))) {

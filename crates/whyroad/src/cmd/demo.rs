@@ -1,13 +1,134 @@
-//! `whyroad demo`.
+//! `whyroad demo`: every step from recorded drives to checked label drafts and the report, on drives that are
+//! built into this program or on the user's own AV2 logs.
 
-use crate::{Global, output};
+mod drafts;
+mod drives;
+mod summary;
+
+use crate::cmd::report::{Found, MAX_CARDS, write_page};
+use crate::{Global, framework_folder, output};
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use whyroad_framework::Framework;
+use whyroad_ingest::{Format, Options};
+use whyroad_lake::Lake;
+use whyroad_mining::RuleSet;
+use whyroad_mining::engine::{MinedLake, mine_lake};
+use whyroad_mining::output::folder::{Question, Summary};
+use whyroad_mining::output::write_folder;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
+use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad demo`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Folder for everything that is made
+    #[arg(long, value_name = "DIR", default_value = "whyroad-demo")]
+    out: PathBuf,
+    /// Use this AV2 sensor log, or the logs below this folder, instead of the built-in simulated drives
+    #[arg(long, value_name = "PATH")]
+    av2: Option<PathBuf>,
+}
 
-pub(crate) fn run(_global: &Global, _args: Args) -> anyhow::Result<ExitCode> {
-    let _ = (output::FINE, output::lost_input());
-    anyhow::bail!("not built yet")
+/// Tells each step on stderr, and remembers whether anything was lost.
+struct Steps {
+    lang: Lang,
+    lost: bool,
+}
+
+impl Steps {
+    fn say(&self, zh: String, en: String) {
+        eprintln!("{}", if self.lang == Lang::Zh { zh } else { en });
+    }
+
+    fn findings(&mut self, found: &[Diagnostic]) {
+        for d in found {
+            self.lost |= d.severity == Severity::Error;
+            eprint!("{}", render_text(d, self.lang));
+        }
+    }
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let mut steps = Steps { lang: global.lang, lost: false };
+    std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make {}", args.out.display()))?;
+
+    let Some(lake) = ingest(&mut steps, &args)? else { return Ok(output::FINDINGS) };
+    let (mined, result) = mine(&mut steps, &framework, &lake, &args.out)?;
+    let episodes: Vec<EpisodeRecord> =
+        mined.drives.iter().flat_map(|d| d.episodes.iter().map(|e| e.record.clone())).collect();
+    let drafts = drafts::write(&framework, &lake, &mined, &episodes, &args.out, global.lang)?;
+    steps.findings(&drafts.lost);
+    steps.say(drafts.told(Lang::Zh), drafts.told(Lang::En));
+
+    let page = args.out.join("report.html");
+    let found = Found { framework: &framework, lake: &lake, coverage: &result.coverage, episodes: &episodes };
+    let lost = write_page(&found, &page, MAX_CARDS, global.lang)?;
+    steps.findings(&lost);
+    let table = summary::table(&framework.taxonomy, &result.coverage, &episodes, &lake, global.lang);
+    output::put(&format!("\n{table}\n{}\n", summary::where_to_look(&page, &args.out, global.lang)));
+    Ok(if steps.lost { output::lost_input() } else { output::FINE })
+}
+
+/// The lake, with every drive that could be read in it; `None` when there is no drive at all.
+fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
+    // Two lakes, so that a page never mixes what was shipped with what the user brought.
+    let (format, path, folder) = match &args.av2 {
+        Some(path) => (Format::Av2, path.clone(), "lake-av2"),
+        None => (Format::Sumo, drives::unpack(&args.out.join("drives"))?, "lake"),
+    };
+    let (sources, problems) = whyroad_ingest::find_sources(Some(format), &[path]);
+    steps.findings(&problems);
+    let options = match format {
+        Format::Sumo => Options { licence: Some(drives::LICENCE.to_owned()), ..Options::default() },
+        _ => Options::default(),
+    };
+    let lake = Lake::create_or_open(args.out.join(folder))?;
+    let mut kept = 0;
+    for source in &sources {
+        let report = whyroad_ingest::ingest(source, &options, &lake);
+        steps.findings(&report.diagnostics);
+        let Some(id) = report.drive_id.as_ref().filter(|_| report.outcome.is_some()) else {
+            steps.lost = true;
+            continue;
+        };
+        kept += 1;
+        let (seconds, tracks) = (report.duration_s, report.tracks);
+        steps.say(
+            format!("导入  {id}：{seconds:.1} s，{tracks} 个目标"),
+            format!("ingest  {id}: {seconds:.1} s, {tracks} objects"),
+        );
+    }
+    Ok((kept > 0).then_some(lake))
+}
+
+fn mine(
+    steps: &mut Steps,
+    framework: &Framework,
+    lake: &Lake,
+    out: &Path,
+) -> anyhow::Result<(MinedLake, Summary)> {
+    let (catalogue, mut found) = Catalogue::parse(&framework.signals_yaml);
+    let (rules, of_rules) = RuleSet::of_framework(framework, &catalogue);
+    found.extend(of_rules);
+    steps.findings(&found);
+    let mut mined = mine_lake(lake, &rules, steps.lang, |_| ());
+    steps.findings(&std::mem::take(&mut mined.diagnostics));
+    let classes: Vec<ScenarioId> = rules.rules.iter().map(|r| r.scenario.clone()).collect();
+    let questions: Vec<Question> = classes
+        .iter()
+        .map(|id| Question { query_id: format!("rules_{id}"), scenario: id.clone(), limit: None })
+        .collect();
+    let summary = write_folder(&out.join("mined"), &mined, &questions, &framework.taxonomy, &classes)?;
+    let episodes: usize = mined.drives.iter().map(|d| d.episodes.len()).sum();
+    let rules = classes.len();
+    steps.say(
+        format!("挖掘  {rules} 条规则，{episodes} 个片段"),
+        format!("mine    {rules} rules, {episodes} episodes"),
+    );
+    Ok((mined, summary))
 }

@@ -1,0 +1,95 @@
+//! A label skeleton for each primary episode, written and held against the label checker, so that the demo can
+//! say honestly what is left for people to do.
+
+use anyhow::Context as _;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use whyroad_dataset::draft::{Draft, draft};
+use whyroad_framework::Framework;
+use whyroad_framework::validate::{Checker, ClipIndex};
+use whyroad_lake::Lake;
+use whyroad_mining::engine::MinedLake;
+use whyroad_model::messages::{ClipMetadataMessage, EpisodeRecord};
+use whyroad_model::{Diagnostic, Lang, Severity};
+
+/// What was drafted, and what the checker says of it.
+pub(super) struct Drafts {
+    path: PathBuf,
+    count: usize,
+    /// Drafts without an error.
+    sound: usize,
+    /// Errors by code.
+    owed: BTreeMap<&'static str, usize>,
+    /// Drives that could not be read again.
+    pub lost: Vec<Diagnostic>,
+}
+
+/// Writes `draft_labels.jsonl` (labels in the exchange format) and `draft_notes.jsonl` (what was inferred, what
+/// is owed; a line each, in the same order).
+pub(super) fn write(
+    framework: &Framework,
+    lake: &Lake,
+    mined: &MinedLake,
+    episodes: &[EpisodeRecord],
+    out: &Path,
+    lang: Lang,
+) -> anyhow::Result<Drafts> {
+    let (mut all, mut lost): (Vec<Draft>, Vec<Diagnostic>) = (Vec::new(), Vec::new());
+    for found in &mined.drives {
+        let drive = match lake.read_drive(&found.drive_id) {
+            Ok(drive) => drive,
+            Err(e) => {
+                lost.push(e.diagnostic());
+                continue;
+            }
+        };
+        let signals = whyroad_signals::derive(&drive);
+        let own = episodes.iter().filter(|e| e.drive_id == found.drive_id && e.is_primary);
+        all.extend(own.map(|e| draft(framework, &drive, &signals, e, lang)));
+    }
+
+    let mut clips = ClipIndex::default();
+    for clip in mined.drives.iter().flat_map(|d| &d.clips) {
+        clips.add(&serde_json::to_vec(&ClipMetadataMessage { clip_metadata: clip.clone() })?);
+    }
+    let checker = Checker::new(framework).with_clips(clips);
+    let (mut labels, mut notes) = (String::new(), String::new());
+    let (mut sound, mut owed) = (0, BTreeMap::new());
+    for draft in &all {
+        let text = serde_json::to_string(&draft.label)?;
+        let found = checker.check_text(&text);
+        let errors: Vec<_> = found.iter().filter(|d| d.severity == Severity::Error).collect();
+        sound += usize::from(errors.is_empty());
+        for d in errors {
+            *owed.entry(d.code).or_default() += 1;
+        }
+        let _ = writeln!(labels, "{text}");
+        let _ = writeln!(notes, "{}", serde_json::to_string(draft)?);
+    }
+    let path = out.join("draft_labels.jsonl");
+    for (path, text) in [(&path, labels), (&out.join("draft_notes.jsonl"), notes)] {
+        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(Drafts { path, count: all.len(), sound, owed, lost })
+}
+
+impl Drafts {
+    /// What was drafted and what the checker finds, in one paragraph.
+    pub(super) fn told(&self, lang: Lang) -> String {
+        let (count, sound, path) = (self.count, self.sound, self.path.display());
+        let rest = count - sound;
+        let mut text = match lang {
+            Lang::Zh => format!(
+                "草稿  {count} 个标注草稿写入 {path}；校验：{sound} 个格式完整，{rest} 个还有欠缺；全部须由标注员确认"
+            ),
+            Lang::En => format!(
+                "draft   {count} label skeletons in {path}; checker: {sound} complete in form, {rest} with something owed; all need a person"
+            ),
+        };
+        for (code, n) in &self.owed {
+            let _ = write!(text, "\n          {n:>3} × {code}");
+        }
+        text
+    }
+}

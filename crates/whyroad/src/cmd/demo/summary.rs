@@ -1,0 +1,122 @@
+//! The table that the demo ends with.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use whyroad_dataset::coverage::{class_title, counts, rows};
+use whyroad_framework::Taxonomy;
+use whyroad_lake::Lake;
+use whyroad_model::messages::{Coverage, EpisodeRecord};
+use whyroad_model::{DriveId, Lang, Nanos};
+
+/// Each class that was found, in both languages, with how often and where to look first.
+pub(super) fn table(
+    taxonomy: &Taxonomy,
+    coverage: &Coverage,
+    episodes: &[EpisodeRecord],
+    lake: &Lake,
+    lang: Lang,
+) -> String {
+    let head = match lang {
+        Lang::Zh => ["类别", "", "片段", "主要", "示例片段", "关键帧"],
+        Lang::En => ["class", "", "episodes", "primary", "example clip", "keyframe"],
+    };
+    let mut lines: Vec<[String; 6]> = vec![head.map(str::to_owned)];
+    let starts = starts(episodes, lake);
+    for id in taxonomy.ids() {
+        let of_class = || episodes.iter().filter(|e| e.scenario_id == id);
+        // The one to look at: primary, then the best score.
+        let Some(example) =
+            of_class().reduce(|a, b| if (b.is_primary, b.score) > (a.is_primary, a.score) { b } else { a })
+        else {
+            continue;
+        };
+        let title = class_title(taxonomy, &id);
+        let start = starts.get(&example.drive_id).copied().unwrap_or(example.keyframe.timestamp);
+        lines.push([
+            title.zh,
+            title.en,
+            of_class().count().to_string(),
+            of_class().filter(|e| e.is_primary).count().to_string(),
+            example.clip_id.to_string(),
+            format!("{:.1} s", example.keyframe.timestamp.seconds_since(start)),
+        ]);
+    }
+    let mut out = aligned(&lines);
+    let c = counts(&rows(taxonomy, coverage));
+    let _ = match lang {
+        Lang::Zh => writeln!(
+            out,
+            "\n{} 类场景：已找到 {}，已搜索未找到 {}，不可观测 {}，尚无规则 {}",
+            c.total(),
+            c.found,
+            c.not_found,
+            c.not_observable,
+            c.no_rule
+        ),
+        Lang::En => writeln!(
+            out,
+            "\n{} leaves: {} found, {} searched and not found, {} not observable, {} without a rule yet",
+            c.total(),
+            c.found,
+            c.not_found,
+            c.not_observable,
+            c.no_rule
+        ),
+    };
+    out
+}
+
+/// The start of each drive, from its first clip.
+fn starts(episodes: &[EpisodeRecord], lake: &Lake) -> BTreeMap<DriveId, Nanos> {
+    let mut out = BTreeMap::new();
+    for e in episodes {
+        if !out.contains_key(&e.drive_id) {
+            let clips = lake.clip_summaries(&e.drive_id).unwrap_or_default();
+            if let Some((_, start, _)) = clips.into_iter().min_by_key(|(_, start, _)| *start) {
+                out.insert(e.drive_id.clone(), start);
+            }
+        }
+    }
+    out
+}
+
+/// Where everything is.
+pub(super) fn where_to_look(page: &Path, out: &Path, lang: Lang) -> String {
+    let (page, out) = (page.display(), out.display());
+    match lang {
+        Lang::Zh => format!("报告：{page}（用浏览器打开）；其余结果在 {out}"),
+        Lang::En => format!("report: {page} (open it in a browser); everything else is in {out}"),
+    }
+}
+
+/// Columns padded to the widest cell; numbers to the right.
+fn aligned(lines: &[[String; 6]]) -> String {
+    let widths: Vec<usize> =
+        (0..6).map(|c| lines.iter().map(|l| cells(&l[c])).max().unwrap_or_default()).collect();
+    let mut out = String::new();
+    for line in lines {
+        let mut text = String::new();
+        for (column, cell) in line.iter().enumerate() {
+            let pad = " ".repeat(widths[column] - cells(cell));
+            let right = matches!(column, 2 | 3 | 5);
+            let _ = if right { write!(text, "{pad}{cell}  ") } else { write!(text, "{cell}{pad}  ") };
+        }
+        out.push_str(text.trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+/// Terminal cells of a text: Chinese characters and full-width marks take two.
+fn cells(text: &str) -> usize {
+    text.chars()
+        .map(|c| {
+            if matches!(c, '\u{2E80}'..='\u{A4CF}' | '\u{F900}'..='\u{FAFF}' | '\u{FF00}'..='\u{FF60}') {
+                2
+            } else {
+                1
+            }
+        })
+        .sum()
+}
