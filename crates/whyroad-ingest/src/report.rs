@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use whyroad_lake::WriteOutcome;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Severity};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Severity};
 
 /// Why rows are not in the lake, or as what they are.
 pub type Counts = BTreeMap<&'static str, usize>;
@@ -118,4 +118,23 @@ pub fn reason_text(key: &str) -> Bilingual {
         other => (other, other),
     };
     Bilingual::new(zh, en)
+}
+
+/// What a log has not (`DriveMeta::missing`), as one line.
+pub fn missing_text(missing: &[String], lang: Lang) -> String {
+    let one = |what: &String| match (lang, what.as_str()) {
+        (Lang::Zh, "ego pose") => "自车位姿".to_owned(),
+        (Lang::Zh, "map") => "地图".to_owned(),
+        (Lang::Zh, "traffic lights") => "交通信号灯".to_owned(),
+        (Lang::Zh, "vehicle bus") => "车辆总线".to_owned(),
+        (Lang::Zh, "weather and surface") => "天气与路面".to_owned(),
+        (Lang::Zh, "camera pictures") => "相机画面".to_owned(),
+        (Lang::Zh, "lidar points in boxes") => "框内激光点数".to_owned(),
+        _ => what.clone(),
+    };
+    let parts: Vec<String> = missing.iter().map(one).collect();
+    parts.join(match lang {
+        Lang::Zh => "、",
+        Lang::En => ", ",
+    })
 }

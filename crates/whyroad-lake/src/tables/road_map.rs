@@ -7,7 +7,7 @@ use crate::tables::states::text_at;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 
-pub(crate) const ROW_ORDER: &str = "feature,id";
+pub(crate) const ROW_ORDER: &str = "lane,crosswalk,junction,drivable_area,stop_line,sign,facility; id";
 
 /// One row, of whatever feature.
 #[derive(Default)]

@@ -150,7 +150,11 @@ fn text_report(reports: &[SourceReport], lang: Lang) -> String {
         }
         if !r.missing.is_empty() {
             let label = Bilingual::new("日志中没有", "not in the log");
-            out += &format!("  {}: {}\n", label.get(lang), r.missing.join(", "));
+            out += &format!(
+                "  {}: {}\n",
+                label.get(lang),
+                whyroad_ingest::report::missing_text(&r.missing, lang)
+            );
         }
     }
     let kept = reports.iter().filter(|r| r.outcome.is_some()).count();

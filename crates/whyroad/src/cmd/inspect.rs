@@ -1,13 +1,203 @@
-//! `whyroad inspect`.
+//! `whyroad inspect`: what a lake holds, drive by drive, or for one clip.
+
+mod summary;
 
 use crate::{Global, output};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::process::ExitCode;
+use summary::{DriveSummary, SignalShare};
+use whyroad_ingest::report::missing_text;
+use whyroad_lake::Lake;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang};
 
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// Lake to look into
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Only this clip, with the known share of every signal
+    #[arg(long, value_name = "ID")]
+    clip: Option<String>,
+    /// How to print it
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: Format,
+}
 
-pub(crate) fn run(_global: &Global, _args: Args) -> anyhow::Result<ExitCode> {
-    let _ = (output::FINE, output::lost_input());
-    anyhow::bail!("not built yet")
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    Text,
+    Json,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let lake = match Lake::open(&args.lake) {
+        Ok(lake) => lake,
+        Err(e) => {
+            eprint!("{}", render_text(&e.diagnostic(), global.lang));
+            return Ok(output::FINDINGS);
+        }
+    };
+    let drives = match &args.clip {
+        None => lake.drive_ids(),
+        Some(clip) => match drive_of(&lake, clip) {
+            Some(id) => vec![id],
+            None => anyhow::bail!(
+                "there is no clip '{clip}' in the lake; `whyroad inspect --lake DIR` lists the clips"
+            ),
+        },
+    };
+    let mut summaries = Vec::new();
+    let mut broken = false;
+    for id in &drives {
+        match lake.read_drive(id) {
+            Ok(drive) => summaries.push(DriveSummary::new(&drive, args.clip.as_deref())),
+            Err(e) => {
+                eprint!("{}", render_text(&e.diagnostic(), global.lang));
+                broken = true;
+            }
+        }
+    }
+    match args.format {
+        Format::Json => output::put(&format!("{:#}\n", serde_json::to_value(&summaries)?)),
+        Format::Text => {
+            let mut text = String::new();
+            if args.clip.is_none() {
+                text += &match global.lang {
+                    Lang::Zh => format!("{} 个行程\n", drives.len()),
+                    Lang::En => format!("{} drives\n", drives.len()),
+                };
+            }
+            for s in &summaries {
+                text.push('\n');
+                text += &drive_text(s, args.clip.is_some(), global.lang);
+            }
+            output::put(&text);
+        }
+    }
+    Ok(match (broken, summaries.is_empty()) {
+        (false, _) => output::FINE,
+        (true, true) => output::FINDINGS,
+        (true, false) => output::lost_input(),
+    })
+}
+
+fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
+    let (drive, index) = clip.rsplit_once('_')?;
+    let drive = DriveId::from(drive);
+    let clips = lake.clip_summaries(&drive).ok()?;
+    let index = index.parse::<usize>().ok().filter(|&i| i < clips.len())?;
+    (ClipId::of(&drive, index).as_str() == clip).then_some(drive)
+}
+
+/// Labels of the listing.
+fn label(key: &str, lang: Lang) -> String {
+    let (zh, en) = match key {
+        "ego" => ("自车", "ego"),
+        "no_ego" => ("没有自车位姿：位置相对于自车", "no ego pose: positions are relative to the ego"),
+        "objects" => ("对象", "objects"),
+        "rows" => ("行", "rows"),
+        "frames" => ("帧", "frames"),
+        "map" => ("地图", "map"),
+        "tables" => ("数据表", "tables"),
+        "missing" => ("日志中没有", "not in the log"),
+        "signals" => ("信号", "signals"),
+        "needs" => ("缺少", "needs"),
+        "unobservable" => ("不可观测", "not observable"),
+        "lanes" => ("车道", "lanes"),
+        "lanes in junctions" => ("路口内车道", "lanes in junctions"),
+        "crosswalks" => ("人行横道", "crosswalks"),
+        "junctions" => ("路口", "junctions"),
+        "drivable areas" => ("可行驶区域", "drivable areas"),
+        "stop lines" => ("停止线", "stop lines"),
+        "signs" => ("标志", "signs"),
+        "facilities" => ("设施", "facilities"),
+        _ => (key, key),
+    };
+    Bilingual::new(zh, en).get(lang).to_owned()
+}
+
+fn counts_text(counts: &BTreeMap<String, usize>, lang: Lang) -> String {
+    let parts: Vec<String> = counts.iter().map(|(k, n)| format!("{} {n}", label(k, lang))).collect();
+    parts.join(", ")
+}
+
+fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
+    let l = |key| label(key, lang);
+    let facts: Vec<&str> =
+        [Some(s.format.as_str()), s.place.as_deref(), s.licence.as_deref()].into_iter().flatten().collect();
+    let mut out = format!("{} ({})\n", s.drive_id, facts.join(", "));
+    for c in &s.clips {
+        out += &format!(
+            "  {}  {}  {:.1} s  {} {}\n",
+            c.clip_id,
+            c.capture_time,
+            c.duration_sec,
+            c.total_frames,
+            l("frames")
+        );
+    }
+    out += &match &s.ego {
+        Some(e) => format!(
+            "  {}: {:.2} x {:.2} m, {:.1} - {:.1} m/s\n",
+            l("ego"),
+            e.length_m,
+            e.width_m,
+            e.min_speed_mps,
+            e.max_speed_mps
+        ),
+        None => format!("  {}\n", l("no_ego")),
+    };
+    let (objects, rows) = s.objects.values().fold((0, 0), |(o, r), c| (o + c.objects, r + c.rows));
+    out += &format!("  {}: {objects}, {rows} {}\n", l("objects"), l("rows"));
+    for (class, c) in &s.objects {
+        out += &format!("    {class:<18} {:>5} {:>8} {}\n", c.objects, c.rows, l("rows"));
+    }
+    if let Some(map) = &s.map {
+        out += &format!("  {}: {}\n", l("map"), counts_text(map, lang));
+    }
+    out += &format!("  {}: {}\n", l("tables"), s.tables.join(", "));
+    if !s.missing.is_empty() {
+        out += &format!("  {}: {}\n", l("missing"), missing_text(&s.missing, lang));
+    }
+    out + &signals_text(s, in_detail, lang)
+}
+
+fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
+    let total = s.signals.len() + s.unavailable.len();
+    let known = s.signals.values().filter(|v| v.known > 0).count();
+    let mut out = match lang {
+        Lang::Zh => format!(
+            "  {}：{total} 个中 {known} 个已知，{} 个不可观测\n",
+            label("signals", lang),
+            s.unavailable.len()
+        ),
+        Lang::En => format!(
+            "  {}: {known} of {total} known, {} not observable\n",
+            label("signals", lang),
+            s.unavailable.len()
+        ),
+    };
+    if in_detail {
+        for (name, SignalShare { known, rows }) in &s.signals {
+            let percent = if *rows == 0 { 0.0 } else { *known as f64 / *rows as f64 * 100.0 };
+            out += &format!("    {name:<32} {percent:>5.1} %  {known} / {rows}\n");
+        }
+    }
+    // Signals that fail for one reason stand together: the reason is what can be changed.
+    let mut by_need: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for (name, needs) in &s.unavailable {
+        by_need.entry(needs.join(", ")).or_default().push(name);
+    }
+    for (needs, names) in by_need {
+        out += &format!(
+            "    {} ({} {needs}): {}\n",
+            label("unobservable", lang),
+            label("needs", lang),
+            names.join(", ")
+        );
+    }
+    out
 }

@@ -1,0 +1,68 @@
+//! `whyroad inspect` as a person runs it.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn whyroad(args: &[&str]) -> Output {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        .args(args)
+        .env_remove("WHYROAD_LANG")
+        .current_dir(root)
+        .output()
+        .unwrap()
+}
+
+fn out(o: &Output) -> String {
+    String::from_utf8(o.stdout.clone()).unwrap()
+}
+
+#[test]
+fn a_lake_is_listed_and_a_clip_is_shown() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().to_str().unwrap();
+    let fixture = "crates/whyroad-ingest/tests/fixtures/crossroads.fcd.xml";
+    assert!(whyroad(&["ingest", "sumo", fixture, "--lake", lake]).status.success());
+
+    let all = whyroad(&["inspect", "--lake", lake]);
+    assert_eq!(all.status.code(), Some(0));
+    let text = out(&all);
+    // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at J.
+    for part in [
+        "1 drives",
+        "crossroads-ego_000  2026-01-01T00:00:00.000Z  0.5 s  5 frames",
+        "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
+        "objects: 3, 13 rows",
+        "truck                  1        3 rows",
+        "crosswalks 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
+        "tables: clips, frames, tracks, ego, map\n",
+        "not in the log: traffic lights",
+        "not observable (needs traffic lights): light.distance_to_stop_line, light.state",
+    ] {
+        assert!(text.contains(part), "no '{part}' in\n{text}");
+    }
+
+    let clip = whyroad(&["inspect", "--lake", lake, "--clip", "crossroads-ego_000", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&out(&clip)).unwrap();
+    assert_eq!(json[0]["signals"]["ego.speed"], serde_json::json!({"known": 5, "rows": 5}));
+    assert_eq!(json[0]["clips"][0]["total_frames"], 5);
+    assert!(json[0]["unavailable"]["light.state"].is_array());
+
+    let zh = out(&whyroad(&["inspect", "--lake", lake, "--lang", "zh"]));
+    assert!(zh.contains("日志中没有: 交通信号灯") && zh.contains("人行横道 1"), "{zh}");
+}
+
+#[test]
+fn what_is_not_there_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().to_str().unwrap();
+    let o = whyroad(&["inspect", "--lake", lake]);
+    assert_eq!(o.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&o.stderr).contains("error[lake.not_a_lake]"));
+    let fixture = "crates/whyroad-ingest/tests/fixtures/crossroads.fcd.xml";
+    assert!(whyroad(&["ingest", "sumo", fixture, "--lake", lake]).status.success());
+    for clip in ["crossroads-ego_001", "crossroads-ego_0", "nothing"] {
+        assert_eq!(whyroad(&["inspect", "--lake", lake, "--clip", clip]).status.code(), Some(1), "{clip}");
+    }
+}
