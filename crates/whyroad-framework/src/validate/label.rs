@@ -177,7 +177,10 @@ fn choose<'d, T: Copy>(walk: &mut Walk<'d>, node: Option<&'d Node<'d>>, pointer:
         let words = Words::new(format!("'{text}' 不是{}", set.zh), format!("'{text}' is not {}", set.en));
         let ids = || set.all.iter().map(|m| (set.id)(*m));
         let wanted = text.trim().to_lowercase();
-        let named = set.names.iter().find(|(n, _)| *n == wanted).map(|(_, id)| *id);
+        // A Chinese name inside a longer phrase still says what was meant.
+        let contained = set.names.iter().filter(|(n, _)| !n.is_ascii() && wanted.contains(n.as_str()));
+        let named = set.names.iter().find(|(n, _)| *n == wanted).or(contained.max_by_key(|(n, _)| n.len()));
+        let named = named.map(|(_, id)| *id);
         let spelled = wanted.replace([' ', '-'], "_");
         match named.or_else(|| did_you_mean(&spelled, ids())) {
             Some(id) => words.hint(format!("是否想写 '{id}'？"), format!("did you mean '{id}'?")),

@@ -1,13 +1,201 @@
-//! `whyroad validate`.
+//! `whyroad validate`: reads files, folders and standard input piece by piece and prints what the checker says.
 
-use crate::{Global, output};
+mod input;
+mod printer;
+
+use crate::{Global, framework_folder, output};
+use input::{Source, Sources};
+use printer::{Format, Printer};
+use std::io;
+use std::path::PathBuf;
 use std::process::ExitCode;
+use whyroad_framework::validate::{Checker, ClipIndex, Piece, Verdict, problem};
+use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
 
 /// Arguments of `whyroad validate`.
 #[derive(clap::Args)]
-pub(crate) struct Args {}
+pub(crate) struct Args {
+    /// JSON and JSON Lines files, folders (all .json, .jsonl and .ndjson in them), or - for standard input
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// How to print findings
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    /// Clip metadata (JSON or JSON Lines) to hold labels against: known clips, their length, rate and frames
+    #[arg(long, value_name = "FILE")]
+    clips: Option<PathBuf>,
+    /// Fail on warnings too
+    #[arg(long)]
+    deny_warnings: bool,
+}
 
-pub(crate) fn run(_global: &Global, _args: Args) -> anyhow::Result<ExitCode> {
-    let _ = (output::FINE, output::lost_input());
-    anyhow::bail!("not built yet")
+/// What went through.
+#[derive(Clone, Copy, Debug, Default)]
+struct Totals {
+    documents: usize,
+    valid: usize,
+    errors: usize,
+    warnings: usize,
+}
+
+/// Everything that one run of the command carries along.
+struct Run<'o> {
+    printer: Printer<'o>,
+    totals: Totals,
+    buffer: Vec<Diagnostic>,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let stdout = io::stdout().lock();
+    let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
+    let printer = Printer::new(&mut out, args.format, global.lang);
+    let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new() };
+    let denied = args.deny_warnings;
+    match check_all(&mut run, &framework, &args, global.lang) {
+        Ok(()) => {}
+        // Whoever read our output has seen enough.
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => return Ok(output::FINDINGS),
+        Err(e) => return Err(e.into()),
+    }
+    let t = run.totals;
+    eprintln!("{}", summary(t, global.lang));
+    Ok(if t.errors > 0 || (denied && t.warnings > 0) { output::FINDINGS } else { output::FINE })
+}
+
+fn check_all(
+    run: &mut Run<'_>,
+    framework: &whyroad_framework::Framework,
+    args: &Args,
+    lang: Lang,
+) -> io::Result<()> {
+    let mut checker = Checker::new(framework);
+    if let Some(path) = &args.clips {
+        let clips = read_clips(run, &checker, path)?;
+        checker = checker.with_clips(clips);
+    }
+    // The clip list is not what was asked about: its findings count, its documents do not.
+    run.totals = Totals { documents: 0, valid: 0, ..run.totals };
+    for source in Sources::of(&args.paths) {
+        match source {
+            Source::Nothing { name } => run.found(&name, empty_folder())?,
+            Source::Unreadable { name, error } => run.found(&name, unreadable(&error))?,
+            Source::File { name, path } => check_source(run, &checker, &name, path.as_deref())?,
+        }
+    }
+    if run.totals.documents == 0 {
+        let d = Diagnostic::error(
+            "label.input.nothing",
+            Bilingual::new("没有任何文档可检查", "there was no document to check"),
+        );
+        run.push(d.with_hint(Bilingual::new(
+            "文件夹中只读取 .json、.jsonl 和 .ndjson",
+            "in folders only .json, .jsonl and .ndjson files are read",
+        )))?;
+    }
+    let t = run.totals;
+    run.printer.finish(t.documents, t.valid, t.errors, t.warnings, lang)
+}
+
+fn check_source(run: &mut Run<'_>, checker: &Checker<'_>, name: &str, path: Option<&std::path::Path>) -> io::Result<()> {
+    let before = run.totals.documents;
+    let mut failed: io::Result<()> = Ok(());
+    let read = input::pieces(path, &mut |piece| {
+        if failed.is_ok() {
+            failed = run.piece(name, &piece, checker).map(|_| ());
+        }
+        failed.is_ok()
+    });
+    failed?;
+    if let Err(e) = read {
+        return run.found(name, unreadable(&e));
+    }
+    if run.totals.documents == before {
+        let d = Diagnostic::warning("label.input.empty", Bilingual::new("文件中没有文档", "the file holds no document"));
+        run.found(name, d)?;
+    }
+    Ok(())
+}
+
+fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) -> io::Result<ClipIndex> {
+    let mut clips = ClipIndex::default();
+    let name = path.display().to_string();
+    let mut failed: io::Result<()> = Ok(());
+    let read = input::pieces(Some(path), &mut |piece| {
+        let found = run.piece(&name, &piece, checker);
+        failed = match (&piece, found) {
+            (_, Err(e)) => Err(e),
+            (Piece::Document(d), Ok(Some(v))) if !clips.add(d.bytes) && v.valid => {
+                let d = Diagnostic::warning(
+                    "message.kind",
+                    Bilingual::new("不是 clip_metadata，不作为片段使用", "no clip_metadata, so not used as a clip"),
+                );
+                run.found(&name, d)
+            }
+            _ => Ok(()),
+        };
+        failed.is_ok()
+    });
+    failed?;
+    if let Err(e) = read {
+        run.found(&name, unreadable(&e))?;
+    }
+    Ok(clips)
+}
+
+impl Run<'_> {
+    /// Checks a document or reports a problem between two; the verdict of a document.
+    fn piece(&mut self, name: &str, piece: &Piece<'_>, checker: &Checker<'_>) -> io::Result<Option<Verdict>> {
+        match piece {
+            Piece::Document(document) => {
+                let mut found = std::mem::take(&mut self.buffer);
+                let verdict = checker.check(document, &mut found);
+                self.totals.documents += 1;
+                self.totals.valid += usize::from(verdict.valid);
+                for d in found.drain(..) {
+                    self.push(d.in_file(name))?;
+                }
+                self.buffer = found;
+                Ok(Some(verdict))
+            }
+            Piece::Problem(p, origin) => self.found(name, problem(*p, origin)).map(|()| None),
+        }
+    }
+
+    fn found(&mut self, name: &str, d: Diagnostic) -> io::Result<()> {
+        self.push(d.in_file(name))
+    }
+
+    fn push(&mut self, d: Diagnostic) -> io::Result<()> {
+        match d.severity {
+            Severity::Error => self.totals.errors += 1,
+            Severity::Warning => self.totals.warnings += 1,
+            Severity::Note => {}
+        }
+        self.printer.print(&d)
+    }
+}
+
+fn unreadable(e: &io::Error) -> Diagnostic {
+    Diagnostic::error("label.file.unreadable", Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}")))
+}
+
+fn empty_folder() -> Diagnostic {
+    Diagnostic::warning(
+        "label.input.empty",
+        Bilingual::new("文件夹中没有 .json、.jsonl 或 .ndjson 文件", "the folder holds no .json, .jsonl or .ndjson file"),
+    )
+}
+
+fn summary(t: Totals, lang: Lang) -> String {
+    let findings = whyroad_model::diagnostic::summary(t.errors, t.warnings, lang);
+    match lang {
+        Lang::En => format!(
+            "checked {} document{}, {} valid: {findings}",
+            t.documents,
+            if t.documents == 1 { "" } else { "s" },
+            t.valid
+        ),
+        Lang::Zh => format!("检查了 {} 个文档，{} 个有效：{findings}", t.documents, t.valid),
+    }
 }

@@ -5,14 +5,13 @@ use crate::validate::class_index::{ClassIndex, Found, Level, OTHER, Prescribed, 
 use crate::validate::view::{ScenarioView, Slot, View};
 use whyroad_model::messages::KeyframeType;
 
-/// The ids, and `full_id` against them. `base` is the pointer of the object that holds them.
+/// The ids and, where they are a class, `full_id` against them. `base` is the pointer of the object that holds them.
 pub(in crate::validate) fn scenario<'i>(
     s: &ScenarioView<'_>,
     classes: &'i ClassIndex,
     base: &'static str,
     sink: &mut dyn Sink,
 ) -> Option<Found<'i>> {
-    full_id(s, base, sink);
     let l1 = s.l1.get()?;
     let (l2, l3) = match (s.l2, s.l3) {
         (Slot::Is(l2), Slot::Is(l3)) => (Some(l2), Some(l3)),
@@ -24,6 +23,7 @@ pub(in crate::validate) fn scenario<'i>(
         wrong(level, l1, l2, l3, classes, base, sink);
         return Some(found);
     }
+    full_id(s, base, sink);
     // With an unreadable L3 nothing is known of the leaf.
     if matches!(s.l3, Slot::Broken) { None } else { Some(found) }
 }

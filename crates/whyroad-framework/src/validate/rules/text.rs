@@ -99,11 +99,18 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
             .hint("用自然语言写决策", "name the decision in natural language")
         });
     }
-    let (longitudinal, lateral) = match (label.longitudinal, label.lateral) {
-        (Slot::Broken, _) | (_, Slot::Broken) => return,
-        (a, b) => (a.get(), b.get()),
-    };
-    judge(&reading, lexicon, longitudinal, lateral, label.direction.get(), &mut |v| verdict(&v, text, sink));
+    let (longitudinal, lateral) = (label.longitudinal, label.lateral);
+    judge(&reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
+        // An unreadable decision is no null decision: nothing is said of its channel.
+        let unreadable = match &v {
+            TraceVerdict::Unlabelled { channel: "longitudinal", .. } => longitudinal == Slot::Broken,
+            TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,
+            _ => false,
+        };
+        if !unreadable {
+            verdict(&v, text, sink);
+        }
+    });
 }
 
 fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
