@@ -47,7 +47,7 @@ impl Lake {
         Ok(Self { dir })
     }
 
-    /// Opens the lake, making an empty one where there is none. Refuses a folder that holds something else.
+    /// Opens the lake, making an empty one where there is none.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let dir = dir.as_ref();
         match Self::open(dir) {
@@ -160,8 +160,9 @@ impl Lake {
         clip_metadata(drive)
     }
 
-    /// Writes one drive. A drive of the same id is replaced, unless its content hash is equal. Readers see the
-    /// old folder or the new one, never a part: the tables are written aside and the folder is then renamed.
+    /// Writes one drive. A drive of the same id is replaced, unless its content hash is equal. Readers never see a
+    /// part of a drive: the tables are written aside and the folder is then renamed into place. (A process killed
+    /// between the two renames of a replacement leaves no drive of that id; the next ingest writes it again.)
     pub fn write_drive(&self, drive: &Drive) -> Result<WriteOutcome, LakeError> {
         let id = &drive.meta.drive_id;
         if let Some(reason) = validity::broken_promise(drive) {
