@@ -4,6 +4,7 @@
 //! inferred from what, and what the annotator still owes. Causes are taken only from what could be observed at
 //! or before the keyframe; decisions only from the motion after it (LABELING.md 6).
 
+mod clip;
 mod components;
 mod decision;
 mod records;
@@ -72,6 +73,7 @@ pub fn draft(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
+    let (time_range, moment) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
     let label = CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
@@ -82,8 +84,8 @@ pub fn draft(
             l3: id.l3.clone(),
             full_id: Some(id.to_string()),
         },
-        time_range: episode.time_range.clone(),
-        keyframe: episode.keyframe.clone(),
+        time_range,
+        keyframe: moment,
         driving_decision: decision,
         critical_components: components,
         coc_trace,

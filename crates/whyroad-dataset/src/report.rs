@@ -5,6 +5,7 @@
 
 mod birds_eye;
 mod card;
+mod draft_box;
 mod markup;
 mod page;
 mod plot;
@@ -14,7 +15,7 @@ mod view;
 
 use crate::coverage;
 use std::collections::BTreeMap;
-use whyroad_framework::Taxonomy;
+use whyroad_framework::Framework;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
 
@@ -32,8 +33,8 @@ pub struct SignalInfo {
 /// What holds for the whole report.
 #[derive(Clone, Copy, Debug)]
 pub struct ReportContext<'a> {
-    /// The classes.
-    pub taxonomy: &'a Taxonomy,
+    /// Classes, specs and decisions.
+    pub framework: &'a Framework,
     /// What mining looked for and what came of it.
     pub coverage: &'a Coverage,
     /// Signals by name.
@@ -85,7 +86,7 @@ impl<'a> ReportBuilder<'a> {
 
     /// The page.
     pub fn finish(self) -> String {
-        let rows = coverage::rows(self.context.taxonomy, self.context.coverage);
+        let rows = coverage::rows(&self.context.framework.taxonomy, self.context.coverage);
         page::render(&self.context, &rows, &self.drives, &self.cards, self.episodes)
     }
 }

@@ -52,6 +52,7 @@ pub(super) fn render(drive: &Drive, frame: usize, target: Option<&TrackId>) -> M
         let at = |f: usize| track.row_at(f).map(|r| (track.motion.x[r], track.motion.y[r]));
         ways(&mut m, &view, frame, at, "way-target");
         if let Some(row) = track.row_at(frame) {
+            ring(&mut m, &view, track, row);
             object(&mut m, &view, track, row, " target");
         }
     }
@@ -211,6 +212,16 @@ fn object(m: &mut Markup, view: &View, track: &Track, row: usize, role: &'static
         m.raw(" · ").num(speed, 1).raw(" m/s");
     }
     m.raw("</title></g>");
+}
+
+/// A ring around the target, which may be as small as a child.
+fn ring(m: &mut Markup, view: &View, track: &Track, row: usize) {
+    let (x, y) = view.spot(track.motion.x[row], track.motion.y[row]);
+    if x.is_finite() && y.is_finite() {
+        let length = track.length_m.get(row).copied().filter(|l| l.is_finite()).unwrap_or(1.0);
+        m.raw("<circle class=\"ring\" cx=\"").num(x * 10.0, 0).raw("\" cy=\"").num(y * 10.0, 0);
+        m.raw("\" r=\"").num(length * 5.0 + 12.0, 0).raw("\"/>");
+    }
 }
 
 fn speed(motion: &Motion, row: usize) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::markup::Markup;
 use super::plot::{self, Span};
-use super::{ReportContext, birds_eye};
+use super::{ReportContext, birds_eye, draft_box};
 use crate::coverage::class_title;
 use crate::moments::frame_at;
 use crate::names::{class_name, keyframe_kind};
@@ -57,6 +57,9 @@ pub(super) fn render(
     head(&mut m, context, episode, &id);
     times(&mut m, drive, episode);
     conditions(&mut m, episode);
+    if episode.is_primary {
+        m.piece(&draft_box::render(context.framework, drive, signals, episode));
+    }
     m.raw("</div><div class=\"plots\">");
     for name in &episode.signals {
         m.piece(&plot::render(context, signals, episode.target_id.as_ref(), name, span));
@@ -66,7 +69,7 @@ pub(super) fn render(
 }
 
 fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord, id: &str) {
-    let name = class_title(context.taxonomy, &episode.scenario_id);
+    let name = class_title(&context.framework.taxonomy, &episode.scenario_id);
     m.raw("<h3>").both(&name).raw("</h3><p class=\"sub\"><code>").text(id).raw("</code> ");
     if episode.is_primary {
         m.raw("<span class=\"badge primary\">").say("主场景", "primary").raw("</span>");

@@ -48,12 +48,6 @@ impl Markup {
         self.raw("<span lang=\"zh\">").raw(zh).raw("</span><span lang=\"en\">").raw(en).raw("</span>")
     }
 
-    /// Both languages as text inside SVG, which knows no `span`.
-    pub(super) fn both_tspan(&mut self, text: &Bilingual) -> &mut Self {
-        self.raw("<tspan lang=\"zh\">").text(&text.zh).raw("</tspan>");
-        self.raw("<tspan lang=\"en\">").text(&text.en).raw("</tspan>")
-    }
-
     /// A number with at most `digits` decimals, without trailing zeros.
     pub(super) fn num(&mut self, value: f64, digits: usize) -> &mut Self {
         self.0.push_str(&number(value, digits));

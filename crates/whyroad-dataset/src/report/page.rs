@@ -5,6 +5,7 @@ use super::card::Card;
 use super::markup::Markup;
 use super::{ReportContext, summary, tree_map};
 use crate::coverage::{self, LeafRow, class_title};
+use crate::names::missing_name;
 use std::collections::BTreeMap;
 use whyroad_model::{Drive, DriveId, Lang, ScenarioId};
 
@@ -51,7 +52,7 @@ pub(super) fn render(
     cards: &[Card],
     episodes: usize,
 ) -> String {
-    let unresolved = coverage::unresolved(context.taxonomy, context.coverage);
+    let unresolved = coverage::unresolved(&context.framework.taxonomy, context.coverage);
     let mut m = Markup::new();
     m.raw("<!doctype html>\n<html lang=\"").raw(if context.lang == Lang::Zh { "zh" } else { "en" });
     m.raw(concat!(
@@ -109,12 +110,12 @@ fn header(
     m.raw("<button type=\"button\" data-lang=\"zh\">中文</button><button type=\"button\" data-lang=\"en\">English</button></div>");
     m.raw("<p class=\"faint\">")
         .say("分类体系 ", "taxonomy ")
-        .text(&context.taxonomy.version)
+        .text(&context.framework.taxonomy.version)
         .raw("</p></div></header>");
 }
 
 fn unknown(m: &mut Markup, context: &ReportContext<'_>) {
-    let unknown = coverage::unknown_leaves(context.taxonomy, context.coverage);
+    let unknown = coverage::unknown_leaves(&context.framework.taxonomy, context.coverage);
     if unknown.is_empty() {
         return;
     }
@@ -149,10 +150,11 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
             .num(d.seconds, 1)
             .raw(" s</td><td class=\"n\">");
         m.int(d.tracks).raw("</td><td class=\"n\">").int(d.episodes).raw("</td><td>");
-        m.text(d.licence.as_deref().unwrap_or("–"))
-            .raw("</td><td class=\"faint\">")
-            .text(&d.missing.join(", "))
-            .raw("</td></tr>");
+        m.text(d.licence.as_deref().unwrap_or("–")).raw("</td><td class=\"faint\">");
+        for (i, word) in d.missing.iter().enumerate() {
+            m.raw(if i == 0 { "" } else { ", " }).both(&missing_name(word));
+        }
+        m.raw("</td></tr>");
     }
     m.raw("</tbody></table></section>");
 }
@@ -176,9 +178,9 @@ fn episodes_section(
     m.raw("<form class=\"filter\"><label>")
         .say("场景", "scenario")
         .raw(" <select name=\"leaf\"><option value=\"\">—</option>");
-    let order = context.taxonomy.ids();
+    let order = context.framework.taxonomy.ids();
     for id in order.iter().filter(|id| per_leaf.contains_key(id)) {
-        let (text, title) = (id.to_string(), class_title(context.taxonomy, id));
+        let (text, title) = (id.to_string(), class_title(&context.framework.taxonomy, id));
         m.raw("<option value=\"").text(&text).raw("\" data-zh=\"").text(&title.zh).raw("\" data-en=\"");
         m.text(&title.en).raw("\" data-n=\"").int(per_leaf[id]).raw("\">").text(&text).raw("</option>");
     }

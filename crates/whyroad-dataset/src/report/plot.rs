@@ -2,6 +2,7 @@
 
 use super::markup::{Markup, number};
 use super::{ReportContext, SignalInfo};
+use crate::names::missing_name;
 use whyroad_model::{Column, FrameRange, SignalTable, TrackId, Tri};
 
 const WIDTH: f64 = 430.0;
@@ -39,8 +40,18 @@ pub(super) fn render(
         .text(&info.meaning.en);
     m.raw("\"><code>").text(name).raw("</code> ");
     let Some(series) = series else {
-        let lacks = signals.unavailable.get(name).map(|n| n.join(", ")).unwrap_or_default();
-        m.raw("<span class=\"faint\">").say("不可观测，缺：", "not observable, needs: ").text(&lacks);
+        m.raw("<span class=\"faint\">");
+        match signals.unavailable.get(name) {
+            Some(needs) => {
+                m.say("不可观测，缺：", "not observable, needs: ");
+                for (i, word) in needs.iter().enumerate() {
+                    m.raw(if i == 0 { "" } else { ", " }).both(&missing_name(word));
+                }
+            }
+            None => {
+                m.say("没有该目标的数值", "no value for this target");
+            }
+        }
         m.raw("</span></figcaption></figure>");
         return m;
     };
@@ -154,7 +165,9 @@ fn numbers(m: &mut Markup, series: &Series<'_>, info: &SignalInfo, span: Span) {
     } else {
         1
     };
-    for (value, at) in [(high, TOP + 4.0), (low, BOTTOM)] {
+    // Without a finite value there is no axis to label.
+    let ends = if finite.is_empty() { vec![] } else { vec![(high, TOP + 4.0), (low, BOTTOM)] };
+    for (value, at) in ends {
         m.raw("<text class=\"tick\" text-anchor=\"end\" x=\"42\" y=\"")
             .num(at, 0)
             .raw("\">")

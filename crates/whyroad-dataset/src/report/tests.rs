@@ -2,6 +2,7 @@
 
 use super::*;
 use std::sync::Arc;
+use whyroad_framework::Taxonomy;
 use whyroad_model::messages::*;
 use whyroad_model::road_map::{Area, Lane, LaneMark, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
@@ -205,10 +206,10 @@ pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
 }
 
 fn page(name: &str, max_cards: usize) -> String {
-    let (taxonomy, coverage, infos) = (taxonomy(), coverage(), infos());
+    let (coverage, infos) = (coverage(), infos());
     let drive = drive(name);
     let mut report = ReportBuilder::new(ReportContext {
-        taxonomy: &taxonomy,
+        framework: Framework::bundled(),
         coverage: &coverage,
         signals: &infos,
         lang: Lang::En,
@@ -295,7 +296,10 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
     assert!(card.contains("way-ego before") && card.contains("way-ego after"));
     assert!(card.contains("class=\"zebra\"") && card.contains(">10 m</text>"));
     // light.state has no column: it says what the log lacks instead of drawing a flat line.
-    assert!(card.contains("not observable, needs: </span>traffic lights"));
+    assert!(card.contains(
+        "not observable, needs: </span><span lang=\"zh\">信号灯</span><span lang=\"en\">traffic lights"
+    ));
+    assert!(card.contains("Label draft (needs a person)"));
     // At the keyframe, 4 s in: ego at x = 40, the car at x = 58 and y = 1.2, so 18 m up and 1.2 m to the left.
     assert!(card.contains("<title>d · 轿车 / car · 7 m/s</title>"));
     // Its front right corner: (58 + 2.25 - 40, 1.2 - 0.9) is 20.25 m ahead, 0.3 m left: (-3, -203) in decimetres.

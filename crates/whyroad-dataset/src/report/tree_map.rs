@@ -109,7 +109,8 @@ pub(super) fn render(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> 
             .raw("\" y=\"")
             .num(area.y + 16.0, 1)
             .raw("\">");
-        m.both_tspan(&group[0].l1.name).raw(" <tspan class=\"faint\">");
+        fitted(&mut m, &group[0].l1.name, area.w - 46.0, 13.5);
+        m.raw(" <tspan class=\"faint\">");
         found_of(&mut m, group).raw("</tspan></text>");
         let inner = area.inset(L1_HEADER, 3.0);
         let l2s = groups(group, |r| r.l2.id.clone());

@@ -99,7 +99,7 @@ pub(crate) fn write_page(
         })
         .collect();
     let mut page = ReportBuilder::new(ReportContext {
-        taxonomy: &found.framework.taxonomy,
+        framework: found.framework,
         coverage: found.coverage,
         signals: &signals,
         lang,

@@ -1,0 +1,44 @@
+//! An episode may reach beyond the clip that its keyframe is in; a label may not. What lies outside is cut off.
+
+use whyroad_model::messages::{EpisodeRecord, Keyframe, TimeRange};
+use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::{Bilingual, ClipId, Drive, Nanos};
+
+/// Time range and keyframe inside the clip; a note where something was cut.
+pub(super) fn inside(
+    drive: &Drive,
+    episode: &EpisodeRecord,
+    notes: &mut Vec<Bilingual>,
+) -> (TimeRange, Keyframe) {
+    let (mut range, mut keyframe) = (episode.time_range.clone(), episode.keyframe.clone());
+    let clips = drive.clips();
+    let own = clips.iter().enumerate().find(|(i, _)| ClipId::of(&drive.meta.drive_id, *i) == episode.clip_id);
+    let Some((_, frames)) = own.filter(|(_, f)| !f.is_empty()) else { return (range, keyframe) };
+    let first = drive.times[frames.start];
+    // The last frame lasts as long as a frame does (clip_metadata's duration says the same).
+    let end = drive.times[frames.end - 1].plus_secs(1.0 / FRAME_RATE_HZ);
+
+    let mut cut = false;
+    let mut clamp = |t: &mut Nanos| {
+        let inside = (*t).clamp(first, end);
+        cut |= inside != *t;
+        *t = inside;
+    };
+    clamp(&mut range.start_timestamp);
+    clamp(&mut range.end_timestamp);
+    keyframe.range_start.iter_mut().for_each(&mut clamp);
+    keyframe.range_end.iter_mut().for_each(&mut clamp);
+    if cut {
+        notes.push(Bilingual::new(
+            format!(
+                "该片段超出剪辑范围（{} 至 {}），起止已截到剪辑边界",
+                episode.time_range.start_timestamp, episode.time_range.end_timestamp
+            ),
+            format!(
+                "the episode reaches beyond the clip ({} to {}); the label ends at the clip's edge",
+                episode.time_range.start_timestamp, episode.time_range.end_timestamp
+            ),
+        ));
+    }
+    (range, keyframe)
+}
