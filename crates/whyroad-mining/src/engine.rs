@@ -36,7 +36,7 @@ pub struct MinedLake {
 /// `lang`.
 pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveId) + Sync) -> MinedLake {
     let ids = lake.drive_ids();
-    let each: Vec<Result<MinedDrive, Diagnostic>> = ids
+    let each: Vec<Result<MinedDrive, Box<Diagnostic>>> = ids
         .par_iter()
         .map(|id| {
             let mined = mine_one(lake, id, rules, lang);
@@ -48,13 +48,13 @@ pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveI
     for result in each {
         match result {
             Ok(drive) => out.drives.push(drive),
-            Err(d) => out.diagnostics.push(d),
+            Err(d) => out.diagnostics.push(*d),
         }
     }
     out
 }
 
-fn mine_one(lake: &Lake, id: &DriveId, rules: &RuleSet, lang: Lang) -> Result<MinedDrive, Diagnostic> {
+fn mine_one(lake: &Lake, id: &DriveId, rules: &RuleSet, lang: Lang) -> Result<MinedDrive, Box<Diagnostic>> {
     let drive = lake.read_drive(id).map_err(|e| {
         let cause = e.diagnostic();
         let message = Bilingual::new(
@@ -62,10 +62,10 @@ fn mine_one(lake: &Lake, id: &DriveId, rules: &RuleSet, lang: Lang) -> Result<Mi
             format!("drive {id} cannot be read and is left out: {}", cause.message.en),
         );
         let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.place);
-        match cause.hint {
+        Box::new(match cause.hint {
             Some(hint) => d.with_hint(hint),
             None => d,
-        }
+        })
     })?;
     let table = whyroad_signals::derive(&drive);
     let found = mine_drive(rules, &table);

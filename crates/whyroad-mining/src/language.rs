@@ -27,7 +27,7 @@ pub struct Fault {
     /// What is wrong, naming the value.
     pub message: Bilingual,
     /// How to mend it.
-    pub hint: Option<Bilingual>,
+    pub hint: Option<Box<Bilingual>>,
     /// The part of the expression that is meant.
     pub span: Span,
 }
@@ -41,7 +41,7 @@ impl Fault {
     /// The same with a hint.
     #[must_use]
     pub fn hint(mut self, zh: impl Into<String>, en: impl Into<String>) -> Self {
-        self.hint = Some(Bilingual::new(zh, en));
+        self.hint = Some(Box::new(Bilingual::new(zh, en)));
         self
     }
 
@@ -64,7 +64,7 @@ impl Fault {
     pub fn at(self, place: Place) -> Diagnostic {
         let d = Diagnostic::error(self.code, self.message).at(place);
         match self.hint {
-            Some(h) => d.with_hint(h),
+            Some(h) => d.with_hint(*h),
             None => d,
         }
     }

@@ -84,7 +84,9 @@ fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
             continue;
         }
         match runs.last_mut() {
-            Some((_, last)) if *last + 1 == i || rows[i].time - rows[*last].end <= rule.merge_gap => *last = i,
+            Some((_, last)) if *last + 1 == i || rows[i].time - rows[*last].end <= rule.merge_gap => {
+                *last = i
+            }
             _ => runs.push((i, i)),
         }
     }

@@ -170,7 +170,11 @@ impl Moment {
     pub fn conditions(&self) -> Vec<NodeId> {
         match self {
             Moment::Keyframe | Moment::MatchStart | Moment::MatchEnd => vec![],
-            Moment::First(c) | Moment::Last(c) | Moment::Nearest(c) | Moment::Least(c) | Moment::Greatest(c) => {
+            Moment::First(c)
+            | Moment::Last(c)
+            | Moment::Nearest(c)
+            | Moment::Least(c)
+            | Moment::Greatest(c) => {
                 vec![*c]
             }
             Moment::Earliest(all) | Moment::Latest(all) => all.iter().flat_map(Moment::conditions).collect(),

@@ -45,7 +45,12 @@ pub fn episode_batch(episodes: &[&MinedEpisode]) -> Result<RecordBatch, ArrowErr
         ("scenario_id", DataType::Utf8, false, texts(&|i| records[i].scenario_id.to_string())),
         ("drive_id", DataType::Utf8, false, texts(&|i| records[i].drive_id.to_string())),
         ("clip_id", DataType::Utf8, false, texts(&|i| records[i].clip_id.to_string())),
-        ("target_id", DataType::Utf8, true, maybe(&|i| records[i].target_id.as_ref().map(ToString::to_string))),
+        (
+            "target_id",
+            DataType::Utf8,
+            true,
+            maybe(&|i| records[i].target_id.as_ref().map(ToString::to_string)),
+        ),
         ("start_ns", DataType::Int64, false, times(&|i| records[i].time_range.start_timestamp.0)),
         ("keyframe_ns", DataType::Int64, false, times(&|i| records[i].keyframe.timestamp.0)),
         ("end_ns", DataType::Int64, false, times(&|i| records[i].time_range.end_timestamp.0)),

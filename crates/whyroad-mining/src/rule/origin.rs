@@ -64,7 +64,8 @@ impl Origin<'_> {
         if part.trim().is_empty() {
             return None;
         }
-        let block: usize = self.text.split_inclusive('\n').take(self.line.saturating_sub(1)).map(str::len).sum();
+        let block: usize =
+            self.text.split_inclusive('\n').take(self.line.saturating_sub(1)).map(str::len).sum();
         self.text[block..].find(part).map(|i| i + block).or_else(|| self.text.find(part))
     }
 }

@@ -94,7 +94,8 @@ pub fn compile_query(
         }
     }
     if query.conditions.is_empty() {
-        let fault = Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
+        let fault =
+            Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
         let pointer = Some("/mining_query/conditions".to_owned());
         found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
     }
@@ -184,8 +185,7 @@ fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Part, 
             };
             let words: Option<Vec<_>> =
                 list.iter().map(|v| v.as_str().map(|w| (w.to_owned(), VALUE))).collect();
-            let words =
-                words.ok_or_else(|| wrong("in 的取值应为名称", "`in` takes a list of names"))?;
+            let words = words.ok_or_else(|| wrong("in 的取值应为名称", "`in` takes a list of names"))?;
             return Ok(Expr { kind: ExprKind::In(Box::new(field), words), span: whole });
         }
     };

@@ -1,8 +1,8 @@
 //! All rules of a framework, and the order in which their classes take precedence.
 
+use super::Rule;
 use super::origin::Origin;
 use super::source::{compile, inherit};
-use super::Rule;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_framework::{Framework, Taxonomy};
@@ -45,7 +45,10 @@ impl RuleSet {
         // A fault in an L2's block shows up again in each leaf that inherits it.
         let mut unique: Vec<Diagnostic> = Vec::new();
         for d in found {
-            if !unique.iter().any(|u| (u.code, u.place.line, u.place.column, &u.message) == (d.code, d.place.line, d.place.column, &d.message)) {
+            if !unique.iter().any(|u| {
+                (u.code, u.place.line, u.place.column, &u.message)
+                    == (d.code, d.place.line, d.place.column, &d.message)
+            }) {
                 unique.push(d);
             }
         }
@@ -97,7 +100,11 @@ impl Precedence {
             Ok(file) => file,
             Err(e) => {
                 let line = e.location().map(|l| l.line());
-                report(line, format!("优先级文件有误：{e}"), format!("the order of precedence cannot be read: {e}"));
+                report(
+                    line,
+                    format!("优先级文件有误：{e}"),
+                    format!("the order of precedence cannot be read: {e}"),
+                );
                 return (Precedence::default(), found);
             }
         };
@@ -127,7 +134,9 @@ impl Precedence {
     pub fn rank(&self, id: &ScenarioId) -> usize {
         let named = self.order.iter().enumerate().filter(|(_, o)| id.is_within(o));
         // The most specific entry is the one with the most parts.
-        named.max_by_key(|(_, o)| usize::from(o.l2.is_some()) + usize::from(o.l3.is_some())).map_or(usize::MAX, |(i, _)| i)
+        named
+            .max_by_key(|(_, o)| usize::from(o.l2.is_some()) + usize::from(o.l3.is_some()))
+            .map_or(usize::MAX, |(i, _)| i)
     }
 }
 

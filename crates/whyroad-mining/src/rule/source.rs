@@ -97,8 +97,7 @@ pub fn compile(
         OneOrMany::Many(all) => all,
     };
     let mut atoms = Vec::new();
-    let when: Vec<NodeId> =
-        whens.iter().filter_map(|t| c.condition(t, "/mining/when", &mut atoms)).collect();
+    let when: Vec<NodeId> = whens.iter().filter_map(|t| c.condition(t, "/mining/when", &mut atoms)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|t| c.condition(t, "/mining/require", &mut atoms)).collect();
     let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
@@ -211,7 +210,12 @@ impl Compiler<'_> {
                 let fault = if unexplained {
                     Fault::new("rule.block", span, "参数缺少理由", "the parameter has no reason")
                 } else {
-                    Fault::new("rule.block", span, "参数与信号重名", "the parameter's name is that of a signal")
+                    Fault::new(
+                        "rule.block",
+                        span,
+                        "参数与信号重名",
+                        "the parameter's name is that of a signal",
+                    )
                 };
                 self.report(&key, name, fault);
             }
