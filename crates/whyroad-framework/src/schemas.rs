@@ -50,21 +50,23 @@ pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {
         "scenario_label",
         "DATA_FORMAT.md 2.2: place of a sample in the taxonomy.",
     );
-    rules::classes(&mut scenario_label["$defs"]["ScenarioLabel"], &framework.taxonomy);
-    let clip_metadata = of::<ClipMetadataMessage>(
+    rules::classes(&mut scenario_label["$defs"]["ScenarioLabel"], &["l3"], &framework.taxonomy);
+    let mut clip_metadata = of::<ClipMetadataMessage>(
         "clip_metadata",
         "DATA_FORMAT.md 3.1: what a labeller is told about a clip.",
     );
-    let pre_label = of::<ScenarioPreLabelMessage>(
+    rules::classes(&mut clip_metadata["$defs"]["PreLabelScenario"], &["l3"], &framework.taxonomy);
+    let mut pre_label = of::<ScenarioPreLabelMessage>(
         "scenario_pre_label",
         "DATA_FORMAT.md 3.2: mining's proposal for one episode.",
     );
+    rules::classes(&mut pre_label["$defs"]["ScenarioPreLabel"], &["l3", "suggested_l3"], &framework.taxonomy);
     let keyframe = of::<KeyframeSuggestionMessage>(
         "keyframe_suggestion",
         "DATA_FORMAT.md 3.3: where mining would put the keyframe.",
     );
     let mut coc = of::<CocLabel>("coc_output", "DATA_FORMAT.md 4: a finished Chain-of-Causation label.");
-    rules::classes(&mut coc["$defs"]["ScenarioLabel"], &framework.taxonomy);
+    rules::classes(&mut coc["$defs"]["ScenarioLabel"], &["l3"], &framework.taxonomy);
     rules::label(&mut coc, framework);
     let query = of::<MiningQueryMessage>("mining_query", "DATA_FORMAT.md 5.1: what to look for.");
     let result = of::<MiningResultMessage>("mining_result", "DATA_FORMAT.md 5.2: what was found.");

@@ -284,6 +284,49 @@ fn the_label_schema_holds_the_rules_between_fields() {
 }
 
 #[test]
+fn messages_of_mining_name_classes_that_exist() {
+    // The classes are those of the tree in the specification; the unbroken samples are printed there (DATA_FORMAT.md 3.1, 3.2).
+    let clip = validator("clip_metadata");
+    let at = |field: &str| format!("/clip_metadata/pre_labels/scenario/{field}");
+    let sample_clip = with(sample("clip_metadata"), &at("l1"), json!("reactive_agent"));
+    let sample_clip = with(sample_clip, &at("l2"), json!("cutin"));
+    for l3 in [json!("urgent"), json!("other"), Value::Null] {
+        assert!(clip.is_valid(&with(sample_clip.clone(), &at("l3"), l3.clone())), "{l3}");
+    }
+    for (field, to) in [("l1", "reactive"), ("l2", "cut_in"), ("l2", "lane_change"), ("l3", "red_stop")] {
+        assert!(!clip.is_valid(&with(sample_clip.clone(), &at(field), json!(to))), "{field} = {to}");
+    }
+    let pre_label = validator("scenario_pre_label");
+    let proposal = json!({ "scenario_pre_label": {
+        "l1": "reactive_agent", "l2": "cutin", "l3": null, "confidence": 0.9,
+        "mining_conditions_matched": ["TTC < 3 s"], "suggested_l3": "urgent",
+    } });
+    assert_eq!(complaints(&pre_label, &proposal), Vec::<String>::new());
+    for (field, to) in
+        [("l1", "agent"), ("l2", "turn"), ("l3", "hov_lane"), ("suggested_l3", "red_stop"), ("l2", "")]
+    {
+        let broken = with(proposal.clone(), &format!("/scenario_pre_label/{field}"), json!(to));
+        assert!(!pre_label.is_valid(&broken), "{field} = {to}");
+    }
+}
+
+#[test]
+fn the_format_is_a_minor_step_from_the_given_one() {
+    // DATA_FORMAT.md 1.3 of the specification: 2.0.0 is the given version, added optional fields are a minor step.
+    for file in schemas(Framework::bundled()) {
+        assert_eq!(file.schema["version"], "2.1.0", "{}", file.name);
+    }
+    let v = validator("coc_output");
+    for version in [None, Some("2.0.0"), Some("2.1.0")] {
+        let mut document = label();
+        if let Some(version) = version {
+            document["version"] = json!(version);
+        }
+        assert_eq!(complaints(&v, &document), Vec::<String>::new(), "{version:?}");
+    }
+}
+
+#[test]
 fn every_labelling_spec_follows_its_schema() {
     let validator = validator("labeling_spec");
     let mut checked = 0;

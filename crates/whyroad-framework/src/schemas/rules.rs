@@ -2,16 +2,16 @@
 //! times or read the trace are beyond JSON Schema; `whyroad validate` checks those too.
 
 use crate::{Framework, Taxonomy};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use whyroad_model::ScenarioId;
 use whyroad_model::decision::Lateral;
 
-/// What belongs to no class of its parent (LABELING.md 1); allowed as L2 and as L3.
+/// What belongs to no class of its parent (SPEC.md 1); allowed as L2 and as L3.
 const OTHER: &str = "other";
 
-/// Closes `l1`, `l2` and `l3` of a `ScenarioLabel` to the classes: an L2 under its own L1, an L3 under its own L2.
-pub(super) fn classes(scenario: &mut Value, taxonomy: &Taxonomy) {
+/// Closes `l1`, `l2` and the fields that hold an L3 to the classes: an L2 under its own L1, an L3 under its own L2.
+pub(super) fn classes(scenario: &mut Value, leaf_fields: &[&str], taxonomy: &Taxonomy) {
     scenario["properties"]["l1"]["enum"] = taxonomy.l1.iter().map(|a| a.id.as_str()).collect();
     let mut conditions = Vec::new();
     for l1 in &taxonomy.l1 {
@@ -23,9 +23,11 @@ pub(super) fn classes(scenario: &mut Value, taxonomy: &Taxonomy) {
         for l2 in &l1.l2 {
             let mut l3: Vec<Value> = l2.l3.iter().map(|c| json!(c.id)).collect();
             l3.extend([json!(OTHER), Value::Null]);
+            let leaves: Map<String, Value> =
+                leaf_fields.iter().map(|field| ((*field).to_owned(), json!({ "enum": l3 }))).collect();
             conditions.push(json!({
                 "if": { "properties": { "l1": { "const": l1.id }, "l2": { "const": l2.id } }, "required": ["l1", "l2"] },
-                "then": { "properties": { "l3": { "enum": l3 } } },
+                "then": { "properties": leaves },
             }));
         }
     }
@@ -39,9 +41,6 @@ pub(super) fn label(coc: &mut Value, framework: &Framework) {
     }
     coc["properties"]["critical_components"]["minItems"] = json!(1);
     coc["$defs"]["CriticalComponent"]["properties"]["description"]["minLength"] = json!(1);
-    for channel in ["longitudinal", "lateral"] {
-        nullable(&mut coc["$defs"]["DrivingDecision"]["properties"][channel]);
-    }
     coc["$defs"]["DrivingDecision"]["allOf"] = directions();
     coc["$defs"]["Keyframe"]["allOf"] = json!([{
         "if": { "properties": { "type": { "const": "proactive" } }, "required": ["type"] },
@@ -68,13 +67,6 @@ pub(super) fn label(coc: &mut Value, framework: &Framework) {
         }
     }
     coc["allOf"] = Value::Array(conditions);
-}
-
-/// Lets a required field be null. schemars takes "required" to mean that, too, is forbidden; here null is an answer.
-fn nullable(field: &mut Value) {
-    if let Some(members) = field["oneOf"].as_array_mut() {
-        members.push(json!({ "type": "null", "description": "No change of decision." }));
-    }
 }
 
 fn directions() -> Value {

@@ -2,7 +2,7 @@
 
 use crate::Nanos;
 use crate::decision::{Lateral, LateralDirection, Longitudinal, closed_set};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -111,11 +111,11 @@ pub struct Keyframe {
 pub struct DrivingDecision {
     /// Along the path.
     #[serde(deserialize_with = "present")]
-    #[schemars(required)]
+    #[schemars(schema_with = "decision_or_null::<Longitudinal>")]
     pub longitudinal: Option<Longitudinal>,
     /// Across the path.
     #[serde(deserialize_with = "present")]
-    #[schemars(required)]
+    #[schemars(schema_with = "decision_or_null::<Lateral>")]
     pub lateral: Option<Lateral>,
     /// Side, for the lateral decisions that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -129,6 +129,14 @@ where
     T: Deserialize<'de>,
 {
     Option::<T>::deserialize(d)
+}
+
+/// A field that must be there and may be null. schemars, left alone, takes an `Option` to be a field that may be absent.
+fn decision_or_null<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let decision = T::json_schema(generator);
+    json_schema!({
+        "anyOf": [decision, { "type": "null", "description": "No change of decision." }],
+    })
 }
 
 /// One cause (LABELING.md 3).
