@@ -72,17 +72,25 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalM
     (motion, seconds(began))
 }
 
-/// First held stretch of speeding up or slowing, and whether it is slowing.
-fn first_change(meta: &Column, from: usize, end: usize) -> Option<(usize, bool)> {
+/// First held stretch of speeding up or slowing after the keyframe, and whether it is slowing. What was already
+/// held for 0.5 s when the keyframe came is no answer to it, and is passed over.
+fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, bool)> {
     let change = |f: usize| match meta.category(f) {
         Some("gentle_decelerate" | "strong_decelerate") => Some(true),
         Some("gentle_accelerate" | "strong_accelerate") => Some(false),
         _ => None,
     };
+    let held =
+        |from: usize, to: usize, slows: bool| to <= end && (from..to).all(|f| change(f) == Some(slows));
+    let mut from = keyframe;
+    if let Some(underway) = change(keyframe) {
+        if keyframe >= HELD_FRAMES && held(keyframe - HELD_FRAMES, keyframe, underway) {
+            from = (keyframe..end).find(|&f| change(f) != Some(underway))?;
+        }
+    }
     (from..end).find_map(|f| {
         let slows = change(f)?;
-        let held = (f..f + HELD_FRAMES).all(|g| g < end && change(g) == Some(slows));
-        held.then_some((f, slows))
+        held(f, f + HELD_FRAMES, slows).then_some((f, slows))
     })
 }
 
@@ -93,9 +101,14 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
         LongitudinalMotion::Slows => {
             &[D::YieldToAgent, D::LeadFollowing, D::RoadSpeedAdaptation, D::GapMatching]
         }
-        LongitudinalMotion::Stops => {
-            &[D::YieldToAgent, D::LeadFollowing, D::StopForRegulation, D::StopForObstacle]
-        }
+        LongitudinalMotion::Stops => &[
+            D::YieldToAgent,
+            D::LeadFollowing,
+            D::StopForRegulation,
+            D::StopForObstacle,
+            D::RoadSpeedAdaptation,
+            D::GapMatching,
+        ],
         LongitudinalMotion::Starts => &[D::Resume],
         LongitudinalMotion::SpeedsUp => {
             &[D::LeadFollowing, D::AccelerationForPassing, D::GapMatching, D::SetSpeedTracking]

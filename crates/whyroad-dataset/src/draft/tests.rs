@@ -84,6 +84,19 @@ fn a_twitch_of_four_frames_is_no_action_and_what_comes_after_six_seconds_is_too_
 }
 
 #[test]
+fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
+    // Speeding up long before and until 1 s after, then slowing: the answer is the slowing.
+    let after = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 50 { 3 } else { 1 }));
+    assert_eq!(after.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    // Slowing for 2 s before and all the while: no new decision. Begun 0.3 s before: the answer, early.
+    let all_along =
+        draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 20 { 2 } else { 1 }));
+    assert_eq!(all_along.label.driving_decision.longitudinal, None);
+    let early = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 37 { 2 } else { 1 }));
+    assert_eq!(early.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+}
+
+#[test]
 fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
     let turn = draft_of("proactive.turn.left_normal", |s| {
         let codes = (0..fixture::FRAMES).map(|f| if f < 60 { u16::MAX } else { 0 }).collect();

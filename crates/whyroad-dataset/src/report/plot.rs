@@ -131,13 +131,13 @@ fn frame(m: &mut Markup, signals: &SignalTable, span: Span) {
     let time = |f: usize| signals.times.get(f).copied();
     let Some(zero) = time(span.keyframe) else { return };
     let last = span.shown.end.saturating_sub(1);
-    for (frame, anchor) in [(span.shown.start, "start"), (span.keyframe, "middle"), (last, "end")] {
+    let key = x_of(span, span.keyframe as f64);
+    // The ends are labelled where they do not run into the keyframe's label.
+    let apart = |f: usize| (x_of(span, f as f64) - key).abs() >= 34.0;
+    let ends = [(span.shown.start, "start"), (last, "end")].into_iter().filter(|(f, _)| apart(*f));
+    for (frame, anchor) in ends.chain([(span.keyframe, "middle")]) {
         let Some(t) = time(frame) else { continue };
         let x = x_of(span, frame as f64);
-        let key = x_of(span, span.keyframe as f64);
-        if frame != span.keyframe && (x - key).abs() < 34.0 {
-            continue;
-        }
         let seconds = t.seconds_since(zero);
         m.raw("<text class=\"tick\" text-anchor=\"")
             .text(anchor)

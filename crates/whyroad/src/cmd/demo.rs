@@ -87,7 +87,7 @@ fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
         Format::Sumo => Options { licence: Some(drives::LICENCE.to_owned()), ..Options::default() },
         _ => Options::default(),
     };
-    let lake = Lake::create_or_open(args.out.join(folder))?;
+    let lake = fresh_lake(&args.out.join(folder))?;
     let mut kept = 0;
     for source in &sources {
         let report = whyroad_ingest::ingest(source, &options, &lake);
@@ -104,6 +104,15 @@ fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
         );
     }
     Ok((kept > 0).then_some(lake))
+}
+
+/// An empty lake. One that an earlier demo left, perhaps of another version, is replaced; any other folder is
+/// left alone, and refused by the lake.
+fn fresh_lake(dir: &Path) -> anyhow::Result<Lake> {
+    if dir.join("whyroad-lake.json").is_file() {
+        std::fs::remove_dir_all(dir).with_context(|| format!("cannot clear {}", dir.display()))?;
+    }
+    Ok(Lake::create_or_open(dir)?)
 }
 
 fn mine(
