@@ -1,13 +1,14 @@
-//! Prints chosen signals of one drive as CSV, for looking at them: seconds since the first frame, then a column a
+//! Prints chosen signals of the first drive in a log as CSV, for looking at them: seconds since the first frame, then a column a
 //! signal; for `target.` signals of the target whose id begins with the given text. Unknown is empty.
 //!
-//! `cargo run -p whyroad-signals --example dump -- LAKE DRIVE TARGET_PREFIX|- SIGNAL...`
+//! `cargo run -p whyroad-signals --example dump -- LOG TARGET_PREFIX|- SIGNAL...`, where LOG is a
+//! log folder or a simulation in any format that `whyroad ingest` reads.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "an example's output is for the reader")]
 
 use std::process::ExitCode;
-use whyroad_lake::Lake;
+use whyroad_ingest::{Options, find_sources, read};
+use whyroad_model::Column;
 use whyroad_model::column::Tri;
-use whyroad_model::{Column, DriveId};
 
 fn text(column: &Column, row: usize) -> String {
     match column {
@@ -23,19 +24,14 @@ fn text(column: &Column, row: usize) -> String {
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let [lake, drive, target, names @ ..] = args.as_slice() else {
-        eprintln!("usage: dump LAKE DRIVE TARGET_PREFIX|- SIGNAL...");
+    let [log, target, names @ ..] = args.as_slice() else {
+        eprintln!("usage: dump LOG TARGET_PREFIX|- SIGNAL...");
         return ExitCode::from(2);
     };
-    let drive = match Lake::open(std::path::Path::new(lake)).and_then(|l| {
-        let id = l.drive_ids().into_iter().find(|d| d.as_str().contains(drive.as_str()));
-        l.read_drive(&id.unwrap_or(DriveId(drive.clone())))
-    }) {
-        Ok(drive) => drive,
-        Err(e) => {
-            eprintln!("{e}");
-            return ExitCode::FAILURE;
-        }
+    let (sources, _) = find_sources(None, &[log.into()]);
+    let Some(drive) = sources.first().and_then(|s| read(s, &Options::default()).0) else {
+        eprintln!("{log} has no readable drive");
+        return ExitCode::FAILURE;
     };
     let started = std::time::Instant::now();
     let table = whyroad_signals::derive(&drive);

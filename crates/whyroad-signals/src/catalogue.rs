@@ -1,6 +1,8 @@
 //! The catalogue of signals, read from `schema/signals.yaml`: what each name means, in what unit, and what
 //! a log must have for it. Only names and meanings live there; how a value is computed is code.
 
+mod page;
+
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -111,6 +113,40 @@ enum RawKind {
     Category,
 }
 
+/// The catalogue's file, relative to the framework's folder.
+const FILE: &str = "schema/signals.yaml";
+
+/// Where the entries stand. serde forgets places; entries come in file order, so each is found after the one before.
+struct Places<'t> {
+    lines: std::iter::Enumerate<std::str::Lines<'t>>,
+}
+
+impl<'t> Places<'t> {
+    fn of(text: &'t str) -> Self {
+        Self { lines: text.lines().enumerate() }
+    }
+
+    /// The place of the next entry, whose name is `name`.
+    fn next(&mut self, name: &str) -> Place {
+        let in_file = Place { file: Some(FILE.to_owned()), ..Place::default() };
+        let names_it = |line: &str| {
+            let (_, value) = line.split_once("name:")?;
+            let value = value.trim().trim_matches(['"', '\'']);
+            (value == name).then(|| line.find(name)).flatten()
+        };
+        let Some((at, line, start)) = self.lines.find_map(|(i, line)| Some((i, line, names_it(line)?))) else {
+            return in_file;
+        };
+        Place {
+            line: Some(at + 1),
+            column: Some(line[..start].chars().count() + 1),
+            snippet: Some(line.to_owned()),
+            span: name.chars().count(),
+            ..in_file
+        }
+    }
+}
+
 static BUNDLED: LazyLock<Catalogue> =
     LazyLock::new(|| Catalogue::parse(include_str!("../../../schema/signals.yaml")).0);
 
@@ -126,6 +162,7 @@ impl Catalogue {
             Ok(raw) => raw,
             Err(e) => {
                 let place = e.location().map_or_else(Place::default, |l| Place {
+                    file: Some(FILE.to_owned()),
                     line: Some(l.line()),
                     column: Some(l.column()),
                     ..Place::default()
@@ -136,10 +173,16 @@ impl Catalogue {
         };
         let mut catalogue = Catalogue { version: raw.version, ..Catalogue::default() };
         let mut diagnostics = Vec::new();
+        let mut places = Places::of(text);
         for signal in raw.signals {
+            let place = places.next(&signal.name);
+            let known = diagnostics.len();
             match resolve(signal) {
                 Ok(def) => catalogue.add(def, &mut diagnostics),
                 Err(d) => diagnostics.push(*d),
+            }
+            for d in diagnostics.iter_mut().skip(known) {
+                d.place = place.clone();
             }
         }
         (catalogue, diagnostics)

@@ -145,3 +145,6 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
     }
     result
 }
+
+#[cfg(test)]
+mod tests;

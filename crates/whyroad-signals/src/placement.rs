@@ -167,19 +167,33 @@ impl Surroundings<'_> {
         if beside.low > widest || beside.high < -widest {
             return None;
         }
-        let corners = footprint.corners();
         let reach = corner_reach(footprint);
+        let corners = footprint.corners();
+        // Arc length and how far inside the band (negative: outside), point by point around the footprint.
+        let probe = |p: P2| {
+            let on = self.path.line.project_between(p, at.s - reach, at.s + reach);
+            let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
+            (on.s, half + margin - on.lateral.abs())
+        };
         let mut extent: Option<(f64, f64)> = None;
+        let mut include = |s: f64| {
+            let (low, high) = extent.unwrap_or((s, s));
+            extent = Some((low.min(s), high.max(s)));
+        };
+        let mut before = probe(corners[3]);
         for (i, &a) in corners.iter().enumerate() {
-            let edge = corners[(i + 1) % 4] - a;
-            let steps = (edge.norm() / BAND_STEP_M).ceil().max(1.0);
-            for k in 0..steps as usize {
-                let on = self.path.line.project_between(a + edge * (k as f64 / steps), at.s - reach, at.s + reach);
-                let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
-                if on.lateral.abs() <= half + margin {
-                    let (low, high) = extent.unwrap_or((on.s, on.s));
-                    extent = Some((low.min(on.s), high.max(on.s)));
+            let from = corners[(i + 3) % 4];
+            let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);
+            for k in 1..=steps as usize {
+                let now = probe(from + (a - from) * (k as f64 / steps));
+                if now.1 >= 0.0 {
+                    include(now.0);
                 }
+                if (now.1 >= 0.0) != (before.1 >= 0.0) {
+                    // Where the side leaves the band, between two points.
+                    include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
+                }
+                before = now;
             }
         }
         extent

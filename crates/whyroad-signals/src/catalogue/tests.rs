@@ -51,3 +51,11 @@ fn every_code_has_a_page() {
         assert!(text.contains("## 中文"), "{page} lacks its Chinese section");
     }
 }
+
+#[test]
+fn the_page_is_as_the_catalogue_says() {
+    let path = format!("{}/../../docs/signals.md", env!("CARGO_MANIFEST_DIR"));
+    let written = std::fs::read_to_string(&path).unwrap();
+    let stale = "docs/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/signals.md";
+    assert!(written == Catalogue::bundled().page(), "{stale}");
+}

@@ -1,0 +1,143 @@
+//! The table as a whole: it agrees with the catalogue, and does not depend on where the world's origin is, how its
+//! axes lie, or when the drive took place.
+#![allow(clippy::unwrap_used)]
+
+mod scene;
+
+use proptest::prelude::*;
+use scene::{Table, add, add_seen, area, car, drive, near, road};
+use std::f64::consts::{FRAC_PI_2, PI};
+use whyroad_model::ObjectClass::{Bus, Pedestrian};
+use whyroad_model::road_map::{Point3, StopLine};
+use whyroad_model::scene::{LightColour, LightState, TurnSignal};
+use whyroad_model::{Column, Drive, Nanos};
+use whyroad_signals::{Catalogue, Scope, SignalKind};
+
+/// A drive with everything that a log can have: a lane change, a bend of nothing, a lead, a walker, a gap, lights.
+fn full() -> Drive {
+    let shift = |t: f64| 1.75 * (1.0 - (PI * ((t - 2.0).clamp(0.0, 4.1)) / 4.1).cos());
+    let mut d = drive(90, move |t| (9.0 * t, shift(t), (shift(t + 0.01) - shift(t - 0.01)).atan2(0.18)));
+    let mut m = road();
+    m.crosswalks = vec![area("z", &[(60.0, -5.0), (63.0, -5.0), (63.0, 10.0), (60.0, 10.0)])];
+    m.junctions = vec![area("j", &[(64.0, -5.0), (80.0, -5.0), (80.0, 10.0), (64.0, 10.0)])];
+    m.stop_lines =
+        vec![StopLine { id: "s".into(), line: vec![Point3 { x: 58.0, y: 3.5, z: 0.0 }], lane_ids: vec!["l0".into()] }];
+    d.map = Some(m);
+    car(&mut d, "lead", |t| (25.0 + 7.0 * t, 0.2, 0.0));
+    car(&mut d, "on", |t| (120.0 - 11.0 * t, 7.0, PI - 0.013));
+    add(&mut d, "ped", Pedestrian, (0.6, 0.7), |t| (61.0, -8.0 + 1.4 * t, FRAC_PI_2));
+    add_seen(&mut d, "bus", Bus, (12.0, 2.6), |i| i > 5 && i != 40, |t| (-30.0 + 9.0 * t, 3.4, 0.01));
+    for track in &mut d.tracks {
+        track.turn_signal = vec![Some(TurnSignal::Off); track.frames.len()];
+    }
+    let light = |time: i64, colour| LightState { lane_id: "l0".into(), to_lane_id: None, time: Nanos(time), colour };
+    d.lights = Some(vec![light(0, LightColour::Red), light(5_000_000_000, LightColour::Green)]);
+    let bus = &mut d.ego.as_mut().unwrap().bus;
+    bus.brake = vec![Some(false); 90];
+    bus.aeb = vec![Some(false); 90];
+    bus.turn_signal = vec![Some(TurnSignal::Left); 90];
+    d
+}
+
+#[test]
+fn the_table_agrees_with_the_catalogue() {
+    for (drive, complete) in [(full(), true), (drive(30, |t| (5.0 * t, 0.0, 0.0)), false), (Drive::default(), false)] {
+        let table = Table::of(&drive).0;
+        let rows = table.targets.iter().map(|t| t.frames.len()).sum::<usize>();
+        for def in Catalogue::bundled().iter() {
+            let (columns, others, len) = match def.scope {
+                Scope::Frame => (&table.frame_columns, &table.target_columns, table.times.len()),
+                Scope::Target => (&table.target_columns, &table.frame_columns, rows),
+            };
+            assert!(!others.contains_key(&def.name), "{} is in the other scope", def.name);
+            let missing = table.unavailable.contains_key(&def.name);
+            let Some(column) = columns.get(&def.name) else {
+                assert!(missing, "{} is neither given nor unavailable", def.name);
+                continue;
+            };
+            assert!(!missing, "{} is given and unavailable", def.name);
+            assert_eq!(column.len(), len, "{}", def.name);
+            match (column, &def.kind) {
+                (Column::Number(_), SignalKind::Number(_)) | (Column::Flag(_), SignalKind::Flag) => {}
+                (Column::Category { names, codes }, SignalKind::Category(values)) => {
+                    assert_eq!(names, values, "{}", def.name);
+                    assert!(codes.iter().all(|&c| usize::from(c) < values.len() || c == u16::MAX), "{}", def.name);
+                }
+                _ => panic!("{} has values of another kind than the catalogue says", def.name),
+            }
+            if complete {
+                assert!(column.known_count() > 0, "{} is known nowhere", def.name);
+            }
+        }
+        let known = table.frame_columns.keys().chain(table.target_columns.keys()).chain(table.unavailable.keys());
+        assert!(known.into_iter().all(|n| Catalogue::bundled().get(n).is_some()));
+        assert!(!complete || table.unavailable.is_empty(), "{:?}", table.unavailable);
+    }
+}
+
+#[test]
+fn the_light_that_holds_is_the_latest_one_ahead() {
+    let t = Table::of(&full());
+    // The ego is in l0 from 4 s on (its lane change crosses the line then); the light turns green at 5 s of the
+    // epoch, which is 4 s of the drive (it starts at 1 s).
+    assert_eq!(t.ego_category("light.state", 10), Some("none"), "the right lane has no light");
+    assert_eq!(t.ego_category("light.state", 50), Some("green"));
+    // At 5 s: x = 45, front bumper 47, stop line 58.
+    near(t.ego("light.distance_to_stop_line", 50), 11.0, 0.1);
+    assert_eq!(t.ego_category("light.state", 70), Some("none"), "passed at 6.4 s");
+}
+
+fn moved(mut d: Drive, angle: f64, dx: f64, dy: f64, later: i64) -> Drive {
+    let (sin, cos) = angle.sin_cos();
+    let turn = |x: f64, y: f64| (x * cos - y * sin, x * sin + y * cos);
+    let shift = |m: &mut whyroad_model::scene::Motion| {
+        for i in 0..m.len() {
+            (m.vx[i], m.vy[i]) = turn(m.vx[i], m.vy[i]);
+            let (x, y) = turn(m.x[i], m.y[i]);
+            (m.x[i], m.y[i]) = (x + dx, y + dy);
+            m.heading[i] = (m.heading[i] + angle).sin().atan2((m.heading[i] + angle).cos());
+        }
+    };
+    shift(&mut d.ego.as_mut().unwrap().motion);
+    d.tracks.iter_mut().for_each(|t| shift(&mut t.motion));
+    let map = d.map.as_mut().unwrap();
+    let lanes = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.centre]);
+    let areas = map.crosswalks.iter_mut().chain(&mut map.junctions).map(|a| &mut a.boundary);
+    for p in lanes.chain(areas).chain(map.stop_lines.iter_mut().map(|l| &mut l.line)).flatten() {
+        let (x, y) = turn(p.x, p.y);
+        (p.x, p.y) = (x + dx, y + dy);
+    }
+    d.times.iter_mut().for_each(|t| t.0 += later);
+    d.lights.iter_mut().flatten().for_each(|l| l.time.0 += later);
+    d
+}
+
+/// Values agree, numbers to within what moving the origin by kilometres costs in rounding.
+fn same(a: &Column, b: &Column, row: usize) -> bool {
+    match (a.number(row), b.number(row)) {
+        (Some(x), Some(y)) => x == y || (x - y).abs() < 1e-4 * (1.0 + x.abs()),
+        (None, None) => a.flag(row) == b.flag(row) && a.category(row) == b.category(row),
+        _ => false,
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn nothing_depends_on_the_worlds_axes_origin_or_clock(
+        angle in -PI..PI, dx in -5e3..5e3, dy in -5e3..5e3, later in 0_i64..1_000_000_000_000,
+    ) {
+        let (a, b) = (Table::of(&full()).0, Table::of(&moved(full(), angle, dx, dy, later)).0);
+        for (name, column) in a.frame_columns.iter().chain(&a.target_columns) {
+            // The world's own quantity; and what a probe every half metre or a threshold may shift by a step.
+            if matches!(name.as_str(), "ego.heading" | "map.distance_to_junction" | "map.distance_to_crosswalk") {
+                continue;
+            }
+            let other = b.frame_columns.get(name).or_else(|| b.target_columns.get(name)).unwrap();
+            let differing = (0..column.len()).filter(|&i| !same(column, other, i)).count();
+            // A value exactly on a threshold may fall to either side of it by rounding: one row at most.
+            prop_assert!(differing <= 1, "{name}: {differing} of {} rows differ", column.len());
+        }
+    }
+}
