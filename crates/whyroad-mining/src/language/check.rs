@@ -84,9 +84,23 @@ impl<'a> Checker<'a> {
             Some(q) if q.unit.dimension == Dimension::Time && q.value >= 0.0 => {
                 Ok(Nanos::from_secs_f64(q.base()))
             }
+            None if matches!(&expr.kind, ExprKind::Name(_)) => self.unknown_duration(expr),
             _ => Err(Fault::new("rule.unit.mismatch", expr.span, "此处应为时长", "expected a time")
                 .hint("例如 0.5 s", "such as 0.5 s")),
         }
+    }
+
+    /// A name where a time is needed that is no parameter: either no name at all, or that of something else.
+    fn unknown_duration(&self, expr: &Expr) -> Result<Nanos, Fault> {
+        if let ExprKind::Name(name) = &expr.kind
+            && self.catalogue.get(name).is_none()
+            && !self.definitions.contains_key(name)
+        {
+            let own = self.parameters.keys().map(String::as_str);
+            return Err(names::unknown(self.catalogue, name, expr.span, own));
+        }
+        Err(Fault::new("rule.unit.mismatch", expr.span, "此处应为固定的时长", "expected a fixed time")
+            .hint("例如 0.5 s 或参数名", "such as 0.5 s, or a parameter's name"))
     }
 
     /// The node of an expression of any type.

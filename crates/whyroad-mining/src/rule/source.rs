@@ -7,6 +7,7 @@ use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
 use serde::Deserialize;
 use serde_yaml_ng::{Mapping, Value};
+use std::collections::BTreeSet;
 use whyroad_framework::ResolvedSpec;
 use whyroad_framework::spec::MomentSpec;
 use whyroad_model::units::Dimension;
@@ -88,7 +89,13 @@ pub fn compile(
             return Err(vec![Diagnostic::error("rule.block", message).at(origin.place("/mining"))]);
         }
     };
-    let mut c = Compiler { checker: Checker::new(catalogue), catalogue, origin, found: Vec::new() };
+    let mut c = Compiler {
+        checker: Checker::new(catalogue),
+        catalogue,
+        origin,
+        found: Vec::new(),
+        broken: BTreeSet::new(),
+    };
     c.parameters(&block.parameters);
     c.define(&block.define);
     let subject = c.subject(block.target.as_deref());
@@ -143,10 +150,16 @@ struct Compiler<'a> {
     catalogue: &'a Catalogue,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
+    /// Parameters and definitions that have been reported: that they are missing elsewhere is not news.
+    broken: BTreeSet<String>,
 }
 
 impl Compiler<'_> {
     fn report(&mut self, key: &str, text: &str, fault: Fault) {
+        let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
+        if fault.code == "rule.signal.unknown" && self.broken.contains(marked) {
+            return;
+        }
         self.found.push(self.origin.diagnose(key, text, fault));
     }
 
@@ -201,6 +214,7 @@ impl Compiler<'_> {
                         format!("a parameter has a value and a reason: {e}"),
                     );
                     self.report(&key, name, fault);
+                    self.broken.insert(name.to_owned());
                     continue;
                 }
             };
@@ -219,8 +233,13 @@ impl Compiler<'_> {
                 };
                 self.report(&key, name, fault);
             }
-            if let Some(q) = self.quantity(&parameter.value, &key) {
-                self.checker.parameters.insert(name.to_owned(), q);
+            match self.quantity(&parameter.value, &key) {
+                Some(q) => {
+                    self.checker.parameters.insert(name.to_owned(), q);
+                }
+                None => {
+                    self.broken.insert(name.to_owned());
+                }
             }
         }
     }
@@ -236,7 +255,10 @@ impl Compiler<'_> {
                 Ok(definition) => {
                     self.checker.definitions.insert(name.to_owned(), definition);
                 }
-                Err(fault) => self.report(&format!("/mining/define/{name}"), text, fault),
+                Err(fault) => {
+                    self.report(&format!("/mining/define/{name}"), text, fault);
+                    self.broken.insert(name.to_owned());
+                }
             }
         }
     }

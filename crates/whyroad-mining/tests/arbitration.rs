@@ -1,0 +1,117 @@
+//! One primary class a moment. The pairs are those of LABELING.md 8 and its worked cases in section 1.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use whyroad_framework::Framework;
+use whyroad_mining::episode::arbitrate::arbitrate;
+use whyroad_mining::rule::Precedence;
+use whyroad_mining::{Episode, Rank};
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId};
+
+fn precedence() -> Precedence {
+    let framework = Framework::bundled();
+    let (precedence, found) = Precedence::parse(&framework.precedence_yaml, &framework.taxonomy);
+    assert!(found.is_empty(), "{found:?}");
+    precedence
+}
+
+fn episode(class: &str, target: &str, keyframe: usize, score: f64) -> Episode {
+    Episode {
+        scenario: class.parse().unwrap(),
+        target: (!target.is_empty()).then(|| target.into()),
+        matched: FrameRange::new(keyframe, keyframe + 20),
+        kind: KeyframeType::Reactive,
+        keyframe,
+        range: FrameRange::new(keyframe, keyframe + 20),
+        context: FrameRange::new(keyframe, keyframe + 20),
+        keyframe_rule: Bilingual::default(),
+        score,
+        conditions: vec![],
+        signals: vec![],
+        rank: Rank::Primary,
+    }
+}
+
+fn primaries(episodes: Vec<Episode>) -> Vec<(String, usize)> {
+    let times: Vec<Nanos> = (0..500).map(|i| Nanos(i * 100_000_000)).collect();
+    let arbitrated = arbitrate(episodes, &times, &precedence());
+    for e in &arbitrated {
+        if let Rank::SecondaryTo(p) = e.rank {
+            assert_eq!(arbitrated[p].rank, Rank::Primary, "secondary to what is not primary");
+        }
+    }
+    let primary = arbitrated.iter().filter(|e| e.rank == Rank::Primary);
+    primary.map(|e| (e.scenario.to_string(), e.keyframe)).collect()
+}
+
+#[test]
+fn pairs_that_overlap_are_decided_as_the_taxonomy_says() {
+    let pairs = [
+        // (primary, secondary)
+        ("proactive.roundabout.entry", "reactive_rule.special_facility.roundabout"),
+        ("reactive_agent.intersection_interaction.unprotected_left", "proactive.turn.left_unprotected"),
+        ("reactive_agent.following.lead_sudden_brake", "reactive_agent.vehicle_abnormal.sudden_brake"),
+        ("reactive_rule.traffic_light.resume_follow", "reactive_agent.following.follow_start"),
+        ("reactive_rule.special_facility.gate", "proactive.pull_over.gate_stop"),
+        ("reactive_rule.speed_limit.bump_limit", "reactive_road.surface_adaptation.speed_bump"),
+        // The proximate cause: the stopped lead before the red light (LABELING.md 6).
+        ("reactive_agent.following.follow_stop", "reactive_rule.traffic_light.red_stop"),
+        // A cut-in that makes the ego abort a lane change is the cut-in (LABELING.md 1).
+        ("reactive_agent.cutin.slow", "proactive.lane_change.abort"),
+        ("reactive_agent.cutin.large_vehicle", "reactive_agent.cutin.urgent"),
+        ("reactive_agent.cutin.urgent", "safety.near_miss.general"),
+        ("safety.aeb.vru", "reactive_agent.vru_crossing.crosswalk"),
+    ];
+    for (first, second) in pairs {
+        for order in [[first, second], [second, first]] {
+            let both = order.map(|c| episode(c, "x", 100, 0.7)).to_vec();
+            assert_eq!(primaries(both), [(first.to_owned(), 100)], "{first} before {second}");
+        }
+    }
+}
+
+#[test]
+fn every_class_with_a_rule_has_a_stated_place() {
+    let precedence = precedence();
+    for (l1, l2, l3) in Framework::bundled().taxonomy.leaves() {
+        let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
+        assert_ne!(precedence.rank(&id), usize::MAX, "{id} is not in schema/precedence.yaml");
+    }
+}
+
+#[test]
+fn moments_apart_do_not_compete() {
+    // The neighbourhood is 1 s: ten frames.
+    let at = |k| episode("proactive.turn.straight", "", k, 0.7);
+    let vru = |k| episode("reactive_agent.vru_crossing.crosswalk", "p", k, 0.6);
+    assert_eq!(primaries(vec![vru(100), at(109)]).len(), 1);
+    assert_eq!(primaries(vec![vru(100), at(110)]).len(), 2);
+}
+
+#[test]
+fn the_order_of_candidates_changes_nothing() {
+    let all = vec![
+        episode("reactive_agent.vru_crossing.crosswalk", "a", 100, 0.7),
+        episode("reactive_agent.vru_crossing.crosswalk", "b", 104, 0.9),
+        episode("reactive_agent.following.follow_stop", "c", 95, 0.9),
+        episode("proactive.turn.left_normal", "", 112, 0.98),
+        episode("safety.near_miss.general", "a", 118, 0.6),
+    ];
+    let times: Vec<Nanos> = (0..500).map(|i| Nanos(i * 100_000_000)).collect();
+    let expected = arbitrate(all.clone(), &times, &precedence());
+    for shift in 1..all.len() {
+        let mut turned = all.clone();
+        turned.rotate_left(shift);
+        assert_eq!(arbitrate(turned, &times, &precedence()), expected);
+    }
+}
+
+#[test]
+fn an_l2_stays_silent_where_a_leaf_knows_more() {
+    let l2 = |target: &str, k| episode("reactive_agent.cutin", target, k, 0.9);
+    let leaf = episode("reactive_agent.cutin.slow", "a", 100, 0.6);
+    let found = primaries(vec![l2("a", 100), l2("b", 300), leaf]);
+    let expected = [("reactive_agent.cutin.slow".to_owned(), 100), ("reactive_agent.cutin".to_owned(), 300)];
+    assert_eq!(found, expected);
+}
