@@ -53,13 +53,13 @@ pub(super) fn render(
     } else {
         m.piece(&picture);
     }
+    if episode.is_primary {
+        m.piece(&draft_box::render(context.framework, drive, signals, episode));
+    }
     m.raw("</div><div class=\"facts\">");
     head(&mut m, context, episode, &id);
     times(&mut m, drive, episode);
     conditions(&mut m, episode);
-    if episode.is_primary {
-        m.piece(&draft_box::render(context.framework, drive, signals, episode));
-    }
     m.raw("</div><div class=\"plots\">");
     for name in &episode.signals {
         m.piece(&plot::render(context, signals, episode.target_id.as_ref(), name, span));
