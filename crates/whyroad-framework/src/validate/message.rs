@@ -88,6 +88,13 @@ pub(super) fn check(walk: &mut Walk<'_>, kind: Kind, classes: &ClassIndex) {
     let root = walk.root;
     let Some(mut outer) = walk.object(root, String::new()) else { return };
     let inner = walk.need(&mut outer, key);
+    if matches!(kind, Kind::ScenarioPreLabel | Kind::KeyframeSuggestion) {
+        // In a file of many, which episode and clip a proposal is about.
+        for key in ["episode_id", "clip_id"] {
+            let (n, at) = (outer.get(key), outer.at(key));
+            walk.text(n, &at);
+        }
+    }
     walk.close(outer, Severity::Warning);
     let Some(inner) = inner else { return };
     match kind {

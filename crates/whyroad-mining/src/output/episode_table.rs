@@ -75,3 +75,69 @@ pub fn episode_batch(episodes: &[&MinedEpisode]) -> Result<RecordBatch, ArrowErr
     let arrays = columns.into_iter().map(|(.., a)| a).collect();
     RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::record::write_down;
+    use crate::{Episode, Rank};
+    use arrow_array::Array;
+    use whyroad_model::messages::KeyframeType;
+    use whyroad_model::{Bilingual, FrameRange, Lang, Nanos};
+
+    /// One episode in the second clip of a drive, whose time range begins in the first.
+    fn mined(target: Option<&str>) -> MinedEpisode {
+        let episode = Episode {
+            scenario: "reactive_agent.cutin.urgent".parse().unwrap(),
+            target: target.map(Into::into),
+            matched: FrameRange::new(210, 230),
+            kind: KeyframeType::Reactive,
+            keyframe: 210,
+            range: FrameRange::new(190, 240),
+            context: FrameRange::new(160, 250),
+            keyframe_rule: Bilingual::default(),
+            score: 0.75,
+            conditions: vec![],
+            signals: vec![],
+            rank: Rank::Primary,
+        };
+        let times: Vec<Nanos> = (0..250).map(|i| Nanos(i * 100_000_000)).collect();
+        let clips = [FrameRange::new(0, 200), FrameRange::new(200, 250)];
+        write_down(&[episode], &"d".into(), &times, &clips, Lang::En).remove(0)
+    }
+
+    #[test]
+    fn columns_are_those_that_issue_2_names() {
+        let (a, b) = (mined(Some("t")), mined(None));
+        let batch = episode_batch(&[&a, &b]).unwrap();
+        let told: Vec<String> = batch
+            .schema()
+            .fields()
+            .iter()
+            .map(|f| format!("{} {}{}", f.name(), f.data_type(), if f.is_nullable() { "?" } else { "" }))
+            .collect();
+        let expected = "episode_id Utf8, scenario_id Utf8, drive_id Utf8, clip_id Utf8, target_id Utf8?, \
+             start_ns Int64, keyframe_ns Int64, end_ns Int64, start_frame_idx Int32, keyframe_frame_idx Int32, \
+             end_frame_idx Int32, score Float64, is_primary Boolean, primary_episode_id Utf8?";
+        assert_eq!(told.join(", "), expected);
+        assert!(batch.column(4).is_valid(0) && batch.column(4).is_null(1));
+    }
+
+    #[test]
+    fn frames_are_those_of_the_clip_and_times_those_of_the_drive() {
+        let record = mined(None).record;
+        assert_eq!(record.clip_id.as_str(), "d_001");
+        assert_eq!(record.episode_id, "d_001_reactive_agent.cutin.urgent_ego_010");
+        // Frame 190 of the drive is in the clip before: clamped to 0. Frame 240 is frame 40 of the clip.
+        assert_eq!((record.time_range.start_frame_idx, record.time_range.end_frame_idx), (Some(0), Some(40)));
+        assert_eq!(record.time_range.start_timestamp, Nanos(19_000_000_000));
+        assert_eq!(record.time_range.end_timestamp, Nanos(24_000_000_000));
+        // What a labeller is shown is clamped in time too; 50 frames are the whole second clip.
+        let context = mined(None).suggestion.context_range;
+        assert_eq!(
+            (context.start_timestamp, context.end_timestamp),
+            (Nanos(20_000_000_000), Nanos(25_000_000_000))
+        );
+        assert_eq!((context.start_frame_idx, context.end_frame_idx), (Some(0), Some(50)));
+    }
+}

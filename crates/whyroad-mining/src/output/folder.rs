@@ -61,15 +61,6 @@ pub struct Summary {
     pub coverage: Coverage,
 }
 
-/// A message with the keys of its episode beside its outer key.
-#[derive(Serialize)]
-struct OfEpisode<'a, M> {
-    #[serde(flatten)]
-    message: M,
-    episode_id: &'a str,
-    clip_id: &'a str,
-}
-
 /// Writes everything. A single question's result is also `mining_result.json`.
 pub fn write_folder(
     out: &Path,
@@ -99,18 +90,18 @@ pub fn write_folder(
     write_lines(&out.join("episodes.jsonl"), episodes.iter().map(|e| &e.record))?;
     write_lines(
         &out.join("pre_labels.jsonl"),
-        episodes.iter().map(|e| OfEpisode {
-            message: ScenarioPreLabelMessage { scenario_pre_label: e.pre_label.clone() },
-            episode_id: &e.record.episode_id,
-            clip_id: e.record.clip_id.as_str(),
+        episodes.iter().map(|e| ScenarioPreLabelMessage {
+            scenario_pre_label: e.pre_label.clone(),
+            episode_id: Some(e.record.episode_id.clone()),
+            clip_id: Some(e.record.clip_id.to_string()),
         }),
     )?;
     write_lines(
         &out.join("keyframe_suggestions.jsonl"),
-        episodes.iter().map(|e| OfEpisode {
-            message: KeyframeSuggestionMessage { keyframe_suggestion: e.suggestion.clone() },
-            episode_id: &e.record.episode_id,
-            clip_id: e.record.clip_id.as_str(),
+        episodes.iter().map(|e| KeyframeSuggestionMessage {
+            keyframe_suggestion: e.suggestion.clone(),
+            episode_id: Some(e.record.episode_id.clone()),
+            clip_id: Some(e.record.clip_id.to_string()),
         }),
     )?;
     let clips = mined.drives.iter().flat_map(|d| d.clips.iter().map(|c| with_pre_labels(c, &d.episodes)));

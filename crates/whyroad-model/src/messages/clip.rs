@@ -88,6 +88,12 @@ pub struct PreLabelScenario {
 pub struct ScenarioPreLabelMessage {
     /// The pre-label.
     pub scenario_pre_label: ScenarioPreLabel,
+    /// Episode that this is about, in a file of many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub episode_id: Option<String>,
+    /// Clip that this is about, in a file of many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip_id: Option<String>,
 }
 
 /// Mining's proposal for one episode.
@@ -115,6 +121,12 @@ pub struct ScenarioPreLabel {
 pub struct KeyframeSuggestionMessage {
     /// The suggestion.
     pub keyframe_suggestion: KeyframeSuggestion,
+    /// Episode that this is about, in a file of many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub episode_id: Option<String>,
+    /// Clip that this is about, in a file of many.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip_id: Option<String>,
 }
 
 /// Where mining would put the keyframe.

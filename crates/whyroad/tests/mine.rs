@@ -1,0 +1,324 @@
+//! `whyroad mine` as a user runs it, on the bundled simulated drives. What must be found comes from the
+//! simulator's own outputs (`examples/drives/*/truth.jsonl`, made by `truth.py`), never from our signals.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+const DRIVES: [&str; 3] = ["back_street", "multilane", "signal_junction"];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn whyroad(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_whyroad")).args(args).env_remove("WHYROAD_LANG").output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// A lake with the bundled drives.
+fn lake() -> TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for drive in DRIVES {
+        let path = root().join("examples/drives").join(drive);
+        let out =
+            whyroad(&["ingest", "sumo", path.to_str().unwrap(), "--lake", dir.path().to_str().unwrap()]);
+        assert!(out.status.success(), "{}", text(&out.stderr));
+    }
+    dir
+}
+
+/// One lake, mined with all rules.
+static MINED: LazyLock<(TempDir, TempDir, Output)> = LazyLock::new(|| {
+    let (lake, out) = (lake(), tempfile::tempdir().unwrap());
+    let output = mine(lake.path(), out.path(), &[]);
+    (lake, out, output)
+});
+
+fn mine(lake: &Path, out: &Path, more: &[&str]) -> Output {
+    let mut args = vec!["mine", "--lake", lake.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    args.extend(more);
+    whyroad(&args)
+}
+
+fn lines(path: &Path) -> Vec<Value> {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+struct Span {
+    class: String,
+    drive: String,
+    target: Option<String>,
+    start: i64,
+    keyframe: i64,
+    end: i64,
+}
+
+fn nanos(v: &Value) -> i64 {
+    whyroad_model::Nanos::parse_iso(v.as_str().unwrap()).unwrap().0
+}
+
+fn found(out: &Path) -> Vec<Span> {
+    let word = |v: &Value, key: &str| v[key].as_str().map(str::to_owned);
+    lines(&out.join("episodes.jsonl"))
+        .iter()
+        .map(|v| Span {
+            class: word(v, "scenario_id").unwrap(),
+            drive: word(v, "drive_id").unwrap(),
+            target: word(v, "target_id"),
+            start: nanos(&v["time_range"]["start_timestamp"]),
+            keyframe: nanos(&v["keyframe"]["timestamp"]),
+            end: nanos(&v["time_range"]["end_timestamp"]),
+        })
+        .collect()
+}
+
+/// The matching of issue 4: same class and drive, same target where both name one, and keyframes within 1 s or
+/// intervals with an IoU of 0.3.
+fn same(truth: &Value, e: &Span) -> bool {
+    let ns = |key: &str| truth[key].as_i64().unwrap();
+    let target = truth["target_id"].as_str();
+    let agree = truth["scenario_id"] == e.class.as_str()
+        && truth["drive_id"] == e.drive.as_str()
+        && target.zip(e.target.as_deref()).is_none_or(|(a, b)| a == b);
+    let overlap = (ns("end_ns").min(e.end) - ns("start_ns").max(e.start)).max(0) as f64;
+    let union = (ns("end_ns").max(e.end) - ns("start_ns").min(e.start)) as f64;
+    agree && ((ns("keyframe_ns") - e.keyframe).abs() <= 1_000_000_000 || overlap / union >= 0.3)
+}
+
+#[test]
+fn what_happened_in_the_simulator_is_found_and_nothing_else() {
+    let (_, out, output) = &*MINED;
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let episodes = found(out.path());
+    let mut used = vec![false; episodes.len()];
+    let (mut missed, mut heads) = (Vec::new(), Vec::new());
+    for drive in DRIVES {
+        let truth = lines(&root().join("examples/drives").join(drive).join("truth.jsonl"));
+        assert!(truth.len() > 1);
+        for t in &truth[1..] {
+            match (0..episodes.len()).find(|&i| !used[i] && same(t, &episodes[i])) {
+                Some(i) => used[i] = true,
+                None => missed.push(t.to_string()),
+            }
+        }
+        heads.push(truth[0].clone());
+    }
+    assert!(missed.is_empty(), "missed:\n{}", missed.join("\n"));
+    // Where the truth is complete, what is found beyond it is false.
+    let complete = |e: &Span| {
+        heads.iter().any(|h| {
+            let has = |key: &str, word: &str| h[key].as_array().unwrap().iter().any(|v| v == word);
+            has("complete", &e.class) && has("drives", &e.drive)
+        })
+    };
+    let beyond = episodes.iter().zip(&used).filter(|(e, used)| !**used && complete(e)).map(|(e, _)| e);
+    let beyond: Vec<String> =
+        beyond.map(|e| format!("{} {} {:?} at {}", e.drive, e.class, e.target, e.keyframe)).collect();
+    assert!(beyond.is_empty(), "false:\n{}", beyond.join("\n"));
+}
+
+#[test]
+fn every_message_is_valid() {
+    let (_, out, _) = &*MINED;
+    let paths = ["mining_results", "pre_labels.jsonl", "keyframe_suggestions.jsonl", "clip_metadata.jsonl"];
+    let paths: Vec<String> = paths.iter().map(|p| out.path().join(p).to_str().unwrap().to_owned()).collect();
+    let mut args = vec!["validate"];
+    args.extend(paths.iter().map(String::as_str));
+    let checked = whyroad(&args);
+    assert!(checked.status.success(), "{}", text(&checked.stdout));
+    assert!(!text(&checked.stdout).contains("warning["), "{}", text(&checked.stdout));
+}
+
+#[test]
+fn the_files_tell_one_story() {
+    let (_, out, output) = &*MINED;
+    let episodes = lines(&out.path().join("episodes.jsonl"));
+    assert_eq!(lines(&out.path().join("pre_labels.jsonl")).len(), episodes.len());
+    assert_eq!(lines(&out.path().join("keyframe_suggestions.jsonl")).len(), episodes.len());
+    // Three drives of 48 to 64 s: three or four clips each.
+    let clips = lines(&out.path().join("clip_metadata.jsonl"));
+    assert!((9..=12).contains(&clips.len()), "{}", clips.len());
+    let coverage = json(&out.path().join("coverage.json"));
+    let leaves = coverage["leaves"].as_array().unwrap();
+    assert_eq!(leaves.len(), 122);
+    let counted: u64 = leaves.iter().map(|l| l["episodes"].as_u64().unwrap()).sum();
+    let unresolved = coverage["unresolved"].as_array().unwrap();
+    let counted_above: u64 = unresolved.iter().map(|l| l["episodes"].as_u64().unwrap()).sum();
+    assert_eq!(counted + counted_above, episodes.len() as u64);
+    for e in &episodes {
+        let clip = clips.iter().map(|c| &c["clip_metadata"]).find(|c| c["clip_id"] == e["clip_id"]).unwrap();
+        let frames = clip["total_frames"].as_u64().unwrap();
+        let frame = |v: &Value| v.as_u64().unwrap();
+        let (range, key) = (&e["time_range"], frame(&e["keyframe"]["frame_idx"]));
+        assert!(frame(&range["start_frame_idx"]) <= key && key < frame(&range["end_frame_idx"]), "{e}");
+        assert!(frame(&range["end_frame_idx"]) <= frames, "{e}");
+        if e["is_primary"] == false {
+            let primary = episodes.iter().find(|p| p["episode_id"] == e["primary_episode_id"]).unwrap();
+            assert_eq!(primary["is_primary"], true);
+        }
+    }
+    let table = text(&output.stdout);
+    assert!(table.contains("reactive_agent.cutin.large_vehicle"), "{table}");
+}
+
+#[test]
+fn one_thread_or_many_write_the_same_bytes() {
+    let (lake, out, _) = &*MINED;
+    let single = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        .args(["mine", "--lake", lake.path().to_str().unwrap(), "--out", single.path().to_str().unwrap()])
+        .env("RAYON_NUM_THREADS", "1")
+        .env_remove("WHYROAD_LANG")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    for file in
+        ["episodes.parquet", "episodes.jsonl", "clip_metadata.jsonl", "coverage.json", "pre_labels.jsonl"]
+    {
+        let read = |dir: &Path| std::fs::read(dir.join(file)).unwrap();
+        assert_eq!(read(out.path()), read(single.path()), "{file}");
+    }
+}
+
+/// DATA_FORMAT.md 5.1, as printed there.
+const PRINTED: &str = r#"{
+  "mining_query": {
+    "scenario_id": "reactive_agent.cutin",
+    "conditions": [
+      { "field": "target_vehicle.lateral_offset", "operator": ">", "value": 0.5, "unit": "m" },
+      { "field": "ttc", "operator": "<", "value": 5, "unit": "s" }
+    ],
+    "time_constraints": {
+      "condition_duration_min": 0.5,
+      "condition_duration_max": null
+    },
+    "output_limit": 1000
+  }
+}"#;
+
+fn ask(query: &str) -> (Output, Option<Value>) {
+    let (lake, ..) = &*MINED;
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("query.json");
+    std::fs::write(&file, query).unwrap();
+    let out = mine(lake.path(), &dir.path().join("out"), &["--query", file.to_str().unwrap()]);
+    let result = dir.path().join("out/mining_result.json");
+    let result = result.exists().then(|| json(&result)["mining_result"].clone());
+    (out, result)
+}
+
+#[test]
+fn the_printed_query_answers_with_measured_values() {
+    let (out, result) = ask(PRINTED);
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let result = result.unwrap();
+    let clips = result["clips"].as_array().unwrap();
+    assert!(!clips.is_empty(), "the cutter of `multilane` is 23 m ahead and 7 m/s slower");
+    assert!(clips.iter().any(|c| c["target_id"] == "cutter"), "{result:#}");
+    for clip in clips {
+        let conditions = clip["conditions_matched"].as_array().unwrap();
+        let names: Vec<_> = conditions.iter().map(|c| c["condition"].as_str().unwrap()).collect();
+        assert_eq!(names, ["target_vehicle.lateral_offset > 0.5m", "ttc < 5s"]);
+        assert!(conditions[0]["actual_value"].as_f64().unwrap() > 0.5);
+        assert!(conditions[1]["actual_value"].as_f64().unwrap() < 5.0);
+    }
+    let total = result["total_matched"].as_u64().unwrap();
+    let by_score = result["statistics"]["score_distribution"].as_object().unwrap();
+    assert_eq!(by_score.values().map(|v| v.as_u64().unwrap()).sum::<u64>(), total);
+}
+
+#[test]
+fn the_limit_keeps_the_best_and_the_total() {
+    let all = ask(PRINTED).1.unwrap();
+    let one = ask(&PRINTED.replace("1000", "1")).1.unwrap();
+    assert_eq!(one["total_matched"], all["total_matched"]);
+    assert_eq!((one["returned"].as_u64(), one["clips"].as_array().unwrap().len()), (Some(1), 1));
+    assert_eq!(one["clips"][0], all["clips"][0]);
+    let scores: Vec<f64> =
+        all["clips"].as_array().unwrap().iter().map(|c| c["match_score"].as_f64().unwrap()).collect();
+    assert!(scores.is_sorted_by(|a, b| a >= b), "{scores:?}");
+    assert_eq!(one["statistics"], all["statistics"], "figures are over everything that matches");
+}
+
+#[test]
+fn durations_bound_the_matches() {
+    let with = |min: &str, max: &str| {
+        let text = PRINTED.replace("0.5,\n", &format!("{min},\n")).replace("null", max);
+        ask(&text).1.unwrap()["total_matched"].as_u64().unwrap()
+    };
+    let any = with("null", "null");
+    let (short, long) = (with("null", "0.95"), with("1.05", "null"));
+    assert!(any > 0 && short + long <= any);
+    assert_eq!(with("1000", "null"), 0);
+}
+
+#[test]
+fn a_wrong_query_is_refused() {
+    for (from, to, code) in [
+        ("lateral_offset", "lateral_ofset", "rule.signal.unknown"),
+        ("reactive_agent.cutin", "reactive_agent.cutn", "mine.query.scenario"),
+        ("\"unit\": \"s\"", "\"unit\": \"m\"", "rule.unit.mismatch"),
+        ("{\n  \"mining_query\"", "{\n  mining_query", "mine.query.syntax"),
+    ] {
+        let (out, result) = ask(&PRINTED.replacen(from, to, 1));
+        assert_eq!(out.status.code(), Some(1));
+        assert!(text(&out.stderr).contains(code), "{}", text(&out.stderr));
+        assert!(result.is_none());
+    }
+}
+
+#[test]
+fn one_class_can_be_asked_for() {
+    let (lake, everything, _) = &*MINED;
+    let out = tempfile::tempdir().unwrap();
+    let output = mine(lake.path(), out.path(), &["--scenario", "cutin"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let result = &json(&out.path().join("mining_result.json"))["mining_result"];
+    assert_eq!(result["scenario_id"], "reactive_agent.cutin");
+    let ours = lines(&out.path().join("episodes.jsonl"));
+    let all = lines(&everything.path().join("episodes.jsonl"));
+    let cutins: Vec<_> =
+        all.into_iter().filter(|e| e["scenario_id"].as_str().unwrap().contains(".cutin")).collect();
+    assert_eq!(ours, cutins, "asking for less changes nothing in what is found");
+    let unknown = mine(lake.path(), out.path(), &["--scenario", "cutn"]);
+    assert_eq!(unknown.status.code(), Some(1));
+    assert!(text(&unknown.stderr).contains("reactive_agent.cutin"), "{}", text(&unknown.stderr));
+    let without = mine(lake.path(), out.path(), &["--scenario", "reactive_agent.animal"]);
+    assert!(text(&without.stderr).contains("mine.scenario.no_rule"), "{}", text(&without.stderr));
+}
+
+#[test]
+fn a_damaged_drive_does_not_stop_the_others() {
+    let (lake, out) = (lake(), tempfile::tempdir().unwrap());
+    let table = lake.path().join("drives/multilane-ego/tracks.parquet");
+    let bytes = std::fs::read(&table).unwrap();
+    std::fs::write(&table, &bytes[..bytes.len() / 2]).unwrap();
+    let output = mine(lake.path(), out.path(), &[]);
+    assert_eq!(output.status.code(), Some(3));
+    let said = text(&output.stderr);
+    assert!(said.contains("mine.drive.unreadable") && said.contains("multilane-ego"), "{said}");
+    let drives: std::collections::BTreeSet<_> = found(out.path()).into_iter().map(|e| e.drive).collect();
+    assert_eq!(drives.into_iter().collect::<Vec<_>>(), ["back_street-ego", "signal_junction-ego"]);
+}
+
+#[test]
+fn an_empty_lake_and_no_lake() {
+    let (dir, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    assert_eq!(mine(dir.path(), out.path(), &[]).status.code(), Some(1));
+    whyroad_lake::Lake::create_or_open(dir.path()).unwrap();
+    let output = mine(dir.path(), out.path(), &[]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(lines(&out.path().join("episodes.jsonl")).is_empty());
+}
