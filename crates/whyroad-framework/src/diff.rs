@@ -5,12 +5,18 @@
 //! decides between two classes that had none, other typical decisions (which guide and do not bind). Everything
 //! else is wording, order or reference: **patch**.
 //!
-//! What a definition, condition or deciding rule means is judged in `wording`.
+//! What a definition, condition or deciding rule means is judged in `wording`. Two whole frameworks are compared by
+//! [`diff_frameworks`]: their labelling specs (`labelling`) and mining rules (`mining`) too.
 
+mod framework;
+mod labelling;
+mod mining;
 mod wording;
 
+pub use framework::{FileVersion, diff_frameworks};
+
 use crate::taxonomy::{Decides, L1, L2, L3, Taxonomy, TypicalDecisions};
-use crate::version::{Step, Version};
+use crate::version::Step;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, ScenarioId};
@@ -23,12 +29,14 @@ pub struct TaxonomyDiff {
     pub from_version: String,
     /// Version that B states.
     pub to_version: String,
-    /// In tree order of B, removed classes first.
+    /// By kind; within a kind in tree order of B, removed classes in that of A.
     pub changes: Vec<Change>,
-    /// The least step that these changes call for.
+    /// The least step that all these changes call for.
     pub step: Step,
-    /// What the two versions say.
+    /// What the versions say; the worst of all files.
     pub version_check: VersionCheck,
+    /// Each file whose version counts: the taxonomy, then the files of `scenarios/` with changes.
+    pub files: Vec<FileVersion>,
 }
 
 /// One change.
@@ -72,20 +80,24 @@ pub enum ChangeKind {
     Reworded,
     /// Order among siblings, or a reference.
     Arranged,
+    /// Another labelling spec, inheritance applied. The id of an L1 or L2 stands for all leaves below it.
+    Labelling,
+    /// Another mining rule, as written.
+    Mining,
 }
 
-/// Whether B's version is high enough.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// Whether B's version is high enough. In order of how bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VersionCheck {
     /// The stated step is as large as it must be, or larger.
     Consistent,
+    /// A or B states no version.
+    Unknown,
     /// B states a smaller step than its changes call for.
     TooSmall,
     /// B states an earlier version than A.
     Backwards,
-    /// A or B states no version.
-    Unknown,
 }
 
 /// A class of any level, its texts side by side.
@@ -134,26 +146,25 @@ pub fn diff(a: &Taxonomy, b: &Taxonomy) -> TaxonomyDiff {
     // Stable: within a kind the order stays that of the tree.
     changes.sort_by_key(|c| c.kind);
     let step = changes.iter().map(|c| c.step).max().unwrap_or_default();
-    let version_check = match (Version::parse(&a.version), Version::parse(&b.version)) {
-        (Some(x), Some(y)) => match x.step_to(y) {
-            None => VersionCheck::Backwards,
-            Some(stated) if stated < step => VersionCheck::TooSmall,
-            Some(_) => VersionCheck::Consistent,
-        },
-        _ => VersionCheck::Unknown,
-    };
+    let file = FileVersion::of(framework::TAXONOMY, &a.version, &b.version, step);
     TaxonomyDiff {
         from_version: a.version.clone(),
         to_version: b.version.clone(),
         changes,
         step,
-        version_check,
+        version_check: file.version_check,
+        files: vec![file],
     }
 }
 
 impl Change {
     fn of(kind: ChangeKind, id: ScenarioId, step: Step) -> Self {
         Self { kind, id, from_id: None, field: None, before: None, after: None, step }
+    }
+
+    fn texts(mut self, field: &'static str, before: Bilingual, after: Bilingual) -> Self {
+        (self.field, self.before, self.after) = (Some(field), Some(before), Some(after));
+        self
     }
 }
 
@@ -240,12 +251,7 @@ fn same_name(x: &Bilingual, y: &Bilingual) -> bool {
 
 fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, out: &mut Vec<Change>) {
     let mut push = |kind, field, before: Bilingual, after: Bilingual, step| {
-        out.push(Change {
-            field: Some(field),
-            before: Some(before),
-            after: Some(after),
-            ..Change::of(kind, id.clone(), step)
-        });
+        out.push(Change::of(kind, id.clone(), step).texts(field, before, after));
     };
     if compare_text(x.name, y.name) != Wording::Same {
         push(ChangeKind::Renamed, "name", x.name.clone(), y.name.clone(), Step::Patch);

@@ -21,6 +21,10 @@ pub struct Framework {
     pub l2_specs: BTreeMap<ScenarioId, ResolvedSpec>,
     /// One `mining:` block an L2 or leaf that has one, in taxonomy order, an L2 before its leaves.
     pub rules: Vec<RuleSource>,
+    /// Every expression of the labelling specs as written, in the order of the files.
+    pub expressions: Vec<ExpressionSource>,
+    /// Version that each file of `scenarios/` states, by relative path.
+    pub spec_versions: BTreeMap<String, String>,
     /// Words that name decisions in a trace.
     pub lexicon: Lexicon,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
@@ -41,6 +45,23 @@ pub struct RuleSource {
     /// Line of the block in the file, from 1.
     pub line: usize,
     /// The whole file, so that a fault in an expression can be shown where it stands.
+    pub text: Arc<str>,
+}
+
+/// An `expr` of a labelling spec as written: a moment of the rule language. whyroad-mining gives it meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpressionSource {
+    /// The class whose labelling it belongs to: an L1, an L2 or a leaf.
+    pub class: ScenarioId,
+    /// `scenarios/<l1>.yaml` or `scenarios/<l1>/<l2>.yaml`.
+    pub file: String,
+    /// The expression.
+    pub expression: String,
+    /// Line of the expression, from 1.
+    pub line: usize,
+    /// JSON pointer (RFC 6901) of the expression.
+    pub pointer: String,
+    /// The whole file.
     pub text: Arc<str>,
 }
 

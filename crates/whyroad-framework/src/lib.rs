@@ -18,7 +18,7 @@ pub mod version;
 mod yaml;
 
 pub use decisions::DecisionSets;
-pub use framework::{Framework, RuleSource};
+pub use framework::{ExpressionSource, Framework, RuleSource};
 pub use spec::ResolvedSpec;
 pub use taxonomy::{L1, L2, L3, Resolution, Taxonomy};
 pub use validate::Lexicon;

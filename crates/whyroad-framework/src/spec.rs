@@ -1,10 +1,12 @@
 //! Labelling specs after inheritance: what a labeller of one leaf has to do (LABELING.md 4, TAXONOMY.md last
 //! column). An L3 says what differs from its L2, an L2 what differs from its L1's default.
 
+mod expressions;
 mod inherit;
 pub mod raw;
 mod read;
 
+pub(crate) use expressions::Written;
 pub(crate) use inherit::{finish, overlay};
 pub(crate) use read::{ReadSpec, read_spec};
 

@@ -7,18 +7,10 @@ use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_model::{Diagnostic, diagnostic};
 
-/// The texts of the framework in force by relative path (`schema/...`, `scenarios/...`).
-pub(crate) fn files(global: &Global) -> anyhow::Result<BTreeMap<String, String>> {
-    match &global.framework {
-        None => Ok(Framework::bundled_files()),
-        Some(dir) => read_folder(dir),
-    }
-}
-
 /// The framework in force, with what is wrong in it said on stderr. An error when it has no usable taxonomy.
 pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
-    let (framework, found) = Framework::from_files(&read_folder(dir)?);
+    let (framework, found) = read(dir)?;
     for d in &found {
         eprint!("{}", diagnostic::render_text(d, global.lang));
     }
@@ -26,6 +18,33 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
         Some(framework) => Ok((framework, found)),
         None => bail!("{} holds no usable framework", dir.display()),
     }
+}
+
+/// The framework of a folder and what is wrong in it. Every file is named as the user reaches it, `dir` included.
+pub(crate) fn read(dir: &Path) -> anyhow::Result<(Option<Framework>, Vec<Diagnostic>)> {
+    let (mut framework, found) = Framework::from_files(&read_folder(dir)?);
+    let named = |file: &str| dir.join(file).display().to_string();
+    if let Some(f) = &mut framework {
+        for rule in &mut f.rules {
+            rule.file = named(&rule.file);
+        }
+        for expression in &mut f.expressions {
+            expression.file = named(&expression.file);
+        }
+    }
+    Ok((framework, placed(Some(dir), found)))
+}
+
+/// The same findings with the framework's folder in front of its files that are still named relative to it.
+pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let Some(dir) = dir else { return found };
+    for d in &mut found {
+        let Some(file) = &d.place.file else { continue };
+        if (file.starts_with("schema/") || file.starts_with("scenarios/")) && !Path::new(file).starts_with(dir) {
+            d.place.file = Some(dir.join(file).display().to_string());
+        }
+    }
+    found
 }
 
 /// All text files below `schema/` and `scenarios/` of `dir`.

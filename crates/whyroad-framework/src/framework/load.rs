@@ -1,10 +1,10 @@
 //! From the texts of `schema/` and `scenarios/` to a [`Framework`].
 
-use super::{Framework, RuleSource};
+use super::{ExpressionSource, Framework, RuleSource};
 use crate::Lexicon;
 use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
-use crate::spec::{ReadSpec, finish, overlay, read_spec};
+use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -65,6 +65,8 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
         let (spec, found) = read_spec(path, text, &framework.taxonomy);
         out.extend(found);
         if let Some(spec) = spec {
+            framework.expressions.extend(expressions(path, text, &spec));
+            framework.spec_versions.insert(path.clone(), spec.spec.version.clone());
             read.insert(path.clone(), spec);
         }
     }
@@ -116,6 +118,19 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
             }
         }
     }
+}
+
+fn expressions(file: &str, text: &str, read: &ReadSpec) -> Vec<ExpressionSource> {
+    let text: Arc<str> = text.into();
+    let source = |w: &Written| ExpressionSource {
+        class: ScenarioId { l1: read.spec.l1.clone(), l2: read.spec.l2.clone(), l3: w.leaf.clone() },
+        file: file.to_owned(),
+        expression: w.text.clone(),
+        line: w.mark.line,
+        pointer: w.pointer.clone(),
+        text: text.clone(),
+    };
+    read.expressions.iter().map(source).collect()
 }
 
 fn missing_file(path: &str) -> Diagnostic {

@@ -1,5 +1,6 @@
 //! A file of `scenarios/` to a [`SpecFile`], with every problem reported and everything readable kept.
 
+use super::expressions::{Written, expressions};
 use super::raw::{
     BoundLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer, SpecFile, Words,
 };
@@ -29,6 +30,8 @@ pub(crate) struct ReadSpec {
     pub mining_marks: IndexMap<String, Mark>,
     /// Place of the L2's own `mining:` block.
     pub l2_mining_mark: Option<Mark>,
+    /// Every expression of the labelling blocks.
+    pub expressions: Vec<Written>,
 }
 
 /// Reads one file and checks it against the classes.
@@ -88,6 +91,7 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Opt
         l2_mining_mark: l2_mining.map(|e| e.mark),
         leaf_marks: IndexMap::new(),
         mining_marks: IndexMap::new(),
+        expressions: expressions(root),
     };
     if let (Some(l2), Some(node)) = (&out.spec.l2, leaves_node) {
         let mut leaves = IndexMap::new();

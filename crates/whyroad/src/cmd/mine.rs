@@ -40,7 +40,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
     let (catalogue, faults_of_signals) = Catalogue::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;
-    findings.extend(say(faults_of_signals, global.lang));
+    let dir = global.framework.as_deref();
+    findings.extend(say(framework_folder::placed(dir, faults_of_signals), global.lang));
     let plan = match &args.query {
         Some(file) => of_query(file, &framework, &catalogue)?,
         None => of_rules(&args.scenario, &framework, &catalogue),
@@ -52,7 +53,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    findings.extend(say(found, global.lang));
+    findings.extend(say(framework_folder::placed(dir, found), global.lang));
 
     let lake = match Lake::open(&args.lake) {
         Ok(lake) => lake,
@@ -194,7 +195,11 @@ fn table(mined: &MinedLake, summary: &Summary, taxonomy: &Taxonomy, lang: Lang) 
             l.scenario_id.to_string(),
             // "0" would claim that there are none.
             if l.state == CoverageState::NotObservable { "-".to_owned() } else { l.episodes.to_string() },
-            if l.state == CoverageState::NotObservable { "-".to_owned() } else { l.primary_episodes.to_string() },
+            if l.state == CoverageState::NotObservable {
+                "-".to_owned()
+            } else {
+                l.primary_episodes.to_string()
+            },
             format!("{}/{}", l.drives_searched, mined.drives.len()),
             missing.join(", ")
         );

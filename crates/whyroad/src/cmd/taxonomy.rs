@@ -39,7 +39,8 @@ enum Command {
     },
     /// Check the framework, a taxonomy file (.yaml), or the numbers and classes of a TAXONOMY.md
     ///
-    /// Exit code 1 when anything is found.
+    /// Without FILE: classes, decisions, labelling specs and their expressions, mining rules, signals, order of
+    /// precedence. Exit code 1 when anything is found.
     Lint {
         /// A .yaml or .md file; the whole framework when absent
         file: Option<PathBuf>,
@@ -47,10 +48,11 @@ enum Command {
         #[arg(long, value_enum, default_value = "text")]
         format: FindingFormat,
     },
-    /// Compare two taxonomies, and say whether the step is major, minor or patch
+    /// Compare two frameworks or taxonomies, and say whether the step is major, minor or patch
     ///
-    /// A and B are framework folders, .yaml or .md files, or the word `bundled`.
-    /// Exit code 1 when the version that B states is too low for its changes.
+    /// A and B are framework folders or the word `bundled`: classes, labelling specs and mining rules are compared.
+    /// With a .yaml or .md file on either side only the classes are.
+    /// Exit code 1 when a version that B states is too low for its changes.
     Diff {
         /// The earlier one
         a: PathBuf,

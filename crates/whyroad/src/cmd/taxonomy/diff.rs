@@ -1,20 +1,29 @@
 //! `whyroad taxonomy diff`.
 
 use super::DiffFormat;
-use crate::{Global, output};
+use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
-use whyroad_framework::diff::{Change, ChangeKind, TaxonomyDiff, VersionCheck, diff};
+use whyroad_framework::diff::{
+    Change, ChangeKind, FileVersion, TaxonomyDiff, VersionCheck, diff, diff_frameworks,
+};
 use whyroad_framework::markdown::read_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
 use whyroad_framework::version::Version;
 use whyroad_framework::{Framework, Taxonomy};
-use whyroad_model::{Lang, diagnostic};
+use whyroad_model::{Diagnostic, Lang, diagnostic};
 
 pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> anyhow::Result<ExitCode> {
-    let found = diff(&taxonomy(a, global.lang)?, &taxonomy(b, global.lang)?);
+    let found = match (side(a, global.lang)?, side(b, global.lang)?) {
+        (Side::Framework(a), Side::Framework(b)) => diff_frameworks(&a, &b),
+        (x, y) => {
+            let single = if matches!(x, Side::Classes(_)) { a } else { b };
+            eprintln!("{}", classes_only(single, global.lang));
+            diff(x.classes(), y.classes())
+        }
+    };
     match format {
         DiffFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&found)?)),
         DiffFormat::Text => output::put(&text(&found, global.lang)),
@@ -25,26 +34,59 @@ pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> an
     })
 }
 
-/// The taxonomy that an argument names. A taxonomy with mistakes is compared as far as it can be read; they are said on stderr.
-fn taxonomy(path: &Path, lang: Lang) -> anyhow::Result<Taxonomy> {
-    if path == Path::new("bundled") {
-        return Ok(Framework::bundled().taxonomy.clone());
+/// What an argument names.
+enum Side {
+    /// A framework folder, or the built-in framework: classes, labelling specs, mining rules.
+    Framework(Box<Framework>),
+    /// One file with classes.
+    Classes(Taxonomy),
+}
+
+impl Side {
+    fn classes(&self) -> &Taxonomy {
+        match self {
+            Side::Framework(f) => &f.taxonomy,
+            Side::Classes(t) => t,
+        }
     }
-    let file =
-        if path.is_dir() { path.join("schema").join("scenario_taxonomy.yaml") } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
-    if file.extension().is_some_and(|e| e == "md") {
+}
+
+/// Reads what an argument names. Something with mistakes is compared as far as it can be read; they are said on stderr.
+fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
+    if path == Path::new("bundled") {
+        return Ok(Side::Framework(Box::new(Framework::bundled().clone())));
+    }
+    if path.is_dir() {
+        let (framework, found) = framework_folder::read(path)?;
+        say(&found, lang);
+        let framework = framework.with_context(|| format!("{} holds no usable framework", path.display()))?;
+        return Ok(Side::Framework(Box::new(framework)));
+    }
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    if path.extension().is_some_and(|e| e == "md") {
         let found = read_markdown(&text).to_taxonomy();
         if found.l1.is_empty() {
-            bail!("{} lists no classes", file.display());
+            bail!("{} lists no classes", path.display());
         }
-        return Ok(found);
+        return Ok(Side::Classes(found));
     }
-    let (taxonomy, found) = read_taxonomy(&file.display().to_string(), &text);
-    for d in &found {
+    let (taxonomy, found) = read_taxonomy(&path.display().to_string(), &text);
+    say(&found, lang);
+    Ok(Side::Classes(taxonomy.with_context(|| format!("{} holds no taxonomy", path.display()))?))
+}
+
+fn say(found: &[Diagnostic], lang: Lang) {
+    for d in found {
         eprint!("{}", diagnostic::render_text(d, lang));
     }
-    taxonomy.with_context(|| format!("{} holds no taxonomy", file.display()))
+}
+
+fn classes_only(file: &Path, lang: Lang) -> String {
+    let file = file.display();
+    match lang {
+        Lang::Zh => format!("{file} 只有类别：未比较标注规格与挖掘规则"),
+        Lang::En => format!("{file} holds classes only: labelling specs and mining rules are not compared"),
+    }
 }
 
 fn text(d: &TaxonomyDiff, lang: Lang) -> String {
@@ -74,6 +116,8 @@ fn kind(k: ChangeKind, lang: Lang) -> &'static str {
         ChangeKind::MeaningChanged => ("含义变化", "meaning changed"),
         ChangeKind::Reworded => ("措辞变化", "reworded"),
         ChangeKind::Arranged => ("顺序或引用变化", "order or reference changed"),
+        ChangeKind::Labelling => ("标注规格变化", "labelling changed"),
+        ChangeKind::Mining => ("挖掘规则变化", "mining rule changed"),
     };
     if lang == Lang::Zh { zh } else { en }
 }
@@ -96,10 +140,28 @@ fn change(c: &Change, lang: Lang, out: &mut String) {
     }
 }
 
+/// The step of all changes, then what each file's version says: the taxonomy's, and those of changed specs.
 fn verdict(d: &TaxonomyDiff, lang: Lang) -> String {
-    let (from, to, step) = (&d.from_version, &d.to_version, d.step);
-    let least = Version::parse(from).map(|v| v.after(step).to_string()).unwrap_or_default();
-    let (zh, en) = match d.version_check {
+    let mut out = match lang {
+        Lang::Zh => format!("所需步级：{}", d.step),
+        Lang::En => format!("step: {}", d.step),
+    };
+    for (i, file) in d.files.iter().enumerate() {
+        // The taxonomy comes first and is what the command is about.
+        let name = if i == 0 { String::new() } else { format!("{} ", file.file) };
+        let (from, to, said) = (&file.from_version, &file.to_version, version(file, lang));
+        let _ = match lang {
+            Lang::Zh => write!(out, "\n{name}版本 {from} -> {to}：{said}"),
+            Lang::En => write!(out, "\n{name}version {from} -> {to}: {said}"),
+        };
+    }
+    out
+}
+
+fn version(file: &FileVersion, lang: Lang) -> String {
+    let least =
+        Version::parse(&file.from_version).map(|v| v.after(file.step).to_string()).unwrap_or_default();
+    let (zh, en) = match file.version_check {
         VersionCheck::Consistent => ("与变化相符".to_owned(), "consistent with the changes".to_owned()),
         VersionCheck::TooSmall => (
             format!("过低：这些变化至少需要 {least}"),
@@ -108,8 +170,5 @@ fn verdict(d: &TaxonomyDiff, lang: Lang) -> String {
         VersionCheck::Backwards => ("倒退".to_owned(), "goes backwards".to_owned()),
         VersionCheck::Unknown => ("未写明，无法核对".to_owned(), "not stated, cannot be checked".to_owned()),
     };
-    match lang {
-        Lang::Zh => format!("所需步级：{step}\n版本 {from} -> {to}：{zh}"),
-        Lang::En => format!("step: {step}\nversion {from} -> {to}: {en}"),
-    }
+    if lang == Lang::Zh { zh } else { en }
 }

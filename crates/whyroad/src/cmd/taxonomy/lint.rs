@@ -8,8 +8,10 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
+use whyroad_mining::rule;
 use whyroad_model::diagnostic::{self, Severity};
 use whyroad_model::{Diagnostic, Lang};
+use whyroad_signals::Catalogue;
 
 pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -> anyhow::Result<ExitCode> {
     let found = match file {
@@ -31,12 +33,15 @@ pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -
 }
 
 fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
-    let (framework, mut found) = Framework::from_files(&framework_folder::files(global)?);
-    if let Some(dir) = &global.framework {
-        for d in &mut found {
-            let file = d.place.file.take();
-            d.place.file = file.map(|f| dir.join(f).display().to_string());
-        }
+    let dir = global.framework.as_deref();
+    let (framework, mut found) = match dir {
+        Some(dir) => framework_folder::read(dir)?,
+        None => Framework::from_files(&Framework::bundled_files()),
+    };
+    if let Some(f) = &framework {
+        let (catalogue, of_signals) = Catalogue::parse(&f.signals_yaml);
+        found.extend(framework_folder::placed(dir, of_signals));
+        found.extend(framework_folder::placed(dir, rule::lint::lint(f, &catalogue)));
     }
     if found.is_empty()
         && let Some(f) = framework

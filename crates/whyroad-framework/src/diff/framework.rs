@@ -1,0 +1,81 @@
+//! Two whole frameworks: their classes, labelling specs and mining rules, and for each file that states a version
+//! whether that version is high enough.
+
+use super::{Change, TaxonomyDiff, VersionCheck, diff, labelling, mining};
+use crate::Framework;
+use crate::version::{Step, Version};
+use serde::Serialize;
+use whyroad_model::ScenarioId;
+
+pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
+
+/// What one file says of its version, and what its changes call for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FileVersion {
+    /// Relative path.
+    pub file: String,
+    /// Version in A.
+    pub from_version: String,
+    /// Version in B.
+    pub to_version: String,
+    /// The least step that the changes of this file call for.
+    pub step: Step,
+    /// What the two versions say.
+    pub version_check: VersionCheck,
+}
+
+impl FileVersion {
+    pub(super) fn of(file: &str, from: &str, to: &str, step: Step) -> Self {
+        let version_check = match (Version::parse(from), Version::parse(to)) {
+            (Some(x), Some(y)) => match x.step_to(y) {
+                None => VersionCheck::Backwards,
+                Some(stated) if stated < step => VersionCheck::TooSmall,
+                Some(_) => VersionCheck::Consistent,
+            },
+            _ => VersionCheck::Unknown,
+        };
+        let (file, from_version, to_version) = (file.to_owned(), from.to_owned(), to.to_owned());
+        Self { file, from_version, to_version, step, version_check }
+    }
+}
+
+/// Compares B with A in everything that labels and mining depend on: classes, labelling specs, mining rules.
+pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
+    let mut out = diff(&a.taxonomy, &b.taxonomy);
+    let specs: Vec<Change> = labelling::changes(a, b).into_iter().chain(mining::changes(a, b)).collect();
+    out.files.extend(files(a, b, &specs));
+    out.step = specs.iter().map(|c| c.step).chain([out.step]).max().unwrap_or_default();
+    out.version_check = out.files.iter().map(|f| f.version_check).max().unwrap_or(VersionCheck::Unknown);
+    out.changes.extend(specs);
+    out
+}
+
+/// The file in which a class's labelling and mining are written, with the files above it that it inherits from.
+fn written_in(id: &ScenarioId) -> Vec<String> {
+    let l1 = format!("scenarios/{}.yaml", id.l1);
+    match &id.l2 {
+        None => vec![l1],
+        Some(l2) => vec![format!("scenarios/{}/{l2}.yaml", id.l1), l1],
+    }
+}
+
+/// The files of these changes. A change may come from the class's own file or from the one it inherits from: the file
+/// whose version was raised answers for it, and where neither was, the class's own.
+fn files(a: &Framework, b: &Framework, changes: &[Change]) -> Vec<FileVersion> {
+    let version = |f: &Framework, file: &str| f.spec_versions.get(file).cloned().unwrap_or_default();
+    let mut out: Vec<FileVersion> = Vec::new();
+    for change in changes {
+        let candidates = written_in(&change.id);
+        let judged = candidates
+            .iter()
+            .map(|file| FileVersion::of(file, &version(a, file), &version(b, file), change.step));
+        let Some(best) = judged.min_by_key(|v| v.version_check) else { continue };
+        match out.iter_mut().find(|v| v.file == best.file) {
+            Some(v) if v.step < best.step => *v = best,
+            Some(_) => {}
+            None => out.push(best),
+        }
+    }
+    out.sort_by(|x, y| x.file.cmp(&y.file));
+    out
+}

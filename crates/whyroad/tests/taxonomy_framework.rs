@@ -1,0 +1,168 @@
+//! `whyroad taxonomy` on framework folders: what lint says of rules, specs, signals and precedence, and what diff says
+//! of two folders.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+struct Run {
+    code: i32,
+    out: String,
+    err: String,
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+fn whyroad_in(folder: &Path, args: &[&str]) -> Run {
+    let output = Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        .args(args)
+        .current_dir(folder)
+        .env_remove("WHYROAD_FRAMEWORK")
+        .env_remove("WHYROAD_LANG")
+        .output()
+        .unwrap();
+    Run {
+        code: output.status.code().unwrap(),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// A folder with `mine/schema` and `mine/scenarios`: ours with `changes` (file, text, its replacement).
+fn framework(changes: &[(&str, &str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for top in ["schema", "scenarios"] {
+        copy(&root().join(top), &folder.path().join("mine").join(top));
+    }
+    for (file, from, to) in changes {
+        let path = folder.path().join("mine").join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{file} has no {from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+    }
+    folder
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+        }
+    }
+}
+
+const CUTIN: &str = "scenarios/reactive_agent/cutin.yaml";
+
+#[test]
+fn lint_checks_what_is_written_in_the_rule_language() {
+    // File, text, its replacement, the code, a word of the hint.
+    for (file, from, to, code, hint) in [
+        (
+            CUTIN,
+            "[\"target.ttc < urgent_ttc\"]",
+            "[\"target.tcc < urgent_ttc\"]",
+            "rule.signal.unknown",
+            "target.ttc",
+        ),
+        // An expression of an L1, which has no rule; an expression of a leaf that has none.
+        ("scenarios/safety.yaml", "keyframe + 3 s", "keyframe + 3 sec", "rule.unit.unknown", ""),
+        ("scenarios/safety/aeb.yaml", "rises(ego.aeb)", "rises(ego.aebb)", "rule.signal.unknown", "ego.aeb"),
+        ("schema/precedence.yaml", "- safety.aeb\n", "- safety.abe\n", "rule.precedence", ""),
+        (
+            "schema/signals.yaml",
+            "name: ego.jerk\n    scope: frame",
+            "name: ego.jerk\n    scope: target",
+            "signals.name",
+            "",
+        ),
+    ] {
+        let folder = framework(&[(file, from, to)]);
+        let run = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "lint", "--format", "json"]);
+        assert_eq!(run.code, 1, "{to}: {}", run.err);
+        let found: Value = serde_json::from_str(&run.out).unwrap();
+        let found: Vec<&Value> =
+            found["diagnostics"].as_array().unwrap().iter().filter(|d| d["code"] == code).collect();
+        assert!(!found.is_empty(), "{to}: {}", run.out);
+        let text = std::fs::read_to_string(folder.path().join("mine").join(file)).unwrap();
+        let first = to.lines().next().unwrap();
+        let line = text.lines().position(|l| l.contains(first)).unwrap() + 1;
+        let place = &found[0]["place"];
+        assert_eq!(place["file"].as_str().unwrap().replace('\\', "/"), format!("mine/{file}"));
+        assert_eq!(place["line"], line, "{to}: {}", run.out);
+        assert!(found[0]["hint"].as_str().unwrap_or_default().contains(hint), "{}", found[0]);
+    }
+}
+
+#[test]
+fn lint_shows_a_rule_as_a_person_reads_it() {
+    let folder = framework(&[(CUTIN, "[\"target.ttc < urgent_ttc\"]", "[\"target.tcc < urgent_ttc\"]")]);
+    for lang in ["en", "zh"] {
+        let run = whyroad_in(folder.path(), &["--framework", "mine", "--lang", lang, "taxonomy", "lint"]);
+        assert_eq!(run.code, 1);
+        // Lines move when rules are edited; the rest is what a person reads.
+        let text: String = run.out.lines().map(|l| without_line_numbers(l) + "\n").collect();
+        insta::assert_snapshot!(format!("lint_rule_{lang}"), text);
+    }
+}
+
+/// Digits before ` |` and the line in `file:line:column` as `N`.
+fn without_line_numbers(line: &str) -> String {
+    if let Some((number, rest)) = line.split_once('|')
+        && number.trim().chars().all(|c| c.is_ascii_digit())
+    {
+        return format!("{}|{rest}", if number.trim().is_empty() { "  " } else { "N " });
+    }
+    match line.split_once(".yaml:") {
+        Some((file, rest)) => {
+            let (_, rest) = rest.split_once(':').unwrap_or_default();
+            format!("{file}.yaml:N:{rest}")
+        }
+        None => line.to_owned(),
+    }
+}
+
+/// Labelling of the leaf `urgent` with another start and a record, a parameter of its rule, and an L1's default.
+const CHANGES: &[(&str, &str, &str)] = &[
+    (
+        CUTIN,
+        "  urgent:\n    labeling:\n",
+        "  urgent:\n    labeling:\n      records: [{ id: gap_taken, name: { zh: 所占间距, en: gap taken }, unit: m }]\n",
+    ),
+    (CUTIN, "urgent_ttc: { value: 3 s", "urgent_ttc: { value: 4 s"),
+    ("scenarios/safety.yaml", "    after_s: 3\n", "    after_s: 2\n"),
+];
+
+#[test]
+fn diff_compares_labelling_specs_and_mining_rules_of_two_folders() {
+    let folder = framework(CHANGES);
+    for lang in ["en", "zh"] {
+        let run = whyroad_in(folder.path(), &["--lang", lang, "taxonomy", "diff", "bundled", "mine"]);
+        assert_eq!((run.code, run.err.as_str()), (1, ""));
+        insta::assert_snapshot!(format!("diff_specs_{lang}"), run.out);
+    }
+    let version = "version: \"2.0.0\"";
+    let mut raised = CHANGES.to_vec();
+    raised.push((CUTIN, version, "version: \"3.0.0\""));
+    raised.push(("scenarios/safety.yaml", version, "version: \"2.1.0\""));
+    let folder = framework(&raised);
+    let run = whyroad_in(folder.path(), &["taxonomy", "diff", "bundled", "mine", "--format", "json"]);
+    let found: Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!((run.code, found["version_check"].as_str()), (0, Some("consistent")), "{}", run.out);
+}
+
+#[test]
+fn diff_says_when_it_compares_classes_only() {
+    let folder = framework(CHANGES);
+    let run =
+        whyroad_in(folder.path(), &["taxonomy", "diff", "bundled", "mine/schema/scenario_taxonomy.yaml"]);
+    assert_eq!(run.code, 0);
+    assert!(run.err.contains("holds classes only"), "{}", run.err);
+}
