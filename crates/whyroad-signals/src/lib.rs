@@ -33,6 +33,8 @@ mod pet;
 mod crosswalk;
 mod lane_change;
 mod derive;
+mod lane_ids;
 
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
 pub use derive::derive;
+pub use lane_ids::ego_lane_ids;

@@ -59,6 +59,8 @@ pub struct Placement {
     /// In the ego's lane, see [`Placement::centre_in_way`]; inside junctions, where no lines are drawn, a target
     /// that was in the lane stays in it until its whole footprint has left.
     pub in_way: bool,
+    /// There is room beside it for the ego within the ego's lane, or no lane is known.
+    pub leaves_room: bool,
     /// At the height of the ego's path.
     pub same_level: bool,
     /// Direction of the path where the ego is, rad.
@@ -71,10 +73,12 @@ impl Placement {
         self.footprint.length.is_finite() && self.footprint.width.is_finite()
     }
 
-    /// In the ego's lane, and not one that stands at its side clear of the ego's path: lanes with room for parking
-    /// are drawn as wide lanes.
+    /// In the ego's lane, and not one that stands at its side with room for the ego to pass within the lane: lanes
+    /// with room for parking are drawn as wide lanes. What stands in the middle of a lane blocks it, though the ego
+    /// may later have changed lanes.
     pub fn blocks_way(&self) -> bool {
-        self.in_way && (self.band.is_some() || self.speed() >= MOVING_MPS)
+        let may_pass = self.leaves_room && self.band.is_none();
+        self.in_way && (!may_pass || self.speed() >= MOVING_MPS)
     }
 
     /// Speed over ground, m/s.
@@ -257,6 +261,9 @@ impl Surroundings<'_> {
         // Where the path is only continued, the road may climb: 6 % over the distance beyond what was driven.
         let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);
         let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
+        let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
+        // A width that is not known (NaN) is no reason to call the lane blocked.
+        let leaves_room = lane.is_none_or(|(at, left, right)| !((left - at.high).max(right + at.low) < needed));
         Some(Placement {
             frame,
             footprint,
@@ -268,6 +275,7 @@ impl Surroundings<'_> {
             lane,
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
+            leaves_room,
             same_level: !off_level,
             heading_at_ego: self.path.heading_at(ego_s),
         })

@@ -120,8 +120,12 @@ impl<'a> TableBuilder<'a> {
     pub fn finish(mut self, missing: &BTreeSet<&'static str>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
         for def in self.catalogue.iter() {
+            // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
+            let silent = |need: &String| {
+                need == "vehicle bus" && self.table.frame_columns.get(&def.name).is_none_or(|c| c.known_count() == 0)
+            };
             let lacking: Vec<String> =
-                def.needs.iter().filter(|n| missing.contains(n.as_str())).cloned().collect();
+                def.needs.iter().filter(|n| missing.contains(n.as_str()) || silent(n)).cloned().collect();
             if !lacking.is_empty() {
                 self.table.frame_columns.remove(&def.name);
                 self.table.target_columns.remove(&def.name);

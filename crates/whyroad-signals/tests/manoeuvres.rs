@@ -257,6 +257,12 @@ fn what_a_log_lacks_is_named_and_never_given() {
     assert_eq!(t.0.unavailable["ego.brake"], ["vehicle bus"]);
     assert_eq!(t.flag("lead", "target.is_lead", 5), True, "without a map the driven path serves as lane");
 
+    // A bus that tells the brake but nothing of emergency braking.
+    d.ego.as_mut().unwrap().bus.brake = vec![Some(false); 20];
+    let t = Table::of(&d);
+    assert_eq!(t.ego_flag("ego.brake", 3), False);
+    assert_eq!(t.0.unavailable["ego.aeb"], ["vehicle bus"]);
+
     // Positions relative to the ego, no ego pose.
     d.ego = None;
     d.meta.frame_of_reference = FrameOfReference::Ego;
