@@ -1,13 +1,13 @@
 //! The words in which a trace names decisions, in both languages (`schema/decision_lexicon.yaml`, which says
-//! what each list means), compiled to one automaton. What a trace *says* with them is judged in
+//! what each list means), compiled to one search. What a trace *says* with them is judged in
 //! [`super::trace`].
 
 mod compile;
 mod expand;
+mod trie;
 
 pub(super) use compile::{Hit, Role};
 
-use aho_corasick::AhoCorasick;
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Bilingual, Diagnostic, Place};
@@ -18,9 +18,8 @@ pub struct Lexicon {
     pub(super) limits: Limits,
     pub(super) null_allows: Says,
     pub(super) phrases: Vec<Says>,
-    /// Absent in an empty lexicon, which finds nothing.
-    pub(super) automaton: Option<AhoCorasick>,
-    /// By pattern number of the automaton.
+    trie: trie::Trie,
+    /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
     pub(super) patterns: Vec<compile::Pattern>,
 }
 
@@ -170,7 +169,7 @@ mod tests {
     fn a_broken_lexicon_is_reported() {
         let text = include_str!("../../../../schema/decision_lexicon.yaml");
         let (empty, d) = Lexicon::parse("x.yaml", &text.replace("negation_end:", "negation_stop:"));
-        assert!(empty.automaton.is_none());
+        assert!(empty.patterns.is_empty());
         assert_eq!((d.len(), d[0].code, d[0].place.file.as_deref()), (1, "lexicon.syntax", Some("x.yaml")));
         // The same word for two decisions, and a choice that is never closed.
         let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, 变道, "));

@@ -1,9 +1,9 @@
-//! From word lists to one automaton: leftmost, longest match, so that a longer word always hides the shorter
-//! ones inside it.
+//! From word lists to one search: leftmost, longest match, so that a longer word always hides the shorter ones
+//! inside it.
 
 use super::expand::{Plain, expand};
+use super::trie::Trie;
 use super::{File, Lexicon, Says};
-use aho_corasick::{AhoCorasick, MatchKind};
 use std::collections::BTreeMap;
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
@@ -37,9 +37,6 @@ pub(in crate::validate) enum Role {
 pub(in crate::validate) struct Pattern {
     pub role: Role,
     pub side: Option<LateralDirection>,
-    /// The word starts, or ends, with a letter or digit of ASCII, and must stand as a whole word there.
-    whole_start: bool,
-    whole_end: bool,
 }
 
 /// A word found in a text.
@@ -52,16 +49,12 @@ pub(in crate::validate) struct Hit {
 }
 
 impl Lexicon {
-    /// The words of `text` in order.
-    pub(in crate::validate) fn hits<'t>(&'t self, text: &'t str) -> impl Iterator<Item = Hit> + 't {
-        let bytes = text.as_bytes();
-        let is_word = move |i: usize| bytes.get(i).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_');
-        self.automaton.iter().flat_map(move |a| a.find_iter(text)).filter_map(move |m| {
-            let p = &self.patterns[m.pattern().as_usize()];
-            let (start, end) = (m.start(), m.end());
-            let cut = (p.whole_start && start > 0 && is_word(start - 1)) || (p.whole_end && is_word(end));
-            (!cut).then_some(Hit { role: p.role, side: p.side, start, end })
-        })
+    /// Gives the words of `text` to `take` in order.
+    pub(in crate::validate) fn hits(&self, text: &str, mut take: impl FnMut(Hit)) {
+        self.trie.find(text, |f| {
+            let p = &self.patterns[f.word];
+            take(Hit { role: p.role, side: p.side, start: f.start, end: f.end });
+        });
     }
 }
 
@@ -104,29 +97,13 @@ pub(super) fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     }
 
     let Builder { texts, mut problems, .. } = builder;
-    let automaton = AhoCorasick::builder()
-        .match_kind(MatchKind::LeftmostLongest)
-        .ascii_case_insensitive(true)
-        .build(texts.keys())
-        .map_err(|e| {
-            problems.push(Bilingual::new(format!("词表过大：{e}"), format!("the lexicon is too large: {e}")))
-        })
-        .ok();
-    let patterns = texts
-        .iter()
-        .map(|(text, (role, side))| {
-            let word = |b: Option<&u8>| b.is_some_and(u8::is_ascii_alphanumeric);
-            let bytes = text.as_bytes();
-            Pattern {
-                role: *role,
-                side: *side,
-                whole_start: word(bytes.first()),
-                whole_end: word(bytes.last()),
-            }
-        })
-        .collect();
-    let lexicon =
-        Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, automaton, patterns };
+    // A map's keys are sorted and different, as the trie wants them.
+    let trie = Trie::new(texts.keys().map(String::as_str)).unwrap_or_else(|| {
+        problems.push(Bilingual::new("词表过大，或含有基本多文种平面之外的字", "the lexicon is too large, or has characters outside the basic plane"));
+        Trie::default()
+    });
+    let patterns: Vec<Pattern> = texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
+    let lexicon = Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, trie, patterns };
     (lexicon, problems)
 }
 

@@ -38,7 +38,7 @@ pub(in crate::validate) fn judge(
     sink: &mut dyn FnMut(TraceVerdict),
 ) {
     if reading.mentions.is_empty() {
-        if lexicon.automaton.is_some() && (longitudinal.is_some() || lateral.is_some()) {
+        if !lexicon.patterns.is_empty() && (longitudinal.is_some() || lateral.is_some()) {
             sink(TraceVerdict::NoDecision);
         }
         return;

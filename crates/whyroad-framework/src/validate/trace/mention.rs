@@ -102,12 +102,7 @@ pub(in crate::validate) fn read(text: &str, lexicon: &Lexicon) -> Reading {
         governs: false,
     };
     let text_end = text.trim_end().trim_end_matches(['。', '.', '!', '！', ' ']).len();
-    for hit in lexicon.hits(text) {
-        if hit.start >= text_end {
-            break;
-        }
-        r.take(hit);
-    }
+    lexicon.hits(&text[..text_end], |hit| r.take(hit));
     r.end_clause();
     // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
     let last = r.clause;
