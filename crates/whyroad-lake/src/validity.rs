@@ -20,6 +20,7 @@ pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
     if let Some(ego) = &drive.ego {
         let bus = &ego.bus;
         let bus_ok = [
+            bus.speed_mps.len(),
             bus.steering.len(),
             bus.brake.len(),
             bus.throttle.len(),

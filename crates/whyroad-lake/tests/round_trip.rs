@@ -85,6 +85,7 @@ fn ego(n: usize) -> impl Strategy<Value = Ego> {
             reference_to_centre_m: size[3],
             motion,
             bus: EgoBus {
+                speed_mps: numbers(&b.0),
                 steering: numbers(&b.0),
                 throttle: numbers(&b.0),
                 brake: b.1,

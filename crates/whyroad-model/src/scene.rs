@@ -143,6 +143,8 @@ impl Motion {
 /// Vehicle bus signals, one value a frame; an empty vector means that the log has none, NaN or `None` that this frame has none.
 #[derive(Clone, Debug, Default)]
 pub struct EgoBus {
+    /// Speed as the car itself measures it, m/s: independent of the pose, often a few percent high or low.
+    pub speed_mps: Vec<f64>,
     /// Steering wheel angle, rad, left positive.
     pub steering: Vec<f64>,
     /// Brake pedal or brake light.

@@ -22,6 +22,7 @@ pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
         .numbers("width_m", constant(ego.width_m))
         .numbers("height_m", constant(ego.height_m))
         .numbers("reference_to_centre_m", constant(ego.reference_to_centre_m))
+        .numbers("bus_speed_mps", (0..n).map(|i| bus.speed_mps.get(i).copied().unwrap_or(f64::NAN)))
         .numbers("steering_rad", (0..n).map(|i| bus.steering.get(i).copied().unwrap_or(f64::NAN)))
         .flags("brake", (0..n).map(|i| bus.brake.get(i).copied().flatten()))
         .numbers("throttle", (0..n).map(|i| bus.throttle.get(i).copied().unwrap_or(f64::NAN)))
@@ -82,6 +83,8 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError
         reference_to_centre_m: first("reference_to_centre_m")?,
         motion: read_motion(t)?,
         bus: EgoBus {
+            // Lakes written before this column was there are still read: their buses told no speed.
+            speed_mps: if t.has("bus_speed_mps") { number("bus_speed_mps")? } else { Vec::new() },
             steering: number("steering_rad")?,
             brake: flag("brake")?,
             throttle: number("throttle")?,
