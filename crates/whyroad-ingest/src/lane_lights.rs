@@ -1,0 +1,33 @@
+//! Traffic lights that are told for lanes at every step, as the Waymo motion set has them and ScenarioNet keeps them.
+
+use whyroad_model::Nanos;
+use whyroad_model::scene::{LightColour, LightState};
+
+/// The colour that a state's name means: Waymo's `LANE_STATE_*` and MetaDrive's `TRAFFIC_LIGHT_*`. `None` for a name
+/// that neither defines.
+///
+/// Arrows are told apart from round lights by neither; a green may therefore be one that must give way. Flashing red
+/// asks to stop and then to go on, which is none of our colours: unknown.
+pub(crate) fn colour(name: &str) -> Option<LightColour> {
+    Some(match name.trim_start_matches("LANE_STATE_").trim_start_matches("TRAFFIC_LIGHT_") {
+        "ARROW_STOP" | "STOP" | "RED" => LightColour::Red,
+        "ARROW_CAUTION" | "CAUTION" | "YELLOW" => LightColour::Yellow,
+        "ARROW_GO" | "GO" | "GREEN" => LightColour::Green,
+        "FLASHING_CAUTION" => LightColour::FlashingYellow,
+        "FLASHING_STOP" | "UNKNOWN" => LightColour::Unknown,
+        _ => return None,
+    })
+}
+
+/// One state for each change. A step in which the light was not seen is unknown, so that the colour before it does
+/// not go on holding.
+pub(crate) fn changes(lane: &str, steps: impl Iterator<Item = (Nanos, Option<LightColour>)>) -> Vec<LightState> {
+    let mut out: Vec<LightState> = Vec::new();
+    for (time, colour) in steps {
+        let colour = colour.unwrap_or(LightColour::Unknown);
+        if out.last().is_none_or(|s| s.colour != colour) {
+            out.push(LightState { lane_id: lane.to_owned(), to_lane_id: None, time, colour });
+        }
+    }
+    out
+}
