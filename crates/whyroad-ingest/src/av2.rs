@@ -11,16 +11,15 @@ mod feather;
 pub(crate) mod findings;
 mod map;
 mod pose;
-mod se3;
 
 use crate::kinematics;
 use crate::plausibility::forget_impossible;
 use crate::report::SourceReport;
+use crate::se3::{self, Se3};
 use crate::source::{ContentHash, file_label, impossible_speeds};
 use annotations::{Annotations, Cuboid};
 use ego_box::EgoBox;
 use pose::PoseTrack;
-use se3::Se3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};

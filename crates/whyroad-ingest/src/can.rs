@@ -96,6 +96,8 @@ impl SignalCoding {
 }
 
 #[cfg(test)]
+mod recorded;
+#[cfg(test)]
 mod tests {
     use super::*;
 

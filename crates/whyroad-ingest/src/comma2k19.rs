@@ -3,7 +3,8 @@
 //!
 //! Times are GPS times of the pose (18 leap seconds behind GPS in 2018), positions local east and north around the first
 //! pose. Radar returns become tracks whose box is a point (length and width 0): the radar tells where the nearest
-//! surface is, not what it belongs to. Not read: video, IMU, raw GNSS.
+//! surface is, not what it belongs to. Where poses are missing (a segment that is not there) there are no frames. Not read:
+//! video, IMU, raw GNSS.
 
 mod bus;
 mod findings;
@@ -13,115 +14,113 @@ mod recording;
 
 use crate::can::CanDatabase;
 use crate::report::SourceReport;
+use crate::run::Options;
 use crate::source::{ContentHash, drive_id, file_label};
 pub(crate) use findings::CODES;
-use recording::Recording;
+use recording::{Pose, Recording};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference};
-use whyroad_model::{Drive, DriveId, Nanos};
+use whyroad_model::{Drive, Nanos};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
 /// Seconds by which GPS time was ahead of UTC from 2017 on (IERS Bulletin C 52).
-const GPS_LEAP_SECONDS: f64 = 18.0;
+const GPS_LEAP_SECONDS: i64 = 18;
 /// GPS week 0, 1980-01-06T00:00:00Z, in Unix seconds.
-const GPS_EPOCH_S: f64 = 315_964_800.0;
-const WEEK_S: f64 = 604_800.0;
+const GPS_EPOCH_S: i64 = 315_964_800;
+const WEEK_S: i64 = 604_800;
 
-/// What a user may say about a recording.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    /// Name and text of the DBC that describes the car's bus.
-    pub dbc: Option<(String, String)>,
-    /// Time of the first frame, where the log has no GPS time.
-    pub start_time: Nanos,
-    /// Id of the drive; made from the route's name when absent.
-    pub drive_id: Option<DriveId>,
-}
-
-/// Segment folders at or below `path`, grouped into routes, both in order.
-pub fn find_routes(path: &Path) -> io::Result<Vec<Vec<PathBuf>>> {
-    if is_segment(path) {
-        return Ok(vec![vec![path.to_owned()]]);
-    }
-    fn search(dir: &Path, depth: usize, out: &mut Vec<Vec<PathBuf>>) -> io::Result<()> {
-        let mut folders: Vec<PathBuf> =
-            fs::read_dir(dir)?.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_dir()).collect();
-        folders.sort_by_key(|p| (segment_number(p), p.clone()));
-        let (segments, others): (Vec<_>, Vec<_>) = folders.into_iter().partition(|p| is_segment(p));
-        if !segments.is_empty() {
-            out.push(segments);
-        }
-        if depth > 0 {
-            for other in others {
-                search(&other, depth - 1, out)?;
+/// Routes at or below `path`, sorted: folders whose subfolders are segments, or `path` itself when it is one segment.
+pub fn find_routes(path: &Path) -> io::Result<Vec<PathBuf>> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
+        let folders = folders(dir)?;
+        if folders.iter().any(|p| is_segment(p)) {
+            out.push(dir.to_owned());
+        } else if depth > 0 {
+            for folder in folders {
+                search(&folder, depth - 1, out)?;
             }
         }
         Ok(())
     }
+    if is_segment(path) {
+        return Ok(vec![path.to_owned()]);
+    }
     let mut out = Vec::new();
-    search(path, 2, &mut out)?;
+    if path.is_dir() {
+        search(path, 2, &mut out)?;
+    }
     Ok(out)
 }
 
+/// Subfolders in the order of their numbers, then names.
+fn folders(dir: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut folders: Vec<PathBuf> =
+        fs::read_dir(dir)?.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_dir()).collect();
+    folders.sort_by_key(|p| (file_label(p).parse().unwrap_or(u64::MAX), p.clone()));
+    Ok(folders)
+}
+
 fn is_segment(dir: &Path) -> bool {
-    dir.join("global_pose/frame_times").is_file() || dir.join("processed_log/CAN").is_dir()
+    dir.join("global_pose").is_dir() || dir.join("processed_log/CAN").is_dir()
 }
 
-fn segment_number(path: &Path) -> u64 {
-    file_label(path).parse().unwrap_or(u64::MAX)
-}
-
-/// Reads the segments of one route. `None` when there is nothing that could be kept; the report says why.
-pub fn read(segments: &[PathBuf], options: &Options) -> (Option<Drive>, SourceReport) {
-    let name = segments.first().and_then(|s| s.parent()).unwrap_or(Path::new("."));
-    let mut report = SourceReport::new(name.display().to_string());
-    let drive = read_route(segments, options, &mut report);
+/// Reads a route's folder, or one segment's. `None` when there is nothing that could be kept; the report says why.
+pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    let mut report = SourceReport::new(path.display().to_string());
+    let segments = if is_segment(path) {
+        vec![path.to_owned()]
+    } else {
+        folders(path).unwrap_or_default().into_iter().filter(|p| is_segment(p)).collect()
+    };
+    let drive = read_route(&segments, options, &mut report);
     (drive, report)
 }
 
 fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let mut hash = ContentHash::new("comma2k19", REVISION);
     let recording = Recording::read(segments, &mut hash, report);
-    let source = report.source.clone();
-    let (Some(&first), Some(&last)) = (recording.pose.times.first(), recording.pose.times.last()) else {
-        report.diagnostics.push(findings::no_pose(&source));
+    let frames = frame_grid(&recording.pose);
+    if frames.is_empty() {
+        report.diagnostics.push(findings::no_pose(&report.source));
         return None;
-    };
-    // Frames at 10 Hz on the log's own clock; the last pose has a frame when it falls on the grid.
-    let count = ((last - first) * FRAME_RATE_HZ + 1e-6).floor() as usize + 1;
-    let frames: Vec<f64> = (0..count).map(|i| first + i as f64 / FRAME_RATE_HZ).collect();
+    }
     let start = match recording.pose.gps_of_first {
-        Some((week, second)) => Nanos::from_secs_f64(GPS_EPOCH_S + week * WEEK_S - GPS_LEAP_SECONDS).plus_secs(second),
-        None => options.start_time,
+        Some((week, second)) => {
+            let week_began = GPS_EPOCH_S + week as i64 * WEEK_S - GPS_LEAP_SECONDS;
+            Nanos(week_began * Nanos::SECOND.0).plus_secs(second)
+        }
+        None => {
+            hash.add("start", &options.start.0.to_le_bytes());
+            options.start
+        }
     };
-    let times = (0..count).map(|i| start.plus_secs(i as f64 / FRAME_RATE_HZ)).collect();
+    let times = frames.iter().map(|t| start.plus_secs(t - frames[0])).collect();
 
-    let dbc = options.dbc.as_ref().and_then(|(file, text)| {
-        hash.add("dbc", text.as_bytes());
-        CanDatabase::parse(text).map_err(|e| report.diagnostics.push(findings::dbc(file, &e))).ok()
-    });
+    let dbc = read_dbc(options, &mut hash, report);
     let (bus, lacking) = bus::decode(&recording, dbc.as_ref(), &frames);
+    if let (Some(path), true) = (&options.dbc, dbc.is_some() && !recording.can.times.is_empty() && bus::has_no_state(&bus)) {
+        report.diagnostics.push(findings::foreign_dbc(&path.display().to_string()));
+    }
+    if options.dbc.is_none() && !recording.can.times.is_empty() {
+        report.diagnostics.push(findings::no_dbc(&report.source));
+    }
     let motion = motion::at_frames(&recording.pose, &frames);
     let (tracks, radar_rows) = radar::tracks(&recording.radar, &frames, &motion);
-    if let Some(rows) = radar_rows {
-        report.tables.push(rows);
-    }
 
-    let mut missing = vec!["map".to_owned(), "object classes and sizes".into(), "traffic lights".into()];
+    let mut missing = vec!["map".to_owned(), "object classes".into(), "object sizes".into(), "traffic lights".into()];
+    if radar_rows.is_none() {
+        missing.push("radar".into());
+    }
     missing.extend(lacking);
-    missing.push("weather and surface".into());
+    missing.extend(["weather and surface", "camera pictures"].map(String::from));
     let route = name_of_route(segments);
-    let id = options.drive_id.clone().unwrap_or_else(|| drive_id(&route));
-    report.drive_id = Some(id.clone());
-    report.frames = count;
-    report.duration_s = (count - 1) as f64 / FRAME_RATE_HZ;
-    report.tracks = tracks.len();
-    report.missing = missing.clone();
+    let sensors = radar_rows.iter().map(|_| "radar".to_owned()).collect();
+    report.tables.extend(radar_rows);
     Some(Drive {
         meta: DriveMeta {
-            drive_id: id,
+            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(&route)),
             format: "comma2k19".into(),
             source: route.split(['|', '_']).next().unwrap_or_default().to_owned(),
             place: None,
@@ -130,8 +129,8 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             frame_of_reference: FrameOfReference::World,
             content_hash: hash.finish(),
             video: Vec::new(),
-            sensors: vec!["radar".into()],
-            can: true,
+            sensors,
+            can: !recording.can.times.is_empty() || !recording.speed.0.is_empty(),
             missing,
         },
         times,
@@ -149,6 +148,24 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
         context: None,
         media: None,
     })
+}
+
+/// Frames at 10 Hz from the first pose on, on the log's own clock; none where poses are missing.
+fn frame_grid(pose: &Pose) -> Vec<f64> {
+    let (Some(&first), Some(&last)) = (pose.times.first(), pose.times.last()) else { return Vec::new() };
+    // The last pose has a frame when it falls on the grid, give or take a microsecond.
+    let count = ((last - first) * FRAME_RATE_HZ + 1e-5).floor() as usize + 1;
+    (0..count).map(|i| first + i as f64 / FRAME_RATE_HZ).filter(|&t| motion::covers(pose, t)).collect()
+}
+
+fn read_dbc(options: &Options, hash: &mut ContentHash, report: &mut SourceReport) -> Option<CanDatabase> {
+    let path = options.dbc.as_ref()?;
+    let read = fs::read(path).map_err(|e| e.to_string()).and_then(|bytes| {
+        hash.add("dbc", &bytes);
+        // DBC files are often Latin-1 (degree signs in units); what we look up is ASCII.
+        CanDatabase::parse(&String::from_utf8_lossy(&bytes))
+    });
+    read.map_err(|e| report.diagnostics.push(findings::dbc(&path.display().to_string(), &e))).ok()
 }
 
 /// `dongle|time_firstsegment`, as the folders name it.

@@ -2,11 +2,23 @@
 //! signals, rules or labels. A log's format ends here: what leaves this crate is a [`whyroad_model::Drive`].
 
 pub mod av2;
+pub mod can;
+pub mod comma2k19;
+mod feature_map;
+mod geodesy;
 mod geometry;
+mod junctions;
 pub mod kinematics;
+mod lane_lights;
+mod npy;
+mod pickle;
 pub mod plausibility;
 pub mod report;
+mod resample;
 mod run;
+mod sampled;
+pub mod scenarionet;
+mod se3;
 mod source;
 pub mod sumo;
 
@@ -16,6 +28,12 @@ pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, read
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
     let shared =
-        ["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found", "ingest.speed.impossible"];
-    shared.iter().chain(av2::findings::CODES).chain(sumo::findings::CODES).copied().collect()
+        ["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found", "ingest.speed.impossible", "ingest.rate.resampled"];
+    let of_adapters = [
+        av2::findings::CODES,
+        comma2k19::CODES,
+        scenarionet::findings::CODES,
+        sumo::findings::CODES,
+    ];
+    shared.into_iter().chain(of_adapters.into_iter().flatten().copied()).collect()
 }

@@ -59,7 +59,15 @@ pub fn read_numbers(path: &Path) -> Result<Table, String> {
     Ok(Table { columns, values })
 }
 
-/// Reads an array of byte strings (`S8`), each padded with zeros to its full width, as NumPy strips trailing zeros only on access.
+/// Reads an array of byte strings (`S8`), each at its full width: NumPy and the crate take zeros at a string's end for
+/// padding, but in a bus frame they are data.
 pub fn read_bytes(path: &Path) -> Result<Vec<Vec<u8>>, String> {
-    open(path)?.into_vec::<Vec<u8>>().map_err(|e| e.to_string())
+    let npy = open(path)?;
+    let npyz::DType::Plain(kind) = npy.dtype() else { return Err("an array of records, not of byte strings".into()) };
+    let width = kind.num_bytes().unwrap_or(0);
+    let mut strings = npy.into_vec::<Vec<u8>>().map_err(|e| e.to_string())?;
+    for s in &mut strings {
+        s.resize(width, 0);
+    }
+    Ok(strings)
 }

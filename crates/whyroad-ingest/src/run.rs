@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::{SourceReport, av2, sumo};
+use crate::{SourceReport, av2, comma2k19, scenarionet, sumo};
 use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
@@ -10,18 +10,29 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
 pub enum Format {
     /// Argoverse 2 sensor logs.
     Av2,
+    /// comma2k19 routes.
+    Comma2k19,
+    /// ScenarioNet and MetaDrive scenarios.
+    ScenarioNet,
     /// SUMO floating car data and network.
     Sumo,
 }
 
 impl Format {
     /// All formats.
-    pub const ALL: &'static [Format] = &[Format::Av2, Format::Sumo];
+    pub const ALL: &'static [Format] = &[
+        Format::Av2,
+        Format::Comma2k19,
+        Format::ScenarioNet,
+        Format::Sumo,
+    ];
 
     /// Name on the command line and in `DriveMeta::format`.
     pub fn name(self) -> &'static str {
         match self {
             Format::Av2 => "av2",
+            Format::Comma2k19 => "comma2k19",
+            Format::ScenarioNet => "scenarionet",
             Format::Sumo => "sumo",
         }
     }
@@ -35,6 +46,8 @@ impl Format {
         match self {
             Format::Av2 if path.is_dir() => av2::find_logs(path),
             Format::Av2 => Ok(Vec::new()),
+            Format::Comma2k19 => comma2k19::find_routes(path),
+            Format::ScenarioNet => scenarionet::find_scenarios(path),
             Format::Sumo => sumo::find_simulations(path),
         }
     }
@@ -55,6 +68,8 @@ pub struct Options {
     pub types: Vec<PathBuf>,
     /// Light states, when they do not lie beside the source.
     pub lights: Option<PathBuf>,
+    /// Description of the messages on the vehicle bus (DBC), for sources with raw CAN.
+    pub dbc: Option<PathBuf>,
     /// Licence of the data, for sources that do not say; SPDX id.
     pub licence: Option<String>,
 }
@@ -71,6 +86,7 @@ impl Default for Options {
             net: None,
             types: Vec::new(),
             lights: None,
+            dbc: None,
             licence: None,
         }
     }
@@ -113,6 +129,8 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
 pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport) {
     match source.format {
         Format::Av2 => av2::read(&source.path, options.drive_id.as_ref()),
+        Format::Comma2k19 => comma2k19::read(&source.path, options),
+        Format::ScenarioNet => scenarionet::read(&source.path, options),
         Format::Sumo => sumo::read(&source.path, options),
     }
 }

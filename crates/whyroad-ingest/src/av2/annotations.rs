@@ -2,8 +2,8 @@
 
 use super::classes::EGO;
 use super::feather::Feather;
-use super::se3::unit;
 use crate::report::RowCount;
+use crate::se3::unit;
 use std::collections::HashSet;
 
 /// One cuboid.

@@ -1,9 +1,9 @@
 //! `city_SE3_egovehicle.feather`: where the rear axle is in the city, about 170 times a second, and in between.
 
 use super::feather::Feather;
-use super::se3::{Se3, unit};
 use crate::kinematics::MAX_GAP_S;
 use crate::report::RowCount;
+use crate::se3::{Se3, unit};
 
 /// Poses by ascending time.
 pub(super) struct PoseTrack {

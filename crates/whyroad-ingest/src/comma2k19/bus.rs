@@ -8,8 +8,8 @@ use whyroad_model::scene::{EgoBus, TurnSignal};
 
 /// The bus that a comma device sees the car's own messages on; others are its echoes and the radar's.
 const CAR_BUS: i64 = 0;
-/// A steering angle (83 Hz) may be missing this long and still be interpolated, s.
-const STEERING_GAP_S: f64 = 0.25;
+/// Steering angle and speed (83 Hz) may be missing this long and still be interpolated, s.
+const SAMPLE_GAP_S: f64 = 0.25;
 
 /// Where a state stands in the DBC of a make, and how long one message speaks for: cars repeat them at their own pace.
 struct StateSource {
@@ -31,15 +31,18 @@ const HAZARD: StateSource = StateSource { message: "BLINKERS_STATE", signal: "HA
 pub(super) fn decode(recording: &Recording, dbc: Option<&CanDatabase>, frames: &[f64]) -> (EgoBus, Vec<String>) {
     let mut bus = EgoBus::default();
     let mut missing = Vec::new();
-    if recording.steering.0.is_empty() {
-        missing.push("steering angle".to_owned());
-    } else {
-        let (t, degrees) = &recording.steering;
-        let radians: Vec<f64> = degrees.iter().map(|d| d.to_radians()).collect();
-        bus.steering = linear(t, &radians, frames, STEERING_GAP_S);
-    }
+    let mut at_frames = |name: &str, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
+        if times.is_empty() {
+            missing.push(name.to_owned());
+            return Vec::new();
+        }
+        let scaled: Vec<f64> = values.iter().map(|v| v * scale).collect();
+        linear(times, &scaled, frames, SAMPLE_GAP_S)
+    };
+    bus.steering = at_frames("steering angle", &recording.steering, 1.0_f64.to_radians());
+    bus.speed_mps = at_frames("vehicle speed", &recording.speed, 1.0);
     let Some(dbc) = dbc else {
-        missing.push("brake, cruise, gear and turn signal (raw CAN needs --dbc FILE)".to_owned());
+        missing.extend(["brake", "cruise", "gear", "turn signal"].map(String::from));
         return (bus, missing);
     };
     let messages = by_address(recording);
@@ -108,6 +111,17 @@ pub(super) fn decode(recording: &Recording, dbc: Option<&CanDatabase>, frames: &
         })
         .collect();
     (bus, missing)
+}
+
+/// True when the DBC led to none of the states that are looked for.
+pub(super) fn has_no_state(bus: &EgoBus) -> bool {
+    bus.brake.is_empty() && bus.cruise.is_empty() && bus.gear.is_empty() && bus.turn_signal.is_empty()
+}
+
+/// What is looked for in a DBC, for people.
+pub(super) fn looked_for() -> String {
+    let names: Vec<String> = [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();
+    names.join(", ")
 }
 
 /// A decoded state: its number and, where the DBC names it, its name.

@@ -3,7 +3,14 @@
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter.
-pub(crate) const CODES: &[&str] = &["comma2k19.pose.missing", "comma2k19.array.unreadable", "comma2k19.array.shape", "comma2k19.dbc"];
+pub(crate) const CODES: &[&str] = &[
+    "comma2k19.pose.missing",
+    "comma2k19.array.unreadable",
+    "comma2k19.array.shape",
+    "comma2k19.dbc.missing",
+    "comma2k19.dbc.unreadable",
+    "comma2k19.dbc.foreign",
+];
 
 pub(super) fn no_pose(source: &str) -> Diagnostic {
     let message = Bilingual::new("没有可用的位姿，无法建立行程", "no usable pose, so there is no drive to build");
@@ -30,5 +37,24 @@ pub(super) fn dbc(file: &str, reason: &str) -> Diagnostic {
     let first = reason.lines().next().unwrap_or(reason);
     let message = Bilingual::new(format!("不是可用的 DBC 文件：{first}"), format!("not a usable DBC file: {first}"));
     let hint = Bilingual::new("使用该车型的 DBC（例如 opendbc 中的文件）", "give the DBC of the car, as opendbc has them");
-    Diagnostic::error("comma2k19.dbc", message).in_file(file).with_hint(hint)
+    Diagnostic::error("comma2k19.dbc.unreadable", message).in_file(file).with_hint(hint)
+}
+
+pub(super) fn foreign_dbc(file: &str) -> Diagnostic {
+    let names = super::bus::looked_for();
+    let message = Bilingual::new(
+        format!("按此 DBC 在日志的总线 0 上解不出任何状态（查找：{names}）；刹车、巡航、档位、转向灯未知"),
+        format!("by this DBC no state could be decoded from bus 0 of the log (looked for {names}); brake, cruise, gear and turn signal are unknown"),
+    );
+    let hint = Bilingual::new("给出与该车型对应的 DBC；目前支持丰田 2017", "give the DBC of this very car; Toyota's of 2017 is supported so far");
+    Diagnostic::error("comma2k19.dbc.foreign", message).in_file(file).with_hint(hint)
+}
+
+pub(super) fn no_dbc(source: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        "日志有原始 CAN，但没有给出 DBC：刹车、巡航、档位、转向灯未知",
+        "the log has raw CAN, but no DBC was given: brake, cruise, gear and turn signal are unknown",
+    );
+    let hint = Bilingual::new("加上 --dbc 文件", "add --dbc FILE");
+    Diagnostic::note("comma2k19.dbc.missing", message).in_file(source).with_hint(hint)
 }

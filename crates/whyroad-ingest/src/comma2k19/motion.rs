@@ -1,10 +1,10 @@
 //! Camera poses (earth-centred) to the motion of the car's box centre in a local frame, at frame times.
 
 use super::recording::Pose;
-use crate::av2::se3::{rotate, slerp};
 use crate::geodesy::LocalFrame;
 use crate::kinematics::{derive, wrap_angle};
 use crate::resample::linear;
+use crate::se3::{rotate, slerp};
 use whyroad_model::scene::Motion;
 
 /// Poses come at 20 Hz; across a longer hole nothing is interpolated, s.
@@ -45,6 +45,11 @@ pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
         .collect();
     let derived = derive(frames, &x, &y, &heading, |_| false);
     Motion { x, y, z, heading, vx, vy, accel: derived.accel, yaw_rate: derived.yaw_rate }
+}
+
+/// True when there is a pose at `t`, or poses around it that are near enough.
+pub(super) fn covers(pose: &Pose, t: f64) -> bool {
+    orientation(pose, t).is_some()
 }
 
 fn orientation(pose: &Pose, t: f64) -> Option<[f64; 4]> {

@@ -1,9 +1,9 @@
 //! The arrays of a route's segments, joined in the order of time. What cannot be read is said and left out.
 
 use super::findings;
-use crate::av2::se3::unit;
 use crate::npy::{Table, read_bytes, read_numbers};
 use crate::report::{RowCount, SourceReport};
+use crate::se3::unit;
 use crate::source::ContentHash;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,6 +15,8 @@ pub(super) struct Recording {
     pub can: RawCan,
     /// Times, steering wheel angle in degrees, left positive.
     pub steering: (Vec<f64>, Vec<f64>),
+    /// Times, the car's own speed in m/s.
+    pub speed: (Vec<f64>, Vec<f64>),
     pub radar: Vec<RadarRow>,
 }
 
@@ -81,9 +83,15 @@ impl Recording {
                 self.pose.append(&t, &p, &v, &q, gps.as_ref(), poses);
             }
         }
-        if let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("processed_log/CAN/steering_angle/{n}"))) {
-            self.steering.0.extend(t.column(0));
-            self.steering.1.extend(v.column(0));
+        for (name, series) in [("steering_angle", &mut self.steering), ("speed", &mut self.speed)] {
+            let folder = format!("processed_log/CAN/{name}");
+            let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("{folder}/{n}"))) else { continue };
+            if v.columns == 1 && v.rows() == t.rows() {
+                series.0.extend(t.column(0));
+                series.1.extend(v.column(0));
+            } else {
+                file.report.diagnostics.push(findings::shape(&dir.join(&folder).display().to_string()));
+            }
         }
         if let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("processed_log/CAN/radar/{n}"))) {
             if v.columns == 7 && v.rows() == t.rows() {

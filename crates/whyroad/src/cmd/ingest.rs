@@ -13,7 +13,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Format (av2, sumo; left out: recognised by the files), then log folders, files, or folders of such
+    /// Format (av2, comma2k19, sumo; left out: recognised by the files), then log folders, files, or folders of such
     #[arg(required = true, value_name = "[FORMAT] PATH")]
     inputs: Vec<String>,
     /// Lake to write into; made when it is not there
@@ -37,6 +37,9 @@ pub(crate) struct Args {
     /// SUMO: the lights' states, when they are not beside the FCD file
     #[arg(long, value_name = "FILE")]
     lights: Option<PathBuf>,
+    /// comma2k19: the DBC of the car, which says what its raw CAN messages mean
+    #[arg(long, value_name = "FILE")]
+    dbc: Option<PathBuf>,
     /// Licence of the data (SPDX id), for sources that do not say
     #[arg(long, value_name = "ID")]
     licence: Option<String>,
@@ -72,6 +75,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         net: args.net,
         types: args.types,
         lights: args.lights,
+        dbc: args.dbc,
         licence: args.licence,
     };
     for d in &problems {

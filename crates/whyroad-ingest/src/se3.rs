@@ -2,7 +2,7 @@
 
 /// Rotation then translation: maps points of the moving frame into the fixed one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Se3 {
+pub(crate) struct Se3 {
     /// Unit quaternion w, x, y, z.
     pub q: [f64; 4],
     /// m.
@@ -13,7 +13,7 @@ pub(super) struct Se3 {
 const MAX_NORM_ERROR: f64 = 0.01;
 
 /// The unit quaternion meant by `q`, or `None` when it is not a rotation (NaN, zero, far from unit length).
-pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
+pub(crate) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
     let norm = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     // Written so that NaN fails.
     ((norm - 1.0).abs() <= MAX_NORM_ERROR).then(|| q.map(|v| v / norm))
@@ -34,7 +34,7 @@ impl Se3 {
 }
 
 /// `v` turned by `q`: v + 2 w (u x v) + 2 u x (u x v).
-pub(super) fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let (w, u) = (q[0], [q[1], q[2], q[3]]);
     let uv = cross(u, v);
     let uuv = cross(u, uv);
@@ -42,13 +42,13 @@ pub(super) fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 }
 
 /// Direction of the frame's x axis in the ground plane, rad counter-clockwise from x.
-pub(super) fn heading(q: [f64; 4]) -> f64 {
+pub(crate) fn heading(q: [f64; 4]) -> f64 {
     let x = rotate(q, [1.0, 0.0, 0.0]);
     crate::kinematics::wrap_angle(x[1].atan2(x[0]))
 }
 
 /// `a` after `b`: the rotation that turns by `b` first.
-pub(super) fn compose(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+pub(crate) fn compose(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -61,7 +61,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
+/// Between two rotations (share 0: `a`, 1: `b`) on the shorter great circle.
+pub(crate) fn slerp(a: [f64; 4], b: [f64; 4], share: f64) -> [f64; 4] {
     let dot: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum();
     // q and -q are the same rotation; the nearer one gives the shorter way.
     let (b, dot) = if dot < 0.0 { (b.map(|v| -v), -dot) } else { (b, dot) };
