@@ -5,13 +5,14 @@
 //! limits. Sensor maps list successors fully and predecessors only in part, so each link is completed from its
 //! other end. Maps are local crops: ids of lanes beyond the border are kept, though no such lane is there.
 
-use crate::geometry::{between, centre_line, contains, distance, edges_oppose, union_outlines};
+use crate::geometry::{between, centre_line, edges_oppose};
+use crate::junctions;
 use crate::report::RowCount;
 use geo::{ConvexHull, Coord, LineString, MultiPoint, Point};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3};
 
@@ -104,7 +105,7 @@ pub(super) fn read(text: &str) -> Result<MapReading, String> {
     r.map.drivable_areas.sort_by(|a, b| a.id.cmp(&b.id));
     r.dangling = dangling_links(&r.map.lanes);
     r.completed_links = complete_links(&mut r.map.lanes);
-    add_junctions(&mut r.map);
+    junctions::add(&mut r.map);
     Ok(r)
 }
 
@@ -245,49 +246,4 @@ fn complete_links(lanes: &mut [Lane]) -> usize {
         }
     }
     added
-}
-
-/// Junction areas, and on each lane the junction that it belongs to or leads into.
-fn add_junctions(map: &mut RoadMap) {
-    let inside: Vec<usize> = (0..map.lanes.len()).filter(|&i| map.lanes[i].in_junction).collect();
-    let shapes: Vec<Vec<Point3>> =
-        inside.iter().map(|&i| between(&map.lanes[i].left, &map.lanes[i].right)).collect();
-    let outlines = union_outlines(&shapes);
-    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for &i in &inside {
-        let centre = &map.lanes[i].centre;
-        let middle = centre[centre.len() / 2];
-        // A lane whose edges cross can have its middle outside; it then goes to the nearest outline.
-        let home = outlines.iter().position(|o| contains(o, middle)).or_else(|| {
-            let reach = |o: &[Point3]| o.iter().map(|p| distance(*p, middle)).fold(f64::INFINITY, f64::min);
-            (0..outlines.len()).min_by(|&a, &b| reach(&outlines[a]).total_cmp(&reach(&outlines[b])))
-        });
-        if let Some(home) = home {
-            members.entry(home).or_default().push(i);
-        }
-    }
-    let mut id_of = vec![None; outlines.len()];
-    for (home, lanes) in members {
-        // Lanes are ordered by id, so the first member gives a name that does not change with the file's order.
-        let id = format!("junction_{}", map.lanes[lanes[0]].id);
-        for i in lanes {
-            map.lanes[i].junction_id = Some(id.clone());
-        }
-        id_of[home] = Some(id);
-    }
-    // An outline without a lane is a sliver of the union.
-    map.junctions = outlines
-        .into_iter()
-        .zip(id_of)
-        .filter_map(|(boundary, id)| Some(Area { id: id?, boundary }))
-        .collect();
-    map.junctions.sort_by(|a, b| a.id.cmp(&b.id));
-    for i in 0..map.lanes.len() {
-        if !map.lanes[i].in_junction {
-            let ahead = map.lanes[i].successors.iter().find_map(|s| {
-                map.lane(s)?.junction_id.clone().filter(|_| map.lane(s).is_some_and(|l| l.in_junction))
-            });
-            map.lanes[i].junction_id = ahead;
-        }
-    }
 }
