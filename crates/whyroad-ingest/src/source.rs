@@ -55,3 +55,13 @@ pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usi
     );
     Some(Diagnostic::warning("ingest.speed.impossible", message).in_file(file))
 }
+
+/// The log's own rate was not 10 Hz.
+pub(crate) fn resampled(file: &str, native_step_s: f64) -> Diagnostic {
+    let hz = 1.0 / native_step_s;
+    let message = Bilingual::new(
+        format!("日志的频率为 {hz:.1} Hz；已线性插值到 10 Hz"),
+        format!("the log is at {hz:.1} Hz; it was interpolated linearly to 10 Hz"),
+    );
+    Diagnostic::note("ingest.rate.resampled", message).in_file(file)
+}
