@@ -106,6 +106,22 @@ fn everything_that_the_simulator_did_is_found_and_nothing_is_invented() {
 }
 
 #[test]
+fn the_comparison_can_fail() {
+    let episodes = episodes();
+    let truth = lines(&truth_files()[1]);
+    let cutin = truth.iter().find(|t| t["scenario_id"] == "reactive_agent.cutin.urgent").unwrap();
+    assert!(episodes.iter().any(|e| is_match(cutin, e)));
+    let mut late = cutin.clone();
+    for k in ["start_ns", "keyframe_ns", "end_ns"] {
+        late[k] = (late[k].as_i64().unwrap() + 10_000_000_000).into();
+    }
+    assert!(!episodes.iter().any(|e| is_match(&late, e)), "ten seconds late");
+    let mut other = cutin.clone();
+    other["target_id"] = "lorry".into();
+    assert!(!episodes.iter().any(|e| is_match(&other, e)), "another vehicle");
+}
+
+#[test]
 fn it_ends_with_a_table_and_the_path_of_the_report() {
     let (dir, run) = demo();
     assert_eq!(run.code, 0, "{}", run.err);

@@ -83,10 +83,11 @@ fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, bo
     let held =
         |from: usize, to: usize, slows: bool| to <= end && (from..to).all(|f| change(f) == Some(slows));
     let mut from = keyframe;
-    if let Some(underway) = change(keyframe) {
-        if keyframe >= HELD_FRAMES && held(keyframe - HELD_FRAMES, keyframe, underway) {
-            from = (keyframe..end).find(|&f| change(f) != Some(underway))?;
-        }
+    if let Some(underway) = change(keyframe)
+        && keyframe >= HELD_FRAMES
+        && held(keyframe - HELD_FRAMES, keyframe, underway)
+    {
+        from = (keyframe..end).find(|&f| change(f) != Some(underway))?;
     }
     (from..end).find_map(|f| {
         let slows = change(f)?;
@@ -119,9 +120,7 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
 
 fn choose(motion: LongitudinalMotion, typical: &TypicalDecisions) -> Option<Longitudinal> {
     let possible = candidates(motion);
-    let usual = typical.longitudinal.iter().find(|d| possible.contains(d)).copied();
-    // Moving off from standstill is `resume` whatever the class.
-    usual.or(if motion == LongitudinalMotion::Starts { Some(Longitudinal::Resume) } else { None })
+    typical.longitudinal.iter().find(|d| possible.contains(d)).copied()
 }
 
 fn note_longitudinal(

@@ -76,7 +76,12 @@ fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord, id
     } else {
         m.raw("<span class=\"badge\">").say("次要", "secondary").raw("</span>");
         if let Some(primary) = &episode.primary_episode_id {
-            m.raw(" <a class=\"faint\" href=\"#episode-").text(primary).raw("\">").text(primary).raw("</a>");
+            m.raw(" <a class=\"faint\" title=\"")
+                .text(primary)
+                .raw("\" href=\"#episode-")
+                .text(primary)
+                .raw("\">");
+            m.say("查看主场景", "see the primary one").raw("</a>");
         }
     }
     m.raw(" <span class=\"score\"><span class=\"score-bar\"><i style=\"width:");

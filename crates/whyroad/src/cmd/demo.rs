@@ -44,8 +44,9 @@ impl Steps {
         eprintln!("{}", if self.lang == Lang::Zh { zh } else { en });
     }
 
+    /// Notes are left to `whyroad ingest`, where somebody asks about one log.
     fn findings(&mut self, found: &[Diagnostic]) {
-        for d in found {
+        for d in found.iter().filter(|d| d.severity != Severity::Note) {
             self.lost |= d.severity == Severity::Error;
             eprint!("{}", render_text(d, self.lang));
         }
