@@ -9,6 +9,9 @@ const NONE: u32 = u32::MAX;
 pub(in crate::validate) struct Trie {
     /// By character: 0, or one more than its place in `nodes`. Characters beyond the table start no word.
     starts: Vec<u16>,
+    /// The same for two ASCII characters, `first * 128 + second`: every Latin letter starts some word, so this
+    /// is where most Latin words of a text are told to be none of ours.
+    pairs: Vec<u16>,
     nodes: Vec<Node>,
     /// Edges of all nodes, those of one node side by side and sorted.
     edges: Vec<(char, u32)>,
@@ -42,7 +45,7 @@ impl Trie {
     /// A trie of `words`, which are in lower case, sorted and different. `None` when there are too many.
     pub fn new<'w>(words: impl Iterator<Item = &'w str>) -> Option<Self> {
         let words: Vec<Vec<char>> = words.map(|w| w.chars().collect()).collect();
-        let mut trie = Self { starts: vec![0; 0x1_0000], ..Self::default() };
+        let mut trie = Self { starts: vec![0; 0x1_0000], pairs: vec![0; 128 * 128], ..Self::default() };
         // Sorted words with a common beginning stand side by side: each node is a range of them.
         let mut from = 0;
         while from < words.len() {
@@ -53,6 +56,14 @@ impl Trie {
             let to = from + words[from..].iter().take_while(|w| w.first() == Some(&first)).count();
             let node = trie.add(&words, from, to, 1)?;
             *trie.starts.get_mut(first as usize)? = u16::try_from(node + 1).ok()?;
+            if first.is_ascii() {
+                let n = trie.nodes[node as usize];
+                for (second, child) in &trie.edges[n.edges as usize..(n.edges + n.count) as usize] {
+                    if second.is_ascii() {
+                        trie.pairs[first as usize * 128 + *second as usize] = u16::try_from(child + 1).ok()?;
+                    }
+                }
+            }
             from = to;
         }
         Some(trie)
@@ -121,6 +132,15 @@ impl Trie {
                 best = Some(Found { word: n.word as usize, start, end: at });
             }
             let Some(c) = next else { return best };
+            if at == start + 1 && last.is_ascii() && c.is_ascii() {
+                match self.pairs[fold(last) as usize * 128 + fold(c) as usize] {
+                    0 => return best,
+                    child => node = usize::from(child - 1),
+                }
+                at += 1;
+                last = c;
+                continue;
+            }
             let edges = &self.edges[n.edges as usize..(n.edges + n.count) as usize];
             let Ok(edge) = edges.binary_search_by_key(&fold(c), |e| e.0) else { return best };
             node = edges[edge].1 as usize;
