@@ -87,6 +87,10 @@ fn moments_apart_do_not_compete() {
     let vru = |k| episode("reactive_agent.vru_crossing.crosswalk", "p", k, 0.6);
     assert_eq!(primaries(vec![vru(100), at(109)]).len(), 1);
     assert_eq!(primaries(vec![vru(100), at(110)]).len(), 2);
+    // Recorded clocks jitter: 0.9998 s is ten frames as well.
+    let times: Vec<Nanos> = (0..500).map(|i| Nanos(i * 99_980_000)).collect();
+    let arbitrated = arbitrate(vec![vru(100), at(110)], &times, &precedence());
+    assert!(arbitrated.iter().all(|e| e.rank == Rank::Primary));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What must be found in the recorded drives (issue 2, section 5). Each fact was looked at in the raw tables
 //! (positions brought to the city frame, speeds by differences), independently of our signals; it is stated
 //! beside its test. Skipped where the recordings are absent.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says when it is skipped")]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

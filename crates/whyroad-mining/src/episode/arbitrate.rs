@@ -5,6 +5,7 @@
 //! the same L2 tells more.
 
 use super::{Episode, Rank};
+use crate::evaluate::CLOCK_TOLERANCE;
 use crate::rule::Precedence;
 use whyroad_model::{Nanos, ScenarioId};
 
@@ -20,11 +21,13 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
         let rank = |e: &Episode| precedence.rank(&e.scenario);
         rank(a).cmp(&rank(b)).then(b.score.total_cmp(&a.score)).then(i.cmp(&j))
     });
+    // Ten frames of a jittering clock are 1 s, whichever way they miss it.
+    let near = precedence.neighbourhood.0 - CLOCK_TOLERANCE.0;
     let mut primary: Vec<usize> = Vec::new();
     for i in order {
         let time = times[episodes[i].keyframe];
         let distance = |p: &usize| (times[episodes[*p].keyframe].0 - time.0).abs();
-        let rival = primary.iter().copied().find(|p| distance(p) < precedence.neighbourhood.0);
+        let rival = primary.iter().copied().find(|p| distance(p) < near);
         match rival {
             Some(p) => episodes[i].rank = Rank::SecondaryTo(p),
             None => {
