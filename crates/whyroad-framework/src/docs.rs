@@ -1,10 +1,16 @@
 //! `docs/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with English
 //! beside Chinese and every number counted. `markdown` can read it back.
 
-use crate::taxonomy::{Decides, L1, L2, L3};
+mod overlaps;
+mod spec_page;
+
+pub use spec_page::fill_spec_page;
+
+use crate::taxonomy::{L1, L2, L3};
 use crate::{Framework, ResolvedSpec};
+use overlaps::{Overlaps, anchor};
 use std::fmt::Write as _;
-use whyroad_model::{Bilingual, ScenarioId};
+use whyroad_model::ScenarioId;
 
 /// The whole page.
 pub fn taxonomy_page(f: &Framework) -> String {
@@ -19,8 +25,9 @@ pub fn taxonomy_page(f: &Framework) -> String {
         t.version, t.description.zh, t.description.en
     );
     statistics(f, &mut out);
+    let overlaps = Overlaps::of(t);
     for l1 in &t.l1 {
-        section_l1(f, l1, &mut out);
+        section_l1(f, l1, &overlaps, &mut out);
     }
     tree(f, &mut out);
     out
@@ -56,22 +63,27 @@ fn statistics(f: &Framework, out: &mut String) {
     let _ = writeln!(out, "| **总计** | - | Total | **{l2}** | **{l3}** |\n");
 }
 
-fn section_l1(f: &Framework, l1: &L1, out: &mut String) {
+fn section_l1(f: &Framework, l1: &L1, overlaps: &Overlaps<'_>, out: &mut String) {
     let _ = writeln!(
         out,
         "---\n\n## L1: {} ({})\n\n**{}**\n\n> **定义**: {}\n>\n> **Definition**: {}\n",
         l1.name.zh, l1.id, l1.name.en, l1.definition.zh, l1.definition.en
     );
     for l2 in &l1.l2 {
-        section_l2(f, l1, l2, out);
+        section_l2(f, l1, l2, overlaps, out);
     }
 }
 
-fn section_l2(f: &Framework, l1: &L1, l2: &L2, out: &mut String) {
+fn section_l2(f: &Framework, l1: &L1, l2: &L2, overlaps: &Overlaps<'_>, out: &mut String) {
     let _ = writeln!(
         out,
-        "### L2: {} - {}\n\n**{}**\n\n> **定义**: {}\n>\n> **Definition**: {}\n",
-        l2.id, l2.name.zh, l2.name.en, l2.definition.zh, l2.definition.en
+        "<a id=\"{}\"></a>\n\n### L2: {} - {}\n\n**{}**\n\n> **定义**: {}\n>\n> **Definition**: {}\n",
+        anchor(&l2.id),
+        l2.id,
+        l2.name.zh,
+        l2.name.en,
+        l2.definition.zh,
+        l2.definition.en
     );
     let decisions: Vec<String> = l2
         .typical_decisions
@@ -102,7 +114,7 @@ fn section_l2(f: &Framework, l1: &L1, l2: &L2, out: &mut String) {
         definition(l3, out);
     }
     out.push('\n');
-    decides(l1, l2, out);
+    overlaps.section(&ScenarioId { l1: l1.id.clone(), l2: Some(l2.id.clone()), l3: None }, out);
 }
 
 fn definition(l3: &L3, out: &mut String) {
@@ -127,24 +139,6 @@ fn labelling(spec: Option<&ResolvedSpec>) -> String {
         parts.push(format!("lateral=`{lateral}`"));
     }
     parts.join("<br>")
-}
-
-fn decides(l1: &L1, l2: &L2, out: &mut String) {
-    let of_l2 = l2.decides.iter().map(|d| (format!("{}.{}", l1.id, l2.id), d));
-    let of_l3 = l2
-        .l3
-        .iter()
-        .flat_map(|c| c.decides.iter().map(move |d| (format!("{}.{}.{}", l1.id, l2.id, c.id), d)));
-    let rules: Vec<(String, &Decides)> = of_l2.chain(of_l3).collect();
-    if rules.is_empty() {
-        return;
-    }
-    out.push_str("易混类别的判定 · What decides between overlapping classes:\n\n");
-    for (id, d) in rules {
-        let Bilingual { zh, en } = &d.rule;
-        let _ = writeln!(out, "- `{id}` / `{}`: {zh}<br>{en}", d.against);
-    }
-    out.push('\n');
 }
 
 fn tree(f: &Framework, out: &mut String) {

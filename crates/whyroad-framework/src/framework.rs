@@ -17,6 +17,8 @@ pub struct Framework {
     pub decisions: DecisionSets,
     /// One spec a leaf, inheritance applied.
     pub specs: BTreeMap<ScenarioId, ResolvedSpec>,
+    /// One spec an L1 whose default is whole.
+    pub l1_specs: BTreeMap<ScenarioId, ResolvedSpec>,
     /// One spec an L2 that has any, for what is known to be of that L2 and of no leaf in particular.
     pub l2_specs: BTreeMap<ScenarioId, ResolvedSpec>,
     /// One `mining:` block an L2 or leaf that has one, in taxonomy order, an L2 before its leaves.

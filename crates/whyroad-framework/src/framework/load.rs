@@ -78,6 +78,10 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
         }
         let nothing = LabelingLayer::default();
         let default = read.get(&l1_file).and_then(|r| r.spec.labeling.as_ref()).unwrap_or(&nothing);
+        let l1_id = ScenarioId { l1: l1.id.clone(), l2: None, l3: None };
+        if let Ok(resolved) = finish(l1_id.clone(), default) {
+            framework.l1_specs.insert(l1_id, resolved);
+        }
         for l2 in &l1.l2 {
             let file = format!("scenarios/{}/{}.yaml", l1.id, l2.id);
             let Some(spec) = read.get(&file) else {

@@ -62,12 +62,14 @@ enum Command {
         #[arg(long, value_enum, default_value = "text")]
         format: DiffFormat,
     },
-    /// Write docs/TAXONOMY.md
+    /// Write docs/TAXONOMY.md and the generated parts of docs/SPEC.md
+    ///
+    /// A framework folder without a docs/SPEC.md gets none.
     Docs {
         /// Write nothing; exit code 1 when the file is not up to date
         #[arg(long)]
         check: bool,
-        /// File to write
+        /// Page to write instead of docs/TAXONOMY.md; a SPEC.md beside it is brought up to date too
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

@@ -1,10 +1,10 @@
 //! `whyroad taxonomy docs` and `whyroad taxonomy schemas`: files generated from the framework.
 
 use crate::{Global, framework_folder, output};
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_framework::docs::taxonomy_page;
+use whyroad_framework::docs::{fill_spec_page, taxonomy_page};
 use whyroad_framework::schemas::schemas as all_schemas;
 use whyroad_model::{Bilingual, Diagnostic, diagnostic};
 
@@ -24,10 +24,19 @@ impl Action {
     }
 }
 
+/// Writes the taxonomy page, and the generated parts of the SPEC.md beside it where there is one.
 pub(super) fn docs(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let file = out.map_or_else(|| root(global).join("docs").join("TAXONOMY.md"), Path::to_owned);
-    finish(global, action, "whyroad taxonomy docs", &[(file, taxonomy_page(&framework))])
+    let page = out.map_or_else(|| root(global).join("docs").join("TAXONOMY.md"), Path::to_owned);
+    let spec = page.with_file_name("SPEC.md");
+    let mut files = vec![(page, taxonomy_page(&framework))];
+    if spec.is_file() {
+        let text = read(&spec)?;
+        let filled = fill_spec_page(&framework, &text)
+            .map_err(|marker| anyhow!("{} has no line `{marker}`", spec.display()))?;
+        files.push((spec, filled));
+    }
+    finish(global, action, "whyroad taxonomy docs", &files)
 }
 
 pub(super) fn schemas(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {
@@ -41,6 +50,12 @@ pub(super) fn schemas(global: &Global, action: Action, out: Option<&Path>) -> an
 /// Where generated files go unless `--out` says: beside the framework that they are generated from.
 fn root(global: &Global) -> PathBuf {
     global.framework.clone().unwrap_or_default()
+}
+
+/// A text file. Git may check text out with CRLF; that is not staleness.
+fn read(path: &Path) -> anyhow::Result<String> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(text.replace("\r\n", "\n"))
 }
 
 fn finish(
@@ -61,8 +76,7 @@ fn finish(
             eprintln!("{name}");
             continue;
         }
-        // Git may check text out with CRLF; that is not staleness.
-        let current = std::fs::read_to_string(path).unwrap_or_default().replace("\r\n", "\n");
+        let current = if path.is_file() { read(path)? } else { String::new() };
         if current != *text {
             let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
             let hint = Bilingual::new(format!("运行 `{command}`"), format!("run `{command}`"));
