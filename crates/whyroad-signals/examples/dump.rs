@@ -35,7 +35,12 @@ fn main() -> ExitCode {
     };
     let started = std::time::Instant::now();
     let table = whyroad_signals::derive(&drive);
-    eprintln!("{} targets, {} frames, {:.1} ms", table.targets.len(), table.times.len(), started.elapsed().as_secs_f64() * 1e3);
+    eprintln!(
+        "{} targets, {} frames, {:.1} ms",
+        table.targets.len(),
+        table.times.len(),
+        started.elapsed().as_secs_f64() * 1e3
+    );
     eprintln!("unavailable: {:?}", table.unavailable);
     let span = table.targets.iter().find(|t| t.id.as_str().starts_with(target.as_str()));
     println!("t,{}", names.join(","));

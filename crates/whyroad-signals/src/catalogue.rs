@@ -134,7 +134,8 @@ impl<'t> Places<'t> {
             let value = value.trim().trim_matches(['"', '\'']);
             (value == name).then(|| line.find(name)).flatten()
         };
-        let Some((at, line, start)) = self.lines.find_map(|(i, line)| Some((i, line, names_it(line)?))) else {
+        let Some((at, line, start)) = self.lines.find_map(|(i, line)| Some((i, line, names_it(line)?)))
+        else {
             return in_file;
         };
         Place {
@@ -167,7 +168,10 @@ impl Catalogue {
                     column: Some(l.column()),
                     ..Place::default()
                 });
-                let message = Bilingual::new(format!("信号目录无法读取：{e}"), format!("the signal catalogue cannot be read: {e}"));
+                let message = Bilingual::new(
+                    format!("信号目录无法读取：{e}"),
+                    format!("the signal catalogue cannot be read: {e}"),
+                );
                 return (Catalogue::default(), vec![Diagnostic::error("signals.syntax", message).at(place)]);
             }
         };
@@ -193,7 +197,10 @@ impl Catalogue {
         if let Some(taken) = names.iter().find(|n| self.by_name.contains_key(*n)) {
             diagnostics.push(Diagnostic::error(
                 "signals.name",
-                Bilingual::new(format!("信号名 '{taken}' 重复"), format!("signal name '{taken}' is used twice")),
+                Bilingual::new(
+                    format!("信号名 '{taken}' 重复"),
+                    format!("signal name '{taken}' is used twice"),
+                ),
             ));
             return;
         }
@@ -215,7 +222,8 @@ impl Catalogue {
 
     /// The signal with this name or alias, and to which targets the way it was named restricts it.
     pub fn resolve(&self, name: &str) -> Option<(&SignalDef, TargetRestriction)> {
-        let prefixes = [("target_vehicle.", TargetRestriction::Vehicle), ("target_vru.", TargetRestriction::Vru)];
+        let prefixes =
+            [("target_vehicle.", TargetRestriction::Vehicle), ("target_vru.", TargetRestriction::Vru)];
         for (prefix, restriction) in prefixes {
             if let Some(rest) = name.strip_prefix(prefix) {
                 let index = *self.by_name.get(&format!("target.{rest}"))?;
@@ -227,8 +235,11 @@ impl Catalogue {
 
     /// Up to three known names that look like `name`, the nearest first: for "did you mean".
     pub fn similar(&self, name: &str) -> Vec<&str> {
-        let mut scored: Vec<(f64, &str)> =
-            self.by_name.keys().map(|known| (strsim::normalized_damerau_levenshtein(name, known), known.as_str())).collect();
+        let mut scored: Vec<(f64, &str)> = self
+            .by_name
+            .keys()
+            .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known.as_str()))
+            .collect();
         scored.retain(|(score, _)| *score > 0.7);
         scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
         scored.into_iter().take(3).map(|(_, known)| known).collect()
@@ -237,7 +248,8 @@ impl Catalogue {
 
 fn resolve(raw: RawSignal) -> Result<SignalDef, Box<Diagnostic>> {
     let error = |code: &'static str, zh: String, en: String| {
-        let message = Bilingual::new(format!("信号 '{}'：{zh}", raw.name), format!("signal '{}': {en}", raw.name));
+        let message =
+            Bilingual::new(format!("信号 '{}'：{zh}", raw.name), format!("signal '{}': {en}", raw.name));
         Box::new(Diagnostic::error(code, message))
     };
     let prefix_fits = match raw.scope {
@@ -245,26 +257,46 @@ fn resolve(raw: RawSignal) -> Result<SignalDef, Box<Diagnostic>> {
         Scope::Frame => !raw.name.starts_with("target") && raw.name.contains('.'),
     };
     if !prefix_fits {
-        return Err(error("signals.name", "名称与作用域不符".into(), "its name does not fit its scope".into()));
+        return Err(error(
+            "signals.name",
+            "名称与作用域不符".into(),
+            "its name does not fit its scope".into(),
+        ));
     }
     if let Some(word) = raw.needs.iter().find(|n| !NEEDS.contains(&n.as_str())) {
         let known = NEEDS.join(", ");
-        return Err(error("signals.needs", format!("未知的需求 '{word}'（可用：{known}）"), format!("unknown need '{word}' (known: {known})")));
+        return Err(error(
+            "signals.needs",
+            format!("未知的需求 '{word}'（可用：{known}）"),
+            format!("unknown need '{word}' (known: {known})"),
+        ));
     }
     let (kind, to_base) = match raw.kind {
         RawKind::Number => {
             let symbol = raw.unit.as_deref().unwrap_or("");
             let Some(unit) = Unit::parse(symbol).filter(|_| raw.unit.is_some()) else {
-                return Err(error("signals.type", format!("未知或缺失的单位 '{symbol}'"), format!("unknown or missing unit '{symbol}'")));
+                return Err(error(
+                    "signals.type",
+                    format!("未知或缺失的单位 '{symbol}'"),
+                    format!("unknown or missing unit '{symbol}'"),
+                ));
             };
             if !raw.scale.is_some_and(|s| s.is_finite() && s > 0.0) {
-                return Err(error("signals.type", "数值信号须有正的 scale".into(), "a number needs a positive scale".into()));
+                return Err(error(
+                    "signals.type",
+                    "数值信号须有正的 scale".into(),
+                    "a number needs a positive scale".into(),
+                ));
             }
             (SignalKind::Number(unit.dimension), unit.to_base)
         }
         RawKind::Flag => (SignalKind::Flag, 1.0),
         RawKind::Category if raw.values.is_empty() => {
-            return Err(error("signals.type", "类别信号须列出 values".into(), "a category needs its values".into()));
+            return Err(error(
+                "signals.type",
+                "类别信号须列出 values".into(),
+                "a category needs its values".into(),
+            ));
         }
         RawKind::Category => (SignalKind::Category(raw.values.clone().into()), 1.0),
     };

@@ -31,7 +31,13 @@ fn turn_of(lane: &LaneShape) -> f64 {
 fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
     let rank = |&i: &usize| {
         let beside = road.lanes[i].neighbours.iter().flatten().any(|n| route.contains(n));
-        let order = if route.contains(&i) { 0.0 } else if beside { 10.0 } else { 20.0 };
+        let order = if route.contains(&i) {
+            0.0
+        } else if beside {
+            10.0
+        } else {
+            20.0
+        };
         order + turn_of(&road.lanes[i])
     };
     options.iter().copied().min_by(|a, b| rank(a).total_cmp(&rank(b)))
@@ -77,8 +83,11 @@ impl Corridor {
         let line = Polyline::new(points)?;
         let s_at = |i: usize| line.arc_lengths().get(i).copied().unwrap_or(line.length());
         // A lane's first point was dropped when it repeats the last of the one before: it begins there.
-        let lanes: Vec<(usize, f64)> =
-            starts.iter().enumerate().map(|(k, &(lane, i))| (lane, s_at(if k == 0 { 0 } else { i.saturating_sub(1) }))).collect();
+        let lanes: Vec<(usize, f64)> = starts
+            .iter()
+            .enumerate()
+            .map(|(k, &(lane, i))| (lane, s_at(if k == 0 { 0 } else { i.saturating_sub(1) })))
+            .collect();
         let base_start = lanes[base_index].1;
         Some(Self { line, left, right, lanes, base_start })
     }

@@ -11,8 +11,8 @@ use crate::road::Road;
 use crate::rows::{Rows, observed_tracks};
 use crate::table::TableBuilder;
 use crate::{
-    bus, crosswalk, curvature, ego_lane, ego_motion, junction, lane_change, lights, line_crossing, meta_actions, pet,
-    relations, target_motion, ttc,
+    bus, crosswalk, curvature, ego_lane, ego_motion, junction, lane_change, lights, line_crossing,
+    meta_actions, pet, relations, target_motion, ttc,
 };
 use whyroad_model::scene::Track;
 use whyroad_model::{Drive, ObjectClass, SignalTable};
@@ -41,7 +41,13 @@ pub fn derive(drive: &Drive) -> SignalTable {
     table.finish(&missing)
 }
 
-fn write_with_ego(drive: &Drive, ego: &EgoMotion, road: Option<&Road>, times: &[f64], table: &mut TableBuilder<'_>) {
+fn write_with_ego(
+    drive: &Drive,
+    ego: &EgoMotion,
+    road: Option<&Road>,
+    times: &[f64],
+    table: &mut TableBuilder<'_>,
+) {
     ego_motion::write(ego, times, table);
     meta_actions::write(ego, times, table);
     let lanes = road.map(|r| EgoLane::new(r, ego));
@@ -76,7 +82,10 @@ fn write_with_ego(drive: &Drive, ego: &EgoMotion, road: Option<&Road>, times: &[
     table.number("target.pet", rows.spread(&targets, f64::NAN, |k, r, _| pets[k][r]));
     if let Some(road) = road {
         let codes: Vec<_> = targets.iter().map(|t| target_changes(road, t, times)).collect();
-        table.category("target.lane_change", rows.spread(&targets, None, |k, r, _| codes[k].get(r).copied().flatten()));
+        table.category(
+            "target.lane_change",
+            rows.spread(&targets, None, |k, r, _| codes[k].get(r).copied().flatten()),
+        );
     }
 }
 
@@ -99,11 +108,13 @@ fn target_changes(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Option
         _ => return Vec::new(),
     };
     let m = &track.motion;
-    let rows: Vec<(P2, f64, f64)> = (0..m.len()).map(|r| (p2(m.x[r], m.y[r]), m.z[r], m.heading[r])).collect();
+    let rows: Vec<(P2, f64, f64)> =
+        (0..m.len()).map(|r| (p2(m.x[r], m.y[r]), m.z[r], m.heading[r])).collect();
     let places = assign(road, &rows, tether);
     let position: Vec<P2> = rows.iter().map(|r| r.0).collect();
     let velocity: Vec<P2> = (0..m.len()).map(|r| p2(m.vx[r], m.vy[r])).collect();
     let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
-    let rows = lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places: &places };
+    let rows =
+        lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places: &places };
     lane_change::changes(road, &rows)
 }

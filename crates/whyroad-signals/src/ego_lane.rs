@@ -37,7 +37,8 @@ pub struct OnCorridor<'a> {
 impl EgoLane {
     /// Assigns the ego's lanes over the drive.
     pub fn new(road: &Road, ego: &EgoMotion) -> Self {
-        let rows: Vec<(P2, f64, f64)> = (0..ego.len()).map(|i| (ego.position[i], ego.z[i], ego.heading[i])).collect();
+        let rows: Vec<(P2, f64, f64)> =
+            (0..ego.len()).map(|i| (ego.position[i], ego.z[i], ego.heading[i])).collect();
         let places = assign(road, &rows, Tether::EGO);
         let mut route: Vec<usize> = places.iter().flatten().map(|p| p.lane).collect();
         route.sort_unstable();

@@ -48,7 +48,6 @@ pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Ve
     if given.iter().any(|v| !v.is_nan()) { given.to_vec() } else { slope(times, values, DERIVATIVE_REACH_S) }
 }
 
-
 impl EgoMotion {
     /// From the scene table; `times` in seconds.
     pub fn new(ego: &Ego, times: &[f64]) -> Self {
@@ -79,7 +78,12 @@ impl EgoMotion {
 
     /// The box on the ground in `frame`.
     pub fn footprint(&self, frame: usize) -> OrientedBox {
-        OrientedBox { centre: self.position[frame], heading: self.heading[frame], length: self.length, width: self.width }
+        OrientedBox {
+            centre: self.position[frame],
+            heading: self.heading[frame],
+            length: self.length,
+            width: self.width,
+        }
     }
 
     /// True when position and heading of `frame` are known.

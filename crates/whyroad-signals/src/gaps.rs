@@ -17,7 +17,8 @@ fn nearest_in_path(p: &Placement) -> Option<f64> {
     if let Some((near, far)) = p.band {
         return (near + far > 0.0).then_some(near);
     }
-    let coming_in = p.intrusion().is_some_and(|d| d > 0.0) && lane_lateral_speed(p).is_some_and(|v| v >= COMING_IN_MPS);
+    let coming_in =
+        p.intrusion().is_some_and(|d| d > 0.0) && lane_lateral_speed(p).is_some_and(|v| v >= COMING_IN_MPS);
     (p.ahead > 0.0 && (p.blocks_way() || coming_in)).then_some(p.near)
 }
 
@@ -31,5 +32,9 @@ pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
 /// The gap of a target: bumper to bumper along the path, negative when overlapping, infinite when known not to be
 /// ahead in path, NaN when its size is unknown.
 pub fn gap(p: &Placement, ego_length: f64) -> f64 {
-    if p.is_sized() { nearest_in_path(p).map_or(f64::INFINITY, |near| near - ego_length / 2.0) } else { f64::NAN }
+    if p.is_sized() {
+        nearest_in_path(p).map_or(f64::INFINITY, |near| near - ego_length / 2.0)
+    } else {
+        f64::NAN
+    }
 }

@@ -38,7 +38,11 @@ pub struct Stretch {
 }
 
 /// The stretches of the path for which `inside` holds, in order.
-pub fn stretches(path: &DrivenPath, inside: impl Fn(crate::geometry::P2) -> bool, merge: f64) -> Vec<Stretch> {
+pub fn stretches(
+    path: &DrivenPath,
+    inside: impl Fn(crate::geometry::P2) -> bool,
+    merge: f64,
+) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     let steps = (path.line.length() / STEP_M) as usize;
     for i in 0..=steps {

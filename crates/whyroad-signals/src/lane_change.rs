@@ -72,11 +72,18 @@ impl Rows<'_> {
     }
 
     /// First row of the change whose first row in the new lane is `k`.
-    fn beginning(&self, old: &Corridor, k: usize, earliest: usize, sign: f64) -> usize {
+    fn beginning(&self, road: &Road, old: &Corridor, k: usize, earliest: usize, sign: f64) -> usize {
         let mut start = k;
         let mut row = k;
-        while row > earliest && !self.gap_after(row - 1) && self.times[k] - self.times[row - 1] <= LONGEST_HALF_S {
+        while row > earliest
+            && !self.gap_after(row - 1)
+            && self.times[k] - self.times[row - 1] <= LONGEST_HALF_S
+        {
             row -= 1;
+            // What moves across while it comes out of a junction's turn is still settling into its lane.
+            if self.places[row].is_some_and(|p| road.lanes[p.lane].in_junction) {
+                break;
+            }
             let (offset, speed) = self.across(old, row, sign);
             if speed >= LATERAL_MPS || (offset > CENTRED_M && start == row + 1 && speed > 0.0) {
                 start = row;
@@ -135,10 +142,11 @@ pub fn changes(road: &Road, rows: &Rows<'_>) -> Vec<Option<u16>> {
         let earliest = x.checked_sub(1).map_or(0, |w| steps[w].0);
         let latest = steps.get(x + 1).map_or(n, |s| s.0);
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let (Some(from), Some(to)) = (Corridor::new(road, old, &route), Corridor::new(road, new, &route)) else {
+        let (Some(from), Some(to)) = (Corridor::new(road, old, &route), Corridor::new(road, new, &route))
+        else {
             continue;
         };
-        let (start, end) = (rows.beginning(&from, k, earliest, sign), rows.end(&to, k, latest, sign));
+        let (start, end) = (rows.beginning(road, &from, k, earliest, sign), rows.end(&to, k, latest, sign));
         let shift = rows.across(&from, end - 1, sign).0 - rows.across(&from, start, sign).0;
         let stayed = latest == n || rows.times[latest] - rows.times[k] >= LEAST_STAY_S;
         if shift >= LEAST_SHIFT_M && stayed {

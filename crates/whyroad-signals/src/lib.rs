@@ -9,31 +9,31 @@ pub mod geometry;
 mod series;
 mod table;
 
+mod bus;
 mod ego_motion;
 mod meta_actions;
-mod bus;
 
-mod road;
-mod lanes;
 mod corridor;
-mod ego_lane;
-mod path;
-mod junction;
 mod curvature;
+mod ego_lane;
+mod junction;
+mod lanes;
 mod lights;
+mod path;
+mod road;
 
+mod crosswalk;
+mod derive;
+mod gaps;
+mod lane_change;
+mod lane_ids;
+mod line_crossing;
+mod pet;
 mod placement;
+mod relations;
 mod rows;
 mod target_motion;
-mod line_crossing;
-mod gaps;
-mod relations;
 mod ttc;
-mod pet;
-mod crosswalk;
-mod lane_change;
-mod derive;
-mod lane_ids;
 
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
 pub use derive::derive;

@@ -58,7 +58,13 @@ impl<'a> Lights<'a> {
 
     /// The next light on the corridor: its colour, when known at `time`, and the distance of its stop line from
     /// the ego's front bumper, m.
-    fn next(&self, road: &Road, on: OnCorridor<'_>, front: f64, time: Nanos) -> Option<(Option<LightColour>, f64)> {
+    fn next(
+        &self,
+        road: &Road,
+        on: OnCorridor<'_>,
+        front: f64,
+        time: Nanos,
+    ) -> Option<(Option<LightColour>, f64)> {
         let chain = &on.corridor.lanes;
         for (k, &(lane, start)) in chain.iter().enumerate() {
             let id = road.lanes[lane].id.as_str();
@@ -67,7 +73,10 @@ impl<'a> Lights<'a> {
                 continue;
             }
             // A light on a junction's lane is met at its beginning, one on an approach at its end.
-            let drawn = self.stop_lines.get(id).map(|&p| on.corridor.line.project_between(p, start - 5.0, end + 5.0).s);
+            let drawn = self
+                .stop_lines
+                .get(id)
+                .map(|&p| on.corridor.line.project_between(p, start - 5.0, end + 5.0).s);
             let stop = drawn.unwrap_or(if road.lanes[lane].in_junction { start } else { end });
             if stop < on.s {
                 continue;

@@ -50,7 +50,12 @@ fn continue_from(start: P2, heading: f64, lane: Continuation<'_>, sign: f64) -> 
 
 impl DrivenPath {
     /// The path of `ego`; `times` in seconds. `None` when no pose is known.
-    pub fn new(ego: &EgoMotion, times: &[f64], before: Continuation<'_>, after: Continuation<'_>) -> Option<Self> {
+    pub fn new(
+        ego: &EgoMotion,
+        times: &[f64],
+        before: Continuation<'_>,
+        after: Continuation<'_>,
+    ) -> Option<Self> {
         let known: Vec<usize> = (0..ego.len()).filter(|&i| ego.is_known(i)).collect();
         let (first, last) = (*known.first()?, *known.last()?);
         let mut frames = vec![first];
@@ -67,7 +72,11 @@ impl DrivenPath {
         let lead_in = points.len();
         points.extend(frames.iter().map(|&i| ego.position[i]));
         // After backing up, the last frame is not the path's end; the heading at its end counts.
-        let after = if end == last || (ego.position[end] - ego.position[last]).norm() < SPACING_M { after } else { None };
+        let after = if end == last || (ego.position[end] - ego.position[last]).norm() < SPACING_M {
+            after
+        } else {
+            None
+        };
         points.extend(continue_from(ego.position[end], ego.heading[end], after, 1.0));
         let line = Polyline::new(points)?;
         let s = line.arc_lengths();

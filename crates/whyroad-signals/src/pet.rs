@@ -92,7 +92,8 @@ impl EgoSweep {
         let own: BTreeSet<usize> = pairs.iter().map(|&(i, _)| i).collect();
         let mut found = Vec::new();
         for (first, last) in runs(own) {
-            let here: Vec<(usize, usize)> = pairs.iter().copied().filter(|&(i, _)| i >= first && i <= last).collect();
+            let here: Vec<(usize, usize)> =
+                pairs.iter().copied().filter(|&(i, _)| i >= first && i <= last).collect();
             for (their_first, their_last) in runs(here.iter().map(|&(_, j)| j).collect()) {
                 let (a, b) = (&self.stands[first], &self.stands[last]);
                 let (c, d) = (&theirs[their_first], &theirs[their_last]);
@@ -106,7 +107,8 @@ impl EgoSweep {
                     wrap(turned).abs() > FOLLOWING_RAD
                 });
                 let (ego_first, they_first) = (c.from - b.until, a.from - d.until);
-                let pet = if touched { Some(0.0) } else { Some(ego_first.max(they_first)).filter(|p| *p >= 0.0) };
+                let pet =
+                    if touched { Some(0.0) } else { Some(ego_first.max(they_first)).filter(|p| *p >= 0.0) };
                 if let Some(pet) = pet.filter(|p| *p <= LONGEST_S && (crossed || touched)) {
                     found.push(Encounter { pet, from: a.from.min(c.from), until: b.until.max(d.until) });
                 }

@@ -132,7 +132,6 @@ pub struct Surroundings<'a> {
     pub road: Option<&'a Road>,
 }
 
-
 /// The band that the ego sweeps is this much wider than the ego on either side, m.
 const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
@@ -153,7 +152,8 @@ impl Surroundings<'_> {
         for place in &mut places {
             let Some(p) = place else { continue };
             let held = |p: &Placement| {
-                p.intrusion().is_some_and(|d| d > 0.0) && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
+                p.intrusion().is_some_and(|d| d > 0.0)
+                    && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
             };
             p.in_way = p.centre_in_way() || (was_in_way && held(p));
             was_in_way = p.in_way;
@@ -164,7 +164,13 @@ impl Surroundings<'_> {
     /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
     /// centre is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
     /// on either side of it and yet be clear. Beside the ego's own body the band has no margin.
-    fn in_band(&self, footprint: &OrientedBox, ego_s: f64, at: &Projection, beside: &Beside) -> Option<(f64, f64)> {
+    fn in_band(
+        &self,
+        footprint: &OrientedBox,
+        ego_s: f64,
+        at: &Projection,
+        beside: &Beside,
+    ) -> Option<(f64, f64)> {
         let half = self.ego.width / 2.0;
         // A little more than the corners tell, for what bulges between them.
         let widest = half + PATH_MARGIN_M + 1.0;
@@ -236,9 +242,14 @@ impl Surroundings<'_> {
         if !self.ego.is_known(frame) || !centre.is_finite() {
             return None;
         }
-        let footprint =
-            OrientedBox { centre, heading: wrap(m.heading[row]), length: track.length_m[row], width: track.width_m[row] };
-        let sized = footprint.length.is_finite() && footprint.width.is_finite() && footprint.heading.is_finite();
+        let footprint = OrientedBox {
+            centre,
+            heading: wrap(m.heading[row]),
+            length: track.length_m[row],
+            width: track.width_m[row],
+        };
+        let sized =
+            footprint.length.is_finite() && footprint.width.is_finite() && footprint.heading.is_finite();
         let ego_s = self.path.ego_s[frame];
         let on_path = self.path.project_near(centre, ego_s);
         let (near, far, beside) = if sized {
@@ -263,7 +274,10 @@ impl Surroundings<'_> {
         let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
         let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
         // A width that is not known (NaN) is no reason to call the lane blocked.
-        let leaves_room = lane.is_none_or(|(at, left, right)| !((left - at.high).max(right + at.low) < needed));
+        let leaves_room = lane.is_none_or(|(at, left, right)| {
+            let room = (left - at.high).max(right + at.low);
+            room.is_nan() || room >= needed
+        });
         Some(Placement {
             frame,
             footprint,

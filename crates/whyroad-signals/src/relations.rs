@@ -98,13 +98,15 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> u16 {
 pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     table.flag("target.in_ego_lane", rows.placed(targets, Tri::Unknown, |p| Tri::from(p.in_way)));
-    let is = |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
+    let is =
+        |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
     let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
         // Without a size it cannot be told who is nearest.
         p.filter(|p| p.is_sized()).map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
     };
     table.flag("target.is_lead", rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.lead, k, p)));
-    table.flag("target.is_follower", rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.follower, k, p)));
+    table
+        .flag("target.is_follower", rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.follower, k, p)));
     table.category(
         "target.relation",
         rows.spread(targets, None, |k, _, p| {
@@ -117,7 +119,13 @@ pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &m
 pub fn write_lead(ego: &EgoMotion, near: &Neighbours, table: &mut TableBuilder<'_>) {
     let frames = 0..ego.len();
     let known = |i: usize| ego.is_known(i);
-    table.flag("lead.exists", frames.clone().map(|i| if known(i) { Tri::from(near.lead[i].is_some()) } else { Tri::Unknown }).collect());
+    table.flag(
+        "lead.exists",
+        frames
+            .clone()
+            .map(|i| if known(i) { Tri::from(near.lead[i].is_some()) } else { Tri::Unknown })
+            .collect(),
+    );
     let copies = [
         ("lead.gap", "target.gap", f64::INFINITY),
         ("lead.ttc", "target.ttc", f64::INFINITY),

@@ -101,9 +101,14 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
         _ => {
             let widths = vec![stated; centre.points().len()];
             let side = |sign: f64| {
-                centre.arc_lengths().iter().map(|&s| {
-                    centre.point_at(s) + P2::from_heading(centre.smooth_heading_at(s, 0.5)).left() * (sign * stated)
-                }).collect::<Vec<P2>>()
+                centre
+                    .arc_lengths()
+                    .iter()
+                    .map(|&s| {
+                        centre.point_at(s)
+                            + P2::from_heading(centre.smooth_heading_at(s, 0.5)).left() * (sign * stated)
+                    })
+                    .collect::<Vec<P2>>()
             };
             let ring = side(1.0).into_iter().chain(side(-1.0).into_iter().rev());
             let area = Polygon::new(ring);
@@ -172,7 +177,8 @@ impl Road {
     /// Lanes whose bounding box is within `reach` metres of `p` on each axis, in ascending order.
     pub fn lanes_near(&self, p: P2, reach: f64) -> Vec<usize> {
         let around = AABB::from_corners([p.x - reach, p.y - reach], [p.x + reach, p.y + reach]);
-        let mut found: Vec<usize> = self.tree.locate_in_envelope_intersecting(&around).map(|e| e.data).collect();
+        let mut found: Vec<usize> =
+            self.tree.locate_in_envelope_intersecting(&around).map(|e| e.data).collect();
         found.sort_unstable();
         found
     }
@@ -185,7 +191,8 @@ impl Road {
 
     /// True when `p` is in a drivable area or on a lane for vehicles, buses or bicycles.
     pub fn on_road(&self, p: P2) -> bool {
-        let rolling = |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
+        let rolling =
+            |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
         self.drivable.iter().any(|d| d.contains(p)) || self.on_lane(p, rolling)
     }
 

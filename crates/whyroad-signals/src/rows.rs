@@ -68,7 +68,12 @@ impl<'a> Rows<'a> {
     }
 
     /// A value a placed row; unknown where there is no placement.
-    pub fn placed<T: Clone>(&self, targets: &[Target<'_>], unknown: T, value: impl Fn(&Placement) -> T) -> Vec<T> {
+    pub fn placed<T: Clone>(
+        &self,
+        targets: &[Target<'_>],
+        unknown: T,
+        value: impl Fn(&Placement) -> T,
+    ) -> Vec<T> {
         self.spread(targets, unknown.clone(), |_, _, p| p.map_or(unknown.clone(), &value))
     }
 }

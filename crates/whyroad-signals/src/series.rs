@@ -10,7 +10,8 @@ pub const GAP_S: f64 = 0.25;
 fn window(times: &[f64], values: &[f64], row: usize, reach: f64) -> (usize, usize) {
     // A hair of slack: 10 Hz logs are jittered (0.100196 s), and the second neighbour still belongs to 0.2 s.
     let reach = reach + 0.02;
-    let joined = |a: usize, b: usize| times[b] - times[a] <= GAP_S && !values[a].is_nan() && !values[b].is_nan();
+    let joined =
+        |a: usize, b: usize| times[b] - times[a] <= GAP_S && !values[a].is_nan() && !values[b].is_nan();
     let (mut first, mut last) = (row, row);
     while first > 0 && times[row] - times[first - 1] <= reach && joined(first - 1, first) {
         first -= 1;
@@ -128,7 +129,10 @@ mod tests {
     fn standstill_holds_between_its_thresholds() {
         use Tri::{False, True, Unknown};
         let v = [0.4, 0.29, 0.4, 0.5, 0.51, 0.4, f64::NAN, 0.4];
-        assert_eq!(below_with_hysteresis(&v, 0.3, 0.5), [False, True, True, True, False, False, Unknown, False]);
+        assert_eq!(
+            below_with_hysteresis(&v, 0.3, 0.5),
+            [False, True, True, True, False, False, Unknown, False]
+        );
     }
 
     #[test]

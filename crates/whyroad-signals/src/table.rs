@@ -122,7 +122,8 @@ impl<'a> TableBuilder<'a> {
         for def in self.catalogue.iter() {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
             let silent = |need: &String| {
-                need == "vehicle bus" && self.table.frame_columns.get(&def.name).is_none_or(|c| c.known_count() == 0)
+                need == "vehicle bus"
+                    && self.table.frame_columns.get(&def.name).is_none_or(|c| c.known_count() == 0)
             };
             let lacking: Vec<String> =
                 def.needs.iter().filter(|n| missing.contains(n.as_str()) || silent(n)).cloned().collect();

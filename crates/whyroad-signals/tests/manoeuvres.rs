@@ -103,7 +103,8 @@ fn a_lane_change_lasts_from_leaving_one_centre_to_resting_on_the_other() {
 #[test]
 fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
     // 1.2 m out and back: over the line with the wheels, never with the centre.
-    let mut swing = drive(120, |t| (12.0 * t, 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos()), 0.0));
+    let mut swing =
+        drive(120, |t| (12.0 * t, 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos()), 0.0));
     swing.map = Some(road());
     let t = Table::of(&swing);
     assert_eq!(t.span("ego.lane_change", "left"), None);
@@ -118,8 +119,10 @@ fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
 
 /// A crossing of two roads at (50, 0): straight on along x, and a quarter circle of radius 10 m to the left.
 fn crossing() -> whyroad_model::RoadMap {
-    let arc: Vec<(f64, f64)> =
-        (0..=20).map(|i| (f64::from(i) / 20.0) * FRAC_PI_2).map(|a| (40.0 + 10.0 * a.sin(), 10.0 - 10.0 * a.cos())).collect();
+    let arc: Vec<(f64, f64)> = (0..=20)
+        .map(|i| (f64::from(i) / 20.0) * FRAC_PI_2)
+        .map(|a| (40.0 + 10.0 * a.sin(), 10.0 - 10.0 * a.cos()))
+        .collect();
     let mut lanes = vec![
         lane("in", &[(-100.0, 0.0), (0.0, 0.0), (40.0, 0.0)], 3.5),
         lane("left", &arc, 3.5),
@@ -204,7 +207,8 @@ fn a_u_turn_is_one_whichever_way_the_wrap_goes() {
         let (sin, cos) = f64::sin_cos(start);
         let turned = |x: f64, y: f64| (x * cos - y * sin, x * sin + y * cos);
         let mut m = map(vec![lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
-        m.junctions = vec![area("j", &[turned(-2.0, -3.0), turned(9.0, -3.0), turned(9.0, 15.0), turned(-2.0, 15.0)])];
+        m.junctions =
+            vec![area("j", &[turned(-2.0, -3.0), turned(9.0, -3.0), turned(9.0, 15.0), turned(-2.0, 15.0)])];
         d.map = Some(m);
         let t = Table::of(&d);
         assert_eq!(t.ego_category("ego.movement", 70), Some("uturn"), "from {start}");
@@ -218,7 +222,11 @@ fn a_standing_ego_looks_along_its_lane_and_a_blind_one_straight_on() {
     let mut d = drive(30, |_| left_turn(35.0));
     car(&mut d, "round_the_bend", |_| left_turn(60.0));
     let t = Table::of(&d);
-    assert_eq!(t.flag("round_the_bend", "target.is_lead", 10), False, "without a map the way ahead is straight");
+    assert_eq!(
+        t.flag("round_the_bend", "target.is_lead", 10),
+        False,
+        "without a map the way ahead is straight"
+    );
     let mut m = crossing();
     m.lanes[0].successors = vec!["left".into()];
     assert_eq!(m.lanes[0].id, "in");
@@ -274,7 +282,9 @@ fn what_a_log_lacks_is_named_and_never_given() {
 
     // Sizes unknown: no gap, but a place.
     let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
-    add(&mut d, "point", whyroad_model::ObjectClass::Car, (f64::NAN, f64::NAN), |t| (20.0 + 10.0 * t, 0.0, 0.0));
+    add(&mut d, "point", whyroad_model::ObjectClass::Car, (f64::NAN, f64::NAN), |t| {
+        (20.0 + 10.0 * t, 0.0, 0.0)
+    });
     let t = Table::of(&d);
     assert_eq!(t.0.unavailable["target.gap"], ["object sizes"]);
     near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);

@@ -11,8 +11,10 @@ use whyroad_model::Tri::{False, True};
 
 /// The log whose folder begins with `prefix`, and the full id of its track that begins with `track`.
 fn log(prefix: &str) -> Option<(whyroad_model::Drive, Table)> {
-    let base = std::env::var_os("WHYROAD_DATA")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")), PathBuf::from);
+    let base = std::env::var_os("WHYROAD_DATA").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
+        PathBuf::from,
+    );
     let folder = std::fs::read_dir(base.join("av2/sensor_logs"))
         .ok()
         .into_iter()
@@ -60,7 +62,10 @@ fn pittsburgh_adcf7d18_waits_behind_one_car_and_a_bus_comes_in() {
         assert_eq!(t.flag(&lead, "target.is_lead", i), True, "frame {i}");
     }
     // Stands until about 5 s; the lead moves off at about 3 s.
-    assert_eq!((0..156).find(|&i| t.ego_flag("ego.standstill", i) == False).map(|i| (48..56).contains(&i)), Some(true));
+    assert_eq!(
+        (0..156).find(|&i| t.ego_flag("ego.standstill", i) == False).map(|i| (48..56).contains(&i)),
+        Some(true)
+    );
     let moves = (0..60).find(|&i| t.flag(&lead, "target.standstill", i) == False).unwrap();
     assert!((24..34).contains(&moves), "{moves}");
     // Raw: the bus's centre enters the polygon of the ego's lane between 10.8 and 11.4 s, and stays.

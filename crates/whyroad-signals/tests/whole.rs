@@ -20,8 +20,11 @@ fn full() -> Drive {
     let mut m = road();
     m.crosswalks = vec![area("z", &[(60.0, -5.0), (63.0, -5.0), (63.0, 10.0), (60.0, 10.0)])];
     m.junctions = vec![area("j", &[(64.0, -5.0), (80.0, -5.0), (80.0, 10.0), (64.0, 10.0)])];
-    m.stop_lines =
-        vec![StopLine { id: "s".into(), line: vec![Point3 { x: 58.0, y: 3.5, z: 0.0 }], lane_ids: vec!["l0".into()] }];
+    m.stop_lines = vec![StopLine {
+        id: "s".into(),
+        line: vec![Point3 { x: 58.0, y: 3.5, z: 0.0 }],
+        lane_ids: vec!["l0".into()],
+    }];
     d.map = Some(m);
     car(&mut d, "lead", |t| (25.0 + 7.0 * t, 0.2, 0.0));
     car(&mut d, "on", |t| (120.0 - 11.0 * t, 7.0, PI - 0.013));
@@ -30,7 +33,8 @@ fn full() -> Drive {
     for track in &mut d.tracks {
         track.turn_signal = vec![Some(TurnSignal::Off); track.frames.len()];
     }
-    let light = |time: i64, colour| LightState { lane_id: "l0".into(), to_lane_id: None, time: Nanos(time), colour };
+    let light =
+        |time: i64, colour| LightState { lane_id: "l0".into(), to_lane_id: None, time: Nanos(time), colour };
     d.lights = Some(vec![light(0, LightColour::Red), light(5_000_000_000, LightColour::Green)]);
     let bus = &mut d.ego.as_mut().unwrap().bus;
     bus.brake = vec![Some(false); 90];
@@ -41,7 +45,9 @@ fn full() -> Drive {
 
 #[test]
 fn the_table_agrees_with_the_catalogue() {
-    for (drive, complete) in [(full(), true), (drive(30, |t| (5.0 * t, 0.0, 0.0)), false), (Drive::default(), false)] {
+    for (drive, complete) in
+        [(full(), true), (drive(30, |t| (5.0 * t, 0.0, 0.0)), false), (Drive::default(), false)]
+    {
         let table = Table::of(&drive).0;
         let rows = table.targets.iter().map(|t| t.frames.len()).sum::<usize>();
         for def in Catalogue::bundled().iter() {
@@ -61,7 +67,11 @@ fn the_table_agrees_with_the_catalogue() {
                 (Column::Number(_), SignalKind::Number(_)) | (Column::Flag(_), SignalKind::Flag) => {}
                 (Column::Category { names, codes }, SignalKind::Category(values)) => {
                     assert_eq!(names, values, "{}", def.name);
-                    assert!(codes.iter().all(|&c| usize::from(c) < values.len() || c == u16::MAX), "{}", def.name);
+                    assert!(
+                        codes.iter().all(|&c| usize::from(c) < values.len() || c == u16::MAX),
+                        "{}",
+                        def.name
+                    );
                 }
                 _ => panic!("{} has values of another kind than the catalogue says", def.name),
             }
@@ -69,7 +79,8 @@ fn the_table_agrees_with_the_catalogue() {
                 assert!(column.known_count() > 0, "{} is known nowhere", def.name);
             }
         }
-        let known = table.frame_columns.keys().chain(table.target_columns.keys()).chain(table.unavailable.keys());
+        let known =
+            table.frame_columns.keys().chain(table.target_columns.keys()).chain(table.unavailable.keys());
         assert!(known.into_iter().all(|n| Catalogue::bundled().get(n).is_some()));
         assert!(!complete || table.unavailable.is_empty(), "{:?}", table.unavailable);
     }

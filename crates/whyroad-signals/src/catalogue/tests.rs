@@ -17,14 +17,20 @@ fn the_bundled_catalogue_has_no_errors_and_the_named_signals() {
     assert!(catalogue.get("target_vehicle.nothing").is_none());
     assert_eq!(catalogue.similar("ego.sped"), ["ego.speed"]);
     for def in catalogue.iter() {
-        assert!(!def.meaning.zh.is_empty() && !def.meaning.en.is_empty() && !def.source.is_empty(), "{}", def.name);
+        assert!(
+            !def.meaning.zh.is_empty() && !def.meaning.en.is_empty() && !def.source.is_empty(),
+            "{}",
+            def.name
+        );
     }
 }
 
 #[test]
 fn broken_entries_are_refused_one_by_one() {
     let entry = |name: &str, rest: &str| {
-        format!("  - {{name: {name}, scope: frame, needs: [], source: s, meaning: {{zh: a, en: b}}, {rest}}}\n")
+        format!(
+            "  - {{name: {name}, scope: frame, needs: [], source: s, meaning: {{zh: a, en: b}}, {rest}}}\n"
+        )
     };
     let cases = [
         ("signals.type", entry("ego.a", "type: number, unit: furlong, scale: 1")),
@@ -56,6 +62,7 @@ fn every_code_has_a_page() {
 fn the_page_is_as_the_catalogue_says() {
     let path = format!("{}/../../docs/signals.md", env!("CARGO_MANIFEST_DIR"));
     let written = std::fs::read_to_string(&path).unwrap();
-    let stale = "docs/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/signals.md";
+    let stale =
+        "docs/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/signals.md";
     assert!(written == Catalogue::bundled().page(), "{stale}");
 }

@@ -1,7 +1,7 @@
 //! Oriented rectangles: corners, overlap, distance, and the time until two moving ones touch.
 
-use super::polyline::segment_distance2;
 use super::P2;
+use super::polyline::segment_distance2;
 
 /// A rectangle with a heading: the footprint of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,8 @@ impl OrientedBox {
 
     fn extent(&self, axis: P2) -> (f64, f64) {
         let forward = P2::from_heading(self.heading);
-        let half = (forward.dot(axis) * self.length).abs() / 2.0 + (forward.left().dot(axis) * self.width).abs() / 2.0;
+        let half = (forward.dot(axis) * self.length).abs() / 2.0
+            + (forward.left().dot(axis) * self.width).abs() / 2.0;
         let centre = self.centre.dot(axis);
         (centre - half, centre + half)
     }

@@ -127,7 +127,8 @@ impl Polyline {
 
     /// Smallest distance of `p` from the line itself (not its continuation), m.
     pub fn distance(&self, p: P2) -> f64 {
-        let d2 = self.points.windows(2).map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
+        let d2 =
+            self.points.windows(2).map(|w| segment_distance2(p, w[0], w[1])).fold(f64::INFINITY, f64::min);
         d2.sqrt()
     }
 

@@ -19,8 +19,10 @@ fn lane(id: &str, centre: &[(f64, f64)], successors: &[&str]) -> Lane {
 /// Lane a (y = 0) and its left neighbour b (y = 3.5), both to x = 50; a goes on into a junction where "left" bends
 /// away and "on" goes straight, both beginning at the same place; c follows "on".
 fn road() -> Road {
-    let bend: Vec<(f64, f64)> =
-        (0..=10).map(|i| f64::from(i) * PI / 20.0).map(|a| (50.0 + 20.0 * a.sin(), 20.0 - 20.0 * a.cos())).collect();
+    let bend: Vec<(f64, f64)> = (0..=10)
+        .map(|i| f64::from(i) * PI / 20.0)
+        .map(|a| (50.0 + 20.0 * a.sin(), 20.0 - 20.0 * a.cos()))
+        .collect();
     let mut lanes = vec![
         lane("a", &[(0.0, 0.0), (50.0, 0.0)], &["left", "on"]),
         lane("b", &[(0.0, 3.5), (50.0, 3.5)], &[]),

@@ -42,7 +42,10 @@ fn push(motion: &mut Motion, pose: &dyn Fn(f64) -> Pose, t: f64) {
 
 /// A drive of `frames` frames at 10 Hz whose ego is 4 m x 2 m and moves as `pose` says.
 pub fn drive(frames: usize, pose: impl Fn(f64) -> Pose) -> Drive {
-    let mut drive = Drive { times: (0..frames).map(|i| Nanos(1_000_000_000 + i as i64 * 100_000_000)).collect(), ..Drive::default() };
+    let mut drive = Drive {
+        times: (0..frames).map(|i| Nanos(1_000_000_000 + i as i64 * 100_000_000)).collect(),
+        ..Drive::default()
+    };
     let mut motion = Motion::default();
     for i in 0..frames {
         push(&mut motion, &pose, i as f64 * 0.1);
@@ -97,7 +100,11 @@ pub fn lane(id: &str, centre: &[(f64, f64)], width: f64) -> Lane {
                 let (a, b) = (centre[i.saturating_sub(1)], centre[(i + 1).min(centre.len() - 1)]);
                 let l = (b.0 - a.0).hypot(b.1 - a.1);
                 let (nx, ny) = (-(b.1 - a.1) / l, (b.0 - a.0) / l);
-                Point3 { x: centre[i].0 + sign * nx * width / 2.0, y: centre[i].1 + sign * ny * width / 2.0, z: 0.0 }
+                Point3 {
+                    x: centre[i].0 + sign * nx * width / 2.0,
+                    y: centre[i].1 + sign * ny * width / 2.0,
+                    z: 0.0,
+                }
             })
             .collect()
     };
@@ -126,12 +133,13 @@ pub fn road() -> RoadMap {
         lane("r0", &line(-200.0, 100.0, 0.0), 3.5),
         lane("r1", &line(100.0, 500.0, 0.0), 3.5),
     ];
-    let mut link = |i: usize, left: Option<&str>, right: Option<&str>, next: Option<&str>, before: Option<&str>| {
-        lanes[i].left_neighbour = left.map(str::to_owned);
-        lanes[i].right_neighbour = right.map(str::to_owned);
-        lanes[i].successors = next.map(str::to_owned).into_iter().collect();
-        lanes[i].predecessors = before.map(str::to_owned).into_iter().collect();
-    };
+    let mut link =
+        |i: usize, left: Option<&str>, right: Option<&str>, next: Option<&str>, before: Option<&str>| {
+            lanes[i].left_neighbour = left.map(str::to_owned);
+            lanes[i].right_neighbour = right.map(str::to_owned);
+            lanes[i].successors = next.map(str::to_owned).into_iter().collect();
+            lanes[i].predecessors = before.map(str::to_owned).into_iter().collect();
+        };
     link(0, Some("o"), Some("r0"), Some("l1"), None);
     link(1, Some("o"), Some("r1"), None, Some("l0"));
     link(2, Some("l0"), None, None, None);
@@ -153,7 +161,10 @@ impl Table {
     }
     fn column(&self, name: &str) -> &whyroad_model::Column {
         let t = &self.0;
-        t.frame_columns.get(name).or_else(|| t.target_columns.get(name)).unwrap_or_else(|| panic!("no {name}"))
+        t.frame_columns
+            .get(name)
+            .or_else(|| t.target_columns.get(name))
+            .unwrap_or_else(|| panic!("no {name}"))
     }
     fn row(&self, target: &str, frame: usize) -> usize {
         self.0.target(&target.into()).and_then(|t| t.row(frame)).expect("target has the frame")
