@@ -10,6 +10,7 @@ mod ego_box;
 mod feather;
 pub(crate) mod findings;
 mod map;
+pub mod motion;
 mod pose;
 
 use crate::kinematics;
@@ -61,7 +62,7 @@ pub fn find_logs(path: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 fn is_log(dir: &Path) -> bool {
-    ANNOTATIONS.iter().chain([&POSE]).any(|f| dir.join(f).is_file()) || map_file(dir).is_some()
+    ANNOTATIONS.iter().chain([&POSE]).any(|f| dir.join(f).is_file()) || map_file(&dir.join("map")).is_some()
 }
 
 fn is_uuid(path: &Path) -> bool {
@@ -69,8 +70,9 @@ fn is_uuid(path: &Path) -> bool {
     name.len() == 36 && name.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-')
 }
 
+/// The vector map in this folder.
 fn map_file(dir: &Path) -> Option<PathBuf> {
-    let entries = fs::read_dir(dir.join("map")).ok()?;
+    let entries = fs::read_dir(dir).ok()?;
     let is_map = |p: &PathBuf| {
         p.file_name().is_some_and(|n| {
             let n = n.to_string_lossy();
@@ -95,7 +97,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     };
     let label = file.display().to_string();
     let table = read_feather(&file, &mut hash, report)?;
-    let mut rows = match annotations::read(&table) {
+    let mut rows = match annotations::read(&table.columns) {
         Ok(rows) => rows,
         Err(reason) => {
             report.diagnostics.push(findings::unreadable(&label, &reason));
@@ -114,7 +116,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
 
     let mut missing: Vec<String> = Vec::new();
     let poses = read_poses(dir, &mut hash, report);
-    let (road, map_ref) = read_map(dir, &mut hash, report);
+    let (road, map_ref) = read_map(&dir.join("map"), &mut hash, report);
     let times: BTreeSet<i64> = rows.objects.iter().chain(&rows.ego).map(|c| c.time).collect();
     let posed: BTreeMap<i64, Se3> =
         poses.iter().flat_map(|p| times.iter().filter_map(|&t| Some((t, p.at(t)?)))).collect();
@@ -190,7 +192,7 @@ fn read_feather(file: &Path, hash: &mut ContentHash, report: &mut SourceReport) 
     match read {
         Ok(f) => {
             if let Some(reason) = &f.truncated {
-                report.diagnostics.push(findings::truncated(&label, f.rows(), reason));
+                report.diagnostics.push(findings::truncated(&label, f.columns.rows(), reason));
             }
             Some(f)
         }
@@ -210,10 +212,10 @@ fn read_poses(dir: &Path, hash: &mut ContentHash, report: &mut SourceReport) -> 
     let label = file.display().to_string();
     let table = read_feather(&file, hash, report)?;
     // Nothing readable before the cut: the message about the cut is enough.
-    if table.truncated.is_some() && table.rows() == 0 {
+    if table.truncated.is_some() && table.columns.rows() == 0 {
         return None;
     }
-    match pose::read(&table) {
+    match pose::read(&table.columns) {
         Ok((poses, count, backward)) => {
             if count.dropped_total() > 0 {
                 report.diagnostics.push(findings::pose_invalid(&label, count.dropped_total()));

@@ -77,6 +77,19 @@ pub fn derive(
     out
 }
 
+/// Acceleration along the heading (m/s2) from velocities that the log tells: their slope over two frames either side.
+pub fn acceleration(times_s: &[f64], vx: &[f64], vy: &[f64], heading: &[f64]) -> Vec<f64> {
+    let slopes = derive(times_s, vx, vy, heading, |_| false);
+    heading
+        .iter()
+        .enumerate()
+        .map(|(i, h)| {
+            let (s, c) = h.sin_cos();
+            slopes.vx[i] * c + slopes.vy[i] * s
+        })
+        .collect()
+}
+
 /// Maximal ranges of rows that belong together: no gap in time, and no break.
 fn runs(times_s: &[f64], breaks: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let n = times_s.len();

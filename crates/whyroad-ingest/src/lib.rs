@@ -3,6 +3,7 @@
 
 pub mod av2;
 pub mod can;
+mod columns;
 pub mod comma2k19;
 mod feature_map;
 mod geodesy;
@@ -13,6 +14,7 @@ mod lane_lights;
 mod npy;
 mod pickle;
 pub mod plausibility;
+mod protobuf;
 pub mod report;
 mod resample;
 mod run;
@@ -21,6 +23,7 @@ pub mod scenarionet;
 mod se3;
 mod source;
 pub mod sumo;
+pub mod waymo;
 
 pub use report::{RowCount, SourceReport};
 pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, read};
@@ -31,9 +34,11 @@ pub fn codes() -> Vec<&'static str> {
         ["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found", "ingest.speed.impossible", "ingest.rate.resampled"];
     let of_adapters = [
         av2::findings::CODES,
+        av2::motion::CODES,
         comma2k19::CODES,
         scenarionet::findings::CODES,
         sumo::findings::CODES,
+        waymo::findings::CODES,
     ];
     shared.into_iter().chain(of_adapters.into_iter().flatten().copied()).collect()
 }

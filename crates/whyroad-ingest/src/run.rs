@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::{SourceReport, av2, comma2k19, scenarionet, sumo};
+use crate::{SourceReport, av2, comma2k19, scenarionet, sumo, waymo};
 use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
@@ -10,30 +10,38 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
 pub enum Format {
     /// Argoverse 2 sensor logs.
     Av2,
+    /// Argoverse 2 motion forecasting scenarios.
+    Av2Motion,
     /// comma2k19 routes.
     Comma2k19,
     /// ScenarioNet and MetaDrive scenarios.
     ScenarioNet,
     /// SUMO floating car data and network.
     Sumo,
+    /// Waymo Open Motion Dataset.
+    WaymoMotion,
 }
 
 impl Format {
     /// All formats.
     pub const ALL: &'static [Format] = &[
         Format::Av2,
+        Format::Av2Motion,
         Format::Comma2k19,
         Format::ScenarioNet,
         Format::Sumo,
+        Format::WaymoMotion,
     ];
 
     /// Name on the command line and in `DriveMeta::format`.
     pub fn name(self) -> &'static str {
         match self {
             Format::Av2 => "av2",
+            Format::Av2Motion => "av2-motion",
             Format::Comma2k19 => "comma2k19",
             Format::ScenarioNet => "scenarionet",
             Format::Sumo => "sumo",
+            Format::WaymoMotion => "waymo-motion",
         }
     }
 
@@ -42,14 +50,21 @@ impl Format {
         Format::ALL.iter().copied().find(|f| f.name() == name)
     }
 
-    fn find(self, path: &Path) -> std::io::Result<Vec<PathBuf>> {
-        match self {
+    /// The drives at or below `path`: the file or folder of each, and its part where a file holds several.
+    fn find(self, path: &Path) -> std::io::Result<Vec<(PathBuf, Option<u64>)>> {
+        let whole = match self {
+            Format::WaymoMotion => {
+                let found = waymo::find_scenarios(path)?;
+                return Ok(found.into_iter().map(|(file, at)| (file, Some(at))).collect());
+            }
             Format::Av2 if path.is_dir() => av2::find_logs(path),
             Format::Av2 => Ok(Vec::new()),
+            Format::Av2Motion => av2::motion::find_scenarios(path),
             Format::Comma2k19 => comma2k19::find_routes(path),
             Format::ScenarioNet => scenarionet::find_scenarios(path),
             Format::Sumo => sumo::find_simulations(path),
-        }
+        }?;
+        Ok(whole.into_iter().map(|path| (path, None)).collect())
     }
 }
 
@@ -99,6 +114,8 @@ pub struct Source {
     pub format: Format,
     /// Folder or file.
     pub path: PathBuf,
+    /// Which drive of a file that holds several: the byte at which its record begins.
+    pub part: Option<u64>,
 }
 
 /// The sources at or below `paths`, and what is wrong with paths that have none. Without a format, every adapter is asked.
@@ -114,7 +131,7 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
         let before = sources.len();
         for &format in formats {
             match format.find(path) {
-                Ok(found) => sources.extend(found.into_iter().map(|path| Source { format, path })),
+                Ok(found) => sources.extend(found.into_iter().map(|(path, part)| Source { format, path, part })),
                 Err(e) => problems.push(unreadable(&label, &e.to_string())),
             }
         }
@@ -129,8 +146,10 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
 pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport) {
     match source.format {
         Format::Av2 => av2::read(&source.path, options.drive_id.as_ref()),
+        Format::Av2Motion => av2::motion::read(&source.path, options),
         Format::Comma2k19 => comma2k19::read(&source.path, options),
         Format::ScenarioNet => scenarionet::read(&source.path, options),
+        Format::WaymoMotion => waymo::read(&source.path, source.part.unwrap_or(0), options),
         Format::Sumo => sumo::read(&source.path, options),
     }
 }

@@ -107,8 +107,15 @@ impl Sampled {
         let (x, y) = (at(&self.x), at(&self.y));
         let derived = kinematics::derive(frames, &x, &y, &heading, |_| false);
         let told = self.vx.iter().any(|v| v.is_finite());
-        let (vx, vy) = if told { (at(&self.vx), at(&self.vy)) } else { (derived.vx, derived.vy) };
-        Motion { z: at(&self.z), x, y, heading, vx, vy, accel: derived.accel, yaw_rate: derived.yaw_rate }
+        let (vx, vy, accel) = if told {
+            let (vx, vy) = (at(&self.vx), at(&self.vy));
+            // One derivative of what the log tells is less noisy than two of the positions.
+            let accel = kinematics::acceleration(frames, &vx, &vy, &heading);
+            (vx, vy, accel)
+        } else {
+            (derived.vx, derived.vy, derived.accel)
+        };
+        Motion { z: at(&self.z), x, y, heading, vx, vy, accel, yaw_rate: derived.yaw_rate }
     }
 
     /// The object as a track: rows for the frames in which it is there. Also the number of rows whose speed cannot be.

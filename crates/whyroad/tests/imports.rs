@@ -30,7 +30,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Crates that only one of ours may depend on: each isolates something heavy or something that must not leak.
 const ONLY_IN: &[(&str, &[&str])] = &[
-    ("parquet", &["whyroad-lake", "whyroad-mining"]),
+    // The lake's tables, mining's results, and ingest for other people's Parquet files (AV2 motion, `table`).
+    ("parquet", &["whyroad-lake", "whyroad-mining", "whyroad-ingest"]),
     ("arrow-ipc", &["whyroad-ingest"]),
     ("quick-xml", &["whyroad-ingest"]),
     ("clap", &["whyroad"]),

@@ -1,7 +1,7 @@
 //! `annotations.feather`: cuboids in the ego frame of their own timestamp.
 
 use super::classes::EGO;
-use super::feather::Feather;
+use crate::columns::Columns;
 use crate::report::RowCount;
 use crate::se3::unit;
 use std::collections::HashSet;
@@ -40,7 +40,7 @@ pub(super) struct Annotations {
 
 /// Reads the rows. A row without a usable time, id, position or rotation is dropped and counted; of two rows of
 /// one track at one time the first is kept. Ego rows stay in `count.kept` as `ego`; tracks are counted by the caller.
-pub(super) fn read(file: &Feather) -> Result<Annotations, String> {
+pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
     let times = file.integers("timestamp_ns")?;
     let tracks = file.texts("track_uuid")?;
     let categories = file.texts("category")?;

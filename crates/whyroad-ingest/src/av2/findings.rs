@@ -204,8 +204,8 @@ pub(super) fn map_missing(dir: &str) -> Diagnostic {
     Diagnostic::warning(
         "av2.map.missing",
         Bilingual::new(
-            "没有 map/log_map_archive_*.json：凡需要车道、路口或人行横道的信号都将是未知",
-            "there is no map/log_map_archive_*.json: signals that need lanes, junctions or crosswalks will be unknown",
+            "没有 log_map_archive_*.json：凡需要车道、路口或人行横道的信号都将是未知",
+            "there is no log_map_archive_*.json: signals that need lanes, junctions or crosswalks will be unknown",
         ),
     )
     .in_file(dir)

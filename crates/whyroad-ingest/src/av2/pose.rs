@@ -1,6 +1,6 @@
 //! `city_SE3_egovehicle.feather`: where the rear axle is in the city, about 170 times a second, and in between.
 
-use super::feather::Feather;
+use crate::columns::Columns;
 use crate::kinematics::MAX_GAP_S;
 use crate::report::RowCount;
 use crate::se3::{Se3, unit};
@@ -12,7 +12,7 @@ pub(super) struct PoseTrack {
 }
 
 /// Reads the poses; the counts say what was lost, the flag whether the file's times ran backwards.
-pub(super) fn read(file: &Feather) -> Result<(PoseTrack, RowCount, bool), String> {
+pub(super) fn read(file: &Columns) -> Result<(PoseTrack, RowCount, bool), String> {
     let times = file.integers("timestamp_ns")?;
     let q = [file.numbers("qw")?, file.numbers("qx")?, file.numbers("qy")?, file.numbers("qz")?];
     let t = [file.numbers("tx_m")?, file.numbers("ty_m")?, file.numbers("tz_m")?];

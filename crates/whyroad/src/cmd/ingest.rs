@@ -13,7 +13,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Format (av2, comma2k19, sumo; left out: recognised by the files), then log folders, files, or folders of such
+    /// Format (av2, av2-motion, comma2k19, sumo; left out: recognised by the files), then log folders, files, or folders of such
     #[arg(required = true, value_name = "[FORMAT] PATH")]
     inputs: Vec<String>,
     /// Lake to write into; made when it is not there

@@ -1,0 +1,69 @@
+//! Columns of others' tables (Arrow record batches, from whatever file), read by name and brought to the type that is asked for.
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array, RecordBatch};
+use arrow_schema::DataType;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use std::fs::File;
+use std::path::Path;
+
+/// A table, batch by batch.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Columns(pub Vec<RecordBatch>);
+
+/// Reads a whole Parquet file.
+pub(crate) fn read_parquet(path: &Path) -> Result<Columns, String> {
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build()).map_err(|e| e.to_string())?;
+    reader.collect::<Result<_, _>>().map(Columns).map_err(|e| e.to_string())
+}
+
+impl Columns {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.0.iter().map(RecordBatch::num_rows).sum()
+    }
+
+    fn cast(&self, name: &str, to: &DataType) -> Result<Vec<arrow_array::ArrayRef>, String> {
+        self.0
+            .iter()
+            .map(|b| {
+                let column = b.column_by_name(name).ok_or_else(|| format!("column '{name}' is missing"))?;
+                arrow_cast::cast(column, to).map_err(|e| format!("column '{name}': {e}"))
+            })
+            .collect()
+    }
+
+    /// True when the file has the column.
+    pub fn has(&self, name: &str) -> bool {
+        self.0.first().is_some_and(|b| b.column_by_name(name).is_some())
+    }
+
+    /// A column of numbers; null is NaN.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
+        let arrays = self.cast(name, &DataType::Float64)?;
+        Ok(arrays
+            .iter()
+            .flat_map(|a| a.as_primitive::<Float64Type>().iter().map(|v| v.unwrap_or(f64::NAN)))
+            .collect())
+    }
+
+    /// A column of integers.
+    pub fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, String> {
+        let arrays = self.cast(name, &DataType::Int64)?;
+        Ok(arrays.iter().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect())
+    }
+
+    /// A column of texts, whatever their encoding.
+    pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, String> {
+        let arrays = self.cast(name, &DataType::Utf8)?;
+        Ok(arrays
+            .iter()
+            .flat_map(|a| {
+                let a = a.as_string::<i32>();
+                (0..a.len()).map(move |i| (!a.is_null(i)).then(|| a.value(i).to_owned()))
+            })
+            .collect())
+    }
+}
