@@ -6,7 +6,7 @@ mod scene;
 
 use scene::{Table, add, add_seen, car, drive, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
-use whyroad_model::ObjectClass::{Bus, Pedestrian};
+use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
 use whyroad_model::Tri::{False, True, Unknown};
 
 const INF: f64 = f64::INFINITY;
@@ -221,6 +221,8 @@ fn post_encroachment_time_by_hand() {
     // Stops 5 m short of the ego's way: no encounter.
     car(&mut d, "stops", |t| (80.0, -30.0 + 5.0 * t.min(4.0), FRAC_PI_2));
     car(&mut d, "leads", |t| (30.0 + 10.0 * t, 0.0, 0.0));
+    // Seen ahead for 1.5 s only, and gone before the ego drives over the same ground.
+    add_seen(&mut d, "lost", Car, (4.0, 2.0), |i| i < 15, |t| (30.0 + 10.0 * t, 0.0, 0.0));
     // Meets the ego at x = 20 at 2 s.
     car(&mut d, "hits", |t| (20.0, -10.0 + 5.0 * t, FRAC_PI_2));
     let t = Table::of(&d);
@@ -231,6 +233,13 @@ fn post_encroachment_time_by_hand() {
     for frame in 0..120 {
         assert_eq!(t.num("stops", "target.pet", frame), INF);
         assert_eq!(t.num("leads", "target.pet", frame), INF, "following along one way is no encroachment");
+    }
+    for frame in 0..15 {
+        assert_eq!(
+            t.num("lost", "target.pet", frame),
+            INF,
+            "a track that ends has not left an area across the ego's way"
+        );
     }
     assert_eq!(t.num("hits", "target.pet", 20), 0.0);
 }

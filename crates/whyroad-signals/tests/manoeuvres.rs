@@ -101,6 +101,19 @@ fn a_lane_change_lasts_from_leaving_one_centre_to_resting_on_the_other() {
 }
 
 #[test]
+fn a_lane_change_begins_when_it_goes_the_right_way() {
+    // First 0.4 m to the right between 2.5 and 4 s, then 3.9 m to the left between 4 and 8 s: the beginning is where
+    // the lateral speed 1.95 pi/4 sin(pi (t-4)/4) to the left reaches 0.1 m/s, at 4.083 s.
+    let y = |t: f64| {
+        let half = |from: f64, over: f64| (1.0 - (PI * (t - from).clamp(0.0, over) / over).cos()) / 2.0;
+        -0.4 * half(2.5, 1.5) + 3.9 * half(4.0, 4.0)
+    };
+    let mut d = drive(120, move |t| (12.0 * t, y(t), 0.0));
+    d.map = Some(road());
+    assert_eq!(Table::of(&d).span("ego.lane_change", "left").unwrap().0, 41);
+}
+
+#[test]
 fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
     // 1.2 m out and back: over the line with the wheels, never with the centre.
     let mut swing =
