@@ -1,6 +1,6 @@
 //! The recorded AV2 logs: what was seen in the raw data with Python (positions turned into the city frame with the
 //! recorded poses, points against the map's lane polygons) must come out of the signals. Skipped where the data is not.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod scene;
 
