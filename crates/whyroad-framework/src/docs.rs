@@ -6,7 +6,7 @@ mod spec_page;
 
 pub use spec_page::fill_spec_page;
 
-use crate::taxonomy::{L1, L2, L3};
+use crate::taxonomy::{L1, L2, L3, TypicalDecisions};
 use crate::{Framework, ResolvedSpec};
 use overlaps::{Overlaps, anchor};
 use std::fmt::Write as _;
@@ -85,15 +85,9 @@ fn section_l2(f: &Framework, l1: &L1, l2: &L2, overlaps: &Overlaps<'_>, out: &mu
         l2.definition.zh,
         l2.definition.en
     );
-    let decisions: Vec<String> = l2
-        .typical_decisions
-        .longitudinal
-        .iter()
-        .map(|d| format!("`{d}`"))
-        .chain(l2.typical_decisions.lateral.iter().map(|d| format!("`{d}`")))
-        .collect();
-    if !decisions.is_empty() {
-        let _ = writeln!(out, "典型决策 · Typical decisions: {}\n", decisions.join(", "));
+    let typical = decisions(&l2.typical_decisions);
+    if !typical.is_empty() {
+        let _ = writeln!(out, "典型决策 · Typical decisions: {typical}\n");
     }
     out.push_str("| L3 ID | 名称 | Name | 条件 | Condition | 标注要求 · Labelling |\n|-------|------|------|------|------|------|\n");
     for l3 in &l2.l3 {
@@ -111,14 +105,24 @@ fn section_l2(f: &Framework, l1: &L1, l2: &L2, overlaps: &Overlaps<'_>, out: &mu
     }
     out.push('\n');
     for l3 in &l2.l3 {
-        definition(l3, out);
+        definition(l2, l3, out);
     }
     out.push('\n');
     overlaps.section(&ScenarioId { l1: l1.id.clone(), l2: Some(l2.id.clone()), l3: None }, out);
 }
 
-fn definition(l3: &L3, out: &mut String) {
-    let _ = writeln!(out, "- `{}`: {}<br>{}", l3.id, l3.definition.zh, l3.definition.en);
+/// The definition of a leaf, and its typical decisions where they are not simply those of its L2.
+fn definition(l2: &L2, l3: &L3, out: &mut String) {
+    let _ = write!(out, "- `{}`: {}<br>{}", l3.id, l3.definition.zh, l3.definition.en);
+    if l3.typical_decisions != l2.typical_decisions {
+        let _ = write!(out, "<br>典型决策 · Typical decisions: {}", decisions(&l3.typical_decisions));
+    }
+    out.push('\n');
+}
+
+fn decisions(typical: &TypicalDecisions) -> String {
+    let ids = typical.longitudinal.iter().map(|d| d.id()).chain(typical.lateral.iter().map(|d| d.id()));
+    ids.map(|id| format!("`{id}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// What a labeller must do beyond keyframe, start and end; those are in `whyroad taxonomy show`.

@@ -72,6 +72,43 @@ fn every_class_is_described_and_every_l2_has_typical_decisions() {
 }
 
 #[test]
+fn typical_decisions_fit_the_leaf() {
+    // By the meanings of the decisions in LABELING.md 2: `resume` is a start from standstill, so it is typical only of leaves
+    // about starting; `stop_for_regulation` alone answers a light that stops the ego; `turn` needs a manoeuvre onto another road.
+    let f = Framework::bundled();
+    let mut resuming = Vec::new();
+    for (a, b, c) in f.taxonomy.leaves() {
+        let leaf = ScenarioId::leaf(&a.id, &b.id, &c.id);
+        let d = &c.typical_decisions;
+        if d.longitudinal.contains(&Longitudinal::Resume) {
+            resuming.push(leaf.to_string());
+        }
+        if let Some(mandated) = f.specs[&leaf].lateral {
+            assert_eq!(d.lateral, [mandated], "{leaf}: the prescribed decision is the typical one");
+        }
+    }
+    assert_eq!(
+        resuming,
+        [
+            "reactive_agent.following.stop_and_go",
+            "reactive_agent.following.follow_start",
+            "reactive_rule.traffic_light.resume_first",
+            "reactive_rule.traffic_light.resume_follow",
+            "reactive_rule.traffic_light.wait_area_entry",
+            "reactive_rule.special_facility.gate",
+            "proactive.lane_change.escape",
+        ]
+    );
+    let of = |id: &str| f.taxonomy.leaf(&id.parse().unwrap()).unwrap().2.typical_decisions.clone();
+    for stop in ["reactive_rule.traffic_light.red_stop", "reactive_rule.traffic_light.yellow_stop"] {
+        assert_eq!(of(stop).longitudinal, [Longitudinal::StopForRegulation], "{stop}");
+    }
+    assert_eq!(of("proactive.turn.straight").lateral, [Lateral::LaneKeeping]);
+    assert_eq!(of("proactive.lane_change.abort").lateral, [Lateral::ManeuverAbort]);
+    assert!(!of("proactive.pull_over.normal").longitudinal.contains(&Longitudinal::StopForRegulation));
+}
+
+#[test]
 fn every_pair_that_overlaps_is_decided() {
     // LABELING.md 8, last row; "three kinds of construction" are the three leaves of that name and road_change.
     let t = &Framework::bundled().taxonomy;
