@@ -95,7 +95,9 @@ impl std::str::FromStr for ScenarioId {
             !p.is_empty() && p.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
         };
         if parts.len() > 3 || !parts.iter().all(well_formed) {
-            return Err(format!("'{s}' is not a scenario id (expected l1, l1.l2 or l1.l2.l3 in lower snake case)"));
+            return Err(format!(
+                "'{s}' is not a scenario id (expected l1, l1.l2 or l1.l2.l3 in lower snake case)"
+            ));
         }
         Ok(Self {
             l1: parts[0].to_owned(),

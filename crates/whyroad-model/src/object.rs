@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 closed_set!(
+    #[derive(Default)]
     /// What a tracked object is, coarse enough that every source can be mapped onto it.
     ObjectClass {
         /// Passenger car or van.
@@ -34,6 +35,7 @@ closed_set!(
         /// Barrier, bollard, sign on a pole, other fixed object.
         StaticObject = "static_object",
         /// What the source did not tell.
+        #[default]
         Unknown = "unknown",
     }
 );
@@ -55,11 +57,5 @@ impl ObjectClass {
             self,
             Self::Pedestrian | Self::WheeledPedestrian | Self::Bicycle | Self::Bicyclist | Self::Motorcyclist
         )
-    }
-}
-
-impl Default for ObjectClass {
-    fn default() -> Self {
-        Self::Unknown
     }
 }

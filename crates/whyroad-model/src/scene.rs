@@ -202,7 +202,6 @@ pub struct Track {
     pub turn_signal: Vec<Option<TurnSignal>>,
 }
 
-
 impl Track {
     /// First frame and one past the last.
     pub fn span(&self) -> FrameRange {

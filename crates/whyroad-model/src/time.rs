@@ -170,7 +170,9 @@ mod tests {
     #[test]
     fn iso_times_round_trip_exactly() {
         // Expected texts: DATA_FORMAT.md 3.3 and RFC 3339.
-        for text in ["2026-01-15T10:30:15.500Z", "1980-01-06T00:24:13.660357Z", "2026-01-01T00:00:00.000000001Z"] {
+        for text in
+            ["2026-01-15T10:30:15.500Z", "1980-01-06T00:24:13.660357Z", "2026-01-01T00:00:00.000000001Z"]
+        {
             assert_eq!(Nanos::parse_iso(text).unwrap().to_string(), text);
         }
         assert_eq!(
@@ -181,7 +183,15 @@ mod tests {
 
     #[test]
     fn what_is_not_iso_is_refused() {
-        for text in ["", "2026-01-15", "2026-01-15 10:30:00Z", "2026-01-15T10:30:00", "2026-13-15T10:30:00Z", "10:30", "1768473000"] {
+        for text in [
+            "",
+            "2026-01-15",
+            "2026-01-15 10:30:00Z",
+            "2026-01-15T10:30:00",
+            "2026-13-15T10:30:00Z",
+            "10:30",
+            "1768473000",
+        ] {
             assert!(Nanos::parse_iso(text).is_err(), "{text}");
         }
     }
