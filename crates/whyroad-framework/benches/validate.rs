@@ -35,9 +35,13 @@ fn main() {
     let quick = std::env::args().any(|a| a == "--test");
     let (rounds, calls) = if quick { (1, 10) } else { (101, 500) };
     let checker = Checker::new(Framework::bundled());
-    println!("{:<28} {:>6} {:>9} {:>9} {:>9} {:>12} {:>12}", "validate/label", "bytes", "typed us", "value us", "check us", "check/typed", "check/value");
+    println!(
+        "{:<28} {:>6} {:>9} {:>9} {:>9} {:>12} {:>12}",
+        "validate/label", "bytes", "typed us", "value us", "check us", "check/typed", "check/value"
+    );
     for (name, pretty) in EXAMPLES {
-        let compact = serde_json::from_str::<serde_json::Value>(pretty).map(|v| v.to_string()).unwrap_or_default();
+        let compact =
+            serde_json::from_str::<serde_json::Value>(pretty).map(|v| v.to_string()).unwrap_or_default();
         for (form, text) in [("compact", compact.as_str()), ("pretty", *pretty)] {
             let mut found = Vec::new();
             let (mut typed, mut value, mut check) = (Vec::new(), Vec::new(), Vec::new());

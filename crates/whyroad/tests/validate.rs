@@ -1,6 +1,8 @@
 //! `whyroad validate` from outside: the examples pass, every broken twin is rejected with its own code, and the
 //! output reads as it should. Everything runs the real program.
 
+#![allow(clippy::unwrap_used)] // a test may
+
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -38,8 +40,12 @@ fn text(bytes: &[u8]) -> String {
 
 fn codes(o: &Output) -> Vec<String> {
     let all: Value = serde_json::from_slice(&o.stdout).unwrap_or_else(|e| panic!("{e}: {}", text(&o.stdout)));
-    let mut codes: Vec<String> =
-        all["diagnostics"].as_array().unwrap().iter().map(|d| d["code"].as_str().unwrap().to_owned()).collect();
+    let mut codes: Vec<String> = all["diagnostics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| d["code"].as_str().unwrap().to_owned())
+        .collect();
     codes.sort();
     codes.dedup();
     codes
@@ -159,7 +165,9 @@ mod twins {
         let wanted: BTreeSet<String> = twin.also.iter().chain([&twin.code]).cloned().collect();
         let (codes, is_error) = found.cloned().unwrap_or_default();
         let right = codes == wanted && is_error != twin.warns;
-        (!right).then(|| format!("{} of {} ({}): found {codes:?}, error: {is_error}", twin.code, twin.base, twin.why))
+        (!right).then(|| {
+            format!("{} of {} ({}): found {codes:?}, error: {is_error}", twin.code, twin.base, twin.why)
+        })
     }
 
     #[test]
@@ -200,8 +208,17 @@ mod twins {
     #[test]
     fn the_twins_cover_the_codes() {
         // Not reachable by editing one document: these have tests of their own below.
-        let elsewhere = ["label.file.unreadable", "label.input.empty", "label.input.nothing", "label.json.bom",
-            "label.json.encoding", "label.json.too_large", "lexicon.syntax", "lexicon.pattern"];
+        let elsewhere = [
+            "label.file.unreadable",
+            "label.input.empty",
+            "label.input.foreign",
+            "label.input.nothing",
+            "label.json.bom",
+            "label.json.encoding",
+            "label.json.too_large",
+            "lexicon.syntax",
+            "lexicon.pattern",
+        ];
         let twins = table().twins;
         let tested = |c: &str| twins.iter().any(|t| t.code == c || t.also.iter().any(|a| a == c));
         let missing: Vec<_> = whyroad_framework::validate::CODES
@@ -222,9 +239,11 @@ fn label(clip: &str) -> String {
 
 #[test]
 fn the_examples_are_valid() {
-    let o = validate(&root(), &["examples"], b"");
-    assert_eq!((code(&o), text(&o.stdout)), (0, String::new()));
-    assert!(text(&o.stderr).contains(" 0 errors, 0 warnings"), "{}", text(&o.stderr));
+    let o = validate(&root(), &["examples", "--format", "json"], b"");
+    assert_eq!(code(&o), 0);
+    // The drives' own tables lie in there too.
+    assert!(codes(&o).iter().all(|c| c == "label.input.foreign"), "{}", text(&o.stdout));
+    assert!(text(&o.stderr).starts_with("checked 5 documents, 5 valid: 0 errors"), "{}", text(&o.stderr));
     for name in ["cutin_urgent", "lane_change", "vru_crossing", "blind_spot"] {
         assert!(root().join(format!("examples/{name}_example.json")).is_file(), "{name}");
     }
@@ -256,7 +275,10 @@ fn all_errors_of_a_document_are_said_at_once() {
         .replace("\"urgent\"", "\"urgnt\"")
         .replace("2026-01-15T10:30:11.200Z", "yesterday");
     let o = validate(&root(), &["-", "--format", "json"], broken.as_bytes());
-    assert_eq!(codes(&o), ["label.enum.longitudinal", "label.scenario.unknown", "label.time.format", "label.type"]);
+    assert_eq!(
+        codes(&o),
+        ["label.enum.longitudinal", "label.scenario.unknown", "label.time.format", "label.type"]
+    );
 }
 
 #[test]
@@ -265,7 +287,10 @@ fn standard_input_arrays_and_folders_are_read() {
     let o = validate(&root(), &["-", "--format", "json"], array.as_bytes());
     let all: Value = serde_json::from_slice(&o.stdout).unwrap();
     let place = &all["diagnostics"][0]["place"];
-    assert_eq!((&place["file"], &place["line"], &place["pointer"]), (&"<stdin>".into(), &3.into(), &"/1/keyframe/type".into()));
+    assert_eq!(
+        (&place["file"], &place["line"], &place["pointer"]),
+        (&"<stdin>".into(), &3.into(), &"/1/keyframe/type".into())
+    );
 
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir_all(dir.path().join("d/e")).unwrap();
@@ -286,13 +311,50 @@ fn nothing_to_check_is_not_fine() {
         (vec!["-"], vec!["label.input.empty", "label.input.nothing"]),
     ] {
         let o = validate(dir.path(), &[&args[..], &json[..]].concat(), b" \n");
-        assert_eq!((codes(&o), code(&o)), (expected.iter().map(|s| (*s).to_owned()).collect(), 1), "{args:?}");
+        assert_eq!(
+            (codes(&o), code(&o)),
+            (expected.iter().map(|s| (*s).to_owned()).collect(), 1),
+            "{args:?}"
+        );
     }
     // What cannot be read does not stop the rest.
     std::fs::write(dir.path().join("a.json"), label("a")).unwrap();
     let o = validate(dir.path(), &["absent.json", "a.json", "--format", "json"], b"");
     assert_eq!((codes(&o), code(&o)), (vec!["label.file.unreadable".to_owned()], 1));
     assert_eq!(code(&validate(dir.path(), &[], b"")), 2);
+}
+
+#[test]
+fn strangers_in_a_folder_are_left_alone_but_not_among_labels() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("d")).unwrap();
+    let stranger = "{\"rows\": 1}\n";
+    std::fs::write(dir.path().join("d/table.jsonl"), stranger.repeat(3)).unwrap();
+    let json = ["--format", "json"];
+    let all = |o: &Output| -> Value { serde_json::from_slice(&o.stdout).unwrap() };
+    // Alone in the folder: nothing was checked.
+    let o = validate(dir.path(), &["d", json[0], json[1]], b"");
+    assert_eq!(
+        (codes(&o), code(&o)),
+        (vec!["label.input.foreign".into(), "label.input.nothing".to_owned()], 1)
+    );
+    // Beside labels: a warning. Named: errors.
+    std::fs::write(dir.path().join("d/a.json"), label("a")).unwrap();
+    let o = validate(dir.path(), &["d", json[0], json[1]], b"");
+    assert_eq!(
+        (codes(&o), code(&o), &all(&o)["documents"]),
+        (vec!["label.input.foreign".to_owned()], 0, &1.into())
+    );
+    let o = validate(dir.path(), &["d/table.jsonl", json[0], json[1]], b"");
+    assert_eq!((codes(&o), code(&o), &all(&o)["errors"]), (vec!["message.kind".to_owned()], 1, &3.into()));
+    // Among labels in one file: errors.
+    std::fs::write(dir.path().join("d/table.jsonl"), format!("{stranger}{}\n{stranger}", label("a")))
+        .unwrap();
+    let o = validate(dir.path(), &["d", json[0], json[1]], b"");
+    assert_eq!(
+        (codes(&o), &all(&o)["errors"], &all(&o)["documents"]),
+        (vec!["message.kind".to_owned()], &2.into(), &4.into())
+    );
 }
 
 #[test]
@@ -313,7 +375,8 @@ fn foreign_encodings_are_named() {
     let gbk = [&gbk[..at], &[0xB1, 0xEA], &gbk[at + 2..]].concat();
     let o = validate(&root(), &["-", "--format", "json"], &gbk);
     assert_eq!((codes(&o), code(&o)), (vec!["label.json.encoding".to_owned()], 1));
-    let utf16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(label("a").encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let utf16: Vec<u8> =
+        [0xFF, 0xFE].into_iter().chain(label("a").encode_utf16().flat_map(u16::to_le_bytes)).collect();
     let o = validate(&root(), &["-", "--format", "json"], &utf16);
     assert_eq!(codes(&o), ["label.input.empty", "label.input.nothing", "label.json.encoding"]);
 }
@@ -323,7 +386,8 @@ mod snapshots {
     use super::*;
 
     fn broken() -> String {
-        let file = std::fs::read_to_string(root().join("crates/whyroad/tests/fixtures/broken_labels/session.json"));
+        let file =
+            std::fs::read_to_string(root().join("crates/whyroad/tests/fixtures/broken_labels/session.json"));
         file.unwrap()
     }
 

@@ -43,7 +43,9 @@ pub(super) enum Found<'i> {
     /// A class that prescribes nothing: `other`.
     Unclassified,
     /// The first id, from the left, that is wrong.
-    Wrong { level: Level },
+    Wrong {
+        level: Level,
+    },
 }
 
 /// A level of the taxonomy.
@@ -137,7 +139,9 @@ impl ClassIndex {
                 .filter(|(s, _)| only_siblings(sibling(s)))
                 .find(|(_, n)| {
                     let bare = |t: &str| t.to_lowercase().replace([' ', '-', '_'], "");
-                    bare(&n.zh) == bare(text) || bare(&n.en) == bare(text) || (text.chars().count() > 1 && !text.is_ascii() && n.zh.contains(text))
+                    bare(&n.zh) == bare(text)
+                        || bare(&n.en) == bare(text)
+                        || (text.chars().count() > 1 && !text.is_ascii() && n.zh.contains(text))
                 })
                 .map(|(s, _)| s)
         };

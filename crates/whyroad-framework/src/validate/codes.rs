@@ -5,6 +5,7 @@ pub const CODES: &[&str] = &[
     // Files.
     "label.file.unreadable",
     "label.input.empty",
+    "label.input.foreign",
     "label.input.nothing",
     "label.json.bom",
     "label.json.encoding",

@@ -4,8 +4,8 @@ use super::json::Node;
 use super::rules::{Finding, Sink, Words};
 use super::view::{Components, KeyframeView, ScenarioView, Slot, View};
 use super::walk::{Object, Walk};
-use crate::taxonomy::did_you_mean;
 use crate::DecisionSets;
+use crate::taxonomy::did_you_mean;
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{KeyframeType, Uncertainty};
@@ -75,8 +75,11 @@ fn time_range<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>
     (v.start, v.end, v.start_frame, v.end_frame) = (Slot::Broken, Slot::Broken, Slot::Broken, Slot::Broken);
     let Some(node) = walk.need(parent, "time_range") else { return };
     let Some(mut o) = walk.object(node, "/time_range".into()) else { return };
-    v.start = required(walk.need(&mut o, "start_timestamp").map(|n| walk.time(Some(n), "/time_range/start_timestamp")));
-    v.end = required(walk.need(&mut o, "end_timestamp").map(|n| walk.time(Some(n), "/time_range/end_timestamp")));
+    v.start = required(
+        walk.need(&mut o, "start_timestamp").map(|n| walk.time(Some(n), "/time_range/start_timestamp")),
+    );
+    v.end =
+        required(walk.need(&mut o, "end_timestamp").map(|n| walk.time(Some(n), "/time_range/end_timestamp")));
     v.start_frame = walk.frame(o.get("start_frame_idx"), "/time_range/start_frame_idx");
     v.end_frame = walk.frame(o.get("end_frame_idx"), "/time_range/end_frame_idx");
     walk.close(o, Severity::Warning);
@@ -95,7 +98,10 @@ fn keyframe<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>) 
     let k = &mut v.keyframe;
     k.timestamp = required(walk.need(&mut o, "timestamp").map(|n| walk.time(Some(n), "/keyframe/timestamp")));
     k.frame = required(walk.need(&mut o, "frame_idx").map(|n| walk.frame(Some(n), "/keyframe/frame_idx")));
-    k.kind = required(walk.need(&mut o, "type").map(|n| keyframe_type(walk, n, "/keyframe/type", "label.enum.keyframe_type")));
+    k.kind = required(
+        walk.need(&mut o, "type")
+            .map(|n| keyframe_type(walk, n, "/keyframe/type", "label.enum.keyframe_type")),
+    );
     k.range_start = walk.time(o.get("range_start"), "/keyframe/range_start");
     k.range_end = walk.time(o.get("range_end"), "/keyframe/range_end");
     walk.close(o, Severity::Warning);
@@ -145,17 +151,25 @@ fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &Decisi
         en: "a lateral direction",
         all: LateralDirection::ALL,
         id: LateralDirection::id,
-        names: [("左", "left"), ("向左", "left"), ("右", "right"), ("向右", "right"), ("掉头", "uturn"), ("u-turn", "uturn")]
-            .map(|(n, id)| (n.to_owned(), id))
-            .to_vec(),
+        names: [
+            ("左", "left"),
+            ("向左", "left"),
+            ("右", "right"),
+            ("向右", "right"),
+            ("掉头", "uturn"),
+            ("u-turn", "uturn"),
+        ]
+        .map(|(n, id)| (n.to_owned(), id))
+        .to_vec(),
     };
     // The key must be written even when its value is null: null is a decision too (LABELING.md 2).
     v.longitudinal = required(walk.nullable(&mut o, "longitudinal").map(|n| {
         choose(walk, Some(n).filter(|n| !n.is_null()), "/driving_decision/longitudinal", &longitudinal)
     }));
-    v.lateral = required(walk.nullable(&mut o, "lateral").map(|n| {
-        choose(walk, Some(n).filter(|n| !n.is_null()), "/driving_decision/lateral", &lateral)
-    }));
+    v.lateral = required(
+        walk.nullable(&mut o, "lateral")
+            .map(|n| choose(walk, Some(n).filter(|n| !n.is_null()), "/driving_decision/lateral", &lateral)),
+    );
     v.direction = choose(walk, o.get("lateral_direction"), "/driving_decision/lateral_direction", &direction);
     walk.close(o, Severity::Warning);
 }
@@ -164,7 +178,12 @@ fn both(name: &whyroad_model::Bilingual, id: &'static str) -> [(String, &'static
     [(name.zh.clone(), id), (name.en.to_lowercase(), id)]
 }
 
-fn choose<'d, T: Copy>(walk: &mut Walk<'d>, node: Option<&'d Node<'d>>, pointer: &str, set: &ClosedSet<T>) -> Slot<T> {
+fn choose<'d, T: Copy>(
+    walk: &mut Walk<'d>,
+    node: Option<&'d Node<'d>>,
+    pointer: &str,
+    set: &ClosedSet<T>,
+) -> Slot<T> {
     let text = match walk.any_text(node, pointer) {
         Slot::Is(t) => t,
         Slot::Absent => return Slot::Absent,

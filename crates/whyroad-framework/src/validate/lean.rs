@@ -102,7 +102,10 @@ impl<'t> Lean<'t> {
         let label: Self = serde_json::from_str(text).ok()?;
         let s = &label.scenario;
         let optional = [&label.version, &s.l3, &s.full_id];
-        let filled = [&label.clip_id, &s.l1, &s.l2].into_iter().chain(optional.into_iter().flatten()).all(|t| !t.is_blank());
+        let filled = [&label.clip_id, &s.l1, &s.l2]
+            .into_iter()
+            .chain(optional.into_iter().flatten())
+            .all(|t| !t.is_blank());
         filled.then_some(label)
     }
 

@@ -6,10 +6,10 @@ mod task;
 
 use super::class_index::ClassIndex;
 use super::json::Node;
+use super::label;
 use super::rules::{self, Finding, Sink, Words};
 use super::view::{ScenarioView, Slot};
 use super::walk::{LABEL, MESSAGE, Walk};
-use super::label;
 use crate::taxonomy::did_you_mean;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Nanos, Severity};
@@ -42,8 +42,9 @@ const OUTER: &[(&str, Kind)] = &[
     ("mining_result", Kind::MiningResult),
 ];
 
-/// Any of these makes a document a label, however much else is missing.
-const LABEL_KEYS: &[&str] = &["coc_trace", "driving_decision", "critical_components", "keyframe", "scenario", "time_range", "clip_id"];
+/// Any of these makes a document a label, however much else is missing. A clip and a time alone do not: other
+/// tables speak of those too.
+const LABEL_KEYS: &[&str] = &["coc_trace", "driving_decision", "critical_components", "scenario"];
 
 /// What kind of document this is, by its keys.
 pub(super) fn kind_of(root: &Node<'_>) -> Option<Kind> {
@@ -56,9 +57,16 @@ pub(super) fn kind_of(root: &Node<'_>) -> Option<Kind> {
         .or_else(|| LABEL_KEYS.iter().any(|k| has(k)).then_some(Kind::CocLabel))
 }
 
-/// Reports a document of no known kind.
-pub(super) fn unknown(walk: &mut Walk<'_>) {
+/// The outer key that a key with an object in it was probably meant to be.
+fn meant(root: &Node<'_>) -> Option<&'static str> {
+    let outer = root.entries().unwrap_or_default().iter().filter(|e| e.node.entries().is_some());
+    outer.filter_map(|e| did_you_mean(&e.key, OUTER.iter().map(|(o, _)| *o))).next()
+}
+
+/// Reports a document of no known kind; true when it does not even resemble one.
+pub(super) fn unknown(walk: &mut Walk<'_>) -> bool {
     let root = walk.root;
+    let meant = meant(root);
     walk.report(Finding::error("message.kind", ""), &|| {
         let words = match root.entries() {
             Some([]) => Words::new("空对象，不是任何一种消息", "an empty object is no message"),
@@ -68,10 +76,8 @@ pub(super) fn unknown(walk: &mut Walk<'_>) {
             ),
             None => Words::new("文档应为一个 JSON 对象", "a document is one JSON object"),
         };
-        let keys = root.entries().unwrap_or_default().iter().map(|e| &*e.key);
-        let near = keys.filter_map(|k| did_you_mean(k, OUTER.iter().map(|(o, _)| *o))).next();
         let all = || OUTER.iter().map(|(o, _)| *o).collect::<Vec<_>>();
-        match near {
+        match meant {
             Some(near) => words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
             None => words.hint(
                 format!("已知的外层键：{}", all().join("、")),
@@ -79,6 +85,7 @@ pub(super) fn unknown(walk: &mut Walk<'_>) {
             ),
         }
     });
+    meant.is_none()
 }
 
 /// Checks a message with an outer key.
@@ -113,10 +120,10 @@ pub(super) fn check(walk: &mut Walk<'_>, kind: Kind, classes: &ClassIndex) {
 
 /// A number between 0 and 1.
 fn share<'d>(walk: &mut Walk<'d>, node: Option<&'d Node<'d>>, pointer: &str) {
-    if let Slot::Is(v) = walk.number(node, pointer) {
-        if !(0.0..=1.0).contains(&v) {
-            out_of_range(walk, pointer, &format!("{v}"), "0 至 1", "0 to 1");
-        }
+    if let Slot::Is(v) = walk.number(node, pointer)
+        && !(0.0..=1.0).contains(&v)
+    {
+        out_of_range(walk, pointer, &format!("{v}"), "0 至 1", "0 to 1");
     }
 }
 
@@ -132,7 +139,12 @@ fn partial_class<'d>(s: ScenarioView<'d>, base: &'static str, classes: &ClassInd
 }
 
 /// A full or partial id in one text, such as `reactive_agent.cutin`.
-fn scenario_id<'d>(walk: &mut Walk<'d>, node: Option<&'d Node<'d>>, pointer: &'static str, classes: &ClassIndex) {
+fn scenario_id<'d>(
+    walk: &mut Walk<'d>,
+    node: Option<&'d Node<'d>>,
+    pointer: &'static str,
+    classes: &ClassIndex,
+) {
     let Slot::Is(text) = walk.text(node, pointer) else { return };
     let mut parts = text.split('.');
     let (l1, l2, l3, more) = (parts.next(), parts.next(), parts.next(), parts.next());

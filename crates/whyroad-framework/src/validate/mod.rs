@@ -46,6 +46,8 @@ pub struct Verdict {
     pub kind: Option<Kind>,
     /// It has no error; there may be warnings.
     pub valid: bool,
+    /// It is JSON and resembles none of our documents: perhaps another program's.
+    pub foreign: bool,
 }
 
 /// Listens only for whether anything was said.
@@ -79,11 +81,13 @@ impl<'f> Checker<'f> {
     /// Checks one document and adds what was found, sorted by place, to `out`. Places have no file name.
     pub fn check(&self, document: &Document<'_>, out: &mut Vec<Diagnostic>) -> Verdict {
         match std::str::from_utf8(document.bytes) {
-            Ok(text) if self.is_clean_label(text) => Verdict { kind: Some(Kind::CocLabel), valid: true },
+            Ok(text) if self.is_clean_label(text) => {
+                Verdict { kind: Some(Kind::CocLabel), valid: true, foreign: false }
+            }
             Ok(text) => self.explain(text, &document.origin, out),
             Err(e) => {
                 out.push(not_utf8(document, e.valid_up_to()));
-                Verdict { kind: None, valid: false }
+                Verdict { kind: None, valid: false, foreign: false }
             }
         }
     }
@@ -108,12 +112,13 @@ impl<'f> Checker<'f> {
     fn explain(&self, text: &str, origin: &Origin, out: &mut Vec<Diagnostic>) -> Verdict {
         let from = out.len();
         let locator = Locator::new(text, origin);
+        let mut foreign = false;
         let kind = match json::parse(text) {
             Ok(root) => {
                 let kind = message::kind_of(&root);
                 let mut walk = Walk { root: &root, locator: &locator, family: &LABEL, out };
                 match kind {
-                    None => message::unknown(&mut walk),
+                    None => foreign = message::unknown(&mut walk),
                     Some(Kind::CocLabel) => {
                         let view = label::read(&mut walk, &root, &self.framework.decisions);
                         self.rulebook().check(&view, &mut walk);
@@ -128,9 +133,9 @@ impl<'f> Checker<'f> {
                 None
             }
         };
-        out[from..].sort_by(|a, b| (a.place.line, a.place.column).cmp(&(b.place.line, b.place.column)));
+        out[from..].sort_by_key(|a| (a.place.line, a.place.column));
         let valid = out[from..].iter().all(|d| d.severity != Severity::Error);
-        Verdict { kind, valid }
+        Verdict { kind, valid, foreign }
     }
 }
 
@@ -147,15 +152,25 @@ pub fn problem(problem: Problem, origin: &Origin) -> Diagnostic {
     let d = match problem {
         Problem::ByteOrderMark => Diagnostic::warning(
             "label.json.bom",
-            b("文件以 BOM（字节顺序标记）开头，许多程序读不了", "the file starts with a byte order mark, which many programs refuse"),
+            b(
+                "文件以 BOM（字节顺序标记）开头，许多程序读不了",
+                "the file starts with a byte order mark, which many programs refuse",
+            ),
         )
         .with_hint(b("另存为“UTF-8”（不带 BOM）", "save it as UTF-8 without BOM")),
-        Problem::Utf16 => Diagnostic::error("label.json.encoding", b("文件是 UTF-16 编码，未读取", "the file is UTF-16 and was not read"))
-            .with_hint(b("另存为 UTF-8", "save it as UTF-8")),
-        Problem::CommaMissing => syntax(b("数组的两个元素之间缺少逗号", "a comma is missing between two elements of the array")),
+        Problem::Utf16 => Diagnostic::error(
+            "label.json.encoding",
+            b("文件是 UTF-16 编码，未读取", "the file is UTF-16 and was not read"),
+        )
+        .with_hint(b("另存为 UTF-8", "save it as UTF-8")),
+        Problem::CommaMissing => {
+            syntax(b("数组的两个元素之间缺少逗号", "a comma is missing between two elements of the array"))
+        }
         Problem::CommaTooMany => syntax(b("数组中多了一个逗号", "there is a comma too many in the array"))
             .with_hint(b("删除这个逗号", "delete this comma")),
-        Problem::ArrayOpen => syntax(b("文件在数组中间中断，缺少 ']'", "the file ends inside its array: ']' is missing")),
+        Problem::ArrayOpen => {
+            syntax(b("文件在数组中间中断，缺少 ']'", "the file ends inside its array: ']' is missing"))
+        }
         Problem::TooLarge => {
             let megabytes = MAX_DOCUMENT_BYTES >> 20;
             Diagnostic::error(
@@ -166,7 +181,10 @@ pub fn problem(problem: Problem, origin: &Origin) -> Diagnostic {
                 ),
             )
         }
-        Problem::NotJson => syntax(b("此后的内容看来不是 JSON，文件余下部分未检查", "this does not look like JSON; the rest of the file was not checked")),
+        Problem::NotJson => syntax(b(
+            "此后的内容看来不是 JSON，文件余下部分未检查",
+            "this does not look like JSON; the rest of the file was not checked",
+        )),
     };
     d.at(place)
 }

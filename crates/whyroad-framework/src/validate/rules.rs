@@ -7,11 +7,11 @@ mod decision;
 mod moment;
 mod text;
 
+use super::ClipIndex;
 use super::class_index::{ClassIndex, Found};
 use super::clips::ClipFacts;
 use super::lexicon::Lexicon;
 use super::view::View;
-use super::ClipIndex;
 use std::borrow::Cow;
 use whyroad_model::{Bilingual, Severity};
 
@@ -102,7 +102,9 @@ impl Rulebook<'_> {
                     format!("clip '{id}' is not in the clip list"),
                 );
                 match clips.nearest(id) {
-                    Some(near) => words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
+                    Some(near) => {
+                        words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?"))
+                    }
                     None => words,
                 }
             });

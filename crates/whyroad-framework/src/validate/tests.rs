@@ -78,8 +78,31 @@ enum Edit {
 }
 
 fn edit() -> impl Strategy<Value = Edit> {
-    let key = prop::sample::select(vec!["l3", "range_start", "range_end", "lateral_direction", "records", "version", "extra", "uncertainty"]);
-    let piece = prop::sample::select(vec!["", "\"", ",", "{", "}", ":", "0", "\\u4e2d", "\\n", " ", "\"l1\":\"x\",", "\t", "\u{0}"]);
+    let key = prop::sample::select(vec![
+        "l3",
+        "range_start",
+        "range_end",
+        "lateral_direction",
+        "records",
+        "version",
+        "extra",
+        "uncertainty",
+    ]);
+    let piece = prop::sample::select(vec![
+        "",
+        "\"",
+        ",",
+        "{",
+        "}",
+        ":",
+        "0",
+        "\\u4e2d",
+        "\\n",
+        " ",
+        "\"l1\":\"x\",",
+        "\t",
+        "\u{0}",
+    ]);
     prop_oneof![
         4 => (any::<prop::sample::Index>(), any::<prop::sample::Index>()).prop_map(|(a, b)| Edit::Set(a, b)),
         2 => any::<prop::sample::Index>().prop_map(Edit::Remove),
@@ -107,7 +130,9 @@ fn apply(text: &str, edits: &[Edit]) -> String {
             continue;
         }
         match e {
-            Edit::Set(at, value) => *v.pointer_mut(&all[at.index(all.len())]).unwrap() = value.get(&pool).clone(),
+            Edit::Set(at, value) => {
+                *v.pointer_mut(&all[at.index(all.len())]).unwrap() = value.get(&pool).clone()
+            }
             Edit::Remove(at) => {
                 let (parent, key) = all[at.index(all.len())].rsplit_once('/').unwrap();
                 match v.pointer_mut(parent).unwrap() {
@@ -156,12 +181,30 @@ proptest! {
 
 /// DATA_FORMAT.md 2.2, 3.1-3.3, 5.1, 5.2 as printed there (the result's list is an excerpt: one warning).
 const SAMPLES: &[(&str, Kind)] = &[
-    (r#"{"scenario_label":{"l1":"reactive_agent","l2":"cutin","l3":"urgent","full_id":"reactive_agent.cutin.urgent"}}"#, Kind::ScenarioLabel),
-    (r#"{"clip_metadata":{"clip_id":"clip_20260115_103000_001","source":"vehicle_001","capture_time":"2026-01-15T10:30:00.000Z","duration_sec":20.0,"frame_rate":10,"total_frames":200,"data_sources":{"video":["front_camera","left_camera","right_camera"],"sensor":["lidar","radar"],"can":true,"map":true},"pre_labels":{"scenario":{"l1":"reactive_agent","l2":"cutin"},"mining_score":0.85,"mining_method":"rule_based"}}}"#, Kind::ClipMetadata),
-    (r#"{"scenario_pre_label":{"l1":"reactive_agent","l2":"cutin","l3":null,"confidence":0.85,"mining_conditions_matched":["他车横向位移 > 0.5m","TTC < 5s"],"suggested_l3":"urgent"}}"#, Kind::ScenarioPreLabel),
-    (r#"{"keyframe_suggestion":{"type":"reactive","suggested_timestamp":"2026-01-15T10:30:15.500Z","suggested_frame_idx":155,"detection_rule":"他车车轮越过车道线","context_range":{"start_timestamp":"2026-01-15T10:30:10.000Z","end_timestamp":"2026-01-15T10:30:20.000Z","start_frame_idx":100,"end_frame_idx":200}}}"#, Kind::KeyframeSuggestion),
-    (r#"{"mining_query":{"scenario_id":"reactive_agent.cutin","conditions":[{"field":"target_vehicle.lateral_offset","operator":">","value":0.5,"unit":"m"},{"field":"ttc","operator":"<","value":5,"unit":"s"}],"time_constraints":{"condition_duration_min":0.5,"condition_duration_max":null},"output_limit":1000}}"#, Kind::MiningQuery),
-    (r#"{"mining_result":{"query_id":"query_20260115_001","scenario_id":"reactive_agent.cutin","total_matched":1523,"returned":1000,"clips":[{"clip_id":"clip_20260115_103000_001","match_score":0.95,"keyframe_suggestion":{"timestamp":"2026-01-15T10:30:15.500Z","frame_idx":155},"conditions_matched":[{"condition":"target_vehicle.lateral_offset > 0.5m","actual_value":0.8}]}],"statistics":{"score_distribution":{"0.9-1.0":523,"0.8-0.9":312,"0.7-0.8":165}}}}"#, Kind::MiningResult),
+    (
+        r#"{"scenario_label":{"l1":"reactive_agent","l2":"cutin","l3":"urgent","full_id":"reactive_agent.cutin.urgent"}}"#,
+        Kind::ScenarioLabel,
+    ),
+    (
+        r#"{"clip_metadata":{"clip_id":"clip_20260115_103000_001","source":"vehicle_001","capture_time":"2026-01-15T10:30:00.000Z","duration_sec":20.0,"frame_rate":10,"total_frames":200,"data_sources":{"video":["front_camera","left_camera","right_camera"],"sensor":["lidar","radar"],"can":true,"map":true},"pre_labels":{"scenario":{"l1":"reactive_agent","l2":"cutin"},"mining_score":0.85,"mining_method":"rule_based"}}}"#,
+        Kind::ClipMetadata,
+    ),
+    (
+        r#"{"scenario_pre_label":{"l1":"reactive_agent","l2":"cutin","l3":null,"confidence":0.85,"mining_conditions_matched":["他车横向位移 > 0.5m","TTC < 5s"],"suggested_l3":"urgent"}}"#,
+        Kind::ScenarioPreLabel,
+    ),
+    (
+        r#"{"keyframe_suggestion":{"type":"reactive","suggested_timestamp":"2026-01-15T10:30:15.500Z","suggested_frame_idx":155,"detection_rule":"他车车轮越过车道线","context_range":{"start_timestamp":"2026-01-15T10:30:10.000Z","end_timestamp":"2026-01-15T10:30:20.000Z","start_frame_idx":100,"end_frame_idx":200}}}"#,
+        Kind::KeyframeSuggestion,
+    ),
+    (
+        r#"{"mining_query":{"scenario_id":"reactive_agent.cutin","conditions":[{"field":"target_vehicle.lateral_offset","operator":">","value":0.5,"unit":"m"},{"field":"ttc","operator":"<","value":5,"unit":"s"}],"time_constraints":{"condition_duration_min":0.5,"condition_duration_max":null},"output_limit":1000}}"#,
+        Kind::MiningQuery,
+    ),
+    (
+        r#"{"mining_result":{"query_id":"query_20260115_001","scenario_id":"reactive_agent.cutin","total_matched":1523,"returned":1000,"clips":[{"clip_id":"clip_20260115_103000_001","match_score":0.95,"keyframe_suggestion":{"timestamp":"2026-01-15T10:30:15.500Z","frame_idx":155},"conditions_matched":[{"condition":"target_vehicle.lateral_offset > 0.5m","actual_value":0.8}]}],"statistics":{"score_distribution":{"0.9-1.0":523,"0.8-0.9":312,"0.7-0.8":165}}}}"#,
+        Kind::MiningResult,
+    ),
 ];
 
 /// Whether the shared types take a message of this kind.
@@ -181,7 +224,7 @@ fn typed_reads(kind: Kind, text: &str) -> bool {
 fn the_specification_s_own_samples_pass() {
     for (text, kind) in SAMPLES {
         let (verdict, found) = slowly(text);
-        assert_eq!(verdict, Verdict { kind: Some(*kind), valid: true }, "{found:#?}");
+        assert_eq!(verdict, Verdict { kind: Some(*kind), valid: true, foreign: false }, "{found:#?}");
         assert_eq!(found.len(), usize::from(*kind == Kind::MiningResult), "{found:#?}");
     }
 }
@@ -196,7 +239,7 @@ proptest! {
         for d in &found {
             prop_assert!(CODES.contains(&d.code), "{}", d.code);
         }
-        if let Verdict { kind: Some(kind), valid: true } = verdict {
+        if let Verdict { kind: Some(kind), valid: true, .. } = verdict {
             prop_assert!(typed_reads(kind, &text), "{kind:?} {found:#?}\n{text}");
         }
     }
@@ -205,7 +248,12 @@ proptest! {
 #[test]
 fn other_is_a_class_everywhere() {
     // LABELING.md 1: what fits nowhere goes to `other` under its L2 or L1.
-    for (l2, l3, good) in [("cutin", "other", true), ("other", "other", true), ("other", "urgent", false), ("cutin", "others", false)] {
+    for (l2, l3, good) in [
+        ("cutin", "other", true),
+        ("other", "other", true),
+        ("other", "urgent", false),
+        ("cutin", "others", false),
+    ] {
         let text = format!(r#"{{"scenario_label":{{"l1":"reactive_agent","l2":"{l2}","l3":"{l3}"}}}}"#);
         assert_eq!(checker().check_text(&text).is_empty(), good, "{l2}.{l3}");
     }
@@ -229,7 +277,10 @@ fn places_are_those_of_the_file() {
     let mut out = Vec::new();
     checker().check(&Document { origin, bytes: text.as_bytes() }, &mut out);
     let d = out.iter().find(|d| d.code == "label.type").unwrap();
-    assert_eq!((d.place.line, d.place.column, d.place.pointer.as_deref()), (Some(7), Some(33), Some("/4/scenario")));
+    assert_eq!(
+        (d.place.line, d.place.column, d.place.pointer.as_deref()),
+        (Some(7), Some(33), Some("/4/scenario"))
+    );
     assert_eq!(d.place.snippet.as_deref(), Some("  {\"clip_id\": \"中文\", \"scenario\": 1}"));
 }
 
@@ -240,7 +291,8 @@ fn every_code_has_a_page_in_both_languages() {
     for code in CODES {
         let page = std::fs::read_to_string(docs.join(format!("{code}.md"))).unwrap_or_default();
         let (en, zh) = page.split_once("## 中文").unwrap_or_default();
-        if !en.starts_with(&format!("# {code}\n")) || en.lines().count() < 5 || zh.trim().chars().count() < 20 {
+        if !en.starts_with(&format!("# {code}\n")) || en.lines().count() < 5 || zh.trim().chars().count() < 20
+        {
             wrong.push(*code);
         }
     }

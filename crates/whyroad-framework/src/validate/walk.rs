@@ -81,7 +81,8 @@ impl<'d> Walk<'d> {
 
     fn wrong_kind<T>(&mut self, node: &Node<'_>, pointer: &str, zh: &str, en: &str) -> Slot<T> {
         let found = describe(node);
-        let (zh, en) = (format!("此处应为{zh}，实为{}", found.zh), format!("expected {en}, found {}", found.en));
+        let (zh, en) =
+            (format!("此处应为{zh}，实为{}", found.zh), format!("expected {en}, found {}", found.en));
         self.error(self.family.kind, node, pointer, zh, en);
         Slot::Broken
     }
@@ -135,7 +136,8 @@ impl<'d> Walk<'d> {
     pub fn need(&mut self, o: &mut Object<'d>, key: &'static str) -> Option<&'d Node<'d>> {
         let node = self.nullable(o, key)?;
         if node.is_null() {
-            let (zh, en) = (format!("必填字段 '{key}' 不可为 null"), format!("required field '{key}' must not be null"));
+            let (zh, en) =
+                (format!("必填字段 '{key}' 不可为 null"), format!("required field '{key}' must not be null"));
             self.error(self.family.required, node, &o.at(key), zh, en);
             return None;
         }
@@ -146,7 +148,8 @@ impl<'d> Walk<'d> {
     pub fn nullable(&mut self, o: &mut Object<'d>, key: &'static str) -> Option<&'d Node<'d>> {
         let found = o.raw(key);
         if found.is_none() {
-            let words = Bilingual::new(format!("缺少必填字段 '{key}'"), format!("required field '{key}' is missing"));
+            let words =
+                Bilingual::new(format!("缺少必填字段 '{key}'"), format!("required field '{key}' is missing"));
             let mut d = Diagnostic::error(self.family.required, words);
             let near = o.entries.iter().map(|e| &*e.key).filter(|k| !o.asked.contains(k));
             if let Some(near) = did_you_mean(key, near) {
@@ -165,7 +168,13 @@ impl<'d> Walk<'d> {
         match self.any_text(node, pointer) {
             Slot::Is(t) if t.trim().is_empty() => {
                 if let Some(node) = node {
-                    self.error(self.family.required, node, pointer, "文本为空".into(), "the text is empty".into());
+                    self.error(
+                        self.family.required,
+                        node,
+                        pointer,
+                        "文本为空".into(),
+                        "the text is empty".into(),
+                    );
                 }
                 Slot::Broken
             }
@@ -195,7 +204,10 @@ impl<'d> Walk<'d> {
                     format!("'{text}' is not an ISO 8601 date-time with its offset from UTC"),
                 ),
             )
-            .with_hint(Bilingual::new("写作 2026-01-15T10:30:00.000Z", "write it as 2026-01-15T10:30:00.000Z"));
+            .with_hint(Bilingual::new(
+                "写作 2026-01-15T10:30:00.000Z",
+                "write it as 2026-01-15T10:30:00.000Z",
+            ));
             if let Some(node) = node {
                 self.push(d, node.mark(), pointer);
             }
@@ -281,7 +293,10 @@ impl<'d> Walk<'d> {
             );
             d.severity = severity;
             if let Some(near) = did_you_mean(key, o.asked.iter().copied()) {
-                d = d.with_hint(Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")));
+                d = d.with_hint(Bilingual::new(
+                    format!("是否想写 '{near}'？"),
+                    format!("did you mean '{near}'?"),
+                ));
             }
             let pointer = o.at(key);
             self.push(d, e.key_span.clone(), &pointer);
@@ -297,7 +312,9 @@ impl<'d> Walk<'d> {
         for step in pointer.split('/').skip(1) {
             let step = step.replace("~1", "/").replace("~0", "~");
             let next = match &node.kind {
-                Kind::Map(entries) => entries.iter().find(|e| e.key == step).map(|e| (&e.node, Some(e.key_span.clone()))),
+                Kind::Map(entries) => {
+                    entries.iter().find(|e| e.key == step).map(|e| (&e.node, Some(e.key_span.clone())))
+                }
                 Kind::List(items) => step.parse::<usize>().ok().and_then(|i| items.get(i)).map(|n| (n, None)),
                 _ => None,
             };
@@ -328,7 +345,13 @@ impl Sink for Walk<'_> {
     fn report(&mut self, finding: Finding, words: &dyn Fn() -> Words) {
         let Words { message, hint } = words();
         let span = self.span_of(&finding.pointer, finding.part);
-        let d = Diagnostic { code: finding.code, severity: finding.severity, message, place: Default::default(), hint };
+        let d = Diagnostic {
+            code: finding.code,
+            severity: finding.severity,
+            message,
+            place: Default::default(),
+            hint,
+        };
         self.push(d, span, &finding.pointer);
     }
 }

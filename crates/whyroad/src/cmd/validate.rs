@@ -4,7 +4,7 @@ mod input;
 mod printer;
 
 use crate::{Global, framework_folder, output};
-use input::{Source, Sources};
+use input::{How, Source, Sources};
 use printer::{Format, Printer};
 use std::io;
 use std::path::PathBuf;
@@ -43,6 +43,13 @@ struct Run<'o> {
     printer: Printer<'o>,
     totals: Totals,
     buffer: Vec<Diagnostic>,
+    foreign: Option<Foreign>,
+}
+
+/// A file that lay in a folder and holds, so far, nothing that is ours: how many documents, and the first.
+struct Foreign {
+    documents: usize,
+    first: Option<Diagnostic>,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -50,7 +57,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let stdout = io::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
     let printer = Printer::new(&mut out, args.format, global.lang);
-    let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new() };
+    let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };
     let denied = args.deny_warnings;
     match check_all(&mut run, &framework, &args, global.lang) {
         Ok(()) => {}
@@ -80,7 +87,10 @@ fn check_all(
         match source {
             Source::Nothing { name } => run.found(&name, empty_folder())?,
             Source::Unreadable { name, error } => run.found(&name, unreadable(&error))?,
-            Source::File { name, path } => check_source(run, &checker, &name, path.as_deref())?,
+            Source::File { name, path, how } => {
+                run.foreign = (how == How::InFolder).then_some(Foreign { documents: 0, first: None });
+                check_source(run, &checker, &name, path.as_deref())?;
+            }
         }
     }
     if run.totals.documents == 0 {
@@ -97,7 +107,12 @@ fn check_all(
     run.printer.finish(t.documents, t.valid, t.errors, t.warnings, lang)
 }
 
-fn check_source(run: &mut Run<'_>, checker: &Checker<'_>, name: &str, path: Option<&std::path::Path>) -> io::Result<()> {
+fn check_source(
+    run: &mut Run<'_>,
+    checker: &Checker<'_>,
+    name: &str,
+    path: Option<&std::path::Path>,
+) -> io::Result<()> {
     let before = run.totals.documents;
     let mut failed: io::Result<()> = Ok(());
     let read = input::pieces(path, &mut |piece| {
@@ -110,8 +125,14 @@ fn check_source(run: &mut Run<'_>, checker: &Checker<'_>, name: &str, path: Opti
     if let Err(e) = read {
         return run.found(name, unreadable(&e));
     }
+    if run.close_foreign(name)? {
+        return Ok(());
+    }
     if run.totals.documents == before {
-        let d = Diagnostic::warning("label.input.empty", Bilingual::new("文件中没有文档", "the file holds no document"));
+        let d = Diagnostic::warning(
+            "label.input.empty",
+            Bilingual::new("文件中没有文档", "the file holds no document"),
+        );
         run.found(name, d)?;
     }
     Ok(())
@@ -128,7 +149,10 @@ fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) 
             (Piece::Document(d), Ok(Some(v))) if !clips.add(d.bytes) && v.valid => {
                 let d = Diagnostic::warning(
                     "message.kind",
-                    Bilingual::new("不是 clip_metadata，不作为片段使用", "no clip_metadata, so not used as a clip"),
+                    Bilingual::new(
+                        "不是 clip_metadata，不作为片段使用",
+                        "no clip_metadata, so not used as a clip",
+                    ),
                 );
                 run.found(&name, d)
             }
@@ -150,6 +174,10 @@ impl Run<'_> {
             Piece::Document(document) => {
                 let mut found = std::mem::take(&mut self.buffer);
                 let verdict = checker.check(document, &mut found);
+                if self.is_foreign(name, verdict, &mut found)? {
+                    self.buffer = found;
+                    return Ok(None);
+                }
                 self.totals.documents += 1;
                 self.totals.valid += usize::from(verdict.valid);
                 for d in found.drain(..) {
@@ -160,6 +188,42 @@ impl Run<'_> {
             }
             Piece::Problem(p, origin) => self.found(name, problem(*p, origin)).map(|()| None),
         }
+    }
+
+    /// Holds back a document of no known kind while its file shows nothing else; lets go once it does.
+    fn is_foreign(&mut self, name: &str, verdict: Verdict, found: &mut Vec<Diagnostic>) -> io::Result<bool> {
+        let Some(foreign) = &mut self.foreign else { return Ok(false) };
+        if verdict.foreign {
+            foreign.documents += 1;
+            let first = found.drain(..).next();
+            foreign.first = foreign.first.take().or(first);
+            return Ok(true);
+        }
+        // One of ours after all, so the others are mistakes, not strangers.
+        let Foreign { documents, first } =
+            self.foreign.take().unwrap_or(Foreign { documents: 0, first: None });
+        self.totals.documents += documents;
+        if let Some(d) = first {
+            self.push(d.in_file(name))?;
+        }
+        Ok(false)
+    }
+
+    /// The file has ended: says so when nothing in it was ours.
+    fn close_foreign(&mut self, name: &str) -> io::Result<bool> {
+        let Some(Foreign { documents: n, first: Some(_) }) = self.foreign.take() else { return Ok(false) };
+        let d = Diagnostic::warning(
+            "label.input.foreign",
+            Bilingual::new(
+                format!("未检查：文件中的 {n} 个文档都不是标注或交换消息"),
+                format!(
+                    "not checked: of its {n} document{} none is a label or message",
+                    if n == 1 { "" } else { "s" }
+                ),
+            ),
+        );
+        self.found(name, d)?;
+        Ok(true)
     }
 
     fn found(&mut self, name: &str, d: Diagnostic) -> io::Result<()> {
@@ -177,13 +241,19 @@ impl Run<'_> {
 }
 
 fn unreadable(e: &io::Error) -> Diagnostic {
-    Diagnostic::error("label.file.unreadable", Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}")))
+    Diagnostic::error(
+        "label.file.unreadable",
+        Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}")),
+    )
 }
 
 fn empty_folder() -> Diagnostic {
     Diagnostic::warning(
         "label.input.empty",
-        Bilingual::new("文件夹中没有 .json、.jsonl 或 .ndjson 文件", "the folder holds no .json, .jsonl or .ndjson file"),
+        Bilingual::new(
+            "文件夹中没有 .json、.jsonl 或 .ndjson 文件",
+            "the folder holds no .json, .jsonl or .ndjson file",
+        ),
     )
 }
 

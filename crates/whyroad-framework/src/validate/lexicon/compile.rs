@@ -99,11 +99,16 @@ pub(super) fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     let Builder { texts, mut problems, .. } = builder;
     // A map's keys are sorted and different, as the trie wants them.
     let trie = Trie::new(texts.keys().map(String::as_str)).unwrap_or_else(|| {
-        problems.push(Bilingual::new("词表过大，或含有基本多文种平面之外的字", "the lexicon is too large, or has characters outside the basic plane"));
+        problems.push(Bilingual::new(
+            "词表过大，或含有基本多文种平面之外的字",
+            "the lexicon is too large, or has characters outside the basic plane",
+        ));
         Trie::default()
     });
-    let patterns: Vec<Pattern> = texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
-    let lexicon = Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, trie, patterns };
+    let patterns: Vec<Pattern> =
+        texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
+    let lexicon =
+        Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, trie, patterns };
     (lexicon, problems)
 }
 

@@ -60,7 +60,8 @@ impl Trie {
                 let n = trie.nodes[node as usize];
                 for (second, child) in &trie.edges[n.edges as usize..(n.edges + n.count) as usize] {
                     if second.is_ascii() {
-                        trie.pairs[first as usize * 128 + *second as usize] = u16::try_from(child + 1).ok()?;
+                        trie.pairs[first as usize * 128 + *second as usize] =
+                            u16::try_from(child + 1).ok()?;
                     }
                 }
             }
@@ -79,7 +80,11 @@ impl Trie {
             children.push((c, self.add(words, at, end, depth + 1)?));
             at = end;
         }
-        let node = Node { edges: u32::try_from(self.edges.len()).ok()?, count: u32::try_from(children.len()).ok()?, word };
+        let node = Node {
+            edges: u32::try_from(self.edges.len()).ok()?,
+            count: u32::try_from(children.len()).ok()?,
+            word,
+        };
         self.edges.extend(children);
         self.nodes.push(node);
         u32::try_from(self.nodes.len() - 1).ok()
@@ -169,7 +174,8 @@ mod tests {
                 let cut_after = w.chars().last().is_some_and(is_latin) && latin_at(Some(i + n));
                 same && !cut_before && !cut_after
             };
-            let best = words.iter().enumerate().filter(|(_, w)| fits(w)).max_by_key(|(_, w)| w.chars().count());
+            let best =
+                words.iter().enumerate().filter(|(_, w)| fits(w)).max_by_key(|(_, w)| w.chars().count());
             match best {
                 Some((word, w)) => {
                     out.push(Found { word, start, end: start + w.len() });
@@ -181,7 +187,20 @@ mod tests {
         out
     }
 
-    const WORDS: &[&str] = &[", so", "no", "no need", "stop", "stop at", "不", "不得不", "停", "停车", "停车线", "变道", "左变道"];
+    const WORDS: &[&str] = &[
+        ", so",
+        "no",
+        "no need",
+        "stop",
+        "stop at",
+        "不",
+        "不得不",
+        "停",
+        "停车",
+        "停车线",
+        "变道",
+        "左变道",
+    ];
 
     proptest! {
         #[test]

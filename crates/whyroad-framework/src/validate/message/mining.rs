@@ -52,7 +52,10 @@ fn condition<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             };
             match meant {
                 Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(format!("可选：{}", OPERATORS.join(" ")), format!("choose one of: {}", OPERATORS.join(" "))),
+                None => words.hint(
+                    format!("可选：{}", OPERATORS.join(" ")),
+                    format!("choose one of: {}", OPERATORS.join(" ")),
+                ),
             }
         });
     }
@@ -69,8 +72,11 @@ fn condition<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
         if !fits {
             let op = operator.unwrap_or_default();
             walk.report(Finding::error("message.query.value", at), &|| {
-                Words::new(format!("该值不能用于比较符 '{op}'"), format!("this value does not go with the operator '{op}'"))
-                    .hint("大小比较用数字，in 用列表", "numbers for < and >, a list for in")
+                Words::new(
+                    format!("该值不能用于比较符 '{op}'"),
+                    format!("this value does not go with the operator '{op}'"),
+                )
+                .hint("大小比较用数字，in 用列表", "numbers for < and >, a list for in")
             });
         }
     }
@@ -81,7 +87,10 @@ fn condition<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             let symbols: Vec<&str> = UNITS.iter().map(|u| u.symbol).filter(|s| !s.is_empty()).collect();
             match did_you_mean(&unit.to_lowercase(), symbols.iter().copied()) {
                 Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(format!("可选：{}", symbols.join("、")), format!("choose one of: {}", symbols.join(", "))),
+                None => words.hint(
+                    format!("可选：{}", symbols.join("、")),
+                    format!("choose one of: {}", symbols.join(", ")),
+                ),
             }
         });
     }
@@ -99,12 +108,15 @@ fn time_constraints<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>) {
         Some((v, at))
     };
     let (min, max) = (seconds(walk, "condition_duration_min"), seconds(walk, "condition_duration_max"));
-    if let (Some((min, _)), Some((max, at))) = (min, max) {
-        if min > max {
-            walk.report(Finding::error("message.order", at), &|| {
-                Words::new(format!("最长 {max} s 短于最短 {min} s"), format!("the maximum {max} s is less than the minimum {min} s"))
-            });
-        }
+    if let (Some((min, _)), Some((max, at))) = (min, max)
+        && min > max
+    {
+        walk.report(Finding::error("message.order", at), &|| {
+            Words::new(
+                format!("最长 {max} s 短于最短 {min} s"),
+                format!("the maximum {max} s is less than the minimum {min} s"),
+            )
+        });
     }
     walk.close(o, Severity::Error);
 }
@@ -119,15 +131,15 @@ pub(super) fn result<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Clas
     let total = walk.count(n, &at).get();
     let (n, returned_at) = (walk.need(&mut o, "returned"), o.at("returned"));
     let returned = walk.count(n, &returned_at).get();
-    if let (Some(total), Some(returned)) = (total, returned) {
-        if returned > total {
-            walk.report(Finding::error("message.result.count", returned_at.clone()), &|| {
-                Words::new(
-                    format!("返回 {returned} 条，多于匹配的 {total} 条"),
-                    format!("{returned} returned of only {total} matched"),
-                )
-            });
-        }
+    if let (Some(total), Some(returned)) = (total, returned)
+        && returned > total
+    {
+        walk.report(Finding::error("message.result.count", returned_at.clone()), &|| {
+            Words::new(
+                format!("返回 {returned} 条，多于匹配的 {total} 条"),
+                format!("{returned} returned of only {total} matched"),
+            )
+        });
     }
     let (n, at) = (walk.need(&mut o, "clips"), o.at("clips"));
     if let Slot::Is(items) = walk.list(n, &at) {
@@ -200,12 +212,16 @@ fn statistics<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, total: Option<u64>, r
     let mut sum = Some(0);
     for e in d.entries() {
         let at = d.at(&e.key);
-        let bounds = e.key.split_once('-').and_then(|(a, b)| Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?)));
+        let bounds =
+            e.key.split_once('-').and_then(|(a, b)| Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?)));
         if !bounds.is_some_and(|(a, b)| 0.0 <= a && a < b && b <= 1.0) {
             let key = &e.key;
             walk.report(Finding::error("message.result.statistics", at.clone()), &|| {
-                Words::new(format!("'{key}' 不是 0 至 1 之间的分数段"), format!("'{key}' is no range of scores between 0 and 1"))
-                    .hint("写作 \"0.9-1.0\"", "write it as \"0.9-1.0\"")
+                Words::new(
+                    format!("'{key}' 不是 0 至 1 之间的分数段"),
+                    format!("'{key}' is no range of scores between 0 and 1"),
+                )
+                .hint("写作 \"0.9-1.0\"", "write it as \"0.9-1.0\"")
             });
         }
         sum = match (sum, walk.count(Some(&e.node), &at).get()) {

@@ -39,8 +39,14 @@ pub(super) fn clip_metadata<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes
         if (f64::from(frames) - due).abs() > 1.5 {
             walk.report(Finding::error("message.clip.frames", at), &|| {
                 Words::new(
-                    format!("{duration_s} s × {rate_hz} Hz 约 {} 帧，total_frames 却是 {frames}", due.round()),
-                    format!("{duration_s} s at {rate_hz} Hz are about {} frames, but total_frames is {frames}", due.round()),
+                    format!(
+                        "{duration_s} s × {rate_hz} Hz 约 {} 帧，total_frames 却是 {frames}",
+                        due.round()
+                    ),
+                    format!(
+                        "{duration_s} s at {rate_hz} Hz are about {} frames, but total_frames is {frames}",
+                        due.round()
+                    ),
                 )
             });
         }
@@ -119,7 +125,8 @@ struct OnlySuggested<'w, 'd> {
 impl Sink for OnlySuggested<'_, '_> {
     fn report(&mut self, finding: Finding, words: &dyn Fn() -> Words) {
         if finding.pointer.ends_with("/l3") {
-            self.walk.report(Finding { pointer: "/scenario_pre_label/suggested_l3".into(), ..finding }, words);
+            self.walk
+                .report(Finding { pointer: "/scenario_pre_label/suggested_l3".into(), ..finding }, words);
         }
     }
 }
@@ -152,15 +159,15 @@ pub(super) fn keyframe_suggestion<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>) {
     if !ordered(walk, &end_at, start, end) {
         return;
     }
-    if let (Some(t), Some(start), Some(end)) = (time.get(), start.get(), end.get()) {
-        if !(start <= t && t < end) {
-            walk.report(Finding::error("message.keyframe.outside_range", time_at), &|| {
-                Words::new(
-                    format!("建议的关键帧 {t} 不在 context_range 内（{start} 至 {end}）"),
-                    format!("the suggested keyframe {t} is not in context_range ({start} to {end})"),
-                )
-            });
-        }
+    if let (Some(t), Some(start), Some(end)) = (time.get(), start.get(), end.get())
+        && !(start <= t && t < end)
+    {
+        walk.report(Finding::error("message.keyframe.outside_range", time_at), &|| {
+            Words::new(
+                format!("建议的关键帧 {t} 不在 context_range 内（{start} 至 {end}）"),
+                format!("the suggested keyframe {t} is not in context_range ({start} to {end})"),
+            )
+        });
     }
     let (Some(t0), Some(f0)) = (start.get(), start_frame.get()) else { return };
     for (pointer, time, frame) in [(frame_at, time, frame), (end_frame_at, end, end_frame)] {

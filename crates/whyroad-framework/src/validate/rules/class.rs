@@ -79,7 +79,10 @@ fn wrong(
                 if full == own {
                     words.hint(format!("是否想写 '{own}'？"), format!("did you mean '{own}'?"))
                 } else {
-                    words.hint(format!("是否想写 '{own}'（{full}）？"), format!("did you mean '{own}' ({full})?"))
+                    words.hint(
+                        format!("是否想写 '{own}'（{full}）？"),
+                        format!("did you mean '{own}' ({full})?"),
+                    )
                 }
             }
             None => choices_hint(words, &parent, &classes.choices(level, l1, l2)),
@@ -139,20 +142,23 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
         let l3 = s.l3.get().filter(|l3| *l3 != OTHER);
         [s.l1.get(), s.l2.get(), l3].into_iter().flatten().collect::<Vec<_>>().join(".")
     };
-    if let (Some(wanted), Some(kind)) = (class.kind, label.keyframe.kind.get()) {
-        if kind != wanted {
-            sink.report(Finding::error("label.keyframe.type", "/keyframe/type"), &|| {
-                let (zh, en) = match wanted {
-                    KeyframeType::Reactive => ("单一时刻", "one moment"),
-                    KeyframeType::Proactive => ("一段区间", "a range"),
-                };
-                Words::new(
-                    format!("{} 的关键帧类型是 {wanted}（{zh}），此处写作 {kind}", name()),
-                    format!("the keyframe of {} is {wanted} ({en}), not {kind}", name()),
-                )
-                .hint(format!("改为 \"{wanted}\"，或检查场景类别"), format!("write \"{wanted}\", or check the scenario class"))
-            });
-        }
+    if let (Some(wanted), Some(kind)) = (class.kind, label.keyframe.kind.get())
+        && kind != wanted
+    {
+        sink.report(Finding::error("label.keyframe.type", "/keyframe/type"), &|| {
+            let (zh, en) = match wanted {
+                KeyframeType::Reactive => ("单一时刻", "one moment"),
+                KeyframeType::Proactive => ("一段区间", "a range"),
+            };
+            Words::new(
+                format!("{} 的关键帧类型是 {wanted}（{zh}），此处写作 {kind}", name()),
+                format!("the keyframe of {} is {wanted} ({en}), not {kind}", name()),
+            )
+            .hint(
+                format!("改为 \"{wanted}\"，或检查场景类别"),
+                format!("write \"{wanted}\", or check the scenario class"),
+            )
+        });
     }
     if class.uncertainty_high && label.components.get().is_some_and(|c| c.count > 0 && !c.any_high) {
         sink.report(Finding::error("label.uncertainty.missing", "/critical_components"), &|| {
@@ -179,7 +185,10 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
                     format!("{} 规定横向决策为 {wanted}，此处为 {found}", name()),
                     format!("{} prescribes the lateral decision {wanted}, found {found}", name()),
                 )
-                .hint(format!("改为 \"{wanted}\"，或检查场景类别"), format!("write \"{wanted}\", or check the scenario class"))
+                .hint(
+                    format!("改为 \"{wanted}\"，或检查场景类别"),
+                    format!("write \"{wanted}\", or check the scenario class"),
+                )
             });
         }
     }
@@ -190,7 +199,8 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
     };
     for (id, title, unit) in class.records.iter().filter(|(id, ..)| !filled.contains(&id.as_str())) {
         sink.report(Finding::error("label.record.missing", format!("/records/{id}")), &|| {
-            let unit = unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
+            let unit =
+                unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
             Words::new(
                 format!("{} 要求记录“{}”", name(), title.zh),
                 format!("{} obliges you to record the {}", name(), title.en),

@@ -14,26 +14,26 @@ const ROUNDING_S: f64 = 0.001;
 
 /// `time_range`: in order, in the clip, frames where the timestamps are.
 pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
-    if let (Some(start), Some(end)) = (label.start.get(), label.end.get()) {
-        if start >= end {
-            sink.report(Finding::error("label.time_range.order", "/time_range/end_timestamp"), &|| {
-                Words::new(
-                    format!("time_range 的结束 {end} 不晚于开始 {start}"),
-                    format!("time_range ends at {end}, which is not after its start {start}"),
-                )
-            });
-        }
+    if let (Some(start), Some(end)) = (label.start.get(), label.end.get())
+        && start >= end
+    {
+        sink.report(Finding::error("label.time_range.order", "/time_range/end_timestamp"), &|| {
+            Words::new(
+                format!("time_range 的结束 {end} 不晚于开始 {start}"),
+                format!("time_range ends at {end}, which is not after its start {start}"),
+            )
+        });
     }
-    if let (Some(start), Some(end)) = (label.start_frame.get(), label.end_frame.get()) {
-        if start >= end {
-            sink.report(Finding::error("label.time_range.order", "/time_range/end_frame_idx"), &|| {
-                Words::new(
-                    format!("time_range 的结束帧 {end} 不大于开始帧 {start}"),
-                    format!("time_range ends at frame {end}, which is not after its first frame {start}"),
-                )
-                .hint("结束帧不含在内：最后一帧加一", "the end frame is not included: the last frame plus one")
-            });
-        }
+    if let (Some(start), Some(end)) = (label.start_frame.get(), label.end_frame.get())
+        && start >= end
+    {
+        sink.report(Finding::error("label.time_range.order", "/time_range/end_frame_idx"), &|| {
+            Words::new(
+                format!("time_range 的结束帧 {end} 不大于开始帧 {start}"),
+                format!("time_range ends at frame {end}, which is not after its first frame {start}"),
+            )
+            .hint("结束帧不含在内：最后一帧加一", "the end frame is not included: the last frame plus one")
+        });
     }
     let Some(clip) = clip else { return };
     for (at, time) in [("start_timestamp", label.start), ("end_timestamp", label.end)] {
@@ -80,7 +80,9 @@ pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dy
         None => {
             if let (Some(time), Some(frame)) = (label.start.get(), label.start_frame.get()) {
                 let anchor = Anchor { time, frame, rate_hz: DEFAULT_RATE_HZ };
-                if label.end.get().is_some_and(|e| e > time) && label.end_frame.get().is_some_and(|e| e > frame) {
+                if label.end.get().is_some_and(|e| e > time)
+                    && label.end_frame.get().is_some_and(|e| e > frame)
+                {
                     mismatch("/time_range/end_frame_idx", label.end, label.end_frame, anchor, sink);
                 }
                 mismatch("/keyframe/frame_idx", k.timestamp, k.frame, anchor, sink);
@@ -95,23 +97,29 @@ fn keyframe_range(label: &View<'_>, sink: &mut dyn Sink) {
     match k.kind.get() {
         Some(KeyframeType::Proactive) => {
             for (at, _) in ends.iter().filter(|(_, t)| t.is_absent()) {
-                sink.report(Finding::error("label.keyframe.range_missing", format!("/keyframe/{at}")), &|| {
-                    Words::new(
-                        format!("proactive 关键帧必须有 {at}"),
-                        format!("a proactive keyframe needs {at}"),
-                    )
-                });
+                sink.report(
+                    Finding::error("label.keyframe.range_missing", format!("/keyframe/{at}")),
+                    &|| {
+                        Words::new(
+                            format!("proactive 关键帧必须有 {at}"),
+                            format!("a proactive keyframe needs {at}"),
+                        )
+                    },
+                );
             }
         }
         Some(KeyframeType::Reactive) => {
             for (at, _) in ends.iter().filter(|(_, t)| matches!(t, Slot::Is(_))) {
-                sink.report(Finding::warning("label.keyframe.range_on_reactive", format!("/keyframe/{at}")), &|| {
-                    Words::new(
-                        format!("reactive 关键帧是单一时刻，{at} 不起作用"),
-                        format!("a reactive keyframe is one moment; {at} has no meaning here"),
-                    )
-                    .hint("删去，或把 type 改为 proactive", "leave it out, or make the type proactive")
-                });
+                sink.report(
+                    Finding::warning("label.keyframe.range_on_reactive", format!("/keyframe/{at}")),
+                    &|| {
+                        Words::new(
+                            format!("reactive 关键帧是单一时刻，{at} 不起作用"),
+                            format!("a reactive keyframe is one moment; {at} has no meaning here"),
+                        )
+                        .hint("删去，或把 type 改为 proactive", "leave it out, or make the type proactive")
+                    },
+                );
             }
         }
         None => {}
@@ -143,13 +151,7 @@ struct Anchor {
 }
 
 /// A frame index and a timestamp that are more than half a frame apart.
-fn mismatch(
-    pointer: &'static str,
-    time: Slot<Nanos>,
-    frame: Slot<u32>,
-    anchor: Anchor,
-    sink: &mut dyn Sink,
-) {
+fn mismatch(pointer: &'static str, time: Slot<Nanos>, frame: Slot<u32>, anchor: Anchor, sink: &mut dyn Sink) {
     let (Some(time), Some(frame)) = (time.get(), frame.get()) else { return };
     let due_s = (f64::from(frame) - f64::from(anchor.frame)) / anchor.rate_hz;
     // In whole nanoseconds first: two times of today differ exactly, as f64 seconds since 1970 they do not.
@@ -172,7 +174,13 @@ fn mismatch(
     });
 }
 
-fn outside_clip(code: &'static str, pointer: String, time: Slot<Nanos>, clip: &ClipFacts, sink: &mut dyn Sink) {
+fn outside_clip(
+    code: &'static str,
+    pointer: String,
+    time: Slot<Nanos>,
+    clip: &ClipFacts,
+    sink: &mut dyn Sink,
+) {
     let Some(time) = time.get() else { return };
     let at_s = time.seconds_since(clip.capture_time);
     let slack_s = 0.5 / clip.frame_rate_hz + ROUNDING_S;

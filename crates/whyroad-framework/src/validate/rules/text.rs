@@ -35,7 +35,9 @@ pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
         sink.report(Finding::error("label.version", "/version"), &|| {
             Words::new(
                 format!("格式版本 {text} 与本程序的 {known_major}.x 不兼容"),
-                format!("format version {text} is not compatible with the {known_major}.x that this program reads"),
+                format!(
+                    "format version {text} is not compatible with the {known_major}.x that this program reads"
+                ),
             )
         });
     } else if minor > known_minor {
@@ -66,7 +68,10 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
         sink.report(Finding::error("label.trace.too_short", TRACE), &|| {
             Words::new(
                 format!("coc_trace 太短（约 {} 字），写不下状态、原因和决策", seen.length),
-                format!("coc_trace is too short to hold state, reason and decision ({} words or so)", seen.length / 2),
+                format!(
+                    "coc_trace is too short to hold state, reason and decision ({} words or so)",
+                    seen.length / 2
+                ),
             )
             .hint("写 50 至 100 字", "write some 30 to 60 words")
         });
@@ -85,7 +90,10 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
                 format!("coc_trace 中堆了 {} 个数字", seen.numbers),
                 format!("coc_trace heaps up {} numbers", seen.numbers),
             )
-            .hint("先定性描述：“很近”“较快”，数字只留关键的", "say it in words first (close, fast); keep only the numbers that matter")
+            .hint(
+                "先定性描述：“很近”“较快”，数字只留关键的",
+                "say it in words first (close, fast); keep only the numbers that matter",
+            )
         });
     }
     let reading = read(text, lexicon);
@@ -120,9 +128,15 @@ fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
                 let phrase = &text[*start..*end];
                 Words::new(
                     format!("标签的决策是 {label}，coc_trace 却说“{phrase}”（{}）", says.join(" 或 ")),
-                    format!("the label decides for {label}, but the trace says '{phrase}' ({})", says.join(" or ")),
+                    format!(
+                        "the label decides for {label}, but the trace says '{phrase}' ({})",
+                        says.join(" or ")
+                    ),
                 )
-                .hint("检查决策，或改写 coc_trace 的结尾", "check the decision, or rewrite the end of the trace")
+                .hint(
+                    "检查决策，或改写 coc_trace 的结尾",
+                    "check the decision, or rewrite the end of the trace",
+                )
             });
         }
         TraceVerdict::Denied { label, start, end } => {
@@ -132,7 +146,10 @@ fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
                     format!("标签的决策是 {label}，coc_trace 却否定了“{phrase}”"),
                     format!("the label decides for {label}, but the trace says not to '{phrase}'"),
                 )
-                .hint("检查决策，或改写 coc_trace 的结尾", "check the decision, or rewrite the end of the trace")
+                .hint(
+                    "检查决策，或改写 coc_trace 的结尾",
+                    "check the decision, or rewrite the end of the trace",
+                )
             });
         }
         TraceVerdict::OtherSide { label, says, start, end } => {
@@ -151,7 +168,10 @@ fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
                     format!("coc_trace 说“{phrase}”（{says}），标签的 {channel} 却为 null"),
                     format!("the trace says '{phrase}' ({says}), but the label's {channel} is null"),
                 )
-                .hint("确有新决策时补上，否则改写 coc_trace", "add the decision if there was one, or rewrite the trace")
+                .hint(
+                    "确有新决策时补上，否则改写 coc_trace",
+                    "add the decision if there was one, or rewrite the trace",
+                )
             });
         }
         TraceVerdict::NoDecision => {

@@ -36,8 +36,10 @@ pub(in crate::validate) fn form(text: &str, limits: &Limits) -> Form {
                 out.length += limits.latin_word_counts_as;
             }
             (in_word, in_number) = (true, false);
-        } else if !(in_number && matches!(c, '.' | ':' | ',')) && !(in_word && matches!(c, '\'' | '’' | '-')) {
-            (in_word, in_number) = (false, false);
+        } else {
+            // `12.5` and `don't` go on.
+            in_number &= matches!(c, '.' | ':' | ',');
+            in_word &= matches!(c, '\'' | '’' | '-');
         }
     }
     out

@@ -73,7 +73,9 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
 
         let Some(label) = self.label else {
-            let named = deciding().filter(firm).find(|m| says(m).len() == 1 && !self.null_allows.contains(&says(m)[0]));
+            let named = deciding()
+                .filter(firm)
+                .find(|m| says(m).len() == 1 && !self.null_allows.contains(&says(m)[0]));
             if let Some(m) = named {
                 let says = (self.id)(says(m)[0]);
                 sink(TraceVerdict::Unlabelled { channel: self.name, says, start: m.start, end: m.end });
@@ -98,7 +100,9 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
             });
             return false;
         }
-        if let Some(m) = deciding().find(|m| m.force == Force::Negated && says(m) == [label]) {
+        // "Not slowing down" denies no particular decision; a phrase for one or two does.
+        if let Some(m) = deciding().filter(supports).find(|m| m.force == Force::Negated && says(m).len() <= 2)
+        {
             sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
             return false;
         }

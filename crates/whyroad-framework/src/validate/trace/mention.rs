@@ -160,7 +160,11 @@ impl Reader<'_> {
                 let limits = &self.lexicon.limits;
                 let reach = if adjacent { limits.adjacent_reach } else { limits.negation_reach };
                 let last = self.out.mentions.last();
-                if !adjacent && last.is_some_and(|m| m.clause == self.clause && hit.start - m.end <= limits.adjacent_reach) {
+                if !adjacent
+                    && last.is_some_and(|m| {
+                        m.clause == self.clause && hit.start - m.end <= limits.adjacent_reach
+                    })
+                {
                     self.back_negation = Some(self.out.mentions.len() - 1);
                 }
                 self.negation = Some(Negation { end: hit.end, reach, used: false });
@@ -201,7 +205,9 @@ impl Reader<'_> {
         let force = match negated {
             _ if unsaid || (actor == Actor::Other && !carried) => Force::Unsaid,
             Force::Negated if carried => Force::Unsaid,
-            Force::Asserted if carried || self.intention || self.sequel || actor == Actor::Object => Force::Doubtful,
+            Force::Asserted if carried || self.intention || self.sequel || actor == Actor::Object => {
+                Force::Doubtful
+            }
             f => f,
         };
         // What stays doubtful for another reason does not become the ego's by standing last.

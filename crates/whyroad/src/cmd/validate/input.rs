@@ -11,11 +11,20 @@ const CHUNK: usize = 1 << 18;
 /// One thing to read.
 pub(super) enum Source {
     /// A file, or standard input where there is no path.
-    File { name: String, path: Option<PathBuf> },
+    File { name: String, path: Option<PathBuf>, how: How },
     /// A folder without any JSON in it.
     Nothing { name: String },
     /// What could not even be looked at.
     Unreadable { name: String, error: io::Error },
+}
+
+/// How a file came to be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum How {
+    /// The user named it, so everything in it is meant to be checked.
+    Named,
+    /// It lay in a folder, where other programs' JSON may lie too.
+    InFolder,
 }
 
 /// All sources that the arguments name, folders opened, sorted within each.
@@ -27,7 +36,7 @@ impl Sources {
         for path in paths {
             let name = path.display().to_string();
             if path == Path::new("-") {
-                out.push(Source::File { name: "<stdin>".to_owned(), path: None });
+                out.push(Source::File { name: "<stdin>".to_owned(), path: None, how: How::Named });
                 continue;
             }
             match fs::metadata(path) {
@@ -38,7 +47,7 @@ impl Sources {
                         out.push(Source::Nothing { name });
                     }
                 }
-                Ok(_) => out.push(Source::File { name, path: Some(path.clone()) }),
+                Ok(_) => out.push(Source::File { name, path: Some(path.clone()), how: How::Named }),
                 Err(error) => out.push(Source::Unreadable { name, error }),
             }
         }
@@ -58,7 +67,10 @@ fn folder(dir: &Path, out: &mut Vec<Source>) {
         match entry.file_type() {
             // A link to a folder may lead back up, so folders are entered by their own name only.
             Ok(t) if t.is_dir() => folder(&path, out),
-            Ok(_) if is_json(&path) => out.push(Source::File { name: path.display().to_string(), path: Some(path) }),
+            Ok(_) if is_json(&path) => {
+                let name = path.display().to_string();
+                out.push(Source::File { name, path: Some(path), how: How::InFolder });
+            }
             Ok(_) => {}
             Err(error) => out.push(Source::Unreadable { name: path.display().to_string(), error }),
         }

@@ -61,7 +61,14 @@ impl<'o> Printer<'o> {
     }
 
     /// Closes the document.
-    pub fn finish(&mut self, documents: usize, valid: usize, errors: usize, warnings: usize, lang: Lang) -> io::Result<()> {
+    pub fn finish(
+        &mut self,
+        documents: usize,
+        valid: usize,
+        errors: usize,
+        warnings: usize,
+        lang: Lang,
+    ) -> io::Result<()> {
         if self.printed == 0 {
             self.open()?;
         }

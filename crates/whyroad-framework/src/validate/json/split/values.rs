@@ -83,10 +83,10 @@ impl Values {
                     Step::Last => self.emit(&chunk[start..=i], sink),
                     Step::Before | Step::Cut => {
                         self.emit(&chunk[start..i], sink);
-                        if step == Step::Cut {
-                            if let Some(a) = &mut self.array {
-                                a.after = After::Comma;
-                            }
+                        if step == Step::Cut
+                            && let Some(a) = &mut self.array
+                        {
+                            a.after = After::Comma;
                         }
                         self.between(b, i, &mut start, sink);
                     }
