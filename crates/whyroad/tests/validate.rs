@@ -338,7 +338,7 @@ fn strangers_in_a_folder_are_left_alone_but_not_among_labels() {
         (codes(&o), code(&o)),
         (vec!["label.input.foreign".into(), "label.input.nothing".to_owned()], 1)
     );
-    // Beside labels: a warning. Named: errors.
+    // Beside labels: a note. Named: errors.
     std::fs::write(dir.path().join("d/a.json"), label("a")).unwrap();
     let o = validate(dir.path(), &["d", json[0], json[1]], b"");
     assert_eq!(

@@ -212,7 +212,7 @@ impl Run<'_> {
     /// The file has ended: says so when nothing in it was ours.
     fn close_foreign(&mut self, name: &str) -> io::Result<bool> {
         let Some(Foreign { documents: n, first: Some(_) }) = self.foreign.take() else { return Ok(false) };
-        let d = Diagnostic::warning(
+        let d = Diagnostic::note(
             "label.input.foreign",
             Bilingual::new(
                 format!("未检查：文件中的 {n} 个文档都不是标注或交换消息"),
