@@ -12,6 +12,7 @@ mod junctions;
 pub mod kinematics;
 mod lane_lights;
 mod npy;
+pub mod nuscenes;
 mod pickle;
 pub mod plausibility;
 mod protobuf;
@@ -26,7 +27,7 @@ pub mod sumo;
 pub mod waymo;
 
 pub use report::{RowCount, SourceReport};
-pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, read};
+pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, ingest_each, read};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
@@ -36,6 +37,7 @@ pub fn codes() -> Vec<&'static str> {
         av2::findings::CODES,
         av2::motion::CODES,
         comma2k19::CODES,
+        nuscenes::findings::CODES,
         scenarionet::findings::CODES,
         sumo::findings::CODES,
         waymo::findings::CODES,

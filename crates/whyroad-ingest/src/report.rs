@@ -115,6 +115,8 @@ pub fn reason_text(key: &str) -> Bilingual {
         "sign" => ("标志", "signs"),
         "facility" => ("设施", "facilities"),
         "between_frames" => ("在两帧之间", "between frames"),
+        "out_of_range" => ("超出感知范围", "out of the sensor's range"),
+        "hidden" => ("被其他车辆遮挡", "hidden by other vehicles"),
         "ego_away" => ("自车不在", "while the ego was away"),
         "out_of_order" => ("时间倒退", "backward time"),
         "carried" => ("乘坐或装载在车上", "riding in a vehicle, or freight"),

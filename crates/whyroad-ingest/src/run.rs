@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::{SourceReport, av2, comma2k19, scenarionet, sumo, waymo};
+use crate::{SourceReport, av2, comma2k19, nuscenes, scenarionet, sumo, waymo};
 use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
@@ -14,6 +14,8 @@ pub enum Format {
     Av2Motion,
     /// comma2k19 routes.
     Comma2k19,
+    /// nuScenes tables.
+    NuScenes,
     /// ScenarioNet and MetaDrive scenarios.
     ScenarioNet,
     /// SUMO floating car data and network.
@@ -28,6 +30,7 @@ impl Format {
         Format::Av2,
         Format::Av2Motion,
         Format::Comma2k19,
+        Format::NuScenes,
         Format::ScenarioNet,
         Format::Sumo,
         Format::WaymoMotion,
@@ -39,6 +42,7 @@ impl Format {
             Format::Av2 => "av2",
             Format::Av2Motion => "av2-motion",
             Format::Comma2k19 => "comma2k19",
+            Format::NuScenes => "nuscenes",
             Format::ScenarioNet => "scenarionet",
             Format::Sumo => "sumo",
             Format::WaymoMotion => "waymo-motion",
@@ -53,6 +57,10 @@ impl Format {
     /// The drives at or below `path`: the file or folder of each, and its part where a file holds several.
     fn find(self, path: &Path) -> std::io::Result<Vec<(PathBuf, Option<u64>)>> {
         let whole = match self {
+            Format::NuScenes => {
+                let found = nuscenes::find_scenes(path)?;
+                return Ok(found.into_iter().map(|(set, index)| (set, Some(index))).collect());
+            }
             Format::WaymoMotion => {
                 let found = waymo::find_scenarios(path)?;
                 return Ok(found.into_iter().map(|(file, at)| (file, Some(at))).collect());
@@ -73,8 +81,10 @@ impl Format {
 pub struct Options {
     /// Id of the drive, when there is one source; otherwise each names its own.
     pub drive_id: Option<DriveId>,
-    /// Vehicle that is the ego, for sources that do not say (simulations).
-    pub ego: String,
+    /// Vehicles that are egos, for sources that do not say (simulations); each becomes a drive.
+    pub egos: sumo::Egos,
+    /// What the ego's sensor sees, for sources that know everything (simulations).
+    pub sensing: sumo::Sensing,
     /// Time of the source's zero, for sources without a clock of their own.
     pub start: Nanos,
     /// Road network, when it does not lie beside the source.
@@ -96,7 +106,8 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             drive_id: None,
-            ego: "ego".to_owned(),
+            egos: sumo::Egos::default(),
+            sensing: sumo::Sensing::default(),
             start: DEFAULT_START,
             net: None,
             types: Vec::new(),
@@ -114,7 +125,7 @@ pub struct Source {
     pub format: Format,
     /// Folder or file.
     pub path: PathBuf,
-    /// Which drive of a file that holds several: the byte at which its record begins.
+    /// Which drive of a file that holds several: the byte at which its record begins, the place of its scene.
     pub part: Option<u64>,
 }
 
@@ -142,34 +153,55 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
     (sources, problems)
 }
 
-/// Reads one source.
+/// Reads one source: its drive, or that of its first ego where it has several.
 pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport) {
     match source.format {
         Format::Av2 => av2::read(&source.path, options.drive_id.as_ref()),
         Format::Av2Motion => av2::motion::read(&source.path, options),
         Format::Comma2k19 => comma2k19::read(&source.path, options),
         Format::ScenarioNet => scenarionet::read(&source.path, options),
+        Format::NuScenes => nuscenes::read(&source.path, source.part.unwrap_or(0), options),
         Format::WaymoMotion => waymo::read(&source.path, source.part.unwrap_or(0), options),
         Format::Sumo => sumo::read(&source.path, options),
     }
 }
 
-/// Reads one source and writes its drive. The report says everything; a drive that is not in the lake has no `outcome`.
-pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
-    let (drive, mut report) = read(source, options);
-    if let Some(drive) = drive {
-        let span = (drive.times.first(), drive.times.last());
-        report.drive_id = Some(drive.meta.drive_id.clone());
-        report.frames = drive.frame_count();
-        report.duration_s = span.0.zip(span.1).map_or(0.0, |(a, b): (&Nanos, &Nanos)| b.seconds_since(*a));
-        report.tracks = drive.tracks.len();
-        report.missing = drive.meta.missing.clone();
-        match lake.write_drive(&drive) {
-            Ok(outcome) => report.outcome = Some(outcome),
-            Err(e) => report.diagnostics.push(e.diagnostic()),
+/// Reads one source and writes its drives, one at a time; a simulation has one for each ego. `each` gets a report a drive,
+/// which says everything; a drive that is not in the lake has no `outcome`.
+pub fn ingest_each(source: &Source, options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
+    let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
+        if let Some(drive) = drive {
+            write(&drive, &mut report, lake);
         }
+        each(report);
+    };
+    if source.format == Format::Sumo {
+        return sumo::read_each(&source.path, options, &mut keep);
     }
-    report
+    let (drive, report) = read(source, options);
+    keep(drive, report);
+}
+
+/// [`ingest_each`] for a source with one drive: the report of the first.
+pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
+    let mut first = None;
+    ingest_each(source, options, lake, &mut |report| {
+        first.get_or_insert(report);
+    });
+    first.unwrap_or_else(|| SourceReport::new(source.path.display().to_string()))
+}
+
+fn write(drive: &Drive, report: &mut SourceReport, lake: &Lake) {
+    let span = (drive.times.first(), drive.times.last());
+    report.drive_id = Some(drive.meta.drive_id.clone());
+    report.frames = drive.frame_count();
+    report.duration_s = span.0.zip(span.1).map_or(0.0, |(a, b): (&Nanos, &Nanos)| b.seconds_since(*a));
+    report.tracks = drive.tracks.len();
+    report.missing = drive.meta.missing.clone();
+    match lake.write_drive(drive) {
+        Ok(outcome) => report.outcome = Some(outcome),
+        Err(e) => report.diagnostics.push(e.diagnostic()),
+    }
 }
 
 fn not_there(path: &str) -> Diagnostic {

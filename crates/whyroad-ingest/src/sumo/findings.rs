@@ -12,6 +12,7 @@ pub(crate) const CODES: &[&str] = &[
     "sumo.fcd.lane_jump",
     "sumo.fcd.step",
     "sumo.ego.missing",
+    "sumo.ego.none_drawn",
     "sumo.type.assumed",
     "sumo.type.unreadable",
     "sumo.net.missing",
@@ -102,6 +103,21 @@ pub(super) fn ego_missing(file: &str, ego: &str, some: &[&str]) -> Diagnostic {
     .with_hint(text(
         format!("用 `--ego ID` 指定自车；文件中的车辆例如：{list}"),
         format!("name the ego with `--ego ID`; vehicles in the file: {list}"),
+    ))
+    .in_file(file)
+}
+
+pub(super) fn none_drawn(file: &str) -> Diagnostic {
+    Diagnostic::error(
+        "sumo.ego.none_drawn",
+        Bilingual::new(
+            "没有抽到任何自车：份额太小，或 FCD 中没有机动车",
+            "no vehicle was drawn as ego: the share is too small, or the FCD has no motor vehicle",
+        ),
+    )
+    .with_hint(Bilingual::new(
+        "提高 `--ego-share`，换一个 `--seed`，或用 `--ego ID` 指定",
+        "raise `--ego-share`, take another `--seed`, or name egos with `--ego ID`",
     ))
     .in_file(file)
 }

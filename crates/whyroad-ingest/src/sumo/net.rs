@@ -11,7 +11,7 @@ use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, StopLine, TurnKind};
+use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, Point3, StopLine, TurnKind};
 
 /// SUMO's width of a lane that states none, m.
 const DEFAULT_WIDTH_M: f64 = 3.2;
@@ -64,6 +64,8 @@ struct Raw {
     crossings: Vec<Area>,
     nodes: BTreeMap<String, Vec<Point3>>,
     connections: Vec<Connection>,
+    /// Edges of each roundabout.
+    roundabouts: Vec<Vec<String>>,
 }
 
 /// Reads the network as far as it can be read. `Err` when it is none.
@@ -95,6 +97,10 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
                 }
             }
             "connection" => raw.connections.extend(connection(&e)),
+            "roundabout" => {
+                let edges = e.get("edges").unwrap_or_default();
+                raw.roundabouts.push(edges.split_whitespace().map(str::to_owned).collect());
+            }
             _ => {}
         }
     });
@@ -155,7 +161,16 @@ fn add_lane(e: &Element, edge_id: &str, raw: &mut Raw, net: &mut Net) {
 /// Who a lane is for, from the classes that may use it; `None` for rails, water and the like.
 fn lane_kind(allow: Option<&str>, disallow: Option<&str>) -> Option<LaneKind> {
     let Some(allow) = allow.filter(|a| !a.is_empty()) else {
-        return (disallow != Some("all")).then_some(LaneKind::Vehicle);
+        let barred: BTreeSet<&str> = disallow.unwrap_or("").split_whitespace().collect();
+        let open = |class: &str| !barred.contains(class) && !barred.contains("all");
+        // A lane closed to cars is for whoever of these may still use it.
+        let kinds = [
+            ("passenger", LaneKind::Vehicle),
+            ("bus", LaneKind::Bus),
+            ("bicycle", LaneKind::Bike),
+            ("pedestrian", LaneKind::Sidewalk),
+        ];
+        return kinds.into_iter().find(|(class, _)| open(class)).map(|(_, kind)| kind);
     };
     let classes: BTreeSet<&str> = allow.split_whitespace().collect();
     let has = |c: &[&str]| c.iter().any(|c| classes.contains(c));
@@ -199,7 +214,7 @@ fn connection(e: &Element) -> Option<Connection> {
 }
 
 fn assemble(raw: Raw, net: &mut Net) {
-    let Raw { edges, mut lanes, crossings, nodes, connections } = raw;
+    let Raw { edges, mut lanes, crossings, nodes, connections, roundabouts } = raw;
     let junctions = real_junctions(&edges);
 
     for edge in edges.values() {
@@ -249,6 +264,8 @@ fn assemble(raw: Raw, net: &mut Net) {
             Some(StopLine { id: format!("stop_{id}"), line, lane_ids: vec![id.to_owned()] })
         })
         .collect();
+    net.map.facilities = roundabouts.iter().filter_map(|r| roundabout(r, &edges, &lanes)).collect();
+    net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
     net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
@@ -260,6 +277,44 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
+}
+
+/// The area within the outer edge of a roundabout's ring, island included. Named by its first edge in alphabetical order.
+fn roundabout(
+    ring: &[String],
+    edges: &BTreeMap<String, Edge>,
+    lanes: &BTreeMap<String, Lane>,
+) -> Option<Facility> {
+    // In driving order: each edge begins where the one before ends.
+    let mut left: Vec<&String> = ring.iter().filter(|id| edges.contains_key(*id)).collect();
+    left.sort();
+    let name = left.first()?.to_string();
+    let mut order = vec![left.remove(0)];
+    while let Some(i) = left.iter().position(|id| edges[*id].from == edges[order[order.len() - 1]].to) {
+        order.push(left.remove(i));
+    }
+    let along = |lane: fn(&Edge) -> Option<&String>, line: fn(&Lane) -> &Vec<Point3>| -> Vec<Point3> {
+        order
+            .iter()
+            .filter_map(|id| lanes.get(lane(&edges[*id])?))
+            .flat_map(|l| line(l).iter().copied())
+            .collect()
+    };
+    let centre = along(|e| e.lanes.first(), |l| &l.centre);
+    let next = centre.iter().cycle().skip(1);
+    let doubled_area: f64 = centre.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
+    // Driven counter-clockwise the right edge is outside, clockwise (left-hand traffic) the left one.
+    let mut boundary = if doubled_area > 0.0 {
+        along(|e| e.lanes.first(), |l| &l.right)
+    } else {
+        along(|e| e.lanes.last(), |l| &l.left)
+    };
+    boundary.extend(boundary.first().copied());
+    (boundary.len() >= 4).then(|| Facility {
+        id: format!("roundabout_{name}"),
+        kind: "roundabout".into(),
+        boundary,
+    })
 }
 
 fn set(lanes: &mut BTreeMap<String, Lane>, id: &str, change: impl FnOnce(&mut Lane)) {

@@ -1,11 +1,10 @@
-//! XML files of SUMO, plain or gzip, read as a stream of tags. What stands before a break in the file is kept.
+//! XML files of SUMO, plain or compressed, read as a stream of tags. What stands before a break in the file is kept.
 
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::Path;
 
 /// A tag as it opens (also one without content) or closes.
@@ -37,17 +36,9 @@ impl<'a> Element<'a> {
     }
 }
 
-/// Opens a file, unpacking it when its first bytes say gzip.
-pub(super) fn open(path: &Path) -> std::io::Result<Box<dyn Read>> {
-    let mut magic = [0u8; 2];
-    let is_gzip = File::open(path)?.read_exact(&mut magic).is_ok() && magic == [0x1f, 0x8b];
-    let file = File::open(path)?;
-    Ok(if is_gzip { Box::new(flate2::read::MultiGzDecoder::new(file)) } else { Box::new(file) })
-}
-
 /// Hands every tag to `visit`. `Err` says where and why reading stopped; tags before that have been handed over.
 pub(super) fn for_each_tag(path: &Path, mut visit: impl FnMut(Tag)) -> Result<(), String> {
-    let input = open(path).map_err(|e| e.to_string())?;
+    let input = super::open::open(path).map_err(|e| e.to_string())?;
     let mut reader = Reader::from_reader(BufReader::with_capacity(1 << 16, input));
     let mut buffer = Vec::new();
     let mut depth = 0usize;

@@ -3,6 +3,7 @@
 //! explains. Figures: `cargo test -p whyroad-signals --test sumo_truth -- --nocapture --test-threads 1`.
 
 #![allow(missing_docs, reason = "a test, not an interface")]
+#![allow(clippy::print_stdout, reason = "the figures are what it is for")]
 
 mod conflicts;
 mod errors;

@@ -5,6 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_ingest::report::reason_text;
+use whyroad_ingest::sumo::{Egos, Occlusion, Sensing};
 use whyroad_ingest::{Format, Options, RowCount, SourceReport};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::diagnostic::{render_json, render_text};
@@ -22,9 +23,21 @@ pub(crate) struct Args {
     /// Id of the drive; only with a single source
     #[arg(long, value_name = "ID")]
     drive_id: Option<String>,
-    /// SUMO: the vehicle that is the ego
-    #[arg(long, value_name = "ID", default_value = "ego")]
-    ego: String,
+    /// SUMO: a vehicle that is an ego (may be given more than once; each becomes a drive; default: ego)
+    #[arg(long, value_name = "ID")]
+    ego: Vec<String>,
+    /// SUMO: draw this share of all motor vehicles as egos, 0 to 1
+    #[arg(long, value_name = "SHARE", conflicts_with = "ego", value_parser = share)]
+    ego_share: Option<f64>,
+    /// SUMO: another seed draws other egos
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "ego_share")]
+    seed: u64,
+    /// SUMO: how far the ego's sensor sees, m (left out: everything)
+    #[arg(long, value_name = "METRES", value_parser = range)]
+    sensor_range: Option<f64>,
+    /// SUMO: leave out what other vehicles hide from the ego
+    #[arg(long)]
+    occlusion: bool,
     /// Time of the source's zero, for sources without a clock
     #[arg(long, value_name = "TIME", default_value = "2026-01-01T00:00:00Z", value_parser = Nanos::parse_iso)]
     start_time: Nanos,
@@ -70,7 +83,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     let options = Options {
         drive_id: args.drive_id.map(DriveId::from),
-        ego: args.ego,
+        egos: match args.ego_share {
+            Some(share) => Egos::Share { share, seed: args.seed },
+            None if args.ego.is_empty() => Egos::default(),
+            None => Egos::Named(args.ego),
+        },
+        sensing: Sensing {
+            range_m: args.sensor_range,
+            occlusion: if args.occlusion { Occlusion::ByBoxes } else { Occlusion::Ignored },
+        },
         start: args.start_time,
         net: args.net,
         types: args.types,
@@ -90,13 +111,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut reports = Vec::with_capacity(sources.len());
     for source in &sources {
         bar.set_message(source.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
-        let report = whyroad_ingest::ingest(source, &options, &lake);
-        bar.suspend(|| {
-            for d in &report.diagnostics {
-                eprint!("{}", render_text(d, global.lang));
-            }
+        whyroad_ingest::ingest_each(source, &options, &lake, &mut |report| {
+            bar.suspend(|| {
+                for d in &report.diagnostics {
+                    eprint!("{}", render_text(d, global.lang));
+                }
+            });
+            reports.push(report);
         });
-        reports.push(report);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -106,6 +128,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         ReportFormat::Json => output::put(&format!("{:#}\n", json_report(&reports, global.lang))),
     }
     Ok(exit_code(&reports, &problems))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|s: &f64| (0.0..=1.0).contains(s));
+    share.ok_or_else(|| "a share is a number from 0 to 1".to_owned())
+}
+
+fn range(text: &str) -> Result<f64, String> {
+    let range = text.parse().ok().filter(|r: &f64| r.is_finite() && *r > 0.0);
+    range.ok_or_else(|| "a range is a number of metres above 0".to_owned())
 }
 
 fn progress(sources: usize) -> ProgressBar {
