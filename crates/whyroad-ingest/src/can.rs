@@ -77,7 +77,7 @@ impl SignalCoding {
         for i in 0..self.size {
             if self.big_endian {
                 value = value << 1 | bit(at)?;
-                at = if at % 8 == 0 { at + 15 } else { at - 1 };
+                at = if at.is_multiple_of(8) { at + 15 } else { at - 1 };
             } else {
                 value |= bit(at)? << i;
                 at += 1;

@@ -15,11 +15,19 @@ pub(crate) struct Columns(pub Vec<RecordBatch>);
 /// Reads a whole Parquet file.
 pub(crate) fn read_parquet(path: &Path) -> Result<Columns, String> {
     let file = File::open(path).map_err(|e| e.to_string())?;
-    let reader = ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build()).map_err(|e| e.to_string())?;
+    let reader =
+        ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build()).map_err(|e| e.to_string())?;
     reader.collect::<Result<_, _>>().map(Columns).map_err(|e| e.to_string())
 }
 
 impl Columns {
+    /// Names of the columns, in the file's order.
+    pub fn names(&self) -> Vec<String> {
+        self.0
+            .first()
+            .map_or_else(Vec::new, |b| b.schema().fields().iter().map(|f| f.name().clone()).collect())
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.0.iter().map(RecordBatch::num_rows).sum()

@@ -100,7 +100,9 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
 
     let dbc = read_dbc(options, &mut hash, report);
     let (bus, lacking) = bus::decode(&recording, dbc.as_ref(), &frames);
-    if let (Some(path), true) = (&options.dbc, dbc.is_some() && !recording.can.times.is_empty() && bus::has_no_state(&bus)) {
+    if let (Some(path), true) =
+        (&options.dbc, dbc.is_some() && !recording.can.times.is_empty() && bus::has_no_state(&bus))
+    {
         report.diagnostics.push(findings::foreign_dbc(&path.display().to_string()));
     }
     if options.dbc.is_none() && !recording.can.times.is_empty() {
@@ -109,7 +111,8 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
     let motion = motion::at_frames(&recording.pose, &frames);
     let (tracks, radar_rows) = radar::tracks(&recording.radar, &frames, &motion);
 
-    let mut missing = vec!["map".to_owned(), "object classes".into(), "object sizes".into(), "traffic lights".into()];
+    let mut missing =
+        vec!["map".to_owned(), "object classes".into(), "object sizes".into(), "traffic lights".into()];
     if radar_rows.is_none() {
         missing.push("radar".into());
     }

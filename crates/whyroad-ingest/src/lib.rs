@@ -11,6 +11,7 @@ mod geometry;
 mod junctions;
 pub mod kinematics;
 mod lane_lights;
+pub mod mcap;
 mod npy;
 pub mod nuscenes;
 mod pickle;
@@ -24,6 +25,7 @@ pub mod scenarionet;
 mod se3;
 mod source;
 pub mod sumo;
+pub mod table;
 pub mod waymo;
 
 pub use report::{RowCount, SourceReport};
@@ -37,9 +39,11 @@ pub fn codes() -> Vec<&'static str> {
         av2::findings::CODES,
         av2::motion::CODES,
         comma2k19::CODES,
+        mcap::findings::CODES,
         nuscenes::findings::CODES,
         scenarionet::findings::CODES,
         sumo::findings::CODES,
+        table::CODES,
         waymo::findings::CODES,
     ];
     shared.into_iter().chain(of_adapters.into_iter().flatten().copied()).collect()

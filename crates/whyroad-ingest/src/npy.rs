@@ -63,7 +63,9 @@ pub fn read_numbers(path: &Path) -> Result<Table, String> {
 /// padding, but in a bus frame they are data.
 pub fn read_bytes(path: &Path) -> Result<Vec<Vec<u8>>, String> {
     let npy = open(path)?;
-    let npyz::DType::Plain(kind) = npy.dtype() else { return Err("an array of records, not of byte strings".into()) };
+    let npyz::DType::Plain(kind) = npy.dtype() else {
+        return Err("an array of records, not of byte strings".into());
+    };
     let width = kind.num_bytes().unwrap_or(0);
     let mut strings = npy.into_vec::<Vec<u8>>().map_err(|e| e.to_string())?;
     for s in &mut strings {

@@ -45,6 +45,9 @@ mod tests {
 
     #[test]
     fn a_state_holds_until_it_is_too_old() {
-        assert_eq!(latest(&[1.0, 2.0], &[0.9, 1.0, 1.9, 2.5, 4.0], 1.0), [None, Some(0), Some(0), Some(1), None]);
+        assert_eq!(
+            latest(&[1.0, 2.0], &[0.9, 1.0, 1.9, 2.5, 4.0], 1.0),
+            [None, Some(0), Some(0), Some(1), None]
+        );
     }
 }

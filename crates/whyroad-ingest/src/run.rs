@@ -1,6 +1,6 @@
 //! From paths to a lake: which sources there are, and one source at a time into the lake.
 
-use crate::{SourceReport, av2, comma2k19, nuscenes, scenarionet, sumo, waymo};
+use crate::{SourceReport, av2, comma2k19, mcap, nuscenes, scenarionet, sumo, table, waymo};
 use std::path::{Path, PathBuf};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
@@ -14,12 +14,16 @@ pub enum Format {
     Av2Motion,
     /// comma2k19 routes.
     Comma2k19,
+    /// MCAP recordings.
+    Mcap,
     /// nuScenes tables.
     NuScenes,
     /// ScenarioNet and MetaDrive scenarios.
     ScenarioNet,
     /// SUMO floating car data and network.
     Sumo,
+    /// Our own table layout.
+    Table,
     /// Waymo Open Motion Dataset.
     WaymoMotion,
 }
@@ -30,9 +34,11 @@ impl Format {
         Format::Av2,
         Format::Av2Motion,
         Format::Comma2k19,
+        Format::Mcap,
         Format::NuScenes,
         Format::ScenarioNet,
         Format::Sumo,
+        Format::Table,
         Format::WaymoMotion,
     ];
 
@@ -42,9 +48,11 @@ impl Format {
             Format::Av2 => "av2",
             Format::Av2Motion => "av2-motion",
             Format::Comma2k19 => "comma2k19",
+            Format::Mcap => "mcap",
             Format::NuScenes => "nuscenes",
             Format::ScenarioNet => "scenarionet",
             Format::Sumo => "sumo",
+            Format::Table => "table",
             Format::WaymoMotion => "waymo-motion",
         }
     }
@@ -69,8 +77,10 @@ impl Format {
             Format::Av2 => Ok(Vec::new()),
             Format::Av2Motion => av2::motion::find_scenarios(path),
             Format::Comma2k19 => comma2k19::find_routes(path),
+            Format::Mcap => mcap::find_recordings(path),
             Format::ScenarioNet => scenarionet::find_scenarios(path),
             Format::Sumo => sumo::find_simulations(path),
+            Format::Table => table::find_drives(path),
         }?;
         Ok(whole.into_iter().map(|path| (path, None)).collect())
     }
@@ -95,6 +105,8 @@ pub struct Options {
     pub lights: Option<PathBuf>,
     /// Description of the messages on the vehicle bus (DBC), for sources with raw CAN.
     pub dbc: Option<PathBuf>,
+    /// Which topics are what, for recordings of messages whose types do not say it.
+    pub mapping: Option<PathBuf>,
     /// Licence of the data, for sources that do not say; SPDX id.
     pub licence: Option<String>,
 }
@@ -113,6 +125,7 @@ impl Default for Options {
             types: Vec::new(),
             lights: None,
             dbc: None,
+            mapping: None,
             licence: None,
         }
     }
@@ -160,9 +173,11 @@ pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport)
         Format::Av2Motion => av2::motion::read(&source.path, options),
         Format::Comma2k19 => comma2k19::read(&source.path, options),
         Format::ScenarioNet => scenarionet::read(&source.path, options),
+        Format::Mcap => mcap::read(&source.path, options),
         Format::NuScenes => nuscenes::read(&source.path, source.part.unwrap_or(0), options),
         Format::WaymoMotion => waymo::read(&source.path, source.part.unwrap_or(0), options),
         Format::Sumo => sumo::read(&source.path, options),
+        Format::Table => table::read(&source.path, options),
     }
 }
 

@@ -40,18 +40,27 @@ fn the_scenario_is_found_and_every_row_accounted_for() {
     let Some(folder) = scenario() else { return };
     let (sources, problems) = find_sources(None, &[folder.parent().unwrap().to_owned()]);
     assert!(problems.is_empty());
-    assert_eq!(sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(), [(Format::Av2Motion, &folder)]);
+    assert_eq!(
+        sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(),
+        [(Format::Av2Motion, &folder)]
+    );
     let Some((drive, report)) = read() else { return };
     // pandas: 2434 rows, 58 tracks of which one is the AV with 110 rows.
     let count = &report.tables[0];
-    assert_eq!((count.table, count.read, count.kept["track"], count.kept["ego"]), ("scenario", 2434, 2324, 110));
+    assert_eq!(
+        (count.table, count.read, count.kept["track"], count.kept["ego"]),
+        ("scenario", 2434, 2324, 110)
+    );
     assert!(report.tables.iter().all(|t| t.adds_up()) && !report.lost_input(), "{:?}", report.diagnostics);
     assert_eq!((drive.tracks.len(), drive.frame_count()), (57, 110));
     assert_eq!(drive.tracks.iter().map(|t| t.frames.len()).sum::<usize>(), 2324);
     // start_timestamp, and its end_timestamp 10.9 s later.
     assert_eq!(drive.times[0].0, 315_986_559_459_579_008);
     assert!(near(drive.times[109].seconds_since(drive.times[0]), 10.9, 1e-9));
-    assert_eq!((drive.meta.place.as_deref(), drive.meta.map_ref.as_deref()), (Some("Austin"), Some("austin_74806")));
+    assert_eq!(
+        (drive.meta.place.as_deref(), drive.meta.map_ref.as_deref()),
+        (Some("Austin"), Some("austin_74806"))
+    );
     assert!(drive.meta.missing.iter().any(|m| m == "object sizes"));
     assert!(drive.tracks.iter().all(|t| t.length_m.iter().chain(&t.width_m).all(|v| v.is_nan())));
 }
@@ -125,7 +134,10 @@ fn the_map_keeps_its_own_centre_lines() {
     let map = drive.map.unwrap();
     // json: 71 lane segments, 32 of them in intersections, 6 crossings, 2 drivable areas.
     let lanes_inside = map.lanes.iter().filter(|l| l.in_junction).count();
-    assert_eq!((map.lanes.len(), lanes_inside, map.crosswalks.len(), map.drivable_areas.len()), (71, 32, 6, 2));
+    assert_eq!(
+        (map.lanes.len(), lanes_inside, map.crosswalks.len(), map.drivable_areas.len()),
+        (71, 32, 6, 2)
+    );
     let lane = map.lane("205119120").unwrap();
     assert_eq!(lane.centre.len(), 18);
     assert_eq!((lane.centre[0].x, lane.centre[0].y), (-438.53, 1317.34));
@@ -157,7 +169,9 @@ fn a_cut_file_is_no_drive_and_a_missing_map_is_a_drive_without_one() {
     };
     assert!(drive.is_none());
     assert_eq!(codes, ["av2.motion.unreadable"]);
-    let Some((drive, codes)) = copy(|dir| fs::remove_file(dir.join(format!("log_map_archive_{ID}.json"))).unwrap()) else {
+    let Some((drive, codes)) =
+        copy(|dir| fs::remove_file(dir.join(format!("log_map_archive_{ID}.json"))).unwrap())
+    else {
         return;
     };
     assert_eq!(codes, ["av2.map.missing"]);
@@ -195,8 +209,13 @@ fn set(columns: &mut [(&'static str, ArrayRef)], name: &str, array: impl arrow_a
 #[test]
 fn each_thing_that_is_wrong_is_told_by_its_code() {
     let codes = |(drive, report): (Option<Drive>, SourceReport)| {
-        let codes: Vec<&str> = report.diagnostics.iter().map(|d| d.code).filter(|c| *c != "av2.map.missing").collect();
-        (drive.map(|d| (d.frame_count(), d.ego.is_some())), codes, report.tables.first().map_or(0, |t| t.dropped_total()))
+        let codes: Vec<&str> =
+            report.diagnostics.iter().map(|d| d.code).filter(|c| *c != "av2.map.missing").collect();
+        (
+            drive.map(|d| (d.frame_count(), d.ego.is_some())),
+            codes,
+            report.tables.first().map_or(0, |t| t.dropped_total()),
+        )
     };
     assert_eq!(codes(written(|_| ())), (Some((3, true)), vec![], 0));
     // A position that is not a number, and a step that comes twice.

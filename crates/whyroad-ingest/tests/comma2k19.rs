@@ -52,7 +52,10 @@ fn a_route_is_found_and_every_row_accounted_for() {
     // From the data set's folder, without being told the format; the same from the one segment.
     let (sources, problems) = find_sources(None, &[route.parent().unwrap().to_owned()]);
     assert!(problems.is_empty());
-    assert_eq!(sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(), [(Format::Comma2k19, &route)]);
+    assert_eq!(
+        sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(),
+        [(Format::Comma2k19, &route)]
+    );
     let Some((drive, report)) = read() else { return };
     let (of_segment, _) = comma2k19::read(&route.join("40"), &toyota());
     assert_eq!(of_segment.unwrap().meta, drive.meta);
@@ -81,7 +84,11 @@ fn the_ego_moves_as_its_pose_and_its_wheels_say() {
         (300, [22.094, 521.419, -5.582], 17.0161),
         (599, [43.065, 1009.761, 7.942], 11.6254),
     ] {
-        assert!(near(m.x[i], x, 2e-3) && near(m.y[i], y, 2e-3) && near(m.z[i], z, 2e-3), "frame {i}: {:?}", (m.x[i], m.y[i], m.z[i]));
+        assert!(
+            near(m.x[i], x, 2e-3) && near(m.y[i], y, 2e-3) && near(m.z[i], z, 2e-3),
+            "frame {i}: {:?}",
+            (m.x[i], m.y[i], m.z[i])
+        );
         assert!(near(m.speed(i), speed, 1e-3), "frame {i}: {}", m.speed(i));
     }
     // Rotation matrix of the quaternion, first column, in the local frame (the nearest pose is within 0.5 ms).
@@ -120,7 +127,17 @@ fn states_of_the_bus_are_those_that_cantools_decodes() {
     // The last message at or before each frame, decoded by cantools: VSC1S07.BRKON, PCM_CRUISE_SM.CRUISE_CONTROL_STATE
     // (2 disabled, 6 enabled), GEAR_PACKET.GEAR (0 D), BLINKERS_STATE.TURN_SIGNALS (3 none). Before the first message: unknown.
     let (yes, no) = (Some(true), Some(false));
-    let brake = [(0, 0, None), (1, 105, no), (106, 180, yes), (181, 222, no), (223, 248, yes), (249, 298, no), (299, 324, yes), (325, 562, no), (563, 599, yes)];
+    let brake = [
+        (0, 0, None),
+        (1, 105, no),
+        (106, 180, yes),
+        (181, 222, no),
+        (223, 248, yes),
+        (249, 298, no),
+        (299, 324, yes),
+        (325, 562, no),
+        (563, 599, yes),
+    ];
     assert_eq!(runs(&bus.brake), brake);
     assert_eq!(runs(&bus.cruise), [(0, 4, None), (5, 90, no), (91, 599, yes)]);
     assert_eq!(runs(&bus.gear), [(0, 8, None), (9, 599, Some('D'))]);
@@ -149,7 +166,10 @@ fn radar_returns_are_where_the_radar_says() {
         let (dx, dy) = (t.motion.x[row] - ego.motion.x[frame], t.motion.y[row] - ego.motion.y[frame]);
         assert!(near(dx * c + dy * s, forward + 4.605 / 2.0, 1e-6), "{id}: forward");
         assert!(near(dy * c - dx * s, left, 1e-6), "{id}: left");
-        assert!(near(t.motion.forward_speed(row), ego.motion.forward_speed(frame) + relative, 1e-6), "{id}: speed");
+        assert!(
+            near(t.motion.forward_speed(row), ego.motion.forward_speed(frame) + relative, 1e-6),
+            "{id}: speed"
+        );
         assert_eq!((t.class, t.length_m[row]), (ObjectClass::Unknown, 0.0));
     }
 }
@@ -172,12 +192,20 @@ fn the_lead_that_the_radar_sees_closes_as_its_relative_speed_says() {
             (t.motion.x[row] - ego.motion.x[f]) * c + (t.motion.y[row] - ego.motion.y[f]) * s
         })
         .collect();
-    let relative: Vec<f64> =
-        t.frames.iter().enumerate().map(|(r, &f)| t.motion.forward_speed(r) - ego.motion.forward_speed(f as usize)).collect();
+    let relative: Vec<f64> = t
+        .frames
+        .iter()
+        .enumerate()
+        .map(|(r, &f)| t.motion.forward_speed(r) - ego.motion.forward_speed(f as usize))
+        .collect();
     let n = ahead.len();
     assert!(n > 500 && t.frames.windows(2).all(|w| w[1] == w[0] + 1));
     let travelled: f64 = relative.windows(2).map(|w| (w[0] + w[1]) / 2.0 * 0.1).sum();
-    assert!(near(ahead[n - 1] - ahead[0] - travelled, -1.71, 0.1), "{} against {travelled}", ahead[n - 1] - ahead[0]);
+    assert!(
+        near(ahead[n - 1] - ahead[0] - travelled, -1.71, 0.1),
+        "{} against {travelled}",
+        ahead[n - 1] - ahead[0]
+    );
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -193,7 +221,10 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// A copy of the segment in which `change` did something, read; the codes that it gives.
-fn broken(options: &Options, change: impl Fn(&Path)) -> Option<(Option<Drive>, SourceReport, Vec<&'static str>)> {
+fn broken(
+    options: &Options,
+    change: impl Fn(&Path),
+) -> Option<(Option<Drive>, SourceReport, Vec<&'static str>)> {
     let route = route()?;
     let dir = tempfile::tempdir().unwrap();
     let segment = dir.path().join("route/40");
@@ -216,7 +247,9 @@ fn a_cut_array_is_named_and_the_rest_is_kept() {
         return;
     };
     assert_eq!(codes, ["comma2k19.array.unreadable"]);
-    assert!(report.lost_input() && report.diagnostics[0].place.file.as_deref().unwrap().ends_with("radar/value"));
+    assert!(
+        report.lost_input() && report.diagnostics[0].place.file.as_deref().unwrap().ends_with("radar/value")
+    );
     let drive = drive.unwrap();
     assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| m == "radar"));
     assert!(drive.ego.unwrap().bus.brake.len() == 600);
@@ -224,13 +257,17 @@ fn a_cut_array_is_named_and_the_rest_is_kept() {
 
 #[test]
 fn a_missing_array_is_a_missing_signal_and_without_poses_there_is_no_drive() {
-    let Some((drive, _, codes)) = broken(&toyota(), |s| fs::remove_dir_all(s.join("processed_log/CAN/steering_angle")).unwrap()) else {
+    let Some((drive, _, codes)) =
+        broken(&toyota(), |s| fs::remove_dir_all(s.join("processed_log/CAN/steering_angle")).unwrap())
+    else {
         return;
     };
     let drive = drive.unwrap();
     assert!(codes.is_empty() && drive.meta.missing.iter().any(|m| m == "steering angle"));
     assert!(drive.ego.unwrap().bus.steering.is_empty());
-    let Some((drive, report, codes)) = broken(&toyota(), |s| fs::remove_file(s.join("global_pose/frame_positions")).unwrap()) else {
+    let Some((drive, report, codes)) =
+        broken(&toyota(), |s| fs::remove_file(s.join("global_pose/frame_positions")).unwrap())
+    else {
         return;
     };
     assert!(drive.is_none());
@@ -261,13 +298,22 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
     for (options, code) in [
         (Options::default(), "comma2k19.dbc.missing"),
         (write("page.dbc", "<html/>"), "comma2k19.dbc.unreadable"),
-        (Options { dbc: Some(dir.path().join("nowhere.dbc")), ..Options::default() }, "comma2k19.dbc.unreadable"),
+        (
+            Options { dbc: Some(dir.path().join("nowhere.dbc")), ..Options::default() },
+            "comma2k19.dbc.unreadable",
+        ),
         (write("other.dbc", foreign), "comma2k19.dbc.foreign"),
     ] {
         let Some((drive, _, codes)) = broken(&options, |_| ()) else { return };
         assert_eq!(codes, [code]);
         let drive = drive.unwrap();
-        assert!(["brake", "cruise", "gear", "turn signal"].iter().all(|m| drive.meta.missing.iter().any(|x| x == m)));
+        assert!(
+            ["brake", "cruise", "gear", "turn signal"].iter().all(|m| drive
+                .meta
+                .missing
+                .iter()
+                .any(|x| x == m))
+        );
         assert_eq!(drive.ego.unwrap().bus.speed_mps.len(), 600);
     }
 }
@@ -276,7 +322,9 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
 fn without_gps_time_the_start_is_the_one_given() {
     let start = Nanos::parse_iso("2020-02-03T04:05:06.000Z").unwrap();
     let options = Options { start, ..toyota() };
-    let Some((drive, _, _)) = broken(&options, |s| fs::remove_file(s.join("global_pose/frame_gps_times")).unwrap()) else {
+    let Some((drive, _, _)) =
+        broken(&options, |s| fs::remove_file(s.join("global_pose/frame_gps_times")).unwrap())
+    else {
         return;
     };
     assert_eq!(drive.unwrap().times[0], start);

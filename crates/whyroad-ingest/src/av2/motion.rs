@@ -69,7 +69,9 @@ pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
 fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let mut hash = ContentHash::new("av2-motion", REVISION);
     let Some(file) = scenario_file(dir) else {
-        report.diagnostics.push(findings::unreadable(&dir.display().to_string(), "there is no scenario_*.parquet"));
+        report
+            .diagnostics
+            .push(findings::unreadable(&dir.display().to_string(), "there is no scenario_*.parquet"));
         return None;
     };
     let label = file.display().to_string();
@@ -105,7 +107,8 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         report.diagnostics.push(findings::no_ego(&label));
     }
     missing.extend(
-        ["lidar points in boxes", "traffic lights", "vehicle bus", "weather and surface", "camera pictures"].map(String::from),
+        ["lidar points in boxes", "traffic lights", "vehicle bus", "weather and surface", "camera pictures"]
+            .map(String::from),
     );
     let tracks = tracks(&scenario, &frames, &label, report);
     report.tables.insert(0, scenario.count);
@@ -184,7 +187,8 @@ impl Scenario {
         for i in order {
             let within = |step: i64| step >= 0 && length.is_none_or(|n| step < n);
             let finite = [x[i], y[i], heading[i]].iter().all(|v| v.is_finite());
-            let (Some(id), Some(step), true) = (ids[i].as_ref(), steps[i].filter(|&s| within(s)), finite) else {
+            let (Some(id), Some(step), true) = (ids[i].as_ref(), steps[i].filter(|&s| within(s)), finite)
+            else {
                 out.count.drop_rows("invalid", 1);
                 out.invalid_example.get_or_insert_with(|| format!("row {}", i + 1));
                 continue;
@@ -277,6 +281,7 @@ fn city(name: &str) -> String {
     if name == "washington-dc" {
         return "Washington, DC".into();
     }
-    let word = |w: &str| w.chars().take(1).flat_map(char::to_uppercase).chain(w.chars().skip(1)).collect::<String>();
+    let word =
+        |w: &str| w.chars().take(1).flat_map(char::to_uppercase).chain(w.chars().skip(1)).collect::<String>();
     name.split('-').map(word).collect::<Vec<_>>().join(" ")
 }

@@ -44,7 +44,8 @@ fn every_frame_decodes_as_cantools_decodes_it() {
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
         PathBuf::from,
     );
-    let raw = data.join("comma2k19/Example_1/b0c9d2329ad1606b|2018-08-02--08-34-47/40/processed_log/CAN/raw_can");
+    let raw =
+        data.join("comma2k19/Example_1/b0c9d2329ad1606b|2018-08-02--08-34-47/40/processed_log/CAN/raw_can");
     let Ok(dbc) = std::fs::read(data.join("opendbc/_toyota_2017.dbc")) else {
         println!("skipped: no recorded data");
         return;
@@ -62,6 +63,9 @@ fn every_frame_decodes_as_cantools_decodes_it() {
         let (n, sum) = rows.fold((0, 0.0), |(n, sum), value| (n + 1, sum + (n + 1) as f64 * value));
         assert_eq!(n, count, "{message}.{signal}");
         // Only the order of rounding may differ.
-        assert!((sum - weighted).abs() <= 1e-9 * weighted.abs() + 1e-3, "{message}.{signal}: {sum} for {weighted}");
+        assert!(
+            (sum - weighted).abs() <= 1e-9 * weighted.abs() + 1e-3,
+            "{message}.{signal}: {sum} for {weighted}"
+        );
     }
 }

@@ -22,13 +22,18 @@ struct StateSource {
 /// cruise once a second, indicators every 8.5 s and at each change; each holds for a good two periods.
 const BRAKE: StateSource = StateSource { message: "PCM_CRUISE_2", signal: "BRAKE_PRESSED", holds_s: 0.25 };
 const BRAKE_LIGHT: StateSource = StateSource { message: "VSC1S07", signal: "BRKON", holds_s: 0.25 };
-const CRUISE: StateSource = StateSource { message: "PCM_CRUISE_SM", signal: "CRUISE_CONTROL_STATE", holds_s: 2.5 };
+const CRUISE: StateSource =
+    StateSource { message: "PCM_CRUISE_SM", signal: "CRUISE_CONTROL_STATE", holds_s: 2.5 };
 const GEAR: StateSource = StateSource { message: "GEAR_PACKET", signal: "GEAR", holds_s: 2.5 };
 const TURN: StateSource = StateSource { message: "BLINKERS_STATE", signal: "TURN_SIGNALS", holds_s: 20.0 };
 const HAZARD: StateSource = StateSource { message: "BLINKERS_STATE", signal: "HAZARD_LIGHT", holds_s: 20.0 };
 
 /// Bus signals on `frames` (seconds on the log's clock), and what the log or the DBC does not have.
-pub(super) fn decode(recording: &Recording, dbc: Option<&CanDatabase>, frames: &[f64]) -> (EgoBus, Vec<String>) {
+pub(super) fn decode(
+    recording: &Recording,
+    dbc: Option<&CanDatabase>,
+    frames: &[f64],
+) -> (EgoBus, Vec<String>) {
     let mut bus = EgoBus::default();
     let mut missing = Vec::new();
     let mut at_frames = |name: &str, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
@@ -120,7 +125,8 @@ pub(super) fn has_no_state(bus: &EgoBus) -> bool {
 
 /// What is looked for in a DBC, for people.
 pub(super) fn looked_for() -> String {
-    let names: Vec<String> = [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();
+    let names: Vec<String> =
+        [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();
     names.join(", ")
 }
 

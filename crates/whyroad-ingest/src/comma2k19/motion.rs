@@ -30,8 +30,11 @@ pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
     };
     let point = |p| local.point(p);
     let direction = |v| local.direction(v);
-    let (x, y, z) =
-        (column(&pose.positions, 0, &point), column(&pose.positions, 1, &point), column(&pose.positions, 2, &point));
+    let (x, y, z) = (
+        column(&pose.positions, 0, &point),
+        column(&pose.positions, 1, &point),
+        column(&pose.positions, 2, &point),
+    );
     let (vx, vy) = (column(&pose.velocities, 0, &direction), column(&pose.velocities, 1, &direction));
     let heading: Vec<f64> = frames
         .iter()

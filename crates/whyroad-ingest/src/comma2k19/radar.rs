@@ -66,7 +66,9 @@ fn track(rows: &[&RadarRow], id: String, frames: &[f64], ego: &Motion) -> Track 
             .into_iter()
             .flatten()
             .min_by(|&a, &b| (rows[a].time - t).abs().total_cmp(&(rows[b].time - t).abs()));
-        let Some(k) = nearest.filter(|&k| (rows[k].time - t).abs() <= MAX_OFFSET_S && used != Some(k)) else { continue };
+        let Some(k) = nearest.filter(|&k| (rows[k].time - t).abs() <= MAX_OFFSET_S && used != Some(k)) else {
+            continue;
+        };
         if ego.x[frame].is_nan() || ego.heading[frame].is_nan() {
             continue;
         }
@@ -89,7 +91,11 @@ fn place(row: &RadarRow, frame: usize, ego: &Motion, out: &mut Motion) {
     out.x.push(ego.x[frame] + c * forward - s * row.left_m);
     out.y.push(ego.y[frame] + s * forward + c * row.left_m);
     out.z.push(ego.z[frame]);
-    out.heading.push(if speed < 0.0 { crate::kinematics::wrap_angle(heading + std::f64::consts::PI) } else { heading });
+    out.heading.push(if speed < 0.0 {
+        crate::kinematics::wrap_angle(heading + std::f64::consts::PI)
+    } else {
+        heading
+    });
     out.vx.push(c * speed);
     out.vy.push(s * speed);
     out.accel.push(f64::NAN);
@@ -114,13 +120,23 @@ mod tests {
             accel: vec![0.0; n],
             yaw_rate: vec![0.0; n],
         };
-        let row = |time, is_new| RadarRow { time, forward_m: 30.0, left_m: 2.0, relative_speed_mps: -1.0, slot: 7, is_new };
+        let row = |time, is_new| RadarRow {
+            time,
+            forward_m: 30.0,
+            left_m: 2.0,
+            relative_speed_mps: -1.0,
+            slot: 7,
+            is_new,
+        };
         let rows = [row(0.0, false), row(0.05, false), row(0.1, false), row(0.2, true)];
         let (tracks, count) = tracks(&rows, &[0.0, 0.1, 0.2], &ego);
         assert_eq!(tracks.len(), 2, "new_track starts another track");
         let t = &tracks[0];
         assert_eq!(t.frames, [0, 1]);
-        assert!((t.motion.x[0] - 8.0).abs() < 1e-9 && (t.motion.y[0] - (20.0 + EGO_LENGTH_M / 2.0 + 30.0)).abs() < 1e-9);
+        assert!(
+            (t.motion.x[0] - 8.0).abs() < 1e-9
+                && (t.motion.y[0] - (20.0 + EGO_LENGTH_M / 2.0 + 30.0)).abs() < 1e-9
+        );
         assert!((t.motion.vy[0] - 4.0).abs() < 1e-9);
         assert!(count.unwrap().adds_up());
     }

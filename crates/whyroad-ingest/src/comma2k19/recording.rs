@@ -71,21 +71,33 @@ impl Recording {
         recording
     }
 
-    fn read_segment(&mut self, dir: &Path, hash: &mut ContentHash, report: &mut SourceReport, poses: &mut RowCount) {
+    fn read_segment(
+        &mut self,
+        dir: &Path,
+        hash: &mut ContentHash,
+        report: &mut SourceReport,
+        poses: &mut RowCount,
+    ) {
         let mut file = Files { dir, hash, report };
-        if let [Some(t), Some(p), Some(v), Some(q)] =
-            ["times", "positions", "velocities", "orientations"].map(|n| file.numbers(&format!("global_pose/frame_{n}")))
+        if let [Some(t), Some(p), Some(v), Some(q)] = ["times", "positions", "velocities", "orientations"]
+            .map(|n| file.numbers(&format!("global_pose/frame_{n}")))
         {
-            if [&p, &v, &q].iter().any(|a| a.rows() != t.rows()) || (p.columns, v.columns, q.columns) != (3, 3, 4) {
+            if [&p, &v, &q].iter().any(|a| a.rows() != t.rows())
+                || (p.columns, v.columns, q.columns) != (3, 3, 4)
+            {
                 file.report.diagnostics.push(findings::shape(&dir.join("global_pose").display().to_string()));
             } else {
-                let gps = file.numbers("global_pose/frame_gps_times").filter(|g| g.columns == 2 && g.rows() == t.rows());
+                let gps = file
+                    .numbers("global_pose/frame_gps_times")
+                    .filter(|g| g.columns == 2 && g.rows() == t.rows());
                 self.pose.append(&t, &p, &v, &q, gps.as_ref(), poses);
             }
         }
         for (name, series) in [("steering_angle", &mut self.steering), ("speed", &mut self.speed)] {
             let folder = format!("processed_log/CAN/{name}");
-            let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("{folder}/{n}"))) else { continue };
+            let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("{folder}/{n}"))) else {
+                continue;
+            };
             if v.columns == 1 && v.rows() == t.rows() {
                 series.0.extend(t.column(0));
                 series.1.extend(v.column(0));
@@ -93,14 +105,19 @@ impl Recording {
                 file.report.diagnostics.push(findings::shape(&dir.join(&folder).display().to_string()));
             }
         }
-        if let [Some(t), Some(v)] = ["t", "value"].map(|n| file.numbers(&format!("processed_log/CAN/radar/{n}"))) {
+        if let [Some(t), Some(v)] =
+            ["t", "value"].map(|n| file.numbers(&format!("processed_log/CAN/radar/{n}")))
+        {
             if v.columns == 7 && v.rows() == t.rows() {
                 self.radar.extend((0..v.rows()).map(|i| radar_row(t.row(i)[0], v.row(i))));
             } else {
-                file.report.diagnostics.push(findings::shape(&dir.join("processed_log/CAN/radar").display().to_string()));
+                file.report
+                    .diagnostics
+                    .push(findings::shape(&dir.join("processed_log/CAN/radar").display().to_string()));
             }
         }
-        if let [Some(t), Some(s), Some(a)] = ["t", "src", "address"].map(|n| file.numbers(&format!("processed_log/CAN/raw_can/{n}")))
+        if let [Some(t), Some(s), Some(a)] =
+            ["t", "src", "address"].map(|n| file.numbers(&format!("processed_log/CAN/raw_can/{n}")))
             && let Some(data) = file.bytes("processed_log/CAN/raw_can/data")
         {
             if [s.rows(), a.rows(), data.len()] == [t.rows(); 3] {
@@ -109,18 +126,35 @@ impl Recording {
                 self.can.addresses.extend(a.column(0).iter().map(|&x| x as i64));
                 self.can.data.extend(data);
             } else {
-                file.report.diagnostics.push(findings::shape(&dir.join("processed_log/CAN/raw_can").display().to_string()));
+                file.report
+                    .diagnostics
+                    .push(findings::shape(&dir.join("processed_log/CAN/raw_can").display().to_string()));
             }
         }
     }
 }
 
 fn radar_row(time: f64, v: &[f64]) -> RadarRow {
-    RadarRow { time, forward_m: v[0], left_m: v[1], relative_speed_mps: v[2], slot: v[5] as u32, is_new: v[6] != 0.0 }
+    RadarRow {
+        time,
+        forward_m: v[0],
+        left_m: v[1],
+        relative_speed_mps: v[2],
+        slot: v[5] as u32,
+        is_new: v[6] != 0.0,
+    }
 }
 
 impl Pose {
-    fn append(&mut self, t: &Table, p: &Table, v: &Table, q: &Table, gps: Option<&Table>, count: &mut RowCount) {
+    fn append(
+        &mut self,
+        t: &Table,
+        p: &Table,
+        v: &Table,
+        q: &Table,
+        gps: Option<&Table>,
+        count: &mut RowCount,
+    ) {
         count.read += t.rows();
         for i in 0..t.rows() {
             let time = t.row(i)[0];
@@ -136,11 +170,15 @@ impl Pose {
                 continue;
             };
             if self.times.last().is_some_and(|&last| time <= last) {
-                count.drop_rows(if self.times.last() == Some(&time) { "duplicate" } else { "out_of_order" }, 1);
+                count.drop_rows(
+                    if self.times.last() == Some(&time) { "duplicate" } else { "out_of_order" },
+                    1,
+                );
                 continue;
             }
             if self.times.is_empty() {
-                self.gps_of_first = gps.map(|g| (g.row(i)[0], g.row(i)[1])).filter(|g| g.0.is_finite() && g.1.is_finite());
+                self.gps_of_first =
+                    gps.map(|g| (g.row(i)[0], g.row(i)[1])).filter(|g| g.0.is_finite() && g.1.is_finite());
             }
             self.times.push(time);
             self.positions.push(position);
@@ -175,6 +213,8 @@ impl Files<'_> {
         if let Ok(content) = fs::read(&path) {
             self.hash.add(name, &content);
         }
-        read(&path).map_err(|e| self.report.diagnostics.push(findings::unreadable(&path.display().to_string(), &e))).ok()
+        read(&path)
+            .map_err(|e| self.report.diagnostics.push(findings::unreadable(&path.display().to_string(), &e)))
+            .ok()
     }
 }

@@ -14,7 +14,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Format (av2, av2-motion, comma2k19, sumo; left out: recognised by the files), then log folders, files, or folders of such
+    /// Format (av2, av2-motion, comma2k19, nuscenes, scenarionet, sumo, table, waymo-motion; left out: recognised by the files), then log folders, files, or folders of such
     #[arg(required = true, value_name = "[FORMAT] PATH")]
     inputs: Vec<String>,
     /// Lake to write into; made when it is not there
@@ -53,6 +53,9 @@ pub(crate) struct Args {
     /// comma2k19: the DBC of the car, which says what its raw CAN messages mean
     #[arg(long, value_name = "FILE")]
     dbc: Option<PathBuf>,
+    /// MCAP: which topics are what
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
     /// Licence of the data (SPDX id), for sources that do not say
     #[arg(long, value_name = "ID")]
     licence: Option<String>,
@@ -97,6 +100,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         types: args.types,
         lights: args.lights,
         dbc: args.dbc,
+        mapping: args.mapping,
         licence: args.licence,
     };
     for d in &problems {

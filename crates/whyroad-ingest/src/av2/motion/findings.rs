@@ -4,11 +4,17 @@ use super::{EGO, Scenario};
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter.
-pub(crate) const CODES: &[&str] =
-    &["av2.motion.unreadable", "av2.motion.invalid", "av2.motion.type", "av2.motion.empty", "av2.motion.no_ego"];
+pub(crate) const CODES: &[&str] = &[
+    "av2.motion.unreadable",
+    "av2.motion.invalid",
+    "av2.motion.type",
+    "av2.motion.empty",
+    "av2.motion.no_ego",
+];
 
 pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
-    let message = Bilingual::new(format!("场景无法读取：{reason}"), format!("the scenario cannot be read: {reason}"));
+    let message =
+        Bilingual::new(format!("场景无法读取：{reason}"), format!("the scenario cannot be read: {reason}"));
     let hint = Bilingual::new("重新下载该场景文件夹", "download the scenario's folder again");
     Diagnostic::error("av2.motion.unreadable", message).in_file(file).with_hint(hint)
 }
@@ -16,7 +22,9 @@ pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
 pub(super) fn no_ego(file: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("没有轨迹 '{EGO}'：自车位姿未知，凡涉及自车的信号都将是未知"),
-        format!("there is no track '{EGO}': the ego's pose is unknown, and with it every signal about the ego"),
+        format!(
+            "there is no track '{EGO}': the ego's pose is unknown, and with it every signal about the ego"
+        ),
     );
     Diagnostic::warning("av2.motion.no_ego", message).in_file(file)
 }
@@ -45,7 +53,8 @@ pub(super) fn of_rows(file: &str, s: &Scenario) -> Vec<Diagnostic> {
         ));
     }
     if s.tracks.is_empty() {
-        let message = Bilingual::new("场景中没有一行可用", "the scenario has no usable row, so there is no drive");
+        let message =
+            Bilingual::new("场景中没有一行可用", "the scenario has no usable row, so there is no drive");
         out.push(Diagnostic::error("av2.motion.empty", message));
     }
     out.into_iter().map(|d| d.in_file(file)).collect()

@@ -1,0 +1,106 @@
+//! What the adapter of the table layout has to tell, one function a code. Texts only.
+
+use super::problems::Group;
+use crate::report::reason_text;
+use whyroad_model::{Bilingual, Diagnostic};
+
+/// Codes of this adapter.
+pub(crate) const CODES: &[&str] = &[
+    "table.ego.missing",
+    "table.file.unreadable",
+    "table.column.unknown",
+    "table.column.missing",
+    "table.cell.invalid",
+    "table.row.dropped",
+    "table.meta.invalid",
+    "table.meta.unknown",
+    "table.class.unknown",
+];
+
+pub(super) fn ego_missing(dir: &str) -> Diagnostic {
+    let message = Bilingual::new("没有 ego.parquet 或 ego.csv", "there is neither ego.parquet nor ego.csv");
+    let hint =
+        Bilingual::new("docs/guides/table-format.zh.md 说明该表", "docs/guides/table-format.md describes it");
+    Diagnostic::error("table.ego.missing", message).in_file(dir).with_hint(hint)
+}
+
+pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
+    let message =
+        Bilingual::new(format!("文件无法读取：{reason}"), format!("the file cannot be read: {reason}"));
+    Diagnostic::error("table.file.unreadable", message).in_file(file)
+}
+
+/// The known name nearest to `name`, if it is near.
+fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let score = |k: &str| strsim::normalized_damerau_levenshtein(&name.to_lowercase(), k);
+    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    (score(best) >= 0.6).then_some(best)
+}
+
+fn did_you_mean(d: Diagnostic, name: &str, known: &[&str]) -> Diagnostic {
+    let hint = match nearest(name, known) {
+        Some(n) => Bilingual::new(format!("是否指 '{n}'？"), format!("did you mean '{n}'?")),
+        None => {
+            let all = known.join(", ");
+            Bilingual::new(format!("可用：{all}"), format!("known: {all}"))
+        }
+    };
+    d.with_hint(hint)
+}
+
+pub(super) fn unknown_column(file: &str, name: &str, known: &[&str]) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("未知的列 '{name}'，已忽略"),
+        format!("unknown column '{name}'; it is not read"),
+    );
+    did_you_mean(Diagnostic::warning("table.column.unknown", message).in_file(file), name, known)
+}
+
+pub(super) fn missing_column(file: &str, any: &[&str]) -> Diagnostic {
+    let names = any.iter().map(|n| format!("'{n}'")).collect::<Vec<_>>();
+    let (zh, en) = (names.join(" 或 "), names.join(" or "));
+    let message =
+        Bilingual::new(format!("缺少必需的列 {zh}"), format!("the required column {en} is missing"));
+    Diagnostic::error("table.column.missing", message).in_file(file)
+}
+
+pub(super) fn bad_cells(file: &str, column: &str, g: &Group) -> Diagnostic {
+    let (n, rows, example, expected) = (g.count, g.rows_text(), &g.example, g.expected);
+    let message = Bilingual::new(
+        format!(
+            "列 '{column}' 有 {n} 个单元格不是所需的值（应为 {expected}），记为未知：第 {rows} 行；例如 '{example}'"
+        ),
+        format!(
+            "{n} cells of column '{column}' are not {expected} and count as unknown: rows {rows}; for example '{example}'"
+        ),
+    );
+    // An unknown value where the file had one is lost input.
+    Diagnostic::error("table.cell.invalid", message).in_file(file)
+}
+
+pub(super) fn dropped_rows(file: &str, reason: &str, g: &Group) -> Diagnostic {
+    let (n, rows, why) = (g.count, g.rows_text(), reason_text(reason));
+    let message = Bilingual::new(
+        format!("丢弃 {n} 行（{}）：第 {rows} 行", why.zh),
+        format!("{n} rows dropped ({}): rows {rows}", why.en),
+    );
+    Diagnostic::warning("table.row.dropped", message).in_file(file)
+}
+
+pub(super) fn bad_meta(file: &str, zh: String, en: String) -> Diagnostic {
+    Diagnostic::error("table.meta.invalid", Bilingual::new(zh, en)).in_file(file)
+}
+
+pub(super) fn unknown_key(file: &str, name: &str, known: &[&str]) -> Diagnostic {
+    let message =
+        Bilingual::new(format!("未知的键 '{name}'，已忽略"), format!("unknown key '{name}'; it is not read"));
+    did_you_mean(Diagnostic::warning("table.meta.unknown", message).in_file(file), name, known)
+}
+
+pub(super) fn unknown_class(file: &str, name: &str, rows: usize, known: &[&str]) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{rows} 行的类别 '{name}' 未知；轨迹保留，类别记为 unknown"),
+        format!("{rows} rows have the unknown class '{name}'; the tracks are kept with class unknown"),
+    );
+    did_you_mean(Diagnostic::warning("table.class.unknown", message).in_file(file), name, known)
+}

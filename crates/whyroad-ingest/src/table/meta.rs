@@ -1,0 +1,124 @@
+//! `drive.yaml` or `drive.json`: what is known about the drive as a whole.
+
+use super::{Reader, findings};
+use serde_json::{Map, Value};
+use std::fs;
+use std::path::{Path, PathBuf};
+use whyroad_model::{Diagnostic, Nanos};
+
+const KEYS: &[&str] = &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego"];
+const EGO_KEYS: &[&str] = &["length_m", "width_m", "height_m", "reference_to_centre_m"];
+
+/// The file's content.
+pub(super) struct Meta {
+    pub drive_id: Option<String>,
+    pub source: String,
+    pub place: Option<String>,
+    pub map_ref: Option<String>,
+    pub licence: Option<String>,
+    /// Time of `time_s` zero.
+    pub start_time: Option<Nanos>,
+    pub ego: EgoBox,
+}
+
+/// The recording vehicle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EgoBox {
+    /// NaN where not told.
+    pub length_m: f64,
+    pub width_m: f64,
+    pub height_m: f64,
+    /// From the point that `ego.x_m, y_m` give forward to the middle of the box.
+    pub reference_to_centre_m: f64,
+}
+
+pub(super) fn drive_file(dir: &Path) -> Option<PathBuf> {
+    ["drive.yaml", "drive.yml", "drive.json"].iter().map(|n| dir.join(n)).find(|p| p.is_file())
+}
+
+impl Meta {
+    /// Reads the file; what is wrong goes into the report, and without the two things that nobody can guess there is no drive.
+    pub fn read(reader: &mut Reader) -> Option<Self> {
+        let folder = reader.dir.display().to_string();
+        let Some(path) = drive_file(reader.dir) else {
+            let en = "there is no drive.yaml, which says where in the ego its pose is".to_owned();
+            reader.report.diagnostics.push(findings::bad_meta(
+                &folder,
+                "没有 drive.yaml，无法知道自车位姿的参考点".into(),
+                en,
+            ));
+            return None;
+        };
+        let label = path.display().to_string();
+        let parsed = fs::read_to_string(&path).map_err(|e| e.to_string()).and_then(|text| {
+            reader.hash.add("drive", text.as_bytes());
+            // YAML reads JSON too.
+            serde_yaml_ng::from_str::<Value>(&text).map_err(|e| e.to_string())
+        });
+        let out = &mut reader.report.diagnostics;
+        let root = match parsed {
+            Ok(Value::Object(root)) => root,
+            Ok(_) => return fail(out, &label, "不是键值表", "the file is not a table of keys"),
+            Err(e) => {
+                return fail(out, &label, &format!("无法读取：{e}"), &format!("it cannot be read: {e}"));
+            }
+        };
+        unknown_keys(&root, KEYS, &label, out);
+        let empty = Map::new();
+        let ego = match root.get("ego") {
+            Some(Value::Object(ego)) => ego,
+            _ => &empty,
+        };
+        unknown_keys(ego, EGO_KEYS, &label, out);
+        let text = |key: &str| root.get(key).and_then(|v| v.as_str()).map(str::to_owned);
+        let start_time = match root.get("start_time").and_then(Value::as_str).map(Nanos::parse_iso) {
+            Some(Err(e)) => {
+                return fail(out, &label, &format!("start_time：{e}"), &format!("start_time: {e}"));
+            }
+            Some(Ok(t)) => Some(t),
+            None => None,
+        };
+        let Some(source) = text("source") else {
+            return fail(
+                out,
+                &label,
+                "缺少 'source'（采集的车辆或车队）",
+                "'source' is missing: the vehicle or fleet that recorded",
+            );
+        };
+        let size = |key: &str| ego.get(key).and_then(Value::as_f64).filter(|v| *v > 0.0).unwrap_or(f64::NAN);
+        let Some(reference_to_centre_m) = ego.get("reference_to_centre_m").and_then(Value::as_f64) else {
+            return fail(
+                out,
+                &label,
+                "缺少 'ego.reference_to_centre_m'：从位姿参考点向前到车身中心的距离（位姿即中心时为 0）",
+                "'ego.reference_to_centre_m' is missing: from the point of the pose forward to the middle of the car (0 when that is the point)",
+            );
+        };
+        Some(Self {
+            drive_id: text("drive_id"),
+            source,
+            place: text("place"),
+            map_ref: text("map_ref"),
+            licence: text("licence"),
+            start_time,
+            ego: EgoBox {
+                length_m: size("length_m"),
+                width_m: size("width_m"),
+                height_m: size("height_m"),
+                reference_to_centre_m,
+            },
+        })
+    }
+}
+
+fn fail<T>(out: &mut Vec<Diagnostic>, file: &str, zh: &str, en: &str) -> Option<T> {
+    out.push(findings::bad_meta(file, zh.to_owned(), en.to_owned()));
+    None
+}
+
+fn unknown_keys(table: &Map<String, Value>, known: &[&str], file: &str, out: &mut Vec<Diagnostic>) {
+    out.extend(
+        table.keys().filter(|k| !known.contains(&k.as_str())).map(|k| findings::unknown_key(file, k, known)),
+    );
+}

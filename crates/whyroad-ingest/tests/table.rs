@@ -1,0 +1,260 @@
+//! The table layout: the example in `examples/table`, whose numbers follow from the formulas in its `make.py`, and copies of it
+//! with one thing wrong each.
+#![allow(clippy::unwrap_used)]
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use whyroad_ingest::{Format, Options, SourceReport, find_sources, table};
+use whyroad_model::scene::{LightColour, TurnSignal};
+use whyroad_model::{Drive, ObjectClass, Severity};
+
+fn example() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/table/following")
+}
+
+fn near(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance
+}
+
+/// A copy of the example in which `change` did something, read.
+fn changed(change: impl Fn(&Path)) -> (Option<Drive>, SourceReport) {
+    let dir = tempfile::tempdir().unwrap();
+    for entry in fs::read_dir(example()).unwrap().flatten() {
+        fs::copy(entry.path(), dir.path().join(entry.file_name())).unwrap();
+    }
+    change(dir.path());
+    table::read(dir.path(), &Options::default())
+}
+
+fn edit(dir: &Path, file: &str, from: &str, to: &str) {
+    let text = fs::read_to_string(dir.join(file)).unwrap();
+    assert!(text.contains(from), "{file} has no '{from}'");
+    fs::write(dir.join(file), text.replacen(from, to, 1)).unwrap();
+}
+
+/// Codes but for the note that the example's 20 Hz were resampled.
+fn codes(report: &SourceReport) -> Vec<&'static str> {
+    report.diagnostics.iter().map(|d| d.code).filter(|c| *c != "ingest.rate.resampled").collect()
+}
+
+#[test]
+fn the_example_is_what_its_formulas_say() {
+    let (sources, problems) = find_sources(None, &[example().parent().unwrap().to_owned()]);
+    assert!(problems.is_empty());
+    assert_eq!(sources.iter().map(|s| s.format).collect::<Vec<_>>(), [Format::Table]);
+    let (drive, report) = table::read(&sources[0].path, &Options::default());
+    let drive = drive.unwrap();
+    assert!(codes(&report).is_empty() && !report.lost_input(), "{:?}", report.diagnostics);
+    assert!(report.tables.iter().all(|t| t.adds_up()), "{:?}", report.tables);
+    assert_eq!((drive.meta.drive_id.as_str(), drive.frame_count()), ("example-following", 41));
+    assert_eq!(
+        (drive.times[0].to_string(), drive.times[40].to_string()),
+        ("2026-01-15T10:30:00.000Z".into(), "2026-01-15T10:30:04.000Z".into())
+    );
+
+    // The axle is at 8 t; the middle of the van 1.5 m ahead of it.
+    let ego = drive.ego.as_ref().unwrap();
+    assert!(
+        (0..41)
+            .all(|i| near(ego.motion.x[i], 0.8 * i as f64 + 1.5, 1e-9) && near(ego.motion.vx[i], 8.0, 1e-9))
+    );
+    assert!((0..41).all(|i| near(ego.motion.accel[i], 0.0, 1e-9) && ego.bus.speed_mps[i] == 7.9));
+    // Brake from row 40, which is 2.0 s, on.
+    assert!((0..41).all(|i| ego.bus.brake[i] == Some(i >= 20) && ego.bus.gear[i] == Some('D')));
+    assert_eq!(ego.bus.turn_signal[7], Some(TurnSignal::Off));
+    assert!(ego.bus.aeb.is_empty());
+
+    let car = drive.track(&"car-1".into()).unwrap();
+    assert_eq!((car.class, car.frames.len()), (ObjectClass::Car, 41));
+    for (row, t) in [(0, 0.0), (15, 1.5), (40, 4.0)] {
+        assert!(near(car.motion.x[row], 30.0 + 10.0 * t - t * t / 2.0, 1e-3));
+        assert!(near(car.motion.vx[row], 10.0 - t, 1e-6) && near(car.motion.accel[row], -1.0, 1e-6));
+    }
+    let walker = drive.track(&"ped-1".into()).unwrap();
+    // 1.0 s to 3.0 s, not from 2.1 s to 2.5 s: the gap of 0.6 s stays a gap.
+    assert_eq!(walker.frames, (10..=30).filter(|f| !(21..=25).contains(f)).collect::<Vec<u32>>());
+    let row = walker.row_at(28).unwrap();
+    assert!(near(walker.motion.y[row], -6.0 + 1.5 * 2.8, 1e-6) && near(walker.motion.vy[row], 1.5, 1e-5));
+
+    let map = drive.map.as_ref().unwrap();
+    assert_eq!(
+        (map.lanes.len(), map.crosswalks.len(), map.stop_lines.len(), map.facilities.len()),
+        (2, 1, 1, 1)
+    );
+    assert_eq!(
+        (map.facilities[0].kind.as_str(), map.stop_lines[0].lane_ids[0].as_str()),
+        ("speed_bump", "east-1")
+    );
+    // The second lane has no centre line: it lies half way between its edges, at y = 3.5.
+    let second = map.lane("east-2").unwrap();
+    assert!(second.centre.iter().all(|p| near(p.y, 3.5, 1e-9)) && second.speed_limit_mps == Some(13.89));
+    let lights = drive.lights.as_ref().unwrap();
+    assert_eq!(
+        (lights.len(), lights[1].colour, lights[1].time.seconds_since(drive.times[0])),
+        (3, LightColour::Yellow, 1.5)
+    );
+    let context = drive.context.as_ref().unwrap();
+    assert_eq!((context[0].kind.as_str(), context[0].value.as_str()), ("weather", "rain"));
+}
+
+#[test]
+fn parquet_and_csv_give_the_same_drive() {
+    let (csv, _) = changed(|_| ());
+    // The same objects as Parquet, numbers as numbers.
+    let (parquet, report) = changed(|dir| {
+        let text = fs::read_to_string(dir.join("objects.csv")).unwrap();
+        let mut lines = text.lines().map(|l| l.split(',').collect::<Vec<_>>());
+        let header = lines.next().unwrap();
+        let rows: Vec<_> = lines.collect();
+        let columns = header.iter().enumerate().map(|(j, name)| {
+            let cells: Vec<&str> = rows.iter().map(|r| r[j]).collect();
+            let array: ArrayRef = match *name {
+                "track_id" | "class" => Arc::new(StringArray::from(cells)),
+                _ => Arc::new(cells.iter().map(|c| c.parse::<f64>().ok()).collect::<Float64Array>()),
+            };
+            (*name, array)
+        });
+        let batch = RecordBatch::try_from_iter(columns).unwrap();
+        let file = fs::File::create(dir.join("objects.parquet")).unwrap();
+        let mut writer = parquet::arrow::ArrowWriter::try_new(file, batch.schema(), None).unwrap();
+        writer.write(&batch).unwrap();
+        writer.close().unwrap();
+        fs::remove_file(dir.join("objects.csv")).unwrap();
+    });
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    let text = |d: Option<Drive>| d.unwrap().tracks.iter().map(|t| format!("{t:?}")).collect::<Vec<_>>();
+    assert_eq!(text(csv), text(parquet));
+}
+
+#[test]
+fn unknown_names_are_told_with_the_nearest_known_one() {
+    let (drive, report) = changed(|dir| edit(dir, "ego.csv", "heading_rad", "heading_rads"));
+    // The required column is then missing.
+    assert!(drive.is_none());
+    assert_eq!(codes(&report), ["table.column.unknown", "table.column.missing"]);
+    let found = report.diagnostics.iter().find(|d| d.code == "table.column.unknown").unwrap();
+    assert!(found.hint.as_ref().unwrap().en.contains("'heading_rad'"), "{found:?}");
+    let absent = report.diagnostics.iter().find(|d| d.code == "table.column.missing").unwrap();
+    assert!(
+        absent.message.en.contains("'heading_rad' or 'heading_deg'")
+            && absent.place.file.as_deref().unwrap().ends_with("ego.csv")
+    );
+
+    let (drive, report) = changed(|dir| edit(dir, "objects.csv", "car-1,car,", "car-1,lorry,"));
+    assert_eq!(codes(&report), ["table.class.unknown"]);
+    let car = drive.unwrap();
+    let car = car.track(&"car-1".into()).unwrap();
+    assert_eq!((car.class, car.source_class.as_str()), (ObjectClass::Unknown, "lorry"));
+
+    let (drive, report) = changed(|dir| edit(dir, "drive.yaml", "licence:", "license:"));
+    assert!(drive.is_some() && codes(&report) == ["table.meta.unknown"]);
+    assert!(report.diagnostics[0].hint.as_ref().unwrap().en.contains("'licence'"));
+}
+
+#[test]
+fn bad_cells_and_rows_are_counted_with_their_numbers() {
+    // Row 1 is the header, so the first row of data is row 2.
+    let (drive, report) = changed(|dir| {
+        edit(dir, "objects.csv", "0.1,car-1,car,30.995,0,0,9.9", "0.1,car-1,car,thirty,0,0,9.9");
+        edit(dir, "objects.csv", "0.2,car-1,car,31.98,0,0,9.8,4.5", "0.2,car-1,car,31.98,0,0,9.8,long");
+        edit(dir, "objects.csv", "0.3,car-1", "soon,car-1");
+        edit(dir, "objects.csv", "0.5,car-1", "0.4,car-1");
+    });
+    let drive = drive.unwrap();
+    let count = report.tables.iter().find(|t| t.table == "objects").unwrap();
+    assert_eq!(
+        (count.read, count.dropped.clone()),
+        (57, [("duplicate", 1), ("no_position", 1), ("no_time", 1)].into_iter().collect())
+    );
+    assert!(count.adds_up() && report.lost_input());
+    let messages: Vec<&str> = report.diagnostics.iter().map(|d| d.message.en.as_str()).collect();
+    for part in [
+        "1 cells of column 'x_m' are not a number and count as unknown: rows 3; for example 'thirty'",
+        "1 cells of column 'length_m' are not a number and count as unknown: rows 4; for example 'long'",
+        "1 cells of column 'time_s' are not a number of seconds and count as unknown: rows 5; for example 'soon'",
+        "1 rows dropped (no position): rows 3",
+        "1 rows dropped (no time): rows 5",
+        "1 rows dropped (duplicate): rows 7",
+    ] {
+        assert!(messages.contains(&part), "'{part}' is not in {messages:?}");
+    }
+    // A single lost row is less than 0.25 s away from its neighbours and is filled; an unknown length is not.
+    let car = drive.track(&"car-1".into()).unwrap();
+    assert!(near(car.motion.x[1], (30.0 + 31.98) / 2.0, 1e-9));
+    assert!(car.length_m[2].is_nan() && car.length_m[4] == 4.5);
+}
+
+#[test]
+fn irregular_times_are_brought_to_tenths_and_angles_go_the_short_way() {
+    let (drive, report) = changed(|dir| {
+        let mut text = String::from("time,x_m,y_m,heading_deg\n");
+        // At 0, 0.03, 0.17 ... s, 10 m/s along -x, the heading passing through 180 degrees; then a hole of a second.
+        for t in [0.0, 0.03, 0.17, 0.26, 0.41, 0.5, 1.5, 1.56, 1.7] {
+            let heading = 179.0 + 10.0 * t;
+            let heading = if heading > 180.0 { heading - 360.0 } else { heading };
+            text += &format!("2026-01-15T10:30:0{t:.2}Z,{:.6},0,{heading:.6}\n", -10.0 * t);
+        }
+        fs::write(dir.join("ego.csv"), text).unwrap();
+    });
+    let drive = drive.unwrap();
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(drive.times[0])).collect();
+    let expected = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 1.5, 1.6, 1.7];
+    assert!(
+        seconds.len() == 9 && seconds.iter().zip(expected).all(|(a, b)| near(*a, b, 1e-6)),
+        "{seconds:?}"
+    );
+    let m = &drive.ego.as_ref().unwrap().motion;
+    for (i, t) in expected.iter().enumerate() {
+        let turned = whyroad_ingest::kinematics::wrap_angle((179.0 + 10.0 * t).to_radians());
+        assert!(near(m.heading[i], turned, 1e-5), "at {t} s: {} for {turned}", m.heading[i]);
+        // The middle is 1.5 m ahead of the axle, interpolated between samples that turn by at most 1.5 degrees.
+        assert!(near(m.x[i], -10.0 * t + 1.5 * turned.cos(), 1e-3));
+    }
+}
+
+#[test]
+fn what_nobody_can_guess_is_asked_for() {
+    for (change, code, part) in [
+        (("drive.yaml", "source: example-van\n", ""), "table.meta.invalid", "'source' is missing"),
+        (
+            ("drive.yaml", "  reference_to_centre_m: 1.5   # the pose is that of the rear axle\n", ""),
+            "table.meta.invalid",
+            "'ego.reference_to_centre_m' is missing",
+        ),
+        (("drive.yaml", "2026-01-15T10:30:00.000Z", "yesterday"), "table.meta.invalid", "start_time"),
+        (("drive.yaml", "ego:\n", "ego: [\n"), "table.meta.invalid", "it cannot be read"),
+        (("ego.csv", "0,0,0,0,8,false,D,off,7.9\n", "0,0\n"), "table.file.unreadable", "CSV error"),
+    ] {
+        let (drive, report) = changed(|dir| edit(dir, change.0, change.1, change.2));
+        assert!(drive.is_none(), "{change:?}");
+        assert_eq!(codes(&report), [code], "{change:?}");
+        let d = &report.diagnostics[0];
+        assert!(d.message.en.contains(part) && d.severity == Severity::Error, "{d:?}");
+    }
+    let (drive, report) = changed(|dir| fs::remove_file(dir.join("ego.csv")).unwrap());
+    assert!(drive.is_none() && codes(&report) == ["table.ego.missing"]);
+    let (drive, report) = changed(|dir| {
+        ["lanes", "areas", "lights", "context"]
+            .iter()
+            .for_each(|f| fs::remove_file(dir.join(format!("{f}.csv"))).unwrap())
+    });
+    let missing = drive.unwrap().meta.missing;
+    assert!(
+        codes(&report).is_empty()
+            && ["map", "traffic lights", "weather and surface"]
+                .iter()
+                .all(|m| missing.iter().any(|x| x == m))
+    );
+}
+
+#[test]
+fn a_lake_is_not_taken_for_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    let (drive, _) = table::read(&example(), &Options::default());
+    let lake = whyroad_lake::Lake::create_or_open(dir.path()).unwrap();
+    lake.write_drive(&drive.unwrap()).unwrap();
+    assert!(table::find_drives(dir.path()).unwrap().is_empty());
+}
