@@ -12,7 +12,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
     let (framework, found) = read(dir)?;
     for d in &found {
-        eprint!("{}", diagnostic::render_text(d, global.lang));
+        tell!("{}", diagnostic::render_text(d, global.lang));
     }
     match framework {
         Some(framework) => Ok((framework, found)),
@@ -40,7 +40,9 @@ pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diag
     let Some(dir) = dir else { return found };
     for d in &mut found {
         let Some(file) = &d.place.file else { continue };
-        if (file.starts_with("schema/") || file.starts_with("scenarios/")) && !Path::new(file).starts_with(dir) {
+        if (file.starts_with("schema/") || file.starts_with("scenarios/"))
+            && !Path::new(file).starts_with(dir)
+        {
             d.place.file = Some(dir.join(file).display().to_string());
         }
     }

@@ -1,9 +1,11 @@
 //! The `whyroad` binary: arguments in, printing out; no domain logic. One file a command in `cmd/`.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
 
+#[macro_use]
+mod output;
+
 mod cmd;
 mod framework_folder;
-mod output;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -60,7 +62,7 @@ fn main() -> ExitCode {
         Command::Demo(a) => cmd::demo::run(&cli.global, a),
     };
     result.unwrap_or_else(|e| {
-        eprintln!("error: {e:#}");
+        say!("error: {e:#}");
         output::FINDINGS
     })
 }

@@ -2,6 +2,22 @@
 
 use std::process::ExitCode;
 
+/// Talk, without a line's end. A closed stderr is no reason to stop, where `eprint!` would panic.
+macro_rules! tell {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = write!(std::io::stderr(), $($text)*);
+    }};
+}
+
+/// Talk, one line.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($text)*);
+    }};
+}
+
 /// All went well.
 pub(crate) const FINE: ExitCode = ExitCode::SUCCESS;
 /// There are findings, or the command could not do it at all.

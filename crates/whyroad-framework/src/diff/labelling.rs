@@ -65,7 +65,10 @@ fn differences(x: &ResolvedSpec, y: &ResolvedSpec) -> Vec<Difference> {
     if (x.pack.before_s, x.pack.after_s) != (y.pack.before_s, y.pack.after_s) {
         let text = |s: &ResolvedSpec| {
             let (before, after) = (s.pack.before_s, s.pack.after_s);
-            Bilingual::new(format!("前 {before} s，后 {after} s"), format!("{before} s before, {after} s after"))
+            Bilingual::new(
+                format!("前 {before} s，后 {after} s"),
+                format!("{before} s before, {after} s after"),
+            )
         };
         out.push(Difference { field: "pack", before: text(x), after: text(y), step: Step::Minor });
     }

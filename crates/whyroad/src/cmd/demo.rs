@@ -41,14 +41,14 @@ struct Steps {
 
 impl Steps {
     fn say(&self, zh: String, en: String) {
-        eprintln!("{}", if self.lang == Lang::Zh { zh } else { en });
+        say!("{}", if self.lang == Lang::Zh { zh } else { en });
     }
 
     /// Notes are left to `whyroad ingest`, where somebody asks about one log.
     fn findings(&mut self, found: &[Diagnostic]) {
         for d in found.iter().filter(|d| d.severity != Severity::Note) {
             self.lost |= d.severity == Severity::Error;
-            eprint!("{}", render_text(d, self.lang));
+            tell!("{}", render_text(d, self.lang));
         }
     }
 }

@@ -36,7 +36,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lake = match Lake::open(&args.lake) {
         Ok(lake) => lake,
         Err(e) => {
-            eprint!("{}", render_text(&e.diagnostic(), global.lang));
+            tell!("{}", render_text(&e.diagnostic(), global.lang));
             return Ok(output::FINDINGS);
         }
     };
@@ -55,7 +55,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         match lake.read_drive(id) {
             Ok(drive) => summaries.push(DriveSummary::new(&drive, args.clip.as_deref())),
             Err(e) => {
-                eprint!("{}", render_text(&e.diagnostic(), global.lang));
+                tell!("{}", render_text(&e.diagnostic(), global.lang));
                 broken = true;
             }
         }

@@ -73,7 +73,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let classes: Vec<ScenarioId> = plan.rules.rules.iter().map(|r| r.scenario.clone()).collect();
     let summary = write_folder(&args.out, &mined, &plan.questions, &framework.taxonomy, &classes)?;
     output::put(&table(&mined, &summary, &framework.taxonomy, global.lang));
-    eprintln!("{}", written(&args.out, global.lang));
+    say!("{}", written(&args.out, global.lang));
     Ok(if lost {
         output::lost_input()
     } else if findings.is_empty() {
@@ -150,7 +150,7 @@ fn keep(mined: &mut MinedLake, questions: &[Question]) {
 
 fn say(found: Vec<Diagnostic>, lang: Lang) -> Vec<Diagnostic> {
     for d in &found {
-        eprint!("{}", render_text(d, lang));
+        tell!("{}", render_text(d, lang));
     }
     found
 }

@@ -57,7 +57,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let found = Found { framework: &framework, lake: &lake, coverage: &coverage, episodes: &episodes };
     lost.extend(write_page(&found, &args.out, args.max_episodes, global.lang)?);
     for d in &lost {
-        eprint!("{}", render_text(d, global.lang));
+        tell!("{}", render_text(d, global.lang));
     }
     output::put(&format!("{}\n", args.out.display()));
     Ok(if !lost.is_empty() {
@@ -70,7 +70,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 }
 
 fn refuse(d: &Diagnostic, lang: Lang) -> ExitCode {
-    eprint!("{}", render_text(d, lang));
+    tell!("{}", render_text(d, lang));
     output::FINDINGS
 }
 

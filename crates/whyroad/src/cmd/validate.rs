@@ -66,7 +66,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Err(e) => return Err(e.into()),
     }
     let t = run.totals;
-    eprintln!("{}", summary(t, global.lang));
+    say!("{}", summary(t, global.lang));
     Ok(if t.errors > 0 || (denied && t.warnings > 0) { output::FINDINGS } else { output::FINE })
 }
 

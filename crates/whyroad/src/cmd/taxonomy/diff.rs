@@ -20,7 +20,7 @@ pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> an
         (Side::Framework(a), Side::Framework(b)) => diff_frameworks(&a, &b),
         (x, y) => {
             let single = if matches!(x, Side::Classes(_)) { a } else { b };
-            eprintln!("{}", classes_only(single, global.lang));
+            say!("{}", classes_only(single, global.lang));
             diff(x.classes(), y.classes())
         }
     };
@@ -77,7 +77,7 @@ fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
 
 fn say(found: &[Diagnostic], lang: Lang) {
     for d in found {
-        eprint!("{}", diagnostic::render_text(d, lang));
+        tell!("{}", diagnostic::render_text(d, lang));
     }
 }
 

@@ -73,7 +73,7 @@ fn finish(
                     .with_context(|| format!("cannot create {}", folder.display()))?;
             }
             std::fs::write(path, text).with_context(|| format!("cannot write {name}"))?;
-            eprintln!("{name}");
+            say!("{name}");
             continue;
         }
         let current = if path.is_file() { read(path)? } else { String::new() };
@@ -83,7 +83,7 @@ fn finish(
             let d = Diagnostic::error("taxonomy.generated.stale", message)
                 .with_hint(hint)
                 .in_file(name.to_string());
-            eprint!("{}", diagnostic::render_text(&d, global.lang));
+            tell!("{}", diagnostic::render_text(&d, global.lang));
             code = output::FINDINGS;
         }
     }

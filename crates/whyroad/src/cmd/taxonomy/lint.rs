@@ -49,10 +49,10 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (l1, l2, l3) = f.taxonomy.counts();
         let (version, specs, rules) = (&f.taxonomy.version, f.specs.len(), f.rules.len());
         match global.lang {
-            Lang::En => eprintln!(
+            Lang::En => say!(
                 "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labelling specs, {rules} mining rules"
             ),
-            Lang::Zh => eprintln!(
+            Lang::Zh => say!(
                 "分类体系 {version}：{l1} 个 L1，{l2} 个 L2，{l3} 个 L3；{specs} 份标注规格，{rules} 条挖掘规则"
             ),
         }
@@ -68,7 +68,7 @@ fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
             let texts: Vec<String> = found.iter().map(|d| diagnostic::render_text(d, lang)).collect();
             output::put(&texts.join("\n"));
             let count = |s: Severity| found.iter().filter(|d| d.severity == s).count();
-            eprintln!("{}", diagnostic::summary(count(Severity::Error), count(Severity::Warning), lang));
+            say!("{}", diagnostic::summary(count(Severity::Error), count(Severity::Warning), lang));
         }
     }
 }
