@@ -1,0 +1,101 @@
+//! What the MCAP adapter has to tell, one function a code. Texts only.
+
+use crate::report::RowCount;
+use whyroad_model::{Bilingual, Diagnostic};
+
+/// Codes of the MCAP adapter; each has a page in `docs/diagnostics/`.
+pub(crate) const CODES: &[&str] = &[
+    "mcap.file.broken",
+    "mcap.mapping",
+    "mcap.ego.missing",
+    "mcap.ego.ambiguous",
+    "mcap.topic.undecodable",
+    "mcap.frame",
+    "mcap.rows.dropped",
+    "mcap.class",
+];
+
+fn look() -> Bilingual {
+    Bilingual::new("docs/guides/ingest.zh.md 的 mcap 一节说明映射文件", "the section mcap of docs/guides/ingest.md describes the mapping file")
+}
+
+pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("mcap.file.broken", Bilingual::new(format!("部分内容丢失：{reason}"), format!("a part is lost: {reason}")))
+        .with_hint(Bilingual::new("用 `mcap recover` 修复该文件，或重新复制", "mend the file with `mcap recover`, or copy it again"))
+        .in_file(file)
+}
+
+pub(super) fn mapping(file: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error("mcap.mapping", Bilingual::new(format!("映射文件无法使用：{reason}"), format!("the mapping file cannot be used: {reason}")))
+        .with_hint(look())
+        .in_file(file)
+}
+
+pub(super) fn ego_missing(file: &str, topics: &str) -> Diagnostic {
+    Diagnostic::error(
+        "mcap.ego.missing",
+        Bilingual::new(
+            format!("没有可用的自车位姿；主题：{topics}"),
+            format!("no topic gives two usable poses of the ego; topics: {topics}"),
+        ),
+    )
+    .with_hint(look())
+    .in_file(file)
+}
+
+pub(super) fn ego_ambiguous(file: &str, topics: &str, taken: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "mcap.ego.ambiguous",
+        Bilingual::new(
+            format!("多个主题给出位姿（{topics}）；采用 {taken}"),
+            format!("several topics give poses ({topics}); {taken} is taken"),
+        ),
+    )
+    .with_hint(look())
+    .in_file(file)
+}
+
+pub(super) fn undecodable(file: &str, topic: &str, what: &str, messages: usize) -> Diagnostic {
+    Diagnostic::warning(
+        "mcap.topic.undecodable",
+        Bilingual::new(
+            format!("{topic}：{messages} 条消息无法解码（{what}）"),
+            format!("{topic}: {messages} messages cannot be decoded ({what})"),
+        ),
+    )
+    .in_file(file)
+}
+
+pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {
+    Diagnostic::warning(
+        "mcap.frame",
+        Bilingual::new(
+            format!("坐标系 '{frame_id}' 既不是世界也不是自车；丢弃 {rows} 行"),
+            format!("frame '{frame_id}' is neither the world's nor the ego's; {rows} rows dropped"),
+        ),
+    )
+    .with_hint(Bilingual::new("在映射文件中为该主题写 `frame: world` 或 `frame: ego`", "say `frame: world` or `frame: ego` for the topic in a mapping file"))
+    .in_file(file)
+}
+
+pub(super) fn dropped(file: &str, count: &RowCount) -> Diagnostic {
+    let list: Vec<String> = count.dropped.iter().map(|(k, n)| format!("{k} {n}")).collect();
+    let (table, n, list) = (count.table, count.dropped_total(), list.join(", "));
+    Diagnostic::warning(
+        "mcap.rows.dropped",
+        Bilingual::new(format!("{table}：丢弃 {n} 行（{list}）"), format!("{table}: {n} rows dropped ({list})")),
+    )
+    .in_file(file)
+}
+
+pub(super) fn class(file: &str, names: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "mcap.class",
+        Bilingual::new(
+            format!("未知类别，记为 unknown：{names}"),
+            format!("class names that are none of ours, kept as class unknown: {names}"),
+        ),
+    )
+    .with_hint(Bilingual::new("在映射文件的 `classes` 中对应它们", "map them under `classes` in a mapping file"))
+    .in_file(file)
+}
