@@ -128,6 +128,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "no_position" => ("没有位置", "no position"),
         "light" => ("灯态", "light states"),
         "state" => ("状态", "states"),
+        "stop_line" => ("停止线", "stop lines"),
         "out_of_order" => ("时间倒退", "backward time"),
         "carried" => ("乘坐或装载在车上", "riding in a vehicle, or freight"),
         "not_a_road_user_lane" => ("不是道路车道", "not a lane of the road"),
