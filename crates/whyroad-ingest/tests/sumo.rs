@@ -237,7 +237,8 @@ fn what_is_wrong_is_named_and_the_rest_is_kept() {
     assert_eq!(report.tables[0].dropped.get("invalid"), Some(&2));
     assert_eq!(drive.unwrap().frame_count(), 9);
 
-    let (drive, report) = sumo::read(&file, &Options { egos: sumo::Egos::one("nobody"), ..Options::default() });
+    let (drive, report) =
+        sumo::read(&file, &Options { egos: sumo::Egos::one("nobody"), ..Options::default() });
     let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error).unwrap();
     assert!(
         drive.is_none()
