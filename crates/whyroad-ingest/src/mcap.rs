@@ -6,6 +6,7 @@
 //! ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`), maps,
 //! lights, pictures, ROS 1.
 
+mod bus;
 mod cdr;
 pub(crate) mod findings;
 mod mapping;
@@ -14,7 +15,6 @@ mod records;
 mod rows;
 
 use crate::report::{RowCount, SourceReport};
-use crate::resample::{latest, linear};
 use crate::run::Options;
 use crate::sampled::{Frames, Sample, Sampled};
 use crate::se3::{self, Se3};
@@ -26,7 +26,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track, TurnSignal};
+use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track};
 use whyroad_model::{Drive, Nanos, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -35,8 +35,6 @@ const REVISION: u32 = 1;
 const EGO_GAP_S: f64 = 0.25;
 /// Objects are interpolated over as much, s: detectors run at 2 to 20 Hz.
 const OBJECT_GAP_S: f64 = 0.6;
-/// A bus state holds as long, s.
-const STATE_HOLDS_S: f64 = 1.0;
 /// Names that the vehicle's own frame has by convention (ROS REP 105 and common use).
 const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicle", "vehicle", "rear_axle"];
 
@@ -221,7 +219,7 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
         report.diagnostics.push(resampled(&label, frames.native_step_s));
     }
     let ego = ego(&poses, &times, &frames.seconds, &mapping);
-    let bus = bus(&recording.bus, seconds, &frames.seconds);
+    let bus = bus::at_frames(&recording.bus, seconds, &frames.seconds);
     let tracks = tracks(&mut recording, &poses, seconds, &frames.seconds, &mapping, &label, report);
     for count in [recording.ego_rows, recording.object_rows] {
         if count.dropped_total() > 0 {
@@ -363,51 +361,4 @@ fn tracks(
     }
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     out
-}
-
-fn bus(rows: &[BusRow], seconds: impl Fn(i64) -> f64, frames: &[f64]) -> EgoBus {
-    let series = |signal: &str| {
-        let mut all: Vec<(f64, &Value)> =
-            rows.iter().filter(|r| r.signal == signal).map(|r| (seconds(r.time), &r.value)).collect();
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.dedup_by(|b, a| b.0 <= a.0);
-        all
-    };
-    let numbers = |signal: &str| {
-        let all = series(signal);
-        if all.is_empty() {
-            return Vec::new();
-        }
-        let (times, values): (Vec<f64>, Vec<f64>) =
-            all.iter().map(|(t, v)| (*t, v.as_f64().unwrap_or(f64::NAN))).unzip();
-        linear(&times, &values, frames, STATE_HOLDS_S)
-    };
-    fn states<T>(all: &[(f64, &Value)], frames: &[f64], read: impl Fn(&Value) -> Option<T>) -> Vec<Option<T>> {
-        if all.is_empty() {
-            return Vec::new();
-        }
-        let times: Vec<f64> = all.iter().map(|(t, _)| *t).collect();
-        latest(&times, frames, STATE_HOLDS_S).into_iter().map(|i| read(all[i?].1)).collect()
-    }
-    let text = |v: &Value| v.as_str().map(str::to_lowercase);
-    EgoBus {
-        speed_mps: numbers("speed_mps"),
-        steering: numbers("steering"),
-        throttle: numbers("throttle"),
-        brake: states(&series("brake"), frames, |v| v.as_bool().or_else(|| Some(v.as_f64()? > 0.0))),
-        gear: states(&series("gear"), frames, |v| {
-            let letter = text(v)?.to_uppercase().chars().next()?;
-            "PRND".contains(letter).then_some(letter)
-        }),
-        turn_signal: states(&series("turn_signal"), frames, |v| {
-            Some(match text(v)?.as_str() {
-                "off" | "none" => TurnSignal::Off,
-                "left" => TurnSignal::Left,
-                "right" => TurnSignal::Right,
-                "hazard" | "both" => TurnSignal::Hazard,
-                _ => return None,
-            })
-        }),
-        ..EgoBus::default()
-    }
 }

@@ -21,6 +21,7 @@ use crate::source::{ContentHash, drive_id, impossible_speeds, resampled};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
+use bus::BusReading;
 use tables::{Annotation, SceneTables};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
@@ -83,7 +84,7 @@ fn read_scene(set: &Path, index: u64, options: &Options, report: &mut SourceRepo
     let root = set.parent().unwrap_or(set);
     let mut hash = ContentHash::new("nuscenes", REVISION);
     add_rows(&mut hash, &t);
-    let (bus, files, broken) = bus::read(&root.join("can_bus"), &t.scene.name, zero, &frames);
+    let BusReading { bus, files, broken } = bus::read(&root.join("can_bus"), &t.scene.name, zero, &frames);
     report.diagnostics.extend(broken.iter().map(|name| findings::bus(&root.join("can_bus").join(name).display().to_string())));
     files.iter().for_each(|(name, bytes)| hash.add(name, bytes));
     let map = city_map(root, &t.log.location, &motion, &mut hash, report);

@@ -7,6 +7,7 @@
 //! are harmless, and nothing recurses over what the file nests. Bytes and texts stay where they are in the file.
 
 mod array;
+mod construct;
 mod machine;
 mod names;
 

@@ -204,4 +204,14 @@ mod tests {
         let t = MessageType::parse("a/B", "B[] b\nuint8[] c");
         assert_eq!(t.decode(b"\0\x01\0\0\xff\xff\xff\x7f"), None);
     }
+
+    proptest::proptest! {
+        #[test]
+        fn no_bytes_and_no_definition_make_it_panic(
+            bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200),
+            text in "(uint8|float64|string|B|C)(\\[\\]|\\[3\\])? [a-c]\n(B|string\\[\\]) d\n={12}\nMSG: a/B\n(a/C|int16) e\n",
+        ) {
+            let _ = MessageType::parse("a/msg/A", &text).decode(&bytes);
+        }
+    }
 }

@@ -165,3 +165,15 @@ fn unpack(kind: i64, packed: &[u8], f: &Field<'_>, out: &mut Vec<Value>) -> Opti
     }
     Some(())
 }
+
+#[cfg(test)]
+mod tests {
+    proptest::proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200)) {
+            if let Some(types) = super::MessageTypes::parse(&bytes) {
+                let _ = types.decode("a", &bytes);
+            }
+        }
+    }
+}

@@ -14,8 +14,18 @@ const MPS_PER_KMH: f64 = 1.0 / 3.6;
 /// The pedal's full range.
 const FULL_THROTTLE: f64 = 1000.0;
 
-/// What the bus of a scene tells at the frames (s after `zero_us`), and the files that were there: name and content.
-pub(super) fn read(can_bus: &Path, scene: &str, zero_us: i64, frames: &[f64]) -> (EgoBus, Vec<(String, Vec<u8>)>, Vec<String>) {
+/// What the bus of a scene tells.
+#[derive(Default)]
+pub(super) struct BusReading {
+    pub bus: EgoBus,
+    /// The files that were there: name and content.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Names of those that are no lists of messages.
+    pub broken: Vec<String>,
+}
+
+/// The bus at the frames (s after `zero_us`).
+pub(super) fn read(can_bus: &Path, scene: &str, zero_us: i64, frames: &[f64]) -> BusReading {
     let (mut files, mut broken) = (Vec::new(), Vec::new());
     let mut messages = |what: &str| -> Vec<(f64, Value)> {
         let name = format!("{scene}_{what}.json");
@@ -71,5 +81,5 @@ pub(super) fn read(can_bus: &Path, scene: &str, zero_us: i64, frames: &[f64]) ->
         };
         bus.turn_signal = held.iter().map(signal).collect();
     }
-    (bus, files, broken)
+    BusReading { bus, files, broken }
 }

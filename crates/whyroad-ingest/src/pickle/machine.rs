@@ -1,7 +1,6 @@
 //! The stack machine that a pickle is a program for: opcodes 2 to 5 without those that import, call or look outside.
 
-use super::array::{Array, Data, Dtype, Kind};
-use super::names::{Name, known};
+use super::names::known;
 use super::{Bytes, Node, Pickle, PickleError, Ref};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -9,26 +8,26 @@ use std::ops::Range;
 /// More objects than this are no recording of a drive.
 const MAX_OBJECTS: usize = 50_000_000;
 
-const NONE: Ref = Ref(0);
+pub(super) const NONE: Ref = Ref(0);
 const FALSE: Ref = Ref(1);
-const TRUE: Ref = Ref(2);
+pub(super) const TRUE: Ref = Ref(2);
 
-struct Machine<'a> {
+pub(super) struct Machine<'a> {
     file: &'a [u8],
     at: usize,
-    decoded: Vec<u8>,
-    nodes: Vec<Node>,
-    stack: Vec<Ref>,
+    pub decoded: Vec<u8>,
+    pub nodes: Vec<Node>,
+    pub stack: Vec<Ref>,
     /// Heights of the stack at the open marks.
     marks: Vec<usize>,
     memo: HashMap<u64, Ref>,
     /// Texts that were turned to bytes, so that one text is turned only once however often it is asked for.
-    encoded: HashMap<Ref, Ref>,
+    pub encoded: HashMap<Ref, Ref>,
     /// Copies of references that were made beyond what the file itself writes out.
-    copied: usize,
+    pub copied: usize,
 }
 
-type Step<T> = Result<T, PickleError>;
+pub(super) type Step<T> = Result<T, PickleError>;
 
 /// Runs the program.
 pub(super) fn run(file: &[u8]) -> Step<Pickle<'_>> {
@@ -48,7 +47,7 @@ pub(super) fn run(file: &[u8]) -> Step<Pickle<'_>> {
 }
 
 impl Machine<'_> {
-    fn malformed<T>(&self, what: impl Into<String>) -> Step<T> {
+    pub fn malformed<T>(&self, what: impl Into<String>) -> Step<T> {
         Err(PickleError::Malformed { what: what.into(), at: self.at })
     }
 
@@ -102,7 +101,7 @@ impl Machine<'_> {
             0x8e | 0x96 => self.raw::<8>()?,
             b'(' => self.marks.push(self.stack.len()),
             b'0' => drop(self.pop()?),
-            b'1' => drop(self.to_mark()?),
+            b'1' => drop(self.since_mark()?),
             b'2' => {
                 let top = self.top()?;
                 self.stack.push(top);
@@ -110,7 +109,7 @@ impl Machine<'_> {
             b']' | b')' | 0x8f => drop(self.push(Node::List(Vec::new()))),
             b'}' => drop(self.push(Node::Dict(Vec::new()))),
             b'l' | b't' | 0x91 => {
-                let items = self.to_mark()?;
+                let items = self.since_mark()?;
                 self.push(Node::List(items));
             }
             0x85..=0x87 => {
@@ -122,7 +121,7 @@ impl Machine<'_> {
                 self.push(Node::List(items));
             }
             b'd' => {
-                let items = self.to_mark()?;
+                let items = self.since_mark()?;
                 let dict = self.push(Node::Dict(Vec::new()));
                 self.set_items(dict, &items)?;
             }
@@ -131,7 +130,7 @@ impl Machine<'_> {
                 self.append(&[item])?;
             }
             b'e' | 0x90 => {
-                let items = self.to_mark()?;
+                let items = self.since_mark()?;
                 self.append(&items)?;
             }
             b's' => {
@@ -140,7 +139,7 @@ impl Machine<'_> {
                 self.set_items(dict, &[key, value])?;
             }
             b'u' => {
-                let items = self.to_mark()?;
+                let items = self.since_mark()?;
                 let dict = self.top()?;
                 self.set_items(dict, &items)?;
             }
@@ -212,7 +211,7 @@ impl Machine<'_> {
         Ok(String::from_utf8_lossy(&self.file[range.start..range.end - 1]).into_owned())
     }
 
-    fn push(&mut self, node: Node) -> Ref {
+    pub fn push(&mut self, node: Node) -> Ref {
         let at = Ref(self.nodes.len() as u32);
         self.nodes.push(node);
         self.stack.push(at);
@@ -233,7 +232,7 @@ impl Machine<'_> {
         Ok(top)
     }
 
-    fn to_mark(&mut self) -> Step<Vec<Ref>> {
+    fn since_mark(&mut self) -> Step<Vec<Ref>> {
         match self.marks.pop() {
             Some(height) => Ok(self.stack.split_off(height.min(self.stack.len()))),
             None => self.malformed("the end of a list that has no beginning"),
@@ -309,18 +308,18 @@ impl Machine<'_> {
         Ok(())
     }
 
-    fn node(&self, at: Ref) -> &Node {
+    pub fn node(&self, at: Ref) -> &Node {
         &self.nodes[at.0 as usize]
     }
 
-    fn slice(&self, b: &Bytes) -> &[u8] {
+    pub fn slice(&self, b: &Bytes) -> &[u8] {
         match b {
             Bytes::File(r) => &self.file[r.clone()],
             Bytes::Decoded(r) => &self.decoded[r.clone()],
         }
     }
 
-    fn text_of(&self, at: Ref) -> Step<String> {
+    pub fn text_of(&self, at: Ref) -> Step<String> {
         match self.node(at) {
             Node::Text(b) => Ok(String::from_utf8_lossy(self.slice(b)).into_owned()),
             _ => self.malformed("a name that is no text"),
@@ -330,142 +329,6 @@ impl Machine<'_> {
     fn name(&mut self, module: &str, name: &str) -> Step<()> {
         let known = known(module, name).ok_or_else(|| PickleError::Forbidden(format!("{module}.{name}")))?;
         self.push(Node::Name(known));
-        Ok(())
-    }
-
-    fn list(&self, at: Ref) -> Step<&[Ref]> {
-        match self.node(at) {
-            Node::List(all) => Ok(all),
-            _ => self.malformed("arguments that are no tuple"),
-        }
-    }
-
-    /// What a call of one of the known names gives. Nothing is called: each name has its meaning here.
-    fn construct(&mut self, callee: Ref, args: Ref) -> Step<()> {
-        let &Node::Name(name) = self.node(callee) else {
-            return self.malformed("a call of what is no name");
-        };
-        let args: Vec<Ref> = self.list(args)?.iter().take(4).copied().collect();
-        let node = match (name, &args[..]) {
-            (Name::Reconstruct, _) => {
-                let byte = Dtype { kind: Kind::Unsigned, size: 1, big_endian: false };
-                let none = Data::Raw(Bytes::File(0..0));
-                Node::Array(Box::new(Array { dtype: byte, shape: vec![0], fortran: false, data: none }))
-            }
-            (Name::FromBuffer, &[data, dtype, shape, order]) => {
-                let fortran = self.text_of(order)? == "F";
-                self.array(dtype, shape, fortran, data)?
-            }
-            (Name::Scalar, &[dtype, data]) => {
-                if matches!(self.node(dtype), Node::Dtype(d) if d.kind == Kind::Object) {
-                    self.stack.push(data);
-                    return Ok(());
-                }
-                self.scalar(dtype, data)?
-            }
-            (Name::Dtype, &[code, ..]) => {
-                let code = self.text_of(code)?;
-                match Dtype::parse(&code) {
-                    Some(d) => Node::Dtype(d),
-                    None => return self.malformed(format!("numpy type '{code}', which is not read here,")),
-                }
-            }
-            (Name::Encode, &[text, ..]) | (Name::Bytes, &[text, _, ..]) => return self.encode(text),
-            (Name::Bytes, []) => Node::Bytes(Bytes::File(0..0)),
-            (Name::Sequence, []) => Node::List(Vec::new()),
-            (Name::Dict, []) | (Name::DefaultDict, _) => Node::Dict(Vec::new()),
-            // `set([..])`, `bytes(b"..")`, `OrderedDict({..})`: the argument already is what is wanted, and a second
-            // name for one object costs nothing.
-            (Name::Bytes | Name::Sequence | Name::Dict, &[same]) => {
-                self.stack.push(same);
-                return Ok(());
-            }
-            _ => return self.malformed("a call that no writer makes"),
-        };
-        self.push(node);
-        Ok(())
-    }
-
-    /// `_codecs.encode(text, 'latin1')`: how protocol 2 writes bytes.
-    fn encode(&mut self, text: Ref) -> Step<()> {
-        if let Some(&done) = self.encoded.get(&text) {
-            self.stack.push(done);
-            return Ok(());
-        }
-        let start = self.decoded.len();
-        for c in self.text_of(text)?.chars() {
-            match u8::try_from(u32::from(c)) {
-                Ok(b) => self.decoded.push(b),
-                Err(_) => return self.malformed("bytes written as text with letters beyond latin-1"),
-            }
-        }
-        let range = start..self.decoded.len();
-        let done = self.push(Node::Bytes(Bytes::Decoded(range)));
-        self.encoded.insert(text, done);
-        Ok(())
-    }
-
-    fn dtype(&self, at: Ref) -> Step<Dtype> {
-        match self.node(at) {
-            Node::Dtype(d) => Ok(*d),
-            _ => self.malformed("an array without a type"),
-        }
-    }
-
-    fn scalar(&self, dtype: Ref, data: Ref) -> Step<Node> {
-        self.shaped(self.dtype(dtype)?, Vec::new(), false, data).map(|(n, _)| n)
-    }
-
-    fn array(&mut self, dtype: Ref, shape: Ref, fortran: bool, data: Ref) -> Step<Node> {
-        let mut sizes = Vec::new();
-        for &r in self.list(shape)?.iter().take(8) {
-            match self.node(r) {
-                &Node::Int(i) if i >= 0 => sizes.push(i as usize),
-                _ => return self.malformed("an array whose shape is no list of sizes"),
-            }
-        }
-        let (node, copied) = self.shaped(self.dtype(dtype)?, sizes, fortran, data)?;
-        self.copied += copied;
-        Ok(node)
-    }
-
-    /// The array, and how many references it copies.
-    fn shaped(&self, dtype: Dtype, shape: Vec<usize>, fortran: bool, data: Ref) -> Step<(Node, usize)> {
-        let (data, have, copied) = match (self.node(data), dtype.kind) {
-            (Node::Bytes(b), kind) if kind != Kind::Object => (Data::Raw(b.clone()), self.slice(b).len(), 0),
-            (Node::List(all), Kind::Object) => (Data::Objects(all.clone()), all.len(), all.len()),
-            _ => return self.malformed("an array whose data are neither bytes nor objects"),
-        };
-        match Array::new(dtype, shape, fortran, data, have) {
-            Ok(a) => Ok((Node::Array(Box::new(a)), copied)),
-            Err(what) => self.malformed(what),
-        }
-    }
-
-    /// State given to an object after it was made: an array's contents, a type's byte order.
-    fn build(&mut self, object: Ref, state: Ref) -> Step<()> {
-        let node = match self.node(object) {
-            Node::Array(_) => match *self.list(state)? {
-                [_, shape, dtype, fortran, data] => self.array(dtype, shape, fortran == TRUE, data)?,
-                _ => return self.malformed("an array's state in a form that is not known here"),
-            },
-            Node::Dtype(d) => {
-                let (d, state) = (*d, self.list(state)?);
-                let order = match state.get(1).map(|&r| self.node(r)) {
-                    Some(Node::Text(b)) => self.slice(b).to_owned(),
-                    _ => return self.malformed("a numpy type without byte order"),
-                };
-                // Names and fields of a structured type.
-                if state.iter().skip(2).take(3).any(|&r| r != NONE) {
-                    return self.malformed("a structured numpy type, which is not read here,");
-                }
-                Node::Dtype(Dtype { big_endian: order == b">", ..d })
-            }
-            // Attributes of a dict that is more than a dict: not data of ours.
-            Node::Dict(_) => return Ok(()),
-            _ => return self.malformed("state for what has none"),
-        };
-        self.nodes[object.0 as usize] = node;
         Ok(())
     }
 }
