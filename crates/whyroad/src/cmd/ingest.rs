@@ -14,7 +14,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 /// Arguments of `whyroad ingest`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Format (av2, av2-motion, comma2k19, nuscenes, scenarionet, sumo, table, waymo-motion; left out: recognised by the files), then log folders, files, or folders of such
+    /// Format (av2, av2-motion, comma2k19, mcap, nuscenes, scenarionet, sumo, table, waymo-motion; left out: recognised by the files), then log folders, files, or folders of such
     #[arg(required = true, value_name = "[FORMAT] PATH")]
     inputs: Vec<String>,
     /// Lake to write into; made when it is not there
@@ -104,7 +104,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         licence: args.licence,
     };
     for d in &problems {
-        eprint!("{}", render_text(d, global.lang));
+        tell!("{}", render_text(d, global.lang));
     }
     if sources.is_empty() {
         return Ok(output::FINDINGS);
@@ -118,7 +118,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         whyroad_ingest::ingest_each(source, &options, &lake, &mut |report| {
             bar.suspend(|| {
                 for d in &report.diagnostics {
-                    eprint!("{}", render_text(d, global.lang));
+                    tell!("{}", render_text(d, global.lang));
                 }
             });
             reports.push(report);
