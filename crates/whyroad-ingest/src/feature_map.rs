@@ -53,7 +53,10 @@ pub(crate) enum Feature {
     /// Painted line or kerb.
     Line(Vec<Point3>),
     Crosswalk(Vec<Point3>),
-    StopSign { position: Point3, lanes: Vec<String> },
+    StopSign {
+        position: Point3,
+        lanes: Vec<String>,
+    },
     /// `speed_bump`, `driveway`, ...
     Facility(&'static str, Vec<Point3>),
 }
@@ -68,7 +71,10 @@ pub(crate) struct Built {
 }
 
 /// Makes the map. `stops`: where lanes stop for a light, by lane. Features that are `Err` are counted as dropped.
-pub(crate) fn build(features: Vec<(String, Result<Feature, String>)>, stops: &BTreeMap<String, Point3>) -> Built {
+pub(crate) fn build(
+    features: Vec<(String, Result<Feature, String>)>,
+    stops: &BTreeMap<String, Point3>,
+) -> Built {
     let mut out = Built { count: RowCount::new("map"), ..Built::default() };
     let mut lines = BTreeMap::new();
     let mut lanes = Vec::new();
@@ -117,7 +123,8 @@ pub(crate) fn build(features: Vec<(String, Result<Feature, String>)>, stops: &BT
 }
 
 fn usable(feature: Feature) -> Result<Feature, String> {
-    let finite = |points: &[Point3]| points.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
+    let finite =
+        |points: &[Point3]| points.iter().all(|p| p.x.is_finite() && p.y.is_finite() && p.z.is_finite());
     let (points, least, what) = match &feature {
         Feature::Lane(l) => (l.lane.centre.as_slice(), 2, "a lane"),
         Feature::Line(points) => (points.as_slice(), 1, "a line"),
@@ -171,7 +178,11 @@ fn longest_mark(side: &[Boundary]) -> LaneMark {
 }
 
 /// Distance from each point of the centre line to the edge on one side; `None` when the side names none.
-fn half_widths(centre: &[Point3], side: &[Boundary], lines: &BTreeMap<String, Vec<Point3>>) -> Option<Vec<f64>> {
+fn half_widths(
+    centre: &[Point3],
+    side: &[Boundary],
+    lines: &BTreeMap<String, Vec<Point3>>,
+) -> Option<Vec<f64>> {
     let mut out = vec![f64::NAN; centre.len()];
     for b in side {
         let Some(line) = lines.get(&b.feature) else { continue };
@@ -191,7 +202,8 @@ fn half_widths(centre: &[Point3], side: &[Boundary], lines: &BTreeMap<String, Ve
             .map(|i| {
                 let after = known.partition_point(|&k| k < i).min(known.len() - 1);
                 let before = after.saturating_sub(1);
-                let nearest = if known[after].abs_diff(i) <= known[before].abs_diff(i) { after } else { before };
+                let nearest =
+                    if known[after].abs_diff(i) <= known[before].abs_diff(i) { after } else { before };
                 out[known[nearest]]
             })
             .collect(),
@@ -234,13 +246,16 @@ fn stop_line(lane: &Lane, point: Point3) -> Vec<Point3> {
     let i = nearest.unwrap_or(0);
     let half = |edge: &[Point3]| edge.get(i).map_or(NOMINAL_HALF_WIDTH_M, |&e| distance(e, lane.centre[i]));
     let (ux, uy) = direction(&lane.centre, i);
-    [half(&lane.left), -half(&lane.right)].map(|d| Point3 { x: point.x - uy * d, y: point.y + ux * d, z: point.z }).into()
+    [half(&lane.left), -half(&lane.right)]
+        .map(|d| Point3 { x: point.x - uy * d, y: point.y + ux * d, z: point.z })
+        .into()
 }
 
 /// Mean width of a lane from its outline: area over the length of its centre line, m.
 pub(crate) fn mean_width(outline: &[Point3], centre: &[Point3]) -> Option<f64> {
     let n = outline.len();
-    let twice: f64 = (0..n).map(|i| outline[i].x * outline[(i + 1) % n].y - outline[(i + 1) % n].x * outline[i].y).sum();
+    let twice: f64 =
+        (0..n).map(|i| outline[i].x * outline[(i + 1) % n].y - outline[(i + 1) % n].x * outline[i].y).sum();
     let width = twice.abs() / 2.0 / length(centre);
     (n >= 3 && (2.0 * HALF_WIDTH_M.start()..=2.0 * HALF_WIDTH_M.end()).contains(&width)).then_some(width)
 }

@@ -21,7 +21,10 @@ pub(crate) fn colour(name: &str) -> Option<LightColour> {
 
 /// One state for each change. A step in which the light was not seen is unknown, so that the colour before it does
 /// not go on holding.
-pub(crate) fn changes(lane: &str, steps: impl Iterator<Item = (Nanos, Option<LightColour>)>) -> Vec<LightState> {
+pub(crate) fn changes(
+    lane: &str,
+    steps: impl Iterator<Item = (Nanos, Option<LightColour>)>,
+) -> Vec<LightState> {
     let mut out: Vec<LightState> = Vec::new();
     for (time, colour) in steps {
         let colour = colour.unwrap_or(LightColour::Unknown);

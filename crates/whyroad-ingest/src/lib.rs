@@ -33,8 +33,13 @@ pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, inge
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
-    let shared =
-        ["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found", "ingest.speed.impossible", "ingest.rate.resampled"];
+    let shared = [
+        "ingest.path.missing",
+        "ingest.path.unreadable",
+        "ingest.nothing_found",
+        "ingest.speed.impossible",
+        "ingest.rate.resampled",
+    ];
     let of_adapters = [
         av2::findings::CODES,
         av2::motion::CODES,

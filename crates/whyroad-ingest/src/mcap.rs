@@ -96,7 +96,9 @@ impl Topic {
                 let types = proto::MessageTypes::parse(&schema.data);
                 types.map_or(Decoder::None("its schema is broken".into()), Decoder::Protobuf)
             }
-            (message, schema) => Decoder::None(format!("encoding '{message}' with schema '{schema}' is not read")),
+            (message, schema) => {
+                Decoder::None(format!("encoding '{message}' with schema '{schema}' is not read"))
+            }
         };
         let (rule, schema) = (rule.unwrap_or_default(), schema.name.clone());
         Self { rule, schema, decoder, messages: 0, undecodable: 0, ego: Vec::new() }
@@ -124,11 +126,8 @@ struct Recording {
 
 impl Recording {
     fn read(path: &Path, mapping: &Mapping, hash: &mut ContentHash, report: &mut SourceReport) -> Self {
-        let mut out = Self {
-            ego_rows: RowCount::new("ego"),
-            object_rows: RowCount::new("objects"),
-            ..Self::default()
-        };
+        let mut out =
+            Self { ego_rows: RowCount::new("ego"), object_rows: RowCount::new("objects"), ..Self::default() };
         let mut each = |m: records::Message<'_>| {
             let name = &m.channel.topic;
             if !out.topics.contains_key(name) {
@@ -170,8 +169,12 @@ impl Recording {
 
     /// The ego's poses by time. Of several topics with poses, odometry goes before bare poses, then by name.
     fn take_ego(&mut self, label: &str, report: &mut SourceReport) -> Vec<EgoRow> {
-        let mut with_poses: Vec<(bool, &String)> =
-            self.topics.iter().filter(|(_, t)| !t.ego.is_empty()).map(|(n, t)| (t.rule.velocity.is_none(), n)).collect();
+        let mut with_poses: Vec<(bool, &String)> = self
+            .topics
+            .iter()
+            .filter(|(_, t)| !t.ego.is_empty())
+            .map(|(n, t)| (t.rule.velocity.is_none(), n))
+            .collect();
         with_poses.sort();
         let names: Vec<String> = with_poses.into_iter().map(|(_, n)| n.clone()).collect();
         let Some(taken) = names.first().cloned() else { return Vec::new() };
@@ -208,7 +211,8 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
     let mut recording = Recording::read(path, &mapping, &mut hash, report);
     let poses = recording.take_ego(&label, report);
     let (Some(first), true) = (poses.first().map(|r| r.time), poses.len() >= 2) else {
-        let topics: Vec<String> = recording.topics.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect();
+        let topics: Vec<String> =
+            recording.topics.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect();
         report.diagnostics.push(findings::ego_missing(&label, &topics.join(", ")));
         return None;
     };
@@ -245,7 +249,11 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
             licence: options.licence.clone(),
             content_hash: hash.finish(),
             can,
-            missing: missing.iter().filter(|(absent, _)| *absent).map(|(_, what)| (*what).to_owned()).collect(),
+            missing: missing
+                .iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| (*what).to_owned())
+                .collect(),
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&s| Nanos(first).plus_secs(s)).collect(),
@@ -331,7 +339,8 @@ fn tracks(
         };
         let velocity = row.velocity.unwrap_or([f64::NAN; 2]);
         let (size, heading) = (row.size, se3::heading(pose.q));
-        let sample = Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, points: f64::NAN };
+        let sample =
+            Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, points: f64::NAN };
         let (_, samples) = objects.entry(row.id).or_insert_with(|| (row.class, BTreeMap::new()));
         match samples.insert(row.time, sample) {
             Some(_) => count.drop_rows("duplicate", 1),
@@ -341,7 +350,8 @@ fn tracks(
     report.diagnostics.extend(strangers.iter().map(|(id, n)| findings::frame(label, id, *n)));
     let (mut out, mut unknown, mut impossible) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
     for (id, (name, samples)) in objects {
-        let class = mapping.classes.get(&name).copied().or_else(|| ObjectClass::from_id(&name.to_lowercase()));
+        let class =
+            mapping.classes.get(&name).copied().or_else(|| ObjectClass::from_id(&name.to_lowercase()));
         if class.is_none() {
             unknown.insert(if name.is_empty() { "-".to_owned() } else { name.clone() });
         }

@@ -18,10 +18,10 @@ use crate::run::Options;
 use crate::sampled::{Sample, Sampled, every_tenth};
 use crate::se3::{self, Se3};
 use crate::source::{ContentHash, drive_id, impossible_speeds, resampled};
+use bus::BusReading;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use bus::BusReading;
 use tables::{Annotation, SceneTables};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
@@ -40,7 +40,9 @@ const AXLE_TO_CENTRE_M: f64 = 1.385;
 
 /// Scenes at or below `path`: the folder with the tables (`v1.0-mini`, ...) and the scene's place in `scene.json`.
 pub fn find_scenes(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
-    let is_set = |dir: &Path| ["scene", "sample", "sample_annotation"].iter().all(|t| dir.join(format!("{t}.json")).is_file());
+    let is_set = |dir: &Path| {
+        ["scene", "sample", "sample_annotation"].iter().all(|t| dir.join(format!("{t}.json")).is_file())
+    };
     let mut sets = Vec::new();
     if path.is_dir() && is_set(path) {
         sets.push(path.to_owned());
@@ -67,7 +69,9 @@ pub fn read(set: &Path, index: u64, options: &Options) -> (Option<Drive>, Source
 
 fn read_scene(set: &Path, index: u64, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let set_label = set.display().to_string();
-    let t = tables::read(set, index).map_err(|e| report.diagnostics.push(findings::table(&set_label, &e))).ok()?;
+    let t = tables::read(set, index)
+        .map_err(|e| report.diagnostics.push(findings::table(&set_label, &e)))
+        .ok()?;
     let label = format!("{set_label}/{}", t.scene.name);
     let zero = t.samples.values().min().copied().unwrap_or(0);
     let seconds = |us: i64| (us - zero) as f64 / 1e6;
@@ -85,7 +89,9 @@ fn read_scene(set: &Path, index: u64, options: &Options, report: &mut SourceRepo
     let mut hash = ContentHash::new("nuscenes", REVISION);
     add_rows(&mut hash, &t);
     let BusReading { bus, files, broken } = bus::read(&root.join("can_bus"), &t.scene.name, zero, &frames);
-    report.diagnostics.extend(broken.iter().map(|name| findings::bus(&root.join("can_bus").join(name).display().to_string())));
+    report.diagnostics.extend(
+        broken.iter().map(|name| findings::bus(&root.join("can_bus").join(name).display().to_string())),
+    );
     files.iter().for_each(|(name, bytes)| hash.add(name, bytes));
     let map = city_map(root, &t.log.location, &motion, &mut hash, report);
     let media = media(&t);
@@ -109,7 +115,11 @@ fn read_scene(set: &Path, index: u64, options: &Options, report: &mut SourceRepo
             content_hash: hash.finish(),
             video: cameras.into_iter().map(str::to_owned).collect(),
             can,
-            missing: missing.iter().filter(|(absent, _)| *absent).map(|(_, what)| (*what).to_owned()).collect(),
+            missing: missing
+                .iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| (*what).to_owned())
+                .collect(),
             ..DriveMeta::default()
         },
         times: frames.iter().map(|&s| Nanos(zero * 1000).plus_secs(s)).collect(),
@@ -188,9 +198,9 @@ fn class_of(category: &str) -> Option<ObjectClass> {
         | "human.pedestrian.child"
         | "human.pedestrian.construction_worker"
         | "human.pedestrian.police_officer" => ObjectClass::Pedestrian,
-        "human.pedestrian.personal_mobility" | "human.pedestrian.stroller" | "human.pedestrian.wheelchair" => {
-            ObjectClass::WheeledPedestrian
-        }
+        "human.pedestrian.personal_mobility"
+        | "human.pedestrian.stroller"
+        | "human.pedestrian.wheelchair" => ObjectClass::WheeledPedestrian,
         "animal" => ObjectClass::Animal,
         "movable_object.trafficcone" => ObjectClass::Cone,
         "movable_object.barrier"
@@ -211,7 +221,9 @@ fn tracks(t: &SceneTables, frames: &[f64], zero: i64, label: &str, report: &mut 
         let numbers = a.translation.iter().chain(&a.size).all(|v| v.is_finite());
         let Some(q) = se3::unit(a.rotation).filter(|_| numbers) else {
             count.drop_rows("invalid", 1);
-            invalid.get_or_insert_with(|| format!("{} at {}: rotation {:?}", a.instance_token, a.sample_token, a.rotation));
+            invalid.get_or_insert_with(|| {
+                format!("{} at {}: rotation {:?}", a.instance_token, a.sample_token, a.rotation)
+            });
             continue;
         };
         let [width, length, height] = a.size;
@@ -251,7 +263,9 @@ fn tracks(t: &SceneTables, frames: &[f64], zero: i64, label: &str, report: &mut 
         report.diagnostics.push(findings::annotations(label, &count, &invalid.unwrap_or_default()));
     }
     if !unknown.is_empty() {
-        report.diagnostics.push(findings::category(label, &unknown.into_iter().collect::<Vec<_>>().join(", ")));
+        report
+            .diagnostics
+            .push(findings::category(label, &unknown.into_iter().collect::<Vec<_>>().join(", ")));
     }
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     report.tables.push(count);
@@ -293,7 +307,9 @@ fn city_map(
         .collect();
     match map::read(&text, &places) {
         Ok(built) => {
-            report.diagnostics.extend(built.invalid_example.as_ref().map(|e| findings::map_invalid(&label, &built.count, e)));
+            report.diagnostics.extend(
+                built.invalid_example.as_ref().map(|e| findings::map_invalid(&label, &built.count, e)),
+            );
             report.tables.push(built.count);
             Some(built.map)
         }
@@ -311,7 +327,12 @@ fn media(t: &SceneTables) -> Vec<MediaFrame> {
         .iter()
         .filter_map(|d| {
             let camera = d.filename.split('/').find(|part| part.starts_with("CAM_"))?;
-            Some(MediaFrame { camera: camera.to_owned(), time: Nanos(d.timestamp * 1000), uri: d.filename.clone(), index: 0 })
+            Some(MediaFrame {
+                camera: camera.to_owned(),
+                time: Nanos(d.timestamp * 1000),
+                uri: d.filename.clone(),
+                index: 0,
+            })
         })
         .collect();
     out.sort_by(|a, b| (&a.camera, a.time, &a.uri).cmp(&(&b.camera, b.time, &b.uri)));

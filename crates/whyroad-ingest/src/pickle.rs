@@ -166,7 +166,10 @@ impl<'p> Value<'p> {
     /// The value under a text key. Of two with one key the last, as in Python.
     pub fn get(&self, key: &str) -> Option<Value<'p>> {
         let Node::Dict(all) = self.node() else { return None };
-        all.iter().rev().find(|(k, _)| self.value(*k).text().is_some_and(|t| t == key)).map(|&(_, v)| self.value(v))
+        all.iter()
+            .rev()
+            .find(|(k, _)| self.value(*k).text().is_some_and(|t| t == key))
+            .map(|&(_, v)| self.value(v))
     }
 
     /// Elements of a list, tuple or set.
@@ -193,7 +196,8 @@ impl<'p> Value<'p> {
             if a.is_empty() {
                 return Some(Vec::new());
             }
-            let row = |i: usize| (0..columns).map(|j| a.number_at(self.pickle, i, j)).collect::<Option<Vec<f64>>>();
+            let row =
+                |i: usize| (0..columns).map(|j| a.number_at(self.pickle, i, j)).collect::<Option<Vec<f64>>>();
             return (0..rows).map(row).collect();
         }
         let mut budget = self.pickle.file.len();

@@ -155,7 +155,9 @@ pub fn find_sources(format: Option<Format>, paths: &[PathBuf]) -> (Vec<Source>, 
         let before = sources.len();
         for &format in formats {
             match format.find(path) {
-                Ok(found) => sources.extend(found.into_iter().map(|(path, part)| Source { format, path, part })),
+                Ok(found) => {
+                    sources.extend(found.into_iter().map(|(path, part)| Source { format, path, part }))
+                }
                 Err(e) => problems.push(unreadable(&label, &e.to_string())),
             }
         }

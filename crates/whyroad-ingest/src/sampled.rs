@@ -119,7 +119,14 @@ impl Sampled {
     }
 
     /// The object as a track: rows for the frames in which it is there. Also the number of rows whose speed cannot be.
-    pub fn track_at(&self, id: &str, class: ObjectClass, source_class: &str, frames: &[f64], max_gap_s: f64) -> (Track, usize) {
+    pub fn track_at(
+        &self,
+        id: &str,
+        class: ObjectClass,
+        source_class: &str,
+        frames: &[f64],
+        max_gap_s: f64,
+    ) -> (Track, usize) {
         let x = linear(&self.times, &self.x, frames, max_gap_s);
         let there: Vec<usize> = (0..frames.len()).filter(|&i| x[i].is_finite()).collect();
         // Only the frames in which it is there go into the fits, so that one object's cost is its own length.
@@ -155,7 +162,14 @@ mod tests {
     use super::*;
 
     fn at(time: f64, x: f64, heading: f64) -> Sample {
-        Sample { time, position: [x, 0.0, 0.0], heading, velocity: [f64::NAN; 2], size: [4.0, 2.0, 0.0], points: f64::NAN }
+        Sample {
+            time,
+            position: [x, 0.0, 0.0],
+            heading,
+            velocity: [f64::NAN; 2],
+            size: [4.0, 2.0, 0.0],
+            points: f64::NAN,
+        }
     }
 
     #[test]

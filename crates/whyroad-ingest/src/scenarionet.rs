@@ -68,7 +68,8 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
 fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let label = path.display().to_string();
     let bytes = fs::read(path).map_err(|e| report.diagnostics.push(findings::io(&label, &e))).ok()?;
-    let pickle = Pickle::read(&bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
+    let pickle =
+        Pickle::read(&bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
     let root = pickle.root();
     let (all_tracks, times) = match parts(root) {
         Ok(parts) => parts,
@@ -101,7 +102,9 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
 
     let (lights, stops) = lights(root, &times, start);
     let map = root.get("map_features").and_then(|f| map::read(f, &stops)).map(|built| {
-        report.diagnostics.extend(built.invalid_example.as_ref().map(|e| findings::map(&label, &built.count, e)));
+        report
+            .diagnostics
+            .extend(built.invalid_example.as_ref().map(|e| findings::map(&label, &built.count, e)));
         report.tables.push(built.count);
         built.map
     });
@@ -128,7 +131,11 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
             licence: options.licence.clone(),
             frame_of_reference: FrameOfReference::World,
             content_hash: hash.finish(),
-            missing: missing.iter().filter(|(absent, _)| *absent).map(|(_, what)| (*what).to_owned()).collect(),
+            missing: missing
+                .iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| (*what).to_owned())
+                .collect(),
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&s| start(s)).collect(),
@@ -151,7 +158,8 @@ fn parts(root: Value<'_>) -> Result<(Value<'_>, Vec<f64>), (&'static str, String
         return Err(("/tracks", "is no dict".into()));
     }
     let ts = root.get("metadata").and_then(|m| m.get("ts").or_else(|| m.get("timestep")));
-    let times = ts.and_then(|v| v.column()).ok_or(("/metadata/ts", "is missing or no list of numbers".to_owned()))?;
+    let times =
+        ts.and_then(|v| v.column()).ok_or(("/metadata/ts", "is missing or no list of numbers".to_owned()))?;
     if times.is_empty() {
         return Err(("/metadata/ts", "has no times".into()));
     }

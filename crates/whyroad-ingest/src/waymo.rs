@@ -62,7 +62,8 @@ pub fn read(path: &Path, at: u64, options: &Options) -> (Option<Drive>, SourceRe
 
 fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let label = report.source.clone();
-    let record = tfrecord::read(path, at).map_err(|e| report.diagnostics.push(findings::record(&label, &e))).ok()?;
+    let record =
+        tfrecord::read(path, at).map_err(|e| report.diagnostics.push(findings::record(&label, &e))).ok()?;
     let scenario = match scenario::parse(&record) {
         Err(e) => Err(e.to_string()),
         Ok(s) if s.times.is_empty() || s.tracks.is_empty() => Err("it has no times or no tracks".to_owned()),
@@ -84,7 +85,9 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
     hash.add(&file_label(path), &record);
     let built = (!s.features.is_empty()).then(|| feature_map::build(s.features, &stops));
     let map = built.map(|built| {
-        report.diagnostics.extend(built.invalid_example.as_ref().map(|e| findings::map(&label, &built.count, e)));
+        report
+            .diagnostics
+            .extend(built.invalid_example.as_ref().map(|e| findings::map(&label, &built.count, e)));
         report.tables.push(built.count);
         built.map
     });
@@ -105,7 +108,11 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
             map_ref: map.as_ref().map(|_| name),
             licence: options.licence.clone(),
             content_hash: hash.finish(),
-            missing: missing.iter().filter(|(absent, _)| *absent).map(|(_, what)| (*what).to_owned()).collect(),
+            missing: missing
+                .iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| (*what).to_owned())
+                .collect(),
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&t| time(t)).collect(),
@@ -129,11 +136,20 @@ fn class_of(kind: i64) -> (&'static str, ObjectClass) {
     }
 }
 
-fn sampled(track: &ObjectTrack, steps: usize, count: &mut RowCount, what: &'static str) -> Result<Sampled, String> {
+fn sampled(
+    track: &ObjectTrack,
+    steps: usize,
+    count: &mut RowCount,
+    what: &'static str,
+) -> Result<Sampled, String> {
     count.read += track.states.len();
     if track.states.len() != steps {
         count.drop_rows("invalid", track.states.len());
-        return Err(format!("track {} has {} states, the scenario {steps} times", track.id, track.states.len()));
+        return Err(format!(
+            "track {} has {} states, the scenario {steps} times",
+            track.id,
+            track.states.len()
+        ));
     }
     let (mut out, mut bad) = (Sampled::default(), None);
     for state in &track.states {

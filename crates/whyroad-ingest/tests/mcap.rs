@@ -43,7 +43,10 @@ fn check_ego(drive: &Drive, forward: f64) {
     for i in 0..21 {
         let (x, y, a) = ego(i as f64 / 10.0, forward);
         assert!(near(m.x[i], x) && near(m.y[i], y) && near(m.heading[i], a), "{i}");
-        assert!((m.yaw_rate[i] - 0.2).abs() < 1e-3 && (m.vx[i].hypot(m.vy[i]) - 10.0).abs() < 0.01 + 0.03 * forward);
+        assert!(
+            (m.yaw_rate[i] - 0.2).abs() < 1e-3
+                && (m.vx[i].hypot(m.vy[i]) - 10.0).abs() < 0.01 + 0.03 * forward
+        );
     }
 }
 
@@ -54,7 +57,10 @@ fn check_car(drive: &Drive, id: &str) {
     for i in 0..21 {
         let (x, y, a) = ego(i as f64 / 10.0, 20.0);
         let want = (x - 3.0 * a.sin(), y + 3.0 * a.cos());
-        assert!(near(car.motion.x[i], want.0) && near(car.motion.y[i], want.1) && near(car.motion.heading[i], a), "{i}");
+        assert!(
+            near(car.motion.x[i], want.0) && near(car.motion.y[i], want.1) && near(car.motion.heading[i], a),
+            "{i}"
+        );
     }
 }
 
@@ -77,7 +83,11 @@ fn foxglove_messages_in_the_worlds_frame() {
     check_ego(&drive, 0.0);
     check_car(&drive, "7");
     let walker = drive.track(&"8".into()).unwrap();
-    assert!(walker.class == ObjectClass::Pedestrian && near(walker.motion.vy[10], 1.5) && near(walker.motion.y[20], 1.0));
+    assert!(
+        walker.class == ObjectClass::Pedestrian
+            && near(walker.motion.vy[10], 1.5)
+            && near(walker.motion.y[20], 1.0)
+    );
 }
 
 #[test]
@@ -88,21 +98,33 @@ fn a_fleets_own_messages_by_a_mapping_file() {
     let ego = drive.ego.as_ref().unwrap();
     assert!(near(ego.length_m, 4.8) && near(ego.reference_to_centre_m, 1.4));
     let bus = &ego.bus;
-    assert!(bus.speed_mps.iter().all(|v| near(*v, 10.0)) && bus.turn_signal.iter().all(|s| *s == Some(TurnSignal::Left)));
+    assert!(
+        bus.speed_mps.iter().all(|v| near(*v, 10.0))
+            && bus.turn_signal.iter().all(|s| *s == Some(TurnSignal::Left))
+    );
     assert_eq!((bus.brake[9], bus.brake[10], bus.gear[0]), (Some(false), Some(true), Some('D')));
     let walker = drive.track(&"8".into()).unwrap();
-    assert!(walker.class == ObjectClass::Pedestrian && near(walker.motion.y[10], -0.5) && near(walker.width_m[0], 0.7));
+    assert!(
+        walker.class == ObjectClass::Pedestrian
+            && near(walker.motion.y[10], -0.5)
+            && near(walker.width_m[0], 0.7)
+    );
 }
 
 #[test]
 fn without_a_mapping_the_topics_are_named_and_a_wrong_mapping_says_where() {
     let (drive, report) = mcap::read(&fixture("fleet.mcap"), &Options::default());
     assert!(drive.is_none() && codes(&report) == ["mcap.ego.missing"]);
-    assert!(report.diagnostics[0].message.en.contains("/gps/pose (fleet.gps.pose)"), "{:?}", report.diagnostics);
+    assert!(
+        report.diagnostics[0].message.en.contains("/gps/pose (fleet.gps.pose)"),
+        "{:?}",
+        report.diagnostics
+    );
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("m.yaml");
     fs::write(&file, "topics:\n  /a: { role: ego, postion: p }\n").unwrap();
-    let (_, report) = mcap::read(&fixture("fleet.mcap"), &Options { mapping: Some(file), ..Options::default() });
+    let (_, report) =
+        mcap::read(&fixture("fleet.mcap"), &Options { mapping: Some(file), ..Options::default() });
     assert_eq!(codes(&report), ["mcap.mapping"]);
     assert!(report.diagnostics[0].message.en.contains("postion"), "{:?}", report.diagnostics);
 }
@@ -121,13 +143,20 @@ fn what_a_cut_or_changed_file_still_has_is_kept() {
     bytes[900] ^= 1;
     fs::write(&path, &bytes).unwrap();
     let (drive, report) = mcap::read(&path, &Options::default());
-    assert!(drive.is_none() && codes(&report) == ["mcap.file.broken", "mcap.ego.missing"], "{:?}", report.diagnostics);
+    assert!(
+        drive.is_none() && codes(&report) == ["mcap.file.broken", "mcap.ego.missing"],
+        "{:?}",
+        report.diagnostics
+    );
 }
 
 #[test]
 fn recordings_are_recognised_and_come_in_once() {
     let (sources, problems) = find_sources(None, &[fixture("")]);
-    assert!(problems.is_empty() && sources.len() == 3 && sources.iter().all(|s| s.format == Format::Mcap), "{sources:?}");
+    assert!(
+        problems.is_empty() && sources.len() == 3 && sources.iter().all(|s| s.format == Format::Mcap),
+        "{sources:?}"
+    );
     let dir = tempfile::tempdir().unwrap();
     let lake = Lake::create_or_open(dir.path()).unwrap();
     let outcome = || whyroad_ingest::ingest(&sources[2], &Options::default(), &lake).outcome;

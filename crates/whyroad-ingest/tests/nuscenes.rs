@@ -30,7 +30,8 @@ fn each_scene_is_a_drive_with_its_own_rows_only() {
     assert!(problems.is_empty() && sources.iter().all(|s| s.format == Format::NuScenes), "{sources:?}");
     let drives: Vec<Drive> =
         sources.iter().map(|s| whyroad_ingest::read(s, &Options::default()).0.unwrap()).collect();
-    let ids: Vec<_> = drives.iter().map(|d| (d.meta.drive_id.as_str(), d.times.len(), d.tracks.len())).collect();
+    let ids: Vec<_> =
+        drives.iter().map(|d| (d.meta.drive_id.as_str(), d.times.len(), d.tracks.len())).collect();
     assert_eq!(ids, [("scene-0001", 21, 2), ("scene-0002", 6, 1)]);
     assert_eq!(drives[1].tracks[0].class, ObjectClass::Bus);
     let dir = tempfile::tempdir().unwrap();
@@ -46,7 +47,9 @@ fn the_ego_is_the_middle_of_the_car_at_the_frames() {
     assert_eq!(drive.times[0].0, 1_533_151_603_500_000_000);
     // The rear axle is at 600 + 10 t, the middle 1.385 m ahead.
     for (i, x) in ego.motion.x.iter().enumerate() {
-        assert!(near(*x, 601.385 + i as f64) && near(ego.motion.vx[i], 10.0) && ego.motion.accel[i].abs() < 1e-6);
+        assert!(
+            near(*x, 601.385 + i as f64) && near(ego.motion.vx[i], 10.0) && ego.motion.accel[i].abs() < 1e-6
+        );
     }
     let codes: Vec<_> = report.diagnostics.iter().map(|d| d.code).collect();
     assert_eq!(codes, ["ingest.rate.resampled"]);
@@ -102,7 +105,10 @@ fn lanes_come_from_their_arc_lines_and_far_ones_stay_away() {
     assert!(turn.centre.iter().all(|p| near((p.x - 630.0).hypot(p.y - 1616.0), 16.0)));
     assert_eq!((map.crosswalks.len(), map.junctions.len()), (1, 1));
     let stop = &map.stop_lines[0];
-    assert!(stop.lane_ids == ["lane-a"] && near(stop.line[0].y, 1601.8) && near(stop.line[1].y, 1598.2), "{stop:?}");
+    assert!(
+        stop.lane_ids == ["lane-a"] && near(stop.line[0].y, 1601.8) && near(stop.line[1].y, 1598.2),
+        "{stop:?}"
+    );
 }
 
 #[test]

@@ -16,7 +16,8 @@ fn fixtures() -> PathBuf {
 }
 
 fn read(name: &str) -> (Drive, SourceReport) {
-    let (drive, report) = scenarionet::read(&fixtures().join(format!("sd_byhand_{name}.pkl")), &Options::default());
+    let (drive, report) =
+        scenarionet::read(&fixtures().join(format!("sd_byhand_{name}.pkl")), &Options::default());
     assert!(report.tables.iter().all(|t| t.adds_up()), "{:?}", report.tables);
     (drive.unwrap(), report)
 }
@@ -50,7 +51,10 @@ fn every_protocol_and_both_numpys_give_the_same_drive() {
         assert_eq!(drive.map, first.map);
         assert_eq!(drive.lights, first.lights);
         for (a, b) in drive.tracks.iter().zip(&first.tracks) {
-            assert_eq!((&a.id, &a.frames, &a.motion.x, &a.motion.vx), (&b.id, &b.frames, &b.motion.x, &b.motion.vx));
+            assert_eq!(
+                (&a.id, &a.frames, &a.motion.x, &a.motion.vx),
+                (&b.id, &b.frames, &b.motion.x, &b.motion.vx)
+            );
         }
     }
 }
@@ -60,7 +64,9 @@ fn ego_and_objects_are_where_the_script_puts_them() {
     let (drive, report) = read("p5");
     let ego = drive.ego.as_ref().unwrap();
     // x = -40 + 10 t at t = 1.5 s.
-    assert!(near(ego.motion.x[15], -25.0) && near(ego.motion.vx[15], 10.0) && ego.motion.accel[15].abs() < 0.01);
+    assert!(
+        near(ego.motion.x[15], -25.0) && near(ego.motion.vx[15], 10.0) && ego.motion.accel[15].abs() < 0.01
+    );
     assert!(near(ego.length_m, 4.8) && near(ego.width_m, 2.0) && near(ego.height_m, 1.5));
     let cyclist = drive.track(&"30".into()).unwrap();
     // In view from frame 10: y = -6 + 2 t.
@@ -70,7 +76,10 @@ fn ego_and_objects_are_where_the_script_puts_them() {
     assert_eq!(drive.track(&"cone".into()).unwrap().class, ObjectClass::Cone);
     // 4 objects of 41 rows, of which the cyclist's first 10 are not valid.
     let states = &report.tables[0];
-    assert_eq!((states.read, states.kept["ego"], states.kept["track"], states.set_aside["not_observed"]), (164, 41, 113, 10));
+    assert_eq!(
+        (states.read, states.kept["ego"], states.kept["track"], states.set_aside["not_observed"]),
+        (164, 41, 113, 10)
+    );
 }
 
 #[test]
@@ -79,7 +88,10 @@ fn lanes_get_their_edges_from_the_lines_they_name() {
     let map = drive.map.unwrap();
     let lane = map.lane("100").unwrap();
     // The line 1.8 m to the left, the kerb 1.6 m to the right; the kerb is named for the first half only.
-    assert!(lane.left.iter().all(|p| near(p.y, 1.8)) && lane.right.iter().all(|p| near(p.y, -1.6)), "{lane:?}");
+    assert!(
+        lane.left.iter().all(|p| near(p.y, 1.8)) && lane.right.iter().all(|p| near(p.y, -1.6)),
+        "{lane:?}"
+    );
     assert_eq!((lane.left_mark, lane.right_mark), (LaneMark::Dashed, LaneMark::Unknown));
     assert_eq!((lane.left_neighbour.as_deref(), lane.right_neighbour.as_deref()), (Some("102"), None));
     assert_eq!(lane.successors, ["101"]);
@@ -102,8 +114,12 @@ fn light_states_begin_where_they_change_and_end_unseen() {
     let (drive, _) = read("p3");
     let lights = drive.lights.unwrap();
     let changes: Vec<_> = lights.iter().map(|l| (l.time.seconds_since(drive.times[0]), l.colour)).collect();
-    let expected =
-        [(0.0, LightColour::Green), (1.0, LightColour::Yellow), (2.0, LightColour::Red), (3.1, LightColour::Unknown)];
+    let expected = [
+        (0.0, LightColour::Green),
+        (1.0, LightColour::Yellow),
+        (2.0, LightColour::Red),
+        (3.1, LightColour::Unknown),
+    ];
     for (got, want) in changes.iter().zip(&expected) {
         assert!(near(got.0, want.0) && got.1 == want.1, "{changes:?}");
     }
@@ -140,7 +156,11 @@ fn objects_that_share_one_array_cannot_become_more_rows_than_the_file_has_bytes(
     let file = dir.path().join("sd_x.pkl");
     std::fs::write(&file, &b).unwrap();
     let (_, report) = scenarionet::read(&file, &Options::default());
-    assert!(report.tables[0].adds_up() && report.tables[0].dropped["invalid"] > 400_000, "{:?}", report.tables);
+    assert!(
+        report.tables[0].adds_up() && report.tables[0].dropped["invalid"] > 400_000,
+        "{:?}",
+        report.tables
+    );
 }
 
 #[test]
@@ -155,7 +175,9 @@ fn what_is_no_scenario_says_where() {
 #[test]
 fn a_database_is_recognised_and_the_same_scenario_comes_in_once() {
     let (sources, problems) = find_sources(None, &[fixtures()]);
-    assert!(problems.is_empty() && sources.len() == 5 && sources.iter().all(|s| s.format == Format::ScenarioNet));
+    assert!(
+        problems.is_empty() && sources.len() == 5 && sources.iter().all(|s| s.format == Format::ScenarioNet)
+    );
     let dir = tempfile::tempdir().unwrap();
     let lake = Lake::create_or_open(dir.path()).unwrap();
     let outcome = || whyroad_ingest::ingest(&sources[1], &Options::default(), &lake).outcome;

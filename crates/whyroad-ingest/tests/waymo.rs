@@ -59,7 +59,11 @@ fn objects_and_the_ego_move_as_the_script_says() {
     let drive = drive.unwrap();
     let ego = drive.ego.as_ref().unwrap();
     // x = -40 + 10 t - t^2 at 2 s; braking at 2 m/s2.
-    assert!(near(ego.motion.x[20], -24.0) && near(ego.motion.vx[20], 6.0) && (ego.motion.accel[20] + 2.0).abs() < 1e-3);
+    assert!(
+        near(ego.motion.x[20], -24.0)
+            && near(ego.motion.vx[20], 6.0)
+            && (ego.motion.accel[20] + 2.0).abs() < 1e-3
+    );
     assert!(near(ego.length_m, 4.8) && near(ego.width_m, 2.1) && near(ego.height_m, 1.6));
     assert_eq!(drive.tracks.iter().map(|t| t.id.as_str()).collect::<Vec<_>>(), ["41", "7"]);
     let walker = &drive.tracks[0];
@@ -67,9 +71,16 @@ fn objects_and_the_ego_move_as_the_script_says() {
     assert_eq!((walker.class, walker.frames.len()), (ObjectClass::Pedestrian, 11));
     assert!(near(walker.motion.y[10], -4.5) && near(walker.motion.heading[10], std::f64::consts::FRAC_PI_2));
     let cyclist = &drive.tracks[1];
-    assert!(cyclist.class == ObjectClass::Bicycle && near(cyclist.motion.vy[30], -4.0) && near(cyclist.motion.y[30], -4.0));
+    assert!(
+        cyclist.class == ObjectClass::Bicycle
+            && near(cyclist.motion.vy[30], -4.0)
+            && near(cyclist.motion.y[30], -4.0)
+    );
     let states = &report.tables[0];
-    assert_eq!((states.read, states.kept["ego"], states.kept["track"], states.set_aside["not_observed"]), (93, 31, 42, 20));
+    assert_eq!(
+        (states.read, states.kept["ego"], states.kept["track"], states.set_aside["not_observed"]),
+        (93, 31, 42, 20)
+    );
 }
 
 #[test]
@@ -86,7 +97,11 @@ fn the_map_has_edges_marks_limits_and_what_lies_beside() {
     assert_eq!((map.signs[0].kind.as_str(), map.signs[0].lane_ids[0].as_str()), ("stop", "102"));
     assert_eq!((map.facilities.len(), map.crosswalks.len(), map.stop_lines.len()), (2, 1, 1));
     let stop = &map.stop_lines[0];
-    assert!(stop.lane_ids == ["101"] && stop.line.iter().all(|p| near(p.x, 0.0)) && stop.line[0].y > stop.line[1].y);
+    assert!(
+        stop.lane_ids == ["101"]
+            && stop.line.iter().all(|p| near(p.x, 0.0))
+            && stop.line[0].y > stop.line[1].y
+    );
 }
 
 #[test]
@@ -95,7 +110,10 @@ fn light_states_are_those_of_the_lane() {
     let lights = drive.lights.as_ref().unwrap();
     let seen: Vec<_> = lights.iter().map(|l| (l.lane_id.as_str(), l.time, l.colour)).collect();
     // In view from step 5, red from step 15.
-    assert_eq!(seen, [("101", drive.times[5], LightColour::Green), ("101", drive.times[15], LightColour::Red)]);
+    assert_eq!(
+        seen,
+        [("101", drive.times[5], LightColour::Green), ("101", drive.times[15], LightColour::Red)]
+    );
 }
 
 #[test]

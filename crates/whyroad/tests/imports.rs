@@ -37,7 +37,10 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("clap", &["whyroad"]),
     ("anyhow", &["whyroad"]),
     ("indicatif", &["whyroad"]),
-    ("serde_yaml_ng", &["whyroad-framework", "whyroad-ingest", "whyroad-signals", "whyroad-mining", "whyroad"]),
+    (
+        "serde_yaml_ng",
+        &["whyroad-framework", "whyroad-ingest", "whyroad-signals", "whyroad-mining", "whyroad"],
+    ),
 ];
 
 /// Query engines stay out of the build (DESIGN.md "Why not a query engine inside").
@@ -68,7 +71,11 @@ fn normal_dependencies(package: &Value) -> BTreeSet<&str> {
 fn crates_import_only_what_the_table_allows() {
     let metadata = metadata(&["--no-deps"]);
     let packages = metadata["packages"].as_array().unwrap();
-    assert_eq!(packages.len(), MAY_IMPORT.len(), "a crate is missing from the table, or the table names one too many");
+    assert_eq!(
+        packages.len(),
+        MAY_IMPORT.len(),
+        "a crate is missing from the table, or the table names one too many"
+    );
     for package in packages {
         let name = package["name"].as_str().unwrap();
         let (_, allowed) = MAY_IMPORT.iter().find(|(n, _)| *n == name).expect(name);
@@ -95,7 +102,11 @@ fn no_query_engine_and_only_allowed_licences_in_the_build() {
     let metadata = metadata(&["--filter-platform", &host_triple()]);
     // One list for this test and for cargo-deny.
     let deny = include_str!("../../../deny.toml");
-    let list = deny.split_once("allow = [").and_then(|(_, rest)| rest.split_once(']')).expect("deny.toml lists licences").0;
+    let list = deny
+        .split_once("allow = [")
+        .and_then(|(_, rest)| rest.split_once(']'))
+        .expect("deny.toml lists licences")
+        .0;
     let allowed: BTreeSet<&str> = list.split('"').skip(1).step_by(2).collect();
     assert!(allowed.contains("Apache-2.0"));
     let packages = metadata["packages"].as_array().unwrap();

@@ -26,7 +26,11 @@ pub(super) fn at_frames(rows: &[BusRow], seconds: impl Fn(i64) -> f64, frames: &
             all.iter().map(|(t, v)| (*t, v.as_f64().unwrap_or(f64::NAN))).unzip();
         linear(&times, &values, frames, STATE_HOLDS_S)
     };
-    fn states<T>(all: &[(f64, &Value)], frames: &[f64], read: impl Fn(&Value) -> Option<T>) -> Vec<Option<T>> {
+    fn states<T>(
+        all: &[(f64, &Value)],
+        frames: &[f64],
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Vec<Option<T>> {
         if all.is_empty() {
             return Vec::new();
         }

@@ -35,8 +35,21 @@ fn plain(name: &str) -> String {
 fn is_builtin(kind: &str) -> bool {
     matches!(
         kind,
-        "bool" | "byte" | "char" | "int8" | "uint8" | "int16" | "uint16" | "int32" | "uint32" | "int64" | "uint64"
-            | "float32" | "float64" | "string" | "wstring"
+        "bool"
+            | "byte"
+            | "char"
+            | "int8"
+            | "uint8"
+            | "int16"
+            | "uint16"
+            | "int32"
+            | "uint32"
+            | "int64"
+            | "uint64"
+            | "float32"
+            | "float64"
+            | "string"
+            | "wstring"
     )
 }
 
@@ -191,7 +204,8 @@ mod tests {
     #[test]
     fn values_are_aligned_and_either_end_first() {
         // CDR by hand: uint8 7, three bytes of filling, uint32 1, string "ab" (length 3 with its zero), filling, double 1.5.
-        let t = MessageType::parse("a/msg/B", "uint8 x\nint32 C=5 # a constant\nuint32 y\nstring s\nfloat64 z");
+        let t =
+            MessageType::parse("a/msg/B", "uint8 x\nint32 C=5 # a constant\nuint32 y\nstring s\nfloat64 z");
         let little = b"\0\x01\0\0\x07\0\0\0\x01\0\0\0\x03\0\0\0ab\0\0\0\0\0\0\0\0\xf8\x3f";
         let big = b"\0\0\0\0\x07\0\0\0\0\0\0\x01\0\0\0\x03ab\0\0\x3f\xf8\0\0\0\0\0\0";
         let want = serde_json::json!({"x": 7, "y": 1, "s": "ab", "z": 1.5});

@@ -16,19 +16,34 @@ pub(crate) const CODES: &[&str] = &[
 ];
 
 fn look() -> Bilingual {
-    Bilingual::new("docs/guides/ingest.zh.md 的 mcap 一节说明映射文件", "the section mcap of docs/guides/ingest.md describes the mapping file")
+    Bilingual::new(
+        "docs/guides/ingest.zh.md 的 mcap 一节说明映射文件",
+        "the section mcap of docs/guides/ingest.md describes the mapping file",
+    )
 }
 
 pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("mcap.file.broken", Bilingual::new(format!("部分内容丢失：{reason}"), format!("a part is lost: {reason}")))
-        .with_hint(Bilingual::new("用 `mcap recover` 修复该文件，或重新复制", "mend the file with `mcap recover`, or copy it again"))
-        .in_file(file)
+    Diagnostic::error(
+        "mcap.file.broken",
+        Bilingual::new(format!("部分内容丢失：{reason}"), format!("a part is lost: {reason}")),
+    )
+    .with_hint(Bilingual::new(
+        "用 `mcap recover` 修复该文件，或重新复制",
+        "mend the file with `mcap recover`, or copy it again",
+    ))
+    .in_file(file)
 }
 
 pub(super) fn mapping(file: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error("mcap.mapping", Bilingual::new(format!("映射文件无法使用：{reason}"), format!("the mapping file cannot be used: {reason}")))
-        .with_hint(look())
-        .in_file(file)
+    Diagnostic::error(
+        "mcap.mapping",
+        Bilingual::new(
+            format!("映射文件无法使用：{reason}"),
+            format!("the mapping file cannot be used: {reason}"),
+        ),
+    )
+    .with_hint(look())
+    .in_file(file)
 }
 
 pub(super) fn ego_missing(file: &str, topics: &str) -> Diagnostic {
@@ -74,7 +89,10 @@ pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {
             format!("frame '{frame_id}' is neither the world's nor the ego's; {rows} rows dropped"),
         ),
     )
-    .with_hint(Bilingual::new("在映射文件中为该主题写 `frame: world` 或 `frame: ego`", "say `frame: world` or `frame: ego` for the topic in a mapping file"))
+    .with_hint(Bilingual::new(
+        "在映射文件中为该主题写 `frame: world` 或 `frame: ego`",
+        "say `frame: world` or `frame: ego` for the topic in a mapping file",
+    ))
     .in_file(file)
 }
 
@@ -83,7 +101,10 @@ pub(super) fn dropped(file: &str, count: &RowCount) -> Diagnostic {
     let (table, n, list) = (count.table, count.dropped_total(), list.join(", "));
     Diagnostic::warning(
         "mcap.rows.dropped",
-        Bilingual::new(format!("{table}：丢弃 {n} 行（{list}）"), format!("{table}: {n} rows dropped ({list})")),
+        Bilingual::new(
+            format!("{table}：丢弃 {n} 行（{list}）"),
+            format!("{table}: {n} rows dropped ({list})"),
+        ),
     )
     .in_file(file)
 }
@@ -96,6 +117,9 @@ pub(super) fn class(file: &str, names: &str) -> Diagnostic {
             format!("class names that are none of ours, kept as class unknown: {names}"),
         ),
     )
-    .with_hint(Bilingual::new("在映射文件的 `classes` 中对应它们", "map them under `classes` in a mapping file"))
+    .with_hint(Bilingual::new(
+        "在映射文件的 `classes` 中对应它们",
+        "map them under `classes` in a mapping file",
+    ))
     .in_file(file)
 }

@@ -97,12 +97,18 @@ pub(super) fn standard(schema: &str) -> Option<Rule> {
             velocity: path("twist.twist.linear"),
             ..stamped
         },
-        "geometry_msgs/PoseStamped" => {
-            Rule { role: Role::Ego, position: path("pose.position"), orientation: path("pose.orientation"), ..stamped }
-        }
-        "foxglove.PoseInFrame" => {
-            Rule { role: Role::Ego, position: path("pose.position"), orientation: path("pose.orientation"), ..foxglove }
-        }
+        "geometry_msgs/PoseStamped" => Rule {
+            role: Role::Ego,
+            position: path("pose.position"),
+            orientation: path("pose.orientation"),
+            ..stamped
+        },
+        "foxglove.PoseInFrame" => Rule {
+            role: Role::Ego,
+            position: path("pose.position"),
+            orientation: path("pose.orientation"),
+            ..foxglove
+        },
         "foxglove.SceneUpdate" => Rule {
             role: Role::Objects,
             list: path("entities"),

@@ -71,7 +71,9 @@ impl MessageTypes {
                 out.insert(t.name.clone(), self.one(t, &f, depth)?);
             } else if let Some(Value::Array(list)) = out.get_mut(&t.name) {
                 match f.wire {
-                    Wire::Bytes(packed) if !matches!(t.kind, STRING | MESSAGE | BYTES) => unpack(t.kind, packed, &f, list)?,
+                    Wire::Bytes(packed) if !matches!(t.kind, STRING | MESSAGE | BYTES) => {
+                        unpack(t.kind, packed, &f, list)?
+                    }
                     _ => list.push(self.one(t, &f, depth)?),
                 }
             }

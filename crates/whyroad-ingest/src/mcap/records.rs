@@ -168,7 +168,11 @@ pub(super) fn read(path: &Path, each: &mut dyn FnMut(Message<'_>)) -> Vec<Record
     errors
 }
 
-fn read_all(path: &Path, each: &mut dyn FnMut(Message<'_>), lost: &mut Vec<RecordError>) -> Result<(), RecordError> {
+fn read_all(
+    path: &Path,
+    each: &mut dyn FnMut(Message<'_>),
+    lost: &mut Vec<RecordError>,
+) -> Result<(), RecordError> {
     if !is_mcap(path)? {
         return Err(RecordError::Magic);
     }

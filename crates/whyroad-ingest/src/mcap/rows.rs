@@ -87,7 +87,8 @@ fn time(v: Option<&Value>) -> Option<i64> {
         return seconds.checked_mul(1_000_000_000)?.checked_add(nanos).filter(|t| *t != 0);
     }
     let n = v.as_f64().filter(|n| *n > 0.0)?;
-    let to_nanos = [(1e17, 1.0), (1e14, 1e3), (1e11, 1e6)].iter().find(|(least, _)| n > *least).map_or(1e9, |(_, f)| *f);
+    let to_nanos =
+        [(1e17, 1.0), (1e14, 1e3), (1e11, 1e6)].iter().find(|(least, _)| n > *least).map_or(1e9, |(_, f)| *f);
     // A whole number of nanoseconds is kept exactly.
     if to_nanos == 1.0 { v.as_i64() } else { Some((n * to_nanos).round() as i64) }
 }
@@ -133,7 +134,8 @@ pub(super) fn of(message: &Value, rule: &Rule, log_time: i64) -> Rows {
                 return out;
             };
             for item in list {
-                let object = text(get(item, &rule.id)).ok_or("no_id").and_then(|id| Ok((id, pose(item, rule)?)));
+                let object =
+                    text(get(item, &rule.id)).ok_or("no_id").and_then(|id| Ok((id, pose(item, rule)?)));
                 match object {
                     Err(reason) => out.dropped.push(reason),
                     Ok((id, pose)) => out.objects.push(ObjectRow {

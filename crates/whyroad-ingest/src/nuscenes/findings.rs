@@ -19,7 +19,10 @@ pub(super) fn table(dir: &str, e: &TableError) -> Diagnostic {
     let (table, reason) = (e.table, &e.reason);
     Diagnostic::error(
         "nuscenes.table.unreadable",
-        Bilingual::new(format!("无法读取表 {table}：{reason}"), format!("table {table} cannot be read: {reason}")),
+        Bilingual::new(
+            format!("无法读取表 {table}：{reason}"),
+            format!("table {table} cannot be read: {reason}"),
+        ),
     )
     .with_hint(Bilingual::new("重新解压该数据集的元数据包", "unpack the set's metadata archive again"))
     .in_file(format!("{dir}/{table}.json"))
@@ -28,7 +31,10 @@ pub(super) fn table(dir: &str, e: &TableError) -> Diagnostic {
 pub(super) fn empty(place: &str) -> Diagnostic {
     Diagnostic::error(
         "nuscenes.scene.empty",
-        Bilingual::new("该场景没有两个以上的自车位姿或关键帧", "the scene has no two ego poses or keyframes, so it has no frames"),
+        Bilingual::new(
+            "该场景没有两个以上的自车位姿或关键帧",
+            "the scene has no two ego poses or keyframes, so it has no frames",
+        ),
     )
     .with_hint(Bilingual::new("重新解压该数据集的元数据包", "unpack the set's metadata archive again"))
     .in_file(place)
@@ -38,7 +44,10 @@ pub(super) fn annotations(place: &str, count: &RowCount, example: &str) -> Diagn
     let n = count.dropped_total();
     Diagnostic::warning(
         "nuscenes.annotations.invalid",
-        Bilingual::new(format!("丢弃 {n} 行标注；例如 {example}"), format!("{n} annotation rows dropped; for example {example}")),
+        Bilingual::new(
+            format!("丢弃 {n} 行标注；例如 {example}"),
+            format!("{n} annotation rows dropped; for example {example}"),
+        ),
     )
     .in_file(place)
 }
@@ -57,7 +66,10 @@ pub(super) fn category(place: &str, names: &str) -> Diagnostic {
 pub(super) fn bus(file: &str) -> Diagnostic {
     Diagnostic::error(
         "nuscenes.bus.unreadable",
-        Bilingual::new("总线消息无法读取，行程不带它保留", "the bus messages cannot be read; the drive is kept without them"),
+        Bilingual::new(
+            "总线消息无法读取，行程不带它保留",
+            "the bus messages cannot be read; the drive is kept without them",
+        ),
     )
     .with_hint(Bilingual::new("重新解压 CAN bus 扩展包", "unpack the CAN bus expansion again"))
     .in_file(file)

@@ -135,12 +135,14 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
         tokens.iter().filter_map(|t| nodes.get(t.as_str()).copied()).collect()
     };
     // Every fifth place is half a second of driving: far denser than the reach.
-    let near = |line: &[Point3]| line.iter().any(|p| places.iter().step_by(5).any(|e| distance(*p, *e) <= REACH_M));
+    let near =
+        |line: &[Point3]| line.iter().any(|p| places.iter().step_by(5).any(|e| distance(*p, *e) <= REACH_M));
     let mut features = Vec::new();
     let all = city.lane.iter().map(|l| (l, false)).chain(city.lane_connector.iter().map(|l| (l, true)));
     for (row, connector) in all {
         let mut centre = Vec::new();
-        for arc in city.arcline_path_3.get(&row.token).into_iter().flatten().filter(|a| a.radius.abs() > 1e-6) {
+        for arc in city.arcline_path_3.get(&row.token).into_iter().flatten().filter(|a| a.radius.abs() > 1e-6)
+        {
             along(arc, &mut centre);
         }
         centre.dedup_by(|b, a| distance(*a, *b) < 1e-3);
@@ -148,7 +150,8 @@ pub(super) fn read(text: &[u8], places: &[Point3]) -> Result<Built, String> {
             continue;
         }
         let mut side = |name: &str, dividers: &[Divider]| {
-            let line: Vec<Point3> = dividers.iter().filter_map(|d| nodes.get(d.node_token.as_str()).copied()).collect();
+            let line: Vec<Point3> =
+                dividers.iter().filter_map(|d| nodes.get(d.node_token.as_str()).copied()).collect();
             if line.len() < 2 {
                 return Vec::new();
             }
@@ -231,7 +234,12 @@ mod tests {
     fn a_quarter_circle_to_the_left_ends_where_geometry_says() {
         // 10 m straight along x, then a quarter of a circle of radius 20 m: it ends at (30, 20).
         let quarter = 20.0 * PI / 2.0;
-        let arc = Arc { start_pose: [0.0, 0.0, 0.0], shape: "SLS".into(), radius: 20.0, segment_length: [10.0, quarter, 0.0] };
+        let arc = Arc {
+            start_pose: [0.0, 0.0, 0.0],
+            shape: "SLS".into(),
+            radius: 20.0,
+            segment_length: [10.0, quarter, 0.0],
+        };
         let mut line = Vec::new();
         along(&arc, &mut line);
         let last = line[line.len() - 1];

@@ -96,7 +96,11 @@ pub(super) struct TableError {
 }
 
 /// Calls `keep` for every row of a table, one at a time.
-fn each_row<T: DeserializeOwned>(dir: &Path, table: &'static str, keep: impl FnMut(T)) -> Result<(), TableError> {
+fn each_row<T: DeserializeOwned>(
+    dir: &Path,
+    table: &'static str,
+    keep: impl FnMut(T),
+) -> Result<(), TableError> {
     struct Rows<T, F>(F, PhantomData<T>);
     impl<'de, T: Deserialize<'de>, F: FnMut(T)> Visitor<'de> for Rows<T, F> {
         type Value = ();

@@ -66,7 +66,13 @@ pub(crate) struct Array {
 
 impl Array {
     /// An array whose bytes fit its shape; otherwise what is wrong.
-    pub(super) fn new(dtype: Dtype, shape: Vec<usize>, fortran: bool, data: Data, have: usize) -> Result<Self, String> {
+    pub(super) fn new(
+        dtype: Dtype,
+        shape: Vec<usize>,
+        fortran: bool,
+        data: Data,
+        have: usize,
+    ) -> Result<Self, String> {
         let elements = shape.iter().try_fold(1usize, |n, &d| n.checked_mul(d));
         let wanted = match (&data, elements) {
             (Data::Raw(_), Some(n)) => n.checked_mul(dtype.size),

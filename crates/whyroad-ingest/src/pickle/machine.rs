@@ -172,7 +172,9 @@ impl Machine<'_> {
                 let (module, name) = (self.line()?, self.line()?);
                 return Err(PickleError::Forbidden(format!("{module}.{name}")));
             }
-            b'P' | b'Q' => return Err(PickleError::Forbidden("an object outside the file (persistent id)".into())),
+            b'P' | b'Q' => {
+                return Err(PickleError::Forbidden("an object outside the file (persistent id)".into()));
+            }
             0x82..=0x84 => return Err(PickleError::Forbidden("a name from the extension registry".into())),
             0x97 | 0x98 => return Err(PickleError::Forbidden("a buffer outside the file".into())),
             b'I' | b'L' | b'F' | b'S' | b'V' | b'p' | b'g' => {

@@ -30,7 +30,8 @@ pub(super) enum Name {
 /// The meaning of `module.name`; `None` for everything else, which is refused.
 pub(super) fn known(module: &str, name: &str) -> Option<Name> {
     // numpy 2 renamed `numpy.core` to `numpy._core`.
-    let module = module.strip_prefix("numpy._core").map_or(module.to_owned(), |rest| format!("numpy.core{rest}"));
+    let module =
+        module.strip_prefix("numpy._core").map_or(module.to_owned(), |rest| format!("numpy.core{rest}"));
     Some(match (module.as_str(), name) {
         ("numpy.core.multiarray", "_reconstruct") => Name::Reconstruct,
         ("numpy.core.numeric", "_frombuffer") => Name::FromBuffer,

@@ -40,7 +40,10 @@ pub(super) fn pickle(file: &str, e: &PickleError) -> Diagnostic {
 fn unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error(
         "scenarionet.pickle.unreadable",
-        Bilingual::new(format!("无法读取该 pickle：{reason}"), format!("the pickle cannot be read: {reason}")),
+        Bilingual::new(
+            format!("无法读取该 pickle：{reason}"),
+            format!("the pickle cannot be read: {reason}"),
+        ),
     )
     .with_hint(Bilingual::new("重新下载或重新导出该文件", "download or export the file again"))
     .in_file(file)
@@ -51,7 +54,10 @@ pub(super) fn schema(file: &str, pointer: &str, what: &str) -> Diagnostic {
     let key = if pointer.is_empty() { "the file" } else { pointer };
     Diagnostic::error(
         "scenarionet.schema",
-        Bilingual::new(format!("不是 ScenarioNet 场景：{key} {what}"), format!("not a ScenarioNet scenario: {key} {what}")),
+        Bilingual::new(
+            format!("不是 ScenarioNet 场景：{key} {what}"),
+            format!("not a ScenarioNet scenario: {key} {what}"),
+        ),
     )
     .with_hint(Bilingual::new(
         "用 MetaDrive 的 ScenarioDescription.sanity_check 检查该文件",
@@ -67,7 +73,10 @@ pub(super) fn of_tracks(file: &str, t: &Tracks) -> Vec<Diagnostic> {
         let n = t.count.dropped_total();
         out.push(Diagnostic::warning(
             "scenarionet.tracks.invalid",
-            Bilingual::new(format!("丢弃 {n} 行；例如 {example}"), format!("{n} rows dropped; for example {example}")),
+            Bilingual::new(
+                format!("丢弃 {n} 行；例如 {example}"),
+                format!("{n} rows dropped; for example {example}"),
+            ),
         ));
     }
     if !t.unknown_types.is_empty() {

@@ -25,8 +25,14 @@ fn feature(f: Value<'_>, kind: &str) -> Option<Result<Feature, String>> {
     let points = |key: &str| f.get(key).and_then(points).ok_or_else(|| format!("{kind} without {key}"));
     let area = || points("polygon").or_else(|_| points("polyline"));
     Some(match kind {
-        _ if kind.starts_with("LANE_") => points("polyline").map(|centre| Feature::Lane(Box::new(lane(f, kind, centre)))),
-        _ if kind.starts_with("ROAD_LINE_") || kind.starts_with("ROAD_EDGE_") || kind == "UNKNOWN_LINE" || kind == "UNKNOWN" => {
+        _ if kind.starts_with("LANE_") => {
+            points("polyline").map(|centre| Feature::Lane(Box::new(lane(f, kind, centre))))
+        }
+        _ if kind.starts_with("ROAD_LINE_")
+            || kind.starts_with("ROAD_EDGE_")
+            || kind == "UNKNOWN_LINE"
+            || kind == "UNKNOWN" =>
+        {
             area().map(Feature::Line)
         }
         "GUARDRAIL" => area().map(Feature::Line),
@@ -64,7 +70,9 @@ fn ids(f: Value<'_>, key: &str) -> Vec<String> {
 
 fn lane(f: Value<'_>, kind: &str, centre: Vec<Point3>) -> CentreLane {
     let number = |key: &str| f.get(key).and_then(|v| v.number()).filter(|v| *v > 0.0);
-    let limit = number("speed_limit_kmh").map(|v| v * MPS_PER_KMH).or(number("speed_limit_mph").map(|v| v * MPS_PER_MPH));
+    let limit = number("speed_limit_kmh")
+        .map(|v| v * MPS_PER_KMH)
+        .or(number("speed_limit_mph").map(|v| v * MPS_PER_MPH));
     // Waymo's connecting lanes are marked as made between two others; nuScenes' are of a kind of their own.
     let connecting = f.get("interpolating").and_then(|v| v.truth()) == Some(true) && kind != "LANE_FREEWAY";
     let width_m = f.get("polygon").and_then(points).and_then(|outline| mean_width(&outline, &centre));

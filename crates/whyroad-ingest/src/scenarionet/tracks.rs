@@ -111,7 +111,8 @@ impl Tracks {
                 sampled.push(sample);
             } else {
                 self.count.drop_rows("invalid", 1);
-                self.invalid_example.get_or_insert_with(|| format!("a place or heading at {time} s is not a number"));
+                self.invalid_example
+                    .get_or_insert_with(|| format!("a place or heading at {time} s is not a number"));
             }
         }
         Ok(sampled)

@@ -16,14 +16,18 @@ pub(crate) const CODES: &[&str] = &[
 
 pub(super) fn record(file: &str, e: &RecordError) -> Diagnostic {
     let (code, zh) = match e {
-        RecordError::Truncated { at, wanted, have } => {
-            ("waymo.record.truncated", format!("位于字节 {at} 的记录需要 {wanted} 字节，文件只剩 {have} 字节"))
-        }
+        RecordError::Truncated { at, wanted, have } => (
+            "waymo.record.truncated",
+            format!("位于字节 {at} 的记录需要 {wanted} 字节，文件只剩 {have} 字节"),
+        ),
         RecordError::Length(at) => ("waymo.record.corrupt", format!("位于字节 {at} 的记录长度与校验和不符")),
         RecordError::Content(at) => ("waymo.record.corrupt", format!("位于字节 {at} 的记录与校验和不符")),
         RecordError::Io(e) => ("waymo.record.corrupt", e.to_string()),
     };
-    let (zh, en) = (format!("{zh}；该记录及其后的内容丢失"), format!("{e}; it is lost, and what cannot be found after it"));
+    let (zh, en) = (
+        format!("{zh}；该记录及其后的内容丢失"),
+        format!("{e}; it is lost, and what cannot be found after it"),
+    );
     Diagnostic::error(code, Bilingual::new(zh, en))
         .with_hint(Bilingual::new("重新下载该文件", "download the file again"))
         .in_file(file)
@@ -32,7 +36,10 @@ pub(super) fn record(file: &str, e: &RecordError) -> Diagnostic {
 pub(super) fn schema(file: &str, what: &str) -> Diagnostic {
     Diagnostic::error(
         "waymo.schema",
-        Bilingual::new(format!("记录不是 Scenario 消息：{what}"), format!("the record is no Scenario message: {what}")),
+        Bilingual::new(
+            format!("记录不是 Scenario 消息：{what}"),
+            format!("the record is no Scenario message: {what}"),
+        ),
     )
     .with_hint(Bilingual::new(
         "需要运动数据集的 scenario 格式（不是 tf_example，也不是感知数据集）",
@@ -57,7 +64,10 @@ pub(super) fn tracks(file: &str, count: &RowCount, example: &str) -> Diagnostic 
     let n = count.dropped_total();
     Diagnostic::warning(
         "waymo.tracks.invalid",
-        Bilingual::new(format!("丢弃 {n} 行；例如 {example}"), format!("{n} rows dropped; for example {example}")),
+        Bilingual::new(
+            format!("丢弃 {n} 行；例如 {example}"),
+            format!("{n} rows dropped; for example {example}"),
+        ),
     )
     .in_file(file)
 }

@@ -236,7 +236,12 @@ fn boundary(field: Field<'_>) -> Parsed<Boundary> {
         5 => LaneMark::DoubleDashed,
         _ => LaneMark::Unknown,
     };
-    Ok(Boundary { start: start.max(0) as usize, end: end.max(0) as usize, feature: feature.to_string(), mark })
+    Ok(Boundary {
+        start: start.max(0) as usize,
+        end: end.max(0) as usize,
+        feature: feature.to_string(),
+        mark,
+    })
 }
 
 fn neighbour(field: Field<'_>) -> Parsed<Neighbour> {

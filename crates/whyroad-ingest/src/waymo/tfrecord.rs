@@ -108,7 +108,10 @@ mod tests {
     fn checksums_of_the_standard() {
         // RFC 3720 B.4: 32 zeros, 32 ones, 0..31; and the check value of the CRC catalogue.
         let rising: Vec<u8> = (0..32).collect();
-        assert_eq!([crc32c(&[0; 32]), crc32c(&[0xff; 32]), crc32c(&rising)], [0x8a91_36aa, 0x62a8_ab43, 0x46dd_794e]);
+        assert_eq!(
+            [crc32c(&[0; 32]), crc32c(&[0xff; 32]), crc32c(&rising)],
+            [0x8a91_36aa, 0x62a8_ab43, 0x46dd_794e]
+        );
         assert_eq!(crc32c(b"123456789"), 0xe306_9283);
     }
 }
