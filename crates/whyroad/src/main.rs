@@ -42,6 +42,8 @@ enum Command {
     Ingest(cmd::ingest::Args),
     /// Show what a lake holds
     Inspect(cmd::inspect::Args),
+    /// List and show the signals that rules can speak of
+    Signals(cmd::signals::Args),
     /// Find episodes
     Mine(cmd::mine::Args),
     /// Write the coverage report
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
         Command::Validate(a) => cmd::validate::run(&cli.global, a),
         Command::Ingest(a) => cmd::ingest::run(&cli.global, a),
         Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
+        Command::Signals(a) => cmd::signals::run(&cli.global, a),
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),

@@ -5,5 +5,6 @@ pub(crate) mod ingest;
 pub(crate) mod inspect;
 pub(crate) mod mine;
 pub(crate) mod report;
+pub(crate) mod signals;
 pub(crate) mod taxonomy;
 pub(crate) mod validate;

@@ -1,0 +1,148 @@
+//! `whyroad signals`: the catalogue of signals that rules can speak of.
+
+use crate::{Global, framework_folder, output};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::{Bilingual, Diagnostic, Lang};
+use whyroad_signals::catalogue::{Catalogue, Scope, SignalDef, SignalKind};
+
+/// Arguments of `whyroad signals`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    command: SignalsCommand,
+}
+
+#[derive(clap::Subcommand)]
+enum SignalsCommand {
+    /// List all signals: name, type, unit, what they need from a log
+    List {
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Show one signal, by name or alias
+    Show {
+        /// Name or alias: target.gap, ttc, target_vehicle.lateral_offset
+        name: String,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let (catalogue, found) = Catalogue::parse(&framework.signals_yaml);
+    for d in &found {
+        tell!("{}", render_text(d, global.lang));
+    }
+    let code = if found.is_empty() { output::FINE } else { output::FINDINGS };
+    match args.command {
+        SignalsCommand::List { json: true } => {
+            output::put(&format!("{:#}\n", Value::from_iter(catalogue.iter().map(as_json))));
+        }
+        SignalsCommand::List { json: false } => output::put(&table(&catalogue, global.lang)),
+        SignalsCommand::Show { name, json } => {
+            let Some((signal, _)) = catalogue.resolve(&name) else {
+                tell!("{}", render_text(&unknown(&catalogue, &name), global.lang));
+                return Ok(output::FINDINGS);
+            };
+            output::put(&if json { format!("{:#}\n", as_json(signal)) } else { page(signal, global.lang) });
+        }
+    }
+    Ok(code)
+}
+
+fn unknown(catalogue: &Catalogue, name: &str) -> Diagnostic {
+    let message = Bilingual::new(format!("没有信号 '{name}'"), format!("there is no signal '{name}'"));
+    let near = catalogue.similar(name).join(", ");
+    let hint = if near.is_empty() {
+        Bilingual::new("用 whyroad signals list 查看全部信号", "whyroad signals list shows them all")
+    } else {
+        Bilingual::new(format!("是否指 {near}？"), format!("did you mean {near}?"))
+    };
+    Diagnostic::error("rule.signal.unknown", message).with_hint(hint)
+}
+
+fn kind_name(signal: &SignalDef) -> &'static str {
+    match signal.kind {
+        SignalKind::Number(_) => "number",
+        SignalKind::Flag => "flag",
+        SignalKind::Category(_) => "category",
+    }
+}
+
+fn scope_name(signal: &SignalDef) -> &'static str {
+    match signal.scope {
+        Scope::Frame => "frame",
+        Scope::Target => "target",
+    }
+}
+
+fn as_json(signal: &SignalDef) -> Value {
+    let names = match &signal.kind {
+        SignalKind::Category(names) => json!(names.as_ref()),
+        _ => Value::Null,
+    };
+    json!({
+        "name": signal.name,
+        "aliases": signal.aliases,
+        "scope": scope_name(signal),
+        "type": kind_name(signal),
+        "values": names,
+        "unit": signal.unit,
+        "meaning": signal.meaning,
+        "needs": signal.needs,
+        "source": signal.source,
+        "scale": signal.scale,
+    })
+}
+
+fn table(catalogue: &Catalogue, lang: Lang) -> String {
+    let mut out = String::new();
+    for s in catalogue.iter() {
+        let unit = if s.unit.is_empty() { kind_name(s) } else { &s.unit };
+        let _ = writeln!(out, "{:<30} {:<9} {}", s.name, unit, first_sentence(s.meaning.get(lang)));
+    }
+    out
+}
+
+/// Up to the first full stop that ends a sentence.
+fn first_sentence(text: &str) -> &str {
+    let english = text.find(". ").map(|i| i + 1);
+    let chinese = text.find('。').map(|i| i + '。'.len_utf8());
+    let end = english.into_iter().chain(chinese).min().unwrap_or(text.len());
+    &text[..end]
+}
+
+fn page(s: &SignalDef, lang: Lang) -> String {
+    let word = |zh: &'static str, en: &'static str| if lang == Lang::Zh { zh } else { en };
+    let mut out = format!("{}\n  {}\n\n", s.name, s.meaning.get(lang));
+    let mut line = |name: &str, value: String| {
+        if !value.is_empty() {
+            let _ = writeln!(out, "  {name}: {value}");
+        }
+    };
+    line(
+        word("范围", "one value"),
+        match s.scope {
+            Scope::Frame => word("每帧一个值", "a frame").to_owned(),
+            Scope::Target => word("每个目标每帧一个值", "a target and frame").to_owned(),
+        },
+    );
+    line(
+        word("类型", "type"),
+        match &s.kind {
+            SignalKind::Category(names) => names.join(" | "),
+            _ => kind_name(s).to_owned(),
+        },
+    );
+    line(word("单位", "unit"), s.unit.clone());
+    line(word("日志需要", "needs from the log"), s.needs.join(", "));
+    line(word("出处", "source"), s.source.clone());
+    line(word("别名", "aliases"), s.aliases.join(", "));
+    out
+}
