@@ -18,7 +18,7 @@ use crate::report::{RowCount, SourceReport};
 use crate::run::Options;
 use crate::sampled::{Frames, Sample, Sampled};
 use crate::se3::{self, Se3};
-use crate::source::{ContentHash, drive_id, file_label, impossible_speeds, resampled};
+use crate::source::{ContentHash, drive_id, file_label, find_files, impossible_speeds, resampled};
 use mapping::{Frame, Mapping, Role, Rule};
 use records::Channel;
 use rows::{BusRow, EgoRow, ObjectRow, Rows};
@@ -40,22 +40,7 @@ const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicl
 
 /// MCAP files at or below `path`, sorted.
 pub fn find_recordings(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(path: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        if path.is_file() {
-            if path.extension().is_some_and(|e| e == "mcap") {
-                out.push(path.to_owned());
-            }
-        } else if depth > 0 {
-            for entry in fs::read_dir(path)? {
-                search(&entry?.path(), depth - 1, out)?;
-            }
-        }
-        Ok(())
-    }
-    let mut out = Vec::new();
-    search(path, 4, &mut out)?;
-    out.sort();
-    Ok(out)
+    find_files(path, |file| file.extension().is_some_and(|e| e == "mcap"))
 }
 
 /// Reads one recording. `None` when there is nothing that could be kept; the report says why.

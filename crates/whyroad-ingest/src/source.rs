@@ -1,7 +1,8 @@
-//! What all adapters do with a source: name the drive, hash the input, tell of impossible speeds.
+//! What all adapters do with a source: find it, name the drive, hash the input, tell of impossible speeds.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
@@ -27,6 +28,63 @@ impl ContentHash {
     pub fn finish(self) -> String {
         self.0.finalize().to_hex().to_string()
     }
+}
+
+/// How far below a named folder sources are looked for.
+const SEARCH_DEPTH: usize = 3;
+
+/// Folders at or below `path` that `is_source` accepts, sorted. What is inside one is not searched.
+pub(crate) fn find_folders(path: &Path, is_source: impl Fn(&Path) -> bool) -> io::Result<Vec<PathBuf>> {
+    fn search(
+        dir: &Path,
+        depth: usize,
+        is_source: &dyn Fn(&Path) -> bool,
+        out: &mut Vec<PathBuf>,
+    ) -> io::Result<()> {
+        if is_source(dir) {
+            out.push(dir.to_owned());
+            return Ok(());
+        }
+        for entry in fs::read_dir(dir)? {
+            let path = entry?.path();
+            if depth > 0 && path.is_dir() {
+                search(&path, depth - 1, is_source, out)?;
+            }
+        }
+        Ok(())
+    }
+    let mut out = Vec::new();
+    if path.is_dir() {
+        search(path, SEARCH_DEPTH, &is_source, &mut out)?;
+    }
+    out.sort();
+    Ok(out)
+}
+
+/// Files at or below `path` that `is_source` accepts, sorted.
+pub(crate) fn find_files(path: &Path, is_source: impl Fn(&Path) -> bool) -> io::Result<Vec<PathBuf>> {
+    fn search(
+        path: &Path,
+        depth: usize,
+        is_source: &dyn Fn(&Path) -> bool,
+        out: &mut Vec<PathBuf>,
+    ) -> io::Result<()> {
+        if path.is_file() {
+            if is_source(path) {
+                out.push(path.to_owned());
+            }
+        } else if depth > 0 {
+            for entry in fs::read_dir(path)? {
+                search(&entry?.path(), depth - 1, is_source, out)?;
+            }
+        }
+        Ok(())
+    }
+    let mut out = Vec::new();
+    // A file directly in the named folder is one level down already.
+    search(path, SEARCH_DEPTH + 1, &is_source, &mut out)?;
+    out.sort();
+    Ok(out)
 }
 
 /// The last part of a path, as text.

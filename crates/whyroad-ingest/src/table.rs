@@ -16,7 +16,7 @@ mod states;
 use crate::report::SourceReport;
 use crate::run::Options;
 use crate::sampled::{Frames, every_tenth};
-use crate::source::{ContentHash, drive_id, file_label, resampled};
+use crate::source::{ContentHash, drive_id, file_label, find_folders, resampled};
 pub(crate) use findings::CODES;
 use meta::Meta;
 use sheet::{Sheet, sheet_file};
@@ -33,25 +33,7 @@ const GAP_STEPS: f64 = 1.5;
 
 /// Drive folders at or below `path`, sorted: with a drive file, an ego table, and not of a lake (which has `clips.parquet`).
 pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        if is_drive(dir) {
-            out.push(dir.to_owned());
-            return Ok(());
-        }
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
-            if depth > 0 && path.is_dir() {
-                search(&path, depth - 1, out)?;
-            }
-        }
-        Ok(())
-    }
-    let mut out = Vec::new();
-    if path.is_dir() {
-        search(path, 3, &mut out)?;
-    }
-    out.sort();
-    Ok(out)
+    find_folders(path, is_drive)
 }
 
 fn is_drive(dir: &Path) -> bool {

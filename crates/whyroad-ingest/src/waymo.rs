@@ -14,11 +14,11 @@ use crate::lane_lights;
 use crate::report::{RowCount, SourceReport};
 use crate::run::Options;
 use crate::sampled::{Frames, Sampled, median};
-use crate::source::{ContentHash, drive_id, file_label, impossible_speeds, resampled};
+use crate::source::{ContentHash, drive_id, file_label, find_files, impossible_speeds, resampled};
 use scenario::{ObjectTrack, Scenario};
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, LightColour, LightState};
 use whyroad_model::{Drive, Nanos, ObjectClass};
@@ -30,23 +30,9 @@ const MAX_GAP_S: f64 = 0.25;
 
 /// Records at or below `path` in files whose name says `tfrecord`, with the byte at which each begins; sorted.
 pub fn find_scenarios(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
-    fn search(path: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        if path.is_file() {
-            if path.file_name().is_some_and(|n| n.to_string_lossy().contains("tfrecord")) {
-                out.push(path.to_owned());
-            }
-        } else if depth > 0 {
-            for entry in fs::read_dir(path)? {
-                search(&entry?.path(), depth - 1, out)?;
-            }
-        }
-        Ok(())
-    }
-    let mut files = Vec::new();
-    search(path, 4, &mut files)?;
-    files.sort();
+    let is_records = |file: &Path| file.file_name().is_some_and(|n| n.to_string_lossy().contains("tfrecord"));
     let mut out = Vec::new();
-    for file in files {
+    for file in find_files(path, is_records)? {
         out.extend(tfrecord::offsets(&file)?.into_iter().map(|at| (file.clone(), at)));
     }
     Ok(out)

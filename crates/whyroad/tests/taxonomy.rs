@@ -1,34 +1,11 @@
 //! `whyroad taxonomy` as a user runs it: exit codes, what goes to stdout, what a person reads in both languages.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
+mod session;
+
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-struct Run {
-    code: i32,
-    out: String,
-    err: String,
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
-}
-
-fn whyroad_in(folder: &Path, args: &[&str]) -> Run {
-    let output = Command::new(env!("CARGO_BIN_EXE_whyroad"))
-        .args(args)
-        .current_dir(folder)
-        .env_remove("WHYROAD_FRAMEWORK")
-        .env_remove("WHYROAD_LANG")
-        .output()
-        .unwrap();
-    Run {
-        code: output.status.code().unwrap(),
-        out: String::from_utf8(output.stdout).unwrap(),
-        err: String::from_utf8(output.stderr).unwrap(),
-    }
-}
+use session::{Run, root, whyroad_in};
+use std::path::Path;
 
 fn whyroad(args: &[&str]) -> Run {
     whyroad_in(&root(), args)

@@ -15,7 +15,7 @@ use crate::kinematics::MAX_GAP_S;
 use crate::report::{RowCount, SourceReport};
 use crate::run::Options;
 use crate::sampled::{Sample, Sampled};
-use crate::source::{ContentHash, drive_id, file_label, impossible_speeds};
+use crate::source::{ContentHash, drive_id, file_label, find_folders, impossible_speeds};
 pub(crate) use findings::CODES;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -30,25 +30,7 @@ const EGO: &str = "AV";
 
 /// Scenario folders (one with `scenario_*.parquet` in it) at or below `path`, sorted.
 pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        if scenario_file(dir).is_some() {
-            out.push(dir.to_owned());
-            return Ok(());
-        }
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
-            if depth > 0 && path.is_dir() {
-                search(&path, depth - 1, out)?;
-            }
-        }
-        Ok(())
-    }
-    let mut out = Vec::new();
-    if path.is_dir() {
-        search(path, 3, &mut out)?;
-    }
-    out.sort();
-    Ok(out)
+    find_folders(path, |dir| scenario_file(dir).is_some())
 }
 
 fn scenario_file(dir: &Path) -> Option<PathBuf> {
