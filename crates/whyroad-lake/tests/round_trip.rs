@@ -160,6 +160,7 @@ fn lane(id: String) -> impl Strategy<Value = Lane> {
             width_m: speed,
             junction_id: t[2].clone(),
             turn,
+            tags: t[2].iter().cloned().collect(),
         })
 }
 
@@ -187,7 +188,8 @@ fn road_map() -> impl Strategy<Value = RoadMap> {
                     lane_ids: vec![],
                     value,
                 }],
-                facilities: vec![Facility { id: "f".into(), kind, boundary: boundary.clone() }],
+                facilities: vec![Facility { id: "f".into(), kind: kind.clone(), boundary: boundary.clone() }],
+                complete_for: vec![kind],
             }
         })
 }

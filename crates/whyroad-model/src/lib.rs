@@ -15,6 +15,7 @@ pub mod signal;
 pub mod text;
 pub mod time;
 pub mod units;
+pub mod vocabulary;
 
 pub use column::{Column, Tri};
 pub use diagnostic::{Diagnostic, Place, Severity};

@@ -30,6 +30,9 @@ pub struct RoadMap {
     pub signs: Vec<Sign>,
     /// Toll gates, speed bumps, tunnels and the like.
     pub facilities: Vec<Facility>,
+    /// Kinds of signs and facilities of which the map has all there are, ordered. Of any other kind a map that has
+    /// none does not tell that there is none.
+    pub complete_for: Vec<String>,
 }
 
 /// One lane segment. Left and right are as seen when driving along it.
@@ -67,6 +70,8 @@ pub struct Lane {
     pub junction_id: Option<String>,
     /// Turn that the lane makes across a junction, where the source tells.
     pub turn: Option<TurnKind>,
+    /// What else the lane is: words of [`crate::vocabulary::LANE_TAGS`].
+    pub tags: Vec<String>,
 }
 
 /// Who a lane is for.
@@ -150,7 +155,7 @@ pub struct StopLine {
 pub struct Sign {
     /// Id within the map.
     pub id: String,
-    /// `stop`, `yield`, `speed_limit`, ...
+    /// A word of [`crate::vocabulary::SIGN_KINDS`].
     pub kind: String,
     /// Where it stands.
     pub position: Point3,
@@ -160,18 +165,32 @@ pub struct Sign {
     pub value: Option<f64>,
 }
 
-/// A part of the road with a purpose: `speed_bump`, `toll`, `gate`, `tunnel`, `roundabout`, `construction`.
+/// A part of the road or its surroundings with a purpose: a tunnel, a toll booth, a building.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facility {
     /// Id within the map.
     pub id: String,
-    /// What it is.
+    /// What it is: a word of [`crate::vocabulary::FACILITY_KINDS`].
     pub kind: String,
     /// Its area, or its line when it has two points.
     pub boundary: Vec<Point3>,
 }
 
+impl Lane {
+    /// True when the source says so of the lane; `tag` is a word of [`crate::vocabulary::LANE_TAGS`].
+    pub fn is_tagged(&self, tag: &str) -> bool {
+        self.tags.iter().any(|t| t == tag)
+    }
+}
+
 impl RoadMap {
+    /// True when the map tells where there are signs or facilities of `kind`: it has one, or states that it has all.
+    pub fn tells(&self, kind: &str) -> bool {
+        self.complete_for.iter().any(|k| k == kind)
+            || self.facilities.iter().any(|f| f.kind == kind)
+            || self.signs.iter().any(|s| s.kind == kind)
+    }
+
     /// The lane with this id.
     pub fn lane(&self, id: &str) -> Option<&Lane> {
         self.lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok().map(|i| &self.lanes[i])

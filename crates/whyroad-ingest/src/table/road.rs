@@ -125,6 +125,7 @@ fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
             width_m: Some(width[i]).filter(|v| v.is_finite()),
             junction_id: junction[i].clone(),
             turn: turn[i],
+            tags: Vec::new(),
         });
     }
     map.lanes.sort_by(|a, b| a.id.cmp(&b.id));

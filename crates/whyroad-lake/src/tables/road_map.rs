@@ -7,6 +7,7 @@ use crate::tables::states::text_at;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 
+/// Order of the features; the rows of `complete_for`, which are about the map and no feature of it, come last.
 pub(crate) const ROW_ORDER: &str = "lane,crosswalk,junction,drivable_area,stop_line,sign,facility; id";
 
 /// One row, of whatever feature.
@@ -62,6 +63,11 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         purpose: Some(&f.kind),
         ..Row::default()
     }));
+    rows.extend(map.complete_for.iter().map(|kind| Row {
+        feature: "complete_for",
+        id: kind,
+        ..Row::default()
+    }));
     let lanes = || rows.iter().map(|r| r.lane);
     let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
     TableBuilder::default()
@@ -86,6 +92,7 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         .numbers("width_m", lanes().map(|l| number(l.and_then(|l| l.width_m))))
         .texts_or_null("junction_id", lanes().map(|l| l.and_then(|l| l.junction_id.as_ref())))
         .texts_or_null("turn", lanes().map(|l| l.and_then(|l| l.turn.as_ref()).map(member_name)))
+        .text_lists("tags", lanes().map(|l| l.map_or(&[][..], |l| &l.tags)))
 }
 
 pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
@@ -100,6 +107,8 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
     let in_junction = t.flags("in_junction")?;
     let (limits, widths) = (t.numbers("speed_limit_mps")?, t.numbers("width_m")?);
     let junctions = t.texts_or_null("junction_id")?;
+    // Lakes written before lanes had tags.
+    let tags = if t.has("tags") { t.text_lists("tags")? } else { vec![Vec::new(); t.rows()] };
     let known = |v: f64| (!v.is_nan()).then_some(v);
 
     let mut map = RoadMap::default();
@@ -125,6 +134,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
                 width_m: known(widths[i]),
                 junction_id: text_at(junctions, i),
                 turn: turns[i],
+                tags: tags[i].clone(),
             }),
             "crosswalk" => map.crosswalks.push(Area { id, boundary }),
             "junction" => map.junctions.push(Area { id, boundary }),
@@ -140,6 +150,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
                 value: known(values[i]),
             }),
             "facility" => map.facilities.push(Facility { id, kind: purpose(), boundary }),
+            "complete_for" => map.complete_for.push(id),
             other => return Err(LakeError::broken(&t.path, format!("'{other}' is not a map feature"))),
         }
     }

@@ -1,0 +1,59 @@
+//! Closed lists of words that maps and context states are made of. Adapters bring their sources' words to these; signals
+//! read no others. What each is used for is told in `docs/lake.md`.
+
+/// Tags of a lane ([`crate::road_map::Lane::tags`]).
+pub const LANE_TAGS: &[&str] =
+    &["ramp", "acceleration", "deceleration", "tidal", "variable", "waiting_area", "unpaved"];
+
+/// Kinds of facilities ([`crate::road_map::Facility::kind`]).
+pub const FACILITY_KINDS: &[&str] = &[
+    "speed_bump",
+    "toll_etc",
+    "toll_manual",
+    "toll_plaza",
+    "gate",
+    "tunnel",
+    "roundabout",
+    "construction",
+    "building",
+    "barrier_gap",
+    "waiting_area",
+    "accident",
+    "bridge",
+    "parking",
+    "driveway",
+];
+
+/// Kinds of signs ([`crate::road_map::Sign::kind`]).
+pub const SIGN_KINDS: &[&str] = &["stop", "yield", "speed_limit", "lane_arrow", "prohibition", "warning"];
+
+/// What the value of a context state is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContextValues {
+    /// One of these words.
+    Words(&'static [&'static str]),
+    /// A number as text, in the unit named here.
+    Number(&'static str),
+}
+
+/// Kinds of context states ([`crate::scene::ContextState`]) and their values.
+pub const CONTEXT_KINDS: &[(&str, ContextValues)] = &[
+    ("weather", ContextValues::Words(&["clear", "rain", "snow", "fog"])),
+    ("visibility", ContextValues::Number("m")),
+    ("surface", ContextValues::Words(&["dry", "wet", "puddle", "snow", "ice", "rough"])),
+    ("lighting", ContextValues::Words(&["day", "dusk", "night", "tunnel", "glare"])),
+    ("road_type", ContextValues::Words(&["urban", "motorway", "rural", "mountain"])),
+    ("pavement", ContextValues::Words(&["paved", "unpaved"])),
+    ("lane_marks", ContextValues::Words(&["normal", "missing", "faded", "wrong"])),
+    ("construction", ContextValues::Words(&["none", "ahead", "here"])),
+    ("accident", ContextValues::Words(&["none", "ahead", "here"])),
+    ("gate", ContextValues::Words(&["closed", "opening", "open"])),
+    ("nav_speed_limit", ContextValues::Number("m/s")),
+    ("route_distance", ContextValues::Number("m")),
+    ("warning_light", ContextValues::Words(&["none", "flashing_yellow"])),
+];
+
+/// What the value of a context state of `kind` must be; `None` for a kind that is not in the list.
+pub fn context_values(kind: &str) -> Option<ContextValues> {
+    CONTEXT_KINDS.iter().find(|(k, _)| *k == kind).map(|(_, values)| *values)
+}
