@@ -5,6 +5,7 @@
 //! (`scale` in the catalogue) the nearest deciding comparison is fulfilled (positive) or missed (negative).
 //! That is the robustness of signal temporal logic, cut off at [`MARGIN_LIMIT`].
 
+mod objects;
 mod temporal;
 mod timeline;
 
@@ -13,11 +14,12 @@ pub use timeline::{Row, STEP, Timeline};
 
 use crate::language::program::{NodeId, Op, Program, Scope};
 use crate::language::syntax::CompareOp;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, SignalTable, Tri};
+use whyroad_model::{Column, FrameRange, SignalTable, Tri};
 
 /// Margins are cut off here; flags and categories, which are true or false without degree, have it in full.
 pub const MARGIN_LIMIT: f64 = 2.0;
@@ -52,12 +54,44 @@ pub struct Evaluator<'a> {
     table: &'a SignalTable,
     timeline: Timeline,
     of_drive: Vec<Option<Rc<Series>>>,
+    /// What pairs share: values over all rows of one object, by node and the object's first row.
+    of_object: BTreeMap<(NodeId, usize), Rc<Series>>,
 }
 
-/// One question: for which rows, and where the keyframe is once that is known. Keeps what it has computed.
+/// Which objects take the roles of the rule; without any, it is about the drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Roles<'a> {
+    /// The target.
+    pub target: Option<&'a TargetSpan>,
+    /// The object in the second role.
+    pub second: Option<&'a TargetSpan>,
+}
+
+impl Roles<'_> {
+    /// Which nodes have their rows in a pass with these roles.
+    fn scope(self) -> Scope {
+        match (self.target, self.second) {
+            (None, None) => Scope::Frame,
+            (Some(_), None) => Scope::Target,
+            (None, Some(_)) => Scope::Second,
+            (Some(_), Some(_)) => Scope::Pair,
+        }
+    }
+}
+
+/// What is known of the episode that is being built, in frames of the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Moments {
+    /// The keyframe.
+    pub keyframe: usize,
+    /// The match.
+    pub matched: FrameRange,
+}
+
+/// One question: for which rows, and of which episode once there is one. Keeps what it has computed.
 pub struct Pass<'a> {
-    target: Option<&'a TargetSpan>,
-    keyframe: Option<usize>,
+    roles: Roles<'a>,
+    episode: Option<Moments>,
     done: Vec<Option<Rc<Series>>>,
 }
 
@@ -65,37 +99,39 @@ impl<'a> Evaluator<'a> {
     /// An evaluator that has computed nothing yet.
     pub fn new(program: &'a Program, table: &'a SignalTable) -> Self {
         let of_drive = vec![None; program.nodes.len()];
-        Self { program, table, timeline: Timeline::new(&table.times), of_drive }
+        let of_object = BTreeMap::new();
+        Self { program, table, timeline: Timeline::new(&table.times), of_drive, of_object }
     }
 
     /// A pass over the rows of `target`, or of the whole drive without one.
     pub fn pass(&self, target: Option<&'a TargetSpan>) -> Pass<'a> {
-        Pass { target, keyframe: None, done: vec![None; self.program.nodes.len()] }
+        self.pass_of(Roles { target, second: None })
     }
 
-    /// The same rows with the keyframe set at a frame of the drive.
-    pub fn at_keyframe(&self, pass: &Pass<'a>, keyframe: usize) -> Pass<'a> {
-        let keep = |i: usize| pass.done[i].clone().filter(|_| !self.program.nodes[i].needs_keyframe);
+    /// A pass over the rows in which everything that has a role is seen.
+    pub fn pass_of(&self, roles: Roles<'a>) -> Pass<'a> {
+        Pass { roles, episode: None, done: vec![None; self.program.nodes.len()] }
+    }
+
+    /// The same rows for one of their episodes.
+    pub fn at_episode(&self, pass: &Pass<'a>, episode: Moments) -> Pass<'a> {
+        let keep = |i: usize| pass.done[i].clone().filter(|_| !self.program.nodes[i].needs_episode);
         let done = (0..self.program.nodes.len()).map(keep).collect();
-        Pass { target: pass.target, keyframe: Some(keyframe), done }
+        Pass { roles: pass.roles, episode: Some(episode), done }
     }
 
     /// The rows that a pass speaks of.
     pub fn rows(&self, pass: &Pass<'_>) -> &[Row] {
-        let (from, to) = self.window(pass);
+        let (from, to) = self.window(pass.roles);
         &self.timeline.rows[from..to]
     }
 
-    fn window(&self, pass: &Pass<'_>) -> (usize, usize) {
-        match pass.target {
-            Some(span) => self.timeline.window(span.frames),
-            None => (0, self.timeline.rows.len()),
+    fn window(&self, roles: Roles<'_>) -> (usize, usize) {
+        match (roles.target, roles.second) {
+            (Some(a), Some(b)) => self.timeline.window(a.frames.intersect(b.frames)),
+            (Some(one), None) | (None, Some(one)) => self.timeline.window(one.frames),
+            (None, None) => (0, self.timeline.rows.len()),
         }
-    }
-
-    /// Truth and margin of a condition.
-    pub fn truths(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Rc<Series> {
-        self.series(id, pass)
     }
 
     /// The values of a node on the rows of the pass.
@@ -104,13 +140,11 @@ impl<'a> Evaluator<'a> {
             return done.clone();
         }
         let node = self.program.node(id);
-        let result = if node.scope == Scope::Frame && pass.target.is_some() {
+        let result = if node.scope != pass.roles.scope() {
             // What does not depend on the target has its meaning over the whole drive, not over the rows in
-            // which the target happens to be seen.
-            let whole = self.of_whole_drive(id, pass.keyframe);
-            let (from, to) = self.window(pass);
-            Rc::new(whole.slice(from, to))
-        } else if node.scope == Scope::Frame && !node.needs_keyframe {
+            // which the target happens to be seen; what depends on one object of a pair, over all rows of that one.
+            self.of_fewer_roles(id, pass)
+        } else if node.scope == Scope::Frame && !node.needs_episode {
             match self.of_drive[id.0].clone() {
                 Some(done) => done,
                 None => {
@@ -124,12 +158,6 @@ impl<'a> Evaluator<'a> {
         };
         pass.done[id.0] = Some(result.clone());
         result
-    }
-
-    fn of_whole_drive(&mut self, id: NodeId, keyframe: Option<usize>) -> Rc<Series> {
-        let mut pass = self.pass(None);
-        pass.keyframe = keyframe;
-        self.series(id, &mut pass)
     }
 
     fn numbers(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Vec<f64> {
@@ -152,7 +180,8 @@ impl<'a> Evaluator<'a> {
         match &program.node(id).op {
             Op::Constant(x) => Series::Numbers(vec![*x; n]),
             Op::Truth(b) => Series::Truths(Truths::of_flags(vec![Tri::from(*b); n])),
-            Op::Signal(name) => self.signal(name, pass),
+            Op::Signal(name) => self.signal(name, pass.roles.target, pass),
+            Op::SecondSignal(name) => self.signal(name, pass.roles.second, pass),
             Op::Negate(a) => Series::Numbers(self.numbers(*a, pass).into_iter().map(|x| -x).collect()),
             Op::Absolute(a) => Series::Numbers(self.numbers(*a, pass).into_iter().map(f64::abs).collect()),
             Op::Add(a, b) => self.zip(*a, *b, pass, |x, y| x + y),
@@ -214,8 +243,26 @@ impl<'a> Evaluator<'a> {
                 let c = self.conditions(*a, pass);
                 Series::Truths(temporal::previously(&c, self.rows(pass), *d))
             }
+            Op::Since(a, b) => {
+                let (a, b) = (self.conditions(*a, pass), self.conditions(*b, pass));
+                Series::Truths(temporal::since(&a, &b))
+            }
+            Op::Until(a, b) => {
+                let (a, b) = (self.conditions(*a, pass), self.conditions(*b, pass));
+                Series::Truths(temporal::until(&a, &b))
+            }
+            Op::Bridge(a, d) => {
+                let c = self.conditions(*a, pass);
+                Series::Truths(temporal::bridged(&c, self.rows(pass), *d))
+            }
+            Op::AtLeast { of, count, subject } => {
+                Series::Truths(self.at_least(*of, *count, *subject, pass.episode))
+            }
             Op::Before(a) => Series::Truths(self.conditions(*a, pass).shifted()),
-            Op::AtKeyframe(a) => self.at_keyframe_value(*a, pass),
+            Op::AtKeyframe(a) => self.at_keyframe(*a, pass),
+            Op::InMatch(a) => Series::Truths(self.in_match(*a, pass)),
+            Op::MatchLeast(a) => self.extreme_in_match(*a, pass, f64::min),
+            Op::MatchGreatest(a) => self.extreme_in_match(*a, pass, f64::max),
         }
     }
 
@@ -224,26 +271,10 @@ impl<'a> Evaluator<'a> {
         Series::Numbers(a.into_iter().zip(b).map(|(x, y)| f(x, y)).collect())
     }
 
-    fn at_keyframe_value(&mut self, of: NodeId, pass: &mut Pass<'a>) -> Series {
-        let series = self.series(of, pass);
-        let n = self.rows(pass).len();
-        let row = pass.keyframe.and_then(|k| self.rows(pass).iter().position(|r| r.frame == Some(k)));
-        match series.as_ref() {
-            Series::Numbers(v) => Series::Numbers(vec![row.map_or(f64::NAN, |r| v[r]); n]),
-            Series::Truths(t) => {
-                let (value, margin) = row.map_or((Tri::Unknown, f64::NAN), |r| (t.value[r], t.margin[r]));
-                Series::Truths(Truths { value: vec![value; n], margin: vec![margin; n] })
-            }
-            Series::Categories(c, names) => {
-                Series::Categories(vec![row.map_or(UNKNOWN_CODE, |r| c[r]); n], names.clone())
-            }
-        }
-    }
-
     /// A signal on the rows of the pass; unknown in the rows of a gap and where the log lacks it.
-    fn signal(&self, name: &str, pass: &Pass<'_>) -> Series {
+    fn signal(&self, name: &str, of: Option<&TargetSpan>, pass: &Pass<'_>) -> Series {
         let rows = self.rows(pass);
-        let (column, offset) = match pass.target {
+        let (column, offset) = match of {
             Some(span) if name.starts_with("target.") => {
                 (self.table.target_columns.get(name), Some((span.first_row, span.frames.start)))
             }

@@ -2,7 +2,7 @@
 
 use super::moment::{Known, Sought, resolve};
 use super::{Episode, Rank, score};
-use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Pass, Row, Series, Truths};
+use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Row, Series, Truths};
 use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::{Listed, Rule};
 use serde_json::Value;
@@ -114,7 +114,7 @@ fn episode<'a>(
     // A keyframe may lie outside the match (0.5 s before the turn): the conditions are judged at the frame of
     // the match that is nearest to it.
     let judged = keyframe.clamp(times.matched.start, times.matched.end - 1);
-    let mut at = evaluator.at_keyframe(pass, judged);
+    let mut at = evaluator.at_episode(pass, Moments { keyframe: judged, matched: times.matched });
     let row = evaluator.rows(&at).iter().position(|r| r.frame == Some(judged))?;
     let mut margin = mean_margin(when, first, last);
     for id in &rule.require {

@@ -2,6 +2,10 @@
 //! *what was not recorded is unknown*. A drive that is cut off, a target that was not yet seen and a gap in
 //! the log can turn an answer into unknown, never into its opposite.
 
+mod chain;
+
+pub use chain::{bridged, since, until};
+
 use super::MARGIN_LIMIT;
 use super::timeline::{Row, STEP};
 use whyroad_model::{Nanos, Tri};

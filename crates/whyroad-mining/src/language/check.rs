@@ -2,17 +2,19 @@
 //! wrong with a rule is found here, when it is read; evaluation cannot fail.
 
 mod atoms;
+mod calls;
+mod compare;
 mod moments;
 mod names;
 mod words;
 
 pub use names::nearest;
 
-use words::{kind_en, kind_zh, mismatch, unknown_call};
+use words::{kind_en, kind_zh, mismatch};
 
 use super::Fault;
 use super::program::{Kind, NodeId, Op, Program, Scope, Subject};
-use super::syntax::{ArithmeticOp, CompareOp, Expr, ExprKind, Quantity, Span};
+use super::syntax::{ArithmeticOp, Expr, ExprKind, Quantity, Span};
 use std::collections::BTreeMap;
 use whyroad_model::Nanos;
 use whyroad_model::units::Dimension;
@@ -29,6 +31,28 @@ pub struct Checker<'a> {
     pub program: Program,
     /// Restriction of the target by prefixes such as `target_vehicle.`.
     pub subject: Option<Subject>,
+    /// Names of the rule's roles.
+    pub roles: RoleNames,
+    /// Whom `target.` means at present.
+    meaning: Meaning,
+}
+
+/// How a rule calls the objects that it binds. `target.` always names the first one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RoleNames {
+    /// Another name of the target, such as `lead`.
+    pub first: Option<String>,
+    /// Name of the second role, such as `obstacle`.
+    pub second: Option<String>,
+}
+
+/// Whom `target.` means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meaning {
+    /// The object in the rule's first role.
+    Role,
+    /// Each object in turn, inside `count`, `exists` and `forall`.
+    Counted,
 }
 
 type Lowered = Result<NodeId, Fault>;
@@ -42,6 +66,8 @@ impl<'a> Checker<'a> {
             definitions: BTreeMap::new(),
             program: Program::default(),
             subject: None,
+            roles: RoleNames::default(),
+            meaning: Meaning::Role,
         }
     }
 
@@ -150,6 +176,27 @@ impl<'a> Checker<'a> {
                 let (id, time) = (self.condition(of)?, self.duration(time)?);
                 Ok(self.flag(Op::Within(id, time)))
             }
+            ExprKind::Gaps(of, time) => {
+                let (id, time) = (self.condition(of)?, self.duration(time)?);
+                Ok(self.flag(Op::Bridge(id, time)))
+            }
+            ExprKind::Since(a, b, time) => {
+                let (a, b) = (self.condition(a)?, self.condition(b)?);
+                let since = self.flag(Op::Since(a, b));
+                let Some(time) = time else { return Ok(since) };
+                let earlier = Op::Previously(b, Some(self.duration(time)?));
+                let earlier = self.flag(earlier);
+                let recent = self.flag(Op::Or(vec![b, earlier]));
+                Ok(self.flag(Op::And(vec![recent, since])))
+            }
+            ExprKind::Until(a, b, time) => {
+                let (a, b) = (self.condition(a)?, self.condition(b)?);
+                let until = self.flag(Op::Until(a, b));
+                let Some(time) = time else { return Ok(until) };
+                let soon = Op::Within(b, self.duration(time)?);
+                let soon = self.flag(soon);
+                Ok(self.flag(Op::And(vec![soon, until])))
+            }
             ExprKind::Then(first, second, time) => {
                 let (a, b) = (self.condition(first)?, self.condition(second)?);
                 let time = self.duration(time)?;
@@ -178,6 +225,12 @@ impl<'a> Checker<'a> {
         if let "true" | "false" = name {
             return Ok(self.flag(Op::Truth(name == "true")));
         }
+        if let Some((role, signal)) = name.split_once('.') {
+            let is = |r: &Option<String>| r.as_deref() == Some(role);
+            if is(&self.roles.second) || is(&self.roles.first) {
+                return self.of_role(role, signal, span);
+            }
+        }
         let (def, restriction) = self.catalogue.resolve(name).ok_or_else(|| {
             let own = self.parameters.keys().chain(self.definitions.keys()).map(String::as_str);
             names::unknown(self.catalogue, name, span, own)
@@ -202,6 +255,24 @@ impl<'a> Checker<'a> {
         Ok(self.program.add(Op::Signal(name), kind))
     }
 
+    /// `obstacle.gap`: a target signal of the object in that role.
+    fn of_role(&mut self, role: &str, signal: &str, span: Span) -> Lowered {
+        if self.meaning == Meaning::Counted {
+            return Err(Fault::new(
+                "rule.target",
+                span,
+                format!("count、exists、forall 之内只能用 target.*，不能用角色 '{role}'"),
+                format!("inside count, exists and forall there is only target.*, not the role '{role}'"),
+            ));
+        }
+        let Some(def) = self.catalogue.get(&format!("target.{signal}")) else {
+            return Err(names::unknown_of_role(self.catalogue, role, signal, span));
+        };
+        let (name, kind) = (def.name.clone(), kind_of(def));
+        let second = self.roles.second.as_deref() == Some(role);
+        Ok(self.program.add(if second { Op::SecondSignal(name) } else { Op::Signal(name) }, kind))
+    }
+
     fn arithmetic(&mut self, op: ArithmeticOp, a: &Expr, b: &Expr, span: Span) -> Lowered {
         let ((x, dx), (y, dy)) = (self.number(a)?, self.number(b)?);
         match op {
@@ -222,137 +293,6 @@ impl<'a> Checker<'a> {
             _ if dx != dy => Err(mismatch(span, dx, dy)),
             ArithmeticOp::Add => Ok(self.program.add(Op::Add(x, y), Kind::Number(dx))),
             ArithmeticOp::Subtract => Ok(self.program.add(Op::Subtract(x, y), Kind::Number(dx))),
-        }
-    }
-
-    fn compare(&mut self, op: CompareOp, a: &Expr, b: &Expr) -> Lowered {
-        let left = self.lower(a)?;
-        if let Kind::Category(members) = self.program.node(left).kind.clone() {
-            return self.compare_category(op, left, &members, b, a.span.to(b.span));
-        }
-        let right = self.lower(b)?;
-        let span = a.span.to(b.span);
-        let (l, r) = (self.program.node(left).kind.clone(), self.program.node(right).kind.clone());
-        match (l, r) {
-            (Kind::Number(x), Kind::Number(y)) if x == y => {
-                let scale = self.scale(left).or_else(|| self.scale(right)).unwrap_or(1.0);
-                Ok(self.flag(Op::Compare { op, left, right, scale }))
-            }
-            (Kind::Number(x), Kind::Number(Dimension::Ratio)) if matches!(b.kind, ExprKind::Number(_)) => {
-                let base = x.base().symbol;
-                Err(mismatch(span, x, Dimension::Ratio)
-                    .hint(format!("请写上单位，例如 {base}"), format!("write the unit, such as {base}")))
-            }
-            (Kind::Number(x), Kind::Number(y)) => Err(mismatch(span, x, y)),
-            (Kind::Condition, Kind::Condition) if op == CompareOp::Equal || op == CompareOp::NotEqual => {
-                let (both, neither) = {
-                    let (nl, nr) = (self.flag(Op::Not(left)), self.flag(Op::Not(right)));
-                    (self.flag(Op::And(vec![left, right])), self.flag(Op::And(vec![nl, nr])))
-                };
-                let same = self.flag(Op::Or(vec![both, neither]));
-                Ok(if op == CompareOp::Equal { same } else { self.flag(Op::Not(same)) })
-            }
-            (l, r) => Err(Fault::new(
-                "rule.type",
-                span,
-                format!("{}不能与{}比较", kind_zh(&l), kind_zh(&r)),
-                format!("cannot compare {} with {}", kind_en(&l), kind_en(&r)),
-            )),
-        }
-    }
-
-    fn compare_category(
-        &mut self,
-        op: CompareOp,
-        of: NodeId,
-        members: &[String],
-        b: &Expr,
-        span: Span,
-    ) -> Lowered {
-        let (ExprKind::Name(word), CompareOp::Equal | CompareOp::NotEqual) = (&b.kind, op) else {
-            return Err(Fault::new(
-                "rule.type",
-                span,
-                "类别只能用 ==、!= 或 in 与名称比较",
-                "a category is compared with a name, by ==, != or `in`",
-            ));
-        };
-        let id = self.member(of, members, &[(word.clone(), b.span)])?;
-        Ok(if op == CompareOp::Equal { id } else { self.flag(Op::Not(id)) })
-    }
-
-    fn membership(&mut self, of: &Expr, members: &[(String, Span)]) -> Lowered {
-        let id = self.lower(of)?;
-        match self.program.node(id).kind.clone() {
-            Kind::Category(known) => self.member(id, &known, members),
-            other => Err(Fault::new(
-                "rule.type",
-                of.span,
-                format!("`in` 只用于类别，而不是{}", kind_zh(&other)),
-                format!("`in` is for categories, not {}", kind_en(&other)),
-            )),
-        }
-    }
-
-    fn member(&mut self, of: NodeId, known: &[String], members: &[(String, Span)]) -> Lowered {
-        for (word, span) in members {
-            if !known.contains(word) {
-                let all = known.join(", ");
-                let fault = Fault::new(
-                    "rule.member.unknown",
-                    *span,
-                    format!("没有名为 '{word}' 的取值"),
-                    format!("'{word}' is not one of the values here"),
-                );
-                return Err(match nearest(word, known.iter().map(String::as_str)) {
-                    Some(n) => fault.hint(
-                        format!("是否想写 '{n}'？可用取值：{all}"),
-                        format!("did you mean '{n}'? Values: {all}"),
-                    ),
-                    None => fault.hint(format!("可用取值：{all}"), format!("values: {all}")),
-                });
-            }
-        }
-        let mut words: Vec<String> = members.iter().map(|(w, _)| w.clone()).collect();
-        words.sort();
-        words.dedup();
-        Ok(self.flag(Op::Member(of, words)))
-    }
-
-    fn call(&mut self, name: &str, arguments: &[Expr], span: Span) -> Lowered {
-        match (name, arguments) {
-            ("abs", [x]) => {
-                let (id, d) = self.number(x)?;
-                Ok(self.program.add(Op::Absolute(id), Kind::Number(d)))
-            }
-            ("min" | "max", [x, time]) => {
-                let ((id, d), time) = (self.number(x)?, self.duration(time)?);
-                let op = if name == "min" { Op::Least(id, time) } else { Op::Greatest(id, time) };
-                Ok(self.program.add(op, Kind::Number(d)))
-            }
-            ("share", [c, time]) => {
-                let (id, time) = (self.condition(c)?, self.duration(time)?);
-                Ok(self.program.add(Op::Share(id, time), Kind::Number(Dimension::Ratio)))
-            }
-            ("rises" | "falls", [c]) => {
-                let now = self.condition(c)?;
-                let before = self.flag(Op::Before(now));
-                let (now, before) = if name == "rises" {
-                    (now, self.flag(Op::Not(before)))
-                } else {
-                    (self.flag(Op::Not(now)), before)
-                };
-                Ok(self.flag(Op::And(vec![now, before])))
-            }
-            ("previously", [c]) => {
-                let id = self.condition(c)?;
-                Ok(self.flag(Op::Previously(id, None)))
-            }
-            ("previously", [c, time]) => {
-                let (id, time) = (self.condition(c)?, self.duration(time)?);
-                Ok(self.flag(Op::Previously(id, Some(time))))
-            }
-            _ => Err(unknown_call(name, arguments.len(), span)),
         }
     }
 

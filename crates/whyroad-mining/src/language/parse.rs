@@ -2,7 +2,9 @@
 //!
 //! ```text
 //! sequence    := held ("then" held "within" duration)*
-//! held        := disjunction (("for" | "within") duration)*      -- speaks of everything to its left
+//!              | held ("since" | "until") held ["within" duration]
+//! held        := disjunction ("for" duration ["gaps" duration] | "within" duration)*
+//!                                                                -- speaks of everything to its left
 //! disjunction := conjunction ("or" conjunction)*
 //! conjunction := negation ("and" negation)*
 //! negation    := "not" negation | comparison
@@ -121,24 +123,57 @@ impl Parser {
             let span = left.span.to(time.span);
             left = Expr { kind: ExprKind::Then(Box::new(left), Box::new(right), Box::new(time)), span };
         }
+        left = self.lasting(left)?;
         self.depth -= 1;
         Ok(left)
     }
 
-    /// `within` after `then` belongs to the `then`.
+    /// `since` and `until` after what they speak of; two of them in a row can be read in two ways.
+    fn lasting(&mut self, left: Expr) -> Result<Expr, Fault> {
+        let make = if self.keyword("since") {
+            ExprKind::Since
+        } else if self.keyword("until") {
+            ExprKind::Until
+        } else {
+            return Ok(left);
+        };
+        let right = self.held(Postfix::ForOnly)?;
+        let time = if self.keyword("within") { Some(self.duration()?) } else { None };
+        if let Some(Token::Keyword(k @ ("then" | "since" | "until"))) = self.peek() {
+            let k = *k;
+            return Err(Fault::new(
+                "rule.syntax",
+                self.span(),
+                format!("`since`、`until` 之后的 `{k}` 有歧义"),
+                format!("`{k}` after `since` or `until` can be read in two ways"),
+            )
+            .hint("请加括号", "write parentheses"));
+        }
+        let span = left.span.to(time.as_ref().map_or(right.span, |t| t.span));
+        Ok(Expr { kind: make(Box::new(left), Box::new(right), time.map(Box::new)), span })
+    }
+
+    /// `within` after `then`, `since` and `until` belongs to them.
     fn held(&mut self, postfix: Postfix) -> Result<Expr, Fault> {
         let mut of = self.disjunction()?;
         loop {
-            let make = if self.keyword("for") {
-                ExprKind::For
+            if self.keyword("for") {
+                let time = self.duration()?;
+                let mut span = of.span.to(time.span);
+                if matches!(self.peek(), Some(Token::Name(n)) if n == "gaps") {
+                    self.at += 1;
+                    let gaps = self.duration()?;
+                    span = of.span.to(gaps.span);
+                    of = Expr { kind: ExprKind::Gaps(Box::new(of), Box::new(gaps)), span };
+                }
+                of = Expr { kind: ExprKind::For(Box::new(of), Box::new(time)), span };
             } else if matches!(postfix, Postfix::All) && self.keyword("within") {
-                ExprKind::Within
+                let time = self.duration()?;
+                let span = of.span.to(time.span);
+                of = Expr { kind: ExprKind::Within(Box::new(of), Box::new(time)), span };
             } else {
                 return Ok(of);
-            };
-            let time = self.duration()?;
-            let span = of.span.to(time.span);
-            of = Expr { kind: make(Box::new(of), Box::new(time)), span };
+            }
         }
     }
 

@@ -15,8 +15,24 @@ pub struct NodeId(pub usize);
 pub enum Scope {
     /// One value a frame of the drive.
     Frame,
-    /// One value a frame of each target.
+    /// One value a frame of each object that can be the rule's target (its first role).
     Target,
+    /// One value a frame of each object that can take the rule's second role.
+    Second,
+    /// One value for each pair of a target and another object, a frame in which both are seen.
+    Pair,
+}
+
+impl Scope {
+    /// The rows of what is made of parts with these rows.
+    #[must_use]
+    pub fn join(self, other: Scope) -> Scope {
+        match (self, other) {
+            (Scope::Frame, s) | (s, Scope::Frame) => s,
+            (a, b) if a == b => a,
+            _ => Scope::Pair,
+        }
+    }
 }
 
 /// Which objects can be the target of a rule.
@@ -73,8 +89,10 @@ pub enum Op {
     Constant(f64),
     /// `true` or `false` of the rule.
     Truth(bool),
-    /// A signal of any kind, by its name in the catalogue.
+    /// A signal of any kind, by its name in the catalogue; `target.*` is of the object in the first role.
     Signal(String),
+    /// A `target.*` signal of the object in the second role, by its name in the catalogue.
+    SecondSignal(String),
     /// `-a`.
     Negate(NodeId),
     /// `a + b`.
@@ -118,10 +136,35 @@ pub enum Op {
     Within(NodeId, Nanos),
     /// True at some earlier frame, not longer ago than so much where a time is given.
     Previously(NodeId, Option<Nanos>),
+    /// `a since b`: b now or at some earlier frame, and a at every frame after that one, now included.
+    /// A time limit is lowered to a conjunction: `(b or previously(b, d)) and (a since b)`.
+    Since(NodeId, NodeId),
+    /// `a until b`: b now or at some later frame, and a at every frame before that one, now included.
+    /// A time limit is lowered to `(b within d) and (a until b)`.
+    Until(NodeId, NodeId),
+    /// True, and also where it is not but breaks off for no longer than so much between two frames at which it is.
+    Bridge(NodeId, Nanos),
+    /// At least so many objects that are seen at the frame meet a condition of [`Scope::Target`], in which the
+    /// target stands for each of them in turn. The value is of [`Scope::Frame`].
+    AtLeast {
+        /// The condition.
+        of: NodeId,
+        /// How many.
+        count: usize,
+        /// Which objects are counted.
+        subject: Subject,
+    },
     /// The operand's value at the frame before.
     Before(NodeId),
     /// The operand's value at the episode's keyframe, at every frame.
     AtKeyframe(NodeId),
+    /// True at some frame of the episode's match, at every frame.
+    InMatch(NodeId),
+    /// Least known value in the episode's match, at every frame: for telling a person, never part of a condition
+    /// (comparisons with it are lowered to [`Op::InMatch`], which answers unknown where a frame is not known).
+    MatchLeast(NodeId),
+    /// Greatest known value in the episode's match, at every frame; as [`Op::MatchLeast`].
+    MatchGreatest(NodeId),
 }
 
 /// A node.
@@ -133,8 +176,8 @@ pub struct Node {
     pub kind: Kind,
     /// Rows of its value.
     pub scope: Scope,
-    /// True when the value depends on where the keyframe is.
-    pub needs_keyframe: bool,
+    /// True when the value depends on an episode: on where its keyframe or its match is.
+    pub needs_episode: bool,
 }
 
 /// A moment of the labelling spec. What "true" ranges over (the match, before or after the keyframe) is the
@@ -219,11 +262,12 @@ impl Program {
         let operands = op.operands();
         let scope = match &op {
             Op::Signal(name) if name.starts_with("target.") => Scope::Target,
-            _ => operands.iter().map(|o| self.node(*o).scope).max().unwrap_or(Scope::Frame),
+            Op::SecondSignal(_) => Scope::Second,
+            Op::AtLeast { .. } => Scope::Frame,
+            _ => operands.iter().map(|o| self.node(*o).scope).fold(Scope::Frame, Scope::join),
         };
-        let needs_keyframe =
-            matches!(op, Op::AtKeyframe(_)) || operands.iter().any(|o| self.node(*o).needs_keyframe);
-        self.nodes.push(Node { op, kind, scope, needs_keyframe });
+        let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
+        self.nodes.push(Node { op, kind, scope, needs_episode });
         NodeId(self.nodes.len() - 1)
     }
 
@@ -233,7 +277,7 @@ impl Program {
         let mut todo = vec![root];
         while let Some(id) = todo.pop() {
             let node = self.node(id);
-            if let Op::Signal(name) = &node.op {
+            if let Op::Signal(name) | Op::SecondSignal(name) = &node.op {
                 out.insert(name.clone());
             }
             todo.extend(node.op.operands());
@@ -243,10 +287,15 @@ impl Program {
 }
 
 impl Op {
+    /// True for the operations that look at an episode's keyframe or match.
+    pub fn is_of_episode(&self) -> bool {
+        matches!(self, Op::AtKeyframe(_) | Op::InMatch(_) | Op::MatchLeast(_) | Op::MatchGreatest(_))
+    }
+
     /// The nodes it reads.
     pub fn operands(&self) -> Vec<NodeId> {
         match self {
-            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) => vec![],
+            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) => vec![],
             Op::Negate(a)
             | Op::Absolute(a)
             | Op::Least(a, _)
@@ -258,9 +307,16 @@ impl Op {
             | Op::For(a, _)
             | Op::Within(a, _)
             | Op::Previously(a, _)
+            | Op::Bridge(a, _)
+            | Op::AtLeast { of: a, .. }
             | Op::Before(a)
-            | Op::AtKeyframe(a) => vec![*a],
-            Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) => vec![*a, *b],
+            | Op::AtKeyframe(a)
+            | Op::InMatch(a)
+            | Op::MatchLeast(a)
+            | Op::MatchGreatest(a) => vec![*a],
+            Op::Add(a, b) | Op::Subtract(a, b) | Op::Multiply(a, b) | Op::Since(a, b) | Op::Until(a, b) => {
+                vec![*a, *b]
+            }
             Op::Compare { left, right, .. } => vec![*left, *right],
             Op::And(all) | Op::Or(all) => all.clone(),
         }

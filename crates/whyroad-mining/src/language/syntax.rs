@@ -57,8 +57,14 @@ pub enum ExprKind {
     For(Box<Expr>, Box<Expr>),
     /// `c within 3 s`: now or later.
     Within(Box<Expr>, Box<Expr>),
+    /// `c gaps 0.3 s`, only as what a `for` speaks of: `c for 2 s gaps 0.3 s`.
+    Gaps(Box<Expr>, Box<Expr>),
     /// `a then b within 3 s`: b now, and a before it.
     Then(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `a since b`, `a since b within 3 s`.
+    Since(Box<Expr>, Box<Expr>, Option<Box<Expr>>),
+    /// `a until b`, `a until b within 3 s`.
+    Until(Box<Expr>, Box<Expr>, Option<Box<Expr>>),
     /// `x at keyframe`.
     At(Box<Expr>),
 }
@@ -108,6 +114,18 @@ pub enum CompareOp {
 }
 
 impl CompareOp {
+    /// The same comparison with its sides exchanged.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        match self {
+            Self::Less => Self::Greater,
+            Self::LessOrEqual => Self::GreaterOrEqual,
+            Self::Greater => Self::Less,
+            Self::GreaterOrEqual => Self::LessOrEqual,
+            Self::Equal | Self::NotEqual => self,
+        }
+    }
+
     /// As written.
     pub fn symbol(self) -> &'static str {
         match self {

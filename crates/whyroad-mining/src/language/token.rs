@@ -19,7 +19,7 @@ pub enum Token {
     Sign(char),
 }
 
-/// Words that are not names. `since` and `until` are kept free for the operators of these names.
+/// Words that are not names.
 pub const KEYWORDS: &[&str] =
     &["and", "or", "not", "in", "is", "for", "within", "then", "at", "since", "until"];
 

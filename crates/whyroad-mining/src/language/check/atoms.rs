@@ -1,8 +1,9 @@
 //! The parts of a condition that a person is told about: each comparison with what it measured. Parts of a
 //! conjunction, a disjunction or a duration are told one by one, anything else as a whole.
 
-use super::super::program::{Atom, Kind};
+use super::super::program::{Atom, Kind, NodeId, Op};
 use super::super::syntax::{ArithmeticOp, Expr, ExprKind, Quantity};
+use super::compare::{Extreme, extreme_of};
 use super::{Checker, Fault};
 use std::fmt::Write as _;
 use whyroad_model::units::{UNITS, Unit};
@@ -12,7 +13,7 @@ impl Checker<'_> {
     pub fn atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
         match &expr.kind {
             ExprKind::And(all) | ExprKind::Or(all) => all.iter().try_for_each(|e| self.atoms(e, out)),
-            ExprKind::For(of, _) => self.atoms(of, out),
+            ExprKind::For(of, _) | ExprKind::Gaps(of, _) => self.atoms(of, out),
             ExprKind::Name(name) if self.definitions.contains_key(name) => {
                 let definition = self.definitions[name].0.clone();
                 self.atoms(&definition, out)
@@ -45,7 +46,7 @@ impl Checker<'_> {
         out: &mut Vec<Atom>,
     ) -> Result<(), Fault> {
         let condition = self.condition(expr)?;
-        let measured = self.lower(measured)?;
+        let measured = self.measure(measured, condition)?;
         let base = match &self.program.node(measured).kind {
             Kind::Number(d) => d.base(),
             _ => &UNITS[0],
@@ -63,7 +64,24 @@ impl Checker<'_> {
         Ok(())
     }
 
-    fn quantity(&self, expr: &Expr) -> Option<Quantity> {
+    /// The node that tells what was measured: the number, or, where the condition speaks of many, what sums it up.
+    fn measure(&mut self, expr: &Expr, condition: NodeId) -> Result<NodeId, Fault> {
+        if let Some((which, of)) = extreme_of(expr) {
+            let of = self.lower(of)?;
+            let kind = self.program.node(of).kind.clone();
+            let op = match which {
+                Extreme::Least => Op::MatchLeast(of),
+                Extreme::Greatest => Op::MatchGreatest(of),
+            };
+            return Ok(self.program.add(op, kind));
+        }
+        match &expr.kind {
+            ExprKind::Call(name, _) if name == "count" => Ok(condition),
+            _ => self.lower(expr),
+        }
+    }
+
+    pub(super) fn quantity(&self, expr: &Expr) -> Option<Quantity> {
         match &expr.kind {
             ExprKind::Number(q) => Some(*q),
             ExprKind::Negate(of) => self.quantity(of).map(|q| Quantity { value: -q.value, ..q }),
@@ -116,7 +134,16 @@ impl Checker<'_> {
                 format!("{} in {{{}}}", self.describe_tight(of), words.join(", "))
             }
             ExprKind::Known(of) => format!("{} is known", self.describe_tight(of)),
-            ExprKind::For(of, t) => format!("{} for {}", self.describe_tight(of), self.describe(t)),
+            ExprKind::For(of, t) => match &of.kind {
+                ExprKind::Gaps(of, gaps) => {
+                    let (of, t, gaps) = (self.describe_tight(of), self.describe(t), self.describe(gaps));
+                    format!("{of} for {t} gaps {gaps}")
+                }
+                _ => format!("{} for {}", self.describe_tight(of), self.describe(t)),
+            },
+            ExprKind::Gaps(of, t) => format!("{} gaps {}", self.describe_tight(of), self.describe(t)),
+            ExprKind::Since(a, b, t) => self.describe_lasting(a, "since", b, t.as_deref()),
+            ExprKind::Until(a, b, t) => self.describe_lasting(a, "until", b, t.as_deref()),
             ExprKind::Within(of, t) => format!("{} within {}", self.describe_tight(of), self.describe(t)),
             ExprKind::Then(a, b, t) => {
                 format!(
@@ -128,6 +155,11 @@ impl Checker<'_> {
             }
             ExprKind::At(of) => format!("{} at keyframe", self.describe_tight(of)),
         }
+    }
+
+    fn describe_lasting(&self, a: &Expr, word: &str, b: &Expr, time: Option<&Expr>) -> String {
+        let within = time.map(|t| format!(" within {}", self.describe(t))).unwrap_or_default();
+        format!("{} {word} {}{within}", self.describe_tight(a), self.describe_tight(b))
     }
 
     /// In parentheses where the expression is more than one word.

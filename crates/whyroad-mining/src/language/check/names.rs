@@ -37,6 +37,24 @@ pub(super) fn unknown<'n>(
     }
 }
 
+/// The fault for `obstacle.gapp`, where `obstacle` is a role.
+pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, span: Span) -> Fault {
+    let fault = Fault::new(
+        "rule.signal.unknown",
+        span,
+        format!("没有名为 'target.{written}' 的信号，角色 {role} 也就没有 '{written}'"),
+        format!("there is no signal 'target.{written}', so '{role}' has no '{written}'"),
+    );
+    let known = catalogue.iter().filter_map(|d| d.name.strip_prefix("target."));
+    match nearest(written, known) {
+        Some(n) => fault.hint(format!("是否想写 '{role}.{n}'？"), format!("did you mean '{role}.{n}'?")),
+        None => fault.hint(
+            "角色可用的是 schema/signals.yaml 中的 target.* 信号",
+            "a role has the target.* signals of schema/signals.yaml",
+        ),
+    }
+}
+
 /// The candidate most like `written`, when one is alike enough to be what was meant. The first one wins a tie.
 pub fn nearest<'c>(written: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let mut best: Option<(f64, &str)> = None;

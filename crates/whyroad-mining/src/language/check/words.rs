@@ -14,6 +14,11 @@ const CALLS: &[(&str, &str)] = &[
     ("rises", "rises(c)"),
     ("falls", "falls(c)"),
     ("previously", "previously(c) or previously(c, 3 s)"),
+    ("count", "count(c) >= 2"),
+    ("exists", "exists(c)"),
+    ("forall", "forall(c)"),
+    ("least", "least(x) < 2 s"),
+    ("greatest", "greatest(x) > 2 s"),
 ];
 
 pub(super) fn unknown_call(name: &str, count: usize, span: Span) -> Fault {
@@ -26,7 +31,7 @@ pub(super) fn unknown_call(name: &str, count: usize, span: Span) -> Fault {
         )
         .hint(format!("写法：{form}"), format!("it is written {form}"));
     }
-    if matches!(name, "first" | "last" | "least" | "greatest") {
+    if matches!(name, "first" | "last") {
         return Fault::new(
             "rule.call",
             span,

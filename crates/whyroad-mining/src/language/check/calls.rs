@@ -1,0 +1,115 @@
+//! Operators that are written as calls.
+
+use super::super::Fault;
+use super::super::program::{Kind, NodeId, Op, Scope, Subject};
+use super::super::syntax::{Expr, ExprKind, Span};
+use super::words::unknown_call;
+use super::{Checker, Lowered, Meaning};
+use whyroad_model::units::Dimension;
+
+impl Checker<'_> {
+    pub(super) fn call(&mut self, name: &str, arguments: &[Expr], span: Span) -> Lowered {
+        match (name, arguments) {
+            ("abs", [x]) => {
+                let (id, d) = self.number(x)?;
+                Ok(self.program.add(Op::Absolute(id), Kind::Number(d)))
+            }
+            ("min" | "max", [x, time]) => {
+                let ((id, d), time) = (self.number(x)?, self.duration(time)?);
+                let op = if name == "min" { Op::Least(id, time) } else { Op::Greatest(id, time) };
+                Ok(self.program.add(op, Kind::Number(d)))
+            }
+            ("share", [c, time]) => {
+                let (id, time) = (self.condition(c)?, self.duration(time)?);
+                Ok(self.program.add(Op::Share(id, time), Kind::Number(Dimension::Ratio)))
+            }
+            ("rises" | "falls", [c]) => {
+                let now = self.condition(c)?;
+                let before = self.flag(Op::Before(now));
+                let (now, before) = if name == "rises" {
+                    (now, self.flag(Op::Not(before)))
+                } else {
+                    (self.flag(Op::Not(now)), before)
+                };
+                Ok(self.flag(Op::And(vec![now, before])))
+            }
+            ("previously", [c]) => {
+                let id = self.condition(c)?;
+                Ok(self.flag(Op::Previously(id, None)))
+            }
+            ("previously", [c, time]) => {
+                let (id, time) = (self.condition(c)?, self.duration(time)?);
+                Ok(self.flag(Op::Previously(id, Some(time))))
+            }
+            ("exists", [_] | [_, _]) => {
+                let (of, subject) = self.counted(name, arguments, span)?;
+                Ok(self.flag(Op::AtLeast { of, count: 1, subject }))
+            }
+            ("forall", [_] | [_, _]) => {
+                let (of, subject) = self.counted(name, arguments, span)?;
+                let of = self.flag(Op::Not(of));
+                let exception = self.flag(Op::AtLeast { of, count: 1, subject });
+                Ok(self.flag(Op::Not(exception)))
+            }
+            ("count", [_] | [_, _]) => Err(Fault::new(
+                "rule.type",
+                span,
+                "count(…) 须与整数比较",
+                "a count is compared with a whole number",
+            )
+            .hint("例如 count(target.gap < 20 m) >= 2", "as in count(target.gap < 20 m) >= 2")),
+            ("least" | "greatest", [_]) => Err(Fault::new(
+                "rule.type",
+                span,
+                format!("{name}(…) 须直接与一个值比较，或单独作为时刻"),
+                format!("{name}(..) is compared directly with a value, or is a moment by itself"),
+            )
+            .hint(format!("例如 {name}(target.ttc) < 2 s"), format!("as in {name}(target.ttc) < 2 s"))),
+            _ => Err(unknown_call(name, arguments.len(), span)),
+        }
+    }
+
+    /// What is counted and among whom: `count(c)`, `count(c, vru)`. Inside, `target.` is each object in turn.
+    pub(super) fn counted(
+        &mut self,
+        name: &str,
+        arguments: &[Expr],
+        span: Span,
+    ) -> Result<(NodeId, Subject), Fault> {
+        let ([of] | [of, _]) = arguments else { return Err(unknown_call(name, arguments.len(), span)) };
+        let stated = arguments.get(1).map(kind_of_object).transpose()?;
+        let outer = (self.subject.take(), self.meaning);
+        self.meaning = Meaning::Counted;
+        let id = self.condition(of);
+        let prefix = self.subject;
+        (self.subject, self.meaning) = outer;
+        let id = id?;
+        match self.program.node(id).scope {
+            Scope::Target => Ok((id, stated.or(prefix).unwrap_or(Subject::Any))),
+            Scope::Frame => Err(Fault::new(
+                "rule.target",
+                of.span,
+                format!("{name} 的条件没有说到 target.*"),
+                format!("the condition in {name} says nothing of target.*"),
+            )
+            .hint("例如 exists(target.gap < 20 m)", "as in exists(target.gap < 20 m)")),
+            Scope::Second | Scope::Pair => Err(Fault::new(
+                "rule.target",
+                of.span,
+                format!("{name} 之内不能用第二个角色"),
+                format!("the second role cannot be used inside {name}"),
+            )),
+        }
+    }
+}
+
+fn kind_of_object(word: &Expr) -> Result<Subject, Fault> {
+    let subject = match &word.kind {
+        ExprKind::Name(n) => Subject::from_word(n),
+        _ => None,
+    };
+    subject.ok_or_else(|| {
+        Fault::new("rule.target", word.span, "此处应为目标种类", "expected a kind of target")
+            .hint("可用：vehicle, large_vehicle, vru, any", "there are vehicle, large_vehicle, vru, any")
+    })
+}
