@@ -13,8 +13,30 @@ use whyroad_model::{Bilingual, Diagnostic, Place};
 pub const CODES: &[&str] = &["signals.syntax", "signals.name", "signals.type", "signals.needs"];
 
 /// What a log can have or lack; the words of `needs` in the catalogue and of `SignalTable::unavailable`.
-pub const NEEDS: &[&str] =
-    &["ego pose", "map", "traffic lights", "vehicle bus", "object sizes", "turn signals", "visibility"];
+pub const NEEDS: &[&str] = &[
+    "ego pose",
+    "map",
+    "traffic lights",
+    "vehicle bus",
+    "object sizes",
+    "turn signals",
+    "visibility",
+    "elevation",
+    "routing",
+    "weather",
+    "surface",
+    "lighting",
+    "road type",
+    "lane marks",
+    "signs",
+    "facilities",
+    "construction state",
+    "accident state",
+    "warning light",
+    "gate state",
+    "navigation limit",
+    "pavement",
+];
 
 /// Over what a signal has values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]

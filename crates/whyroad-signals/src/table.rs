@@ -4,8 +4,10 @@
 use crate::catalogue::{Catalogue, Scope, SignalKind};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::road_map::{Lane, LaneMark};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::signal::TargetSpan;
+use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Column, Drive, SignalTable, Tri};
 
 /// What this log lacks, in the words of [`crate::catalogue::NEEDS`].
@@ -36,7 +38,51 @@ pub fn missing(drive: &Drive) -> BTreeSet<&'static str> {
     if !drive.tracks.iter().any(|t| t.interior_points.iter().any(|n| n.is_finite())) {
         missing.insert("visibility");
     }
+    missing.extend(missing_of_road(drive));
+    missing.extend(missing_context(drive));
     missing
+}
+
+/// What the map, the heights and the route do not tell.
+fn missing_of_road(drive: &Drive) -> impl Iterator<Item = &'static str> {
+    let map = drive.map.as_ref();
+    let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
+    let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.centre.iter().any(|p| p.z.is_finite())));
+    let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some));
+    let marked = |l: &Lane| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown;
+    let marks = states(drive, "lane_marks") || map.is_some_and(|m| m.lanes.iter().any(marked));
+    [
+        ("elevation", ego_z || road_z),
+        ("routing", routed),
+        ("lane marks", marks),
+        ("signs", map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.tells(k)))),
+        ("facilities", map.is_some_and(|m| FACILITY_KINDS.iter().any(|k| m.tells(k)))),
+    ]
+    .into_iter()
+    .filter_map(|(need, there)| (!there).then_some(need))
+}
+
+/// Needs that one kind of context state meets each; a log that never states the kind lacks it.
+const CONTEXT_NEEDS: [(&str, &str); 10] = [
+    ("weather", "weather"),
+    ("surface", "surface"),
+    ("lighting", "lighting"),
+    ("road type", "road_type"),
+    ("construction state", "construction"),
+    ("accident state", "accident"),
+    ("warning light", "warning_light"),
+    ("gate state", "gate"),
+    ("navigation limit", "nav_speed_limit"),
+    ("pavement", "pavement"),
+];
+
+fn missing_context(drive: &Drive) -> impl Iterator<Item = &'static str> {
+    CONTEXT_NEEDS.into_iter().filter_map(|(need, kind)| (!states(drive, kind)).then_some(need))
+}
+
+/// True when the log states `kind` at least once.
+fn states(drive: &Drive, kind: &str) -> bool {
+    drive.context.iter().flatten().any(|s| s.kind == kind)
 }
 
 fn has_bus(bus: &whyroad_model::scene::EgoBus) -> bool {
@@ -116,7 +162,8 @@ impl<'a> TableBuilder<'a> {
         columns.insert(def.name.clone(), column);
     }
 
-    /// The finished table: what the log cannot support is named instead of given.
+    /// The finished table: what the log cannot support is named instead of given. A signal that nothing computed is
+    /// named with what it lacks, or with all that it needs when each part is there but not enough of it.
     pub fn finish(mut self, missing: &BTreeSet<&'static str>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
         for def in self.catalogue.iter() {
@@ -125,9 +172,14 @@ impl<'a> TableBuilder<'a> {
                 need == "vehicle bus"
                     && self.table.frame_columns.get(&def.name).is_none_or(|c| c.known_count() == 0)
             };
-            let lacking: Vec<String> =
+            let mut lacking: Vec<String> =
                 def.needs.iter().filter(|n| missing.contains(n.as_str()) || silent(n)).cloned().collect();
-            if !lacking.is_empty() {
+            let computed = self.table.frame_columns.contains_key(&def.name)
+                || self.table.target_columns.contains_key(&def.name);
+            if lacking.is_empty() && !computed {
+                lacking.clone_from(&def.needs);
+            }
+            if !lacking.is_empty() || !computed {
                 self.table.frame_columns.remove(&def.name);
                 self.table.target_columns.remove(&def.name);
                 unavailable.insert(def.name.clone(), lacking);
