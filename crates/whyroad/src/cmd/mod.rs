@@ -1,6 +1,7 @@
 //! One file a command: its arguments, and the calls that answer them.
 
 pub(crate) mod demo;
+pub(crate) mod evaluate;
 pub(crate) mod ingest;
 pub(crate) mod inspect;
 pub(crate) mod mine;

@@ -1,0 +1,82 @@
+//! How good what was found is, against truth that somebody else wrote down: per class precision, recall, F1, keyframe
+//! error, and which classes are taken for one another.
+//!
+//! Truth comes as [`truth::TruthSet`], episodes as `whyroad mine` writes them. An episode matches an entry of the truth
+//! when they name the same class and drive, the same target where both name one, and their keyframes are at most
+//! [`KEYFRAME_TOLERANCE_S`] apart or their time ranges have an intersection over union of at least [`LEAST_IOU`]. Each
+//! entry and each episode is used once; among all ways to pair them one with the most pairs is taken, close
+//! keyframes first. Nothing here knows how an episode was found.
+
+mod figures;
+mod matching;
+mod text;
+pub mod truth;
+
+pub use figures::{ClassFigures, Confusion, Evaluation, MissedEntry, SpuriousEpisode};
+pub use text::render;
+
+use matching::{Moment, pairs};
+use std::collections::BTreeMap;
+use truth::TruthSet;
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::{DriveId, ScenarioId};
+
+/// Keyframes at most this far apart are the same moment, s.
+pub const KEYFRAME_TOLERANCE_S: f64 = 1.0;
+/// Time ranges that overlap by at least this share of their union are the same episode.
+pub const LEAST_IOU: f64 = 0.3;
+
+/// Compares `episodes` with `truth`.
+///
+/// An entry that names an L2 (its variant is not told) is matched by every episode of that L2, after the entries that name a leaf.
+/// Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its class and drive are
+/// declared complete, and else counts neither way.
+pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
+    let mut entries: Vec<&truth::TruthEntry> = truth.entries.iter().collect();
+    // Leaves first, so that an L2's entry takes what no leaf's entry claims.
+    entries.sort_by_key(|e| {
+        (!e.scenario_id.is_leaf(), e.keyframe_ns, e.scenario_id.clone(), e.target_id.clone())
+    });
+    let mut by_drive: BTreeMap<&DriveId, Vec<usize>> = BTreeMap::new();
+    for (i, e) in episodes.iter().enumerate() {
+        by_drive.entry(&e.drive_id).or_default().push(i);
+    }
+    let mut taken = vec![false; episodes.len()];
+    let mut partner = vec![None; entries.len()];
+    for leaves in [true, false] {
+        for (drive, of_drive) in &by_drive {
+            let wanted: Vec<usize> = (0..entries.len())
+                .filter(|&i| entries[i].scenario_id.is_leaf() == leaves && &entries[i].drive_id == *drive)
+                .collect();
+            let free: Vec<usize> = of_drive.iter().copied().filter(|&e| !taken[e]).collect();
+            let fits = |w: usize, f: usize| {
+                let (entry, episode) = (entries[wanted[w]], &episodes[free[f]]);
+                let class = episode.scenario_id.is_within(&entry.scenario_id);
+                (class && same_target(entry, episode))
+                    .then(|| Moment::of_entry(entry).match_error(&Moment::of_episode(episode)))
+                    .flatten()
+            };
+            for (w, f) in pairs(wanted.len(), free.len(), fits) {
+                partner[wanted[w]] = Some(free[f]);
+                taken[free[f]] = true;
+            }
+        }
+    }
+    figures::collect(truth, &entries, &partner, episodes, &taken)
+}
+
+/// True unless both name a target and they differ.
+fn same_target(entry: &truth::TruthEntry, episode: &EpisodeRecord) -> bool {
+    match (&entry.target_id, &episode.target_id) {
+        (Some(a), Some(b)) => a == b,
+        _ => true,
+    }
+}
+
+/// Is this class on this drive declared complete?
+fn is_complete(truth: &TruthSet, class: &ScenarioId, drive: &DriveId) -> bool {
+    truth.complete.iter().any(|c| c.drives.contains(drive) && c.classes.iter().any(|k| class.is_within(k)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,128 @@
+//! Truth files: JSON Lines. The first line may say for which classes and drives the truth is complete,
+//! `{"complete": [class ids], "drives": [drive ids]}`; every other line is one entry,
+//! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "reason"?}`, with times in
+//! nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
+
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Nanos, Place, ScenarioId, TrackId};
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TruthEntry {
+    /// Leaf, or L2 where the variant is not told.
+    pub scenario_id: ScenarioId,
+    /// Drive.
+    pub drive_id: DriveId,
+    /// Target; absent where there is none or any will do.
+    #[serde(default)]
+    pub target_id: Option<TrackId>,
+    /// Start of the time range.
+    #[serde(deserialize_with = "nanos")]
+    pub start_ns: Nanos,
+    /// The keyframe.
+    #[serde(deserialize_with = "nanos")]
+    pub keyframe_ns: Nanos,
+    /// End of the time range, not included.
+    #[serde(deserialize_with = "nanos")]
+    pub end_ns: Nanos,
+    /// Why somebody holds it to be so; for people.
+    #[serde(default)]
+    pub reason: Option<String>,
+}
+
+/// For these classes, whatever is found on these drives beyond the truth is false.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Complete {
+    /// Leaves, or L2 or L1 for all below.
+    pub classes: BTreeSet<ScenarioId>,
+    /// Drives.
+    pub drives: BTreeSet<DriveId>,
+}
+
+/// What one or more truth files say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TruthSet {
+    /// One a file that declares it.
+    pub complete: Vec<Complete>,
+    /// In the order of the files.
+    pub entries: Vec<TruthEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Header {
+    complete: Vec<ScenarioId>,
+    drives: Vec<DriveId>,
+}
+
+fn nanos<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Nanos, D::Error> {
+    i64::deserialize(d).map(Nanos)
+}
+
+impl TruthSet {
+    /// Adds what `text` says; a line that cannot be read is an error with its place and does not stop the rest. Class ids that
+    /// `is_class` does not know are errors too: a typo must not become a class that is never found.
+    pub fn read(
+        &mut self,
+        text: &str,
+        file: &str,
+        is_class: &dyn Fn(&ScenarioId) -> bool,
+    ) -> Vec<Diagnostic> {
+        let mut problems = Vec::new();
+        let mut first = true;
+        for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
+            let place = Place { line: Some(i + 1), ..Place::default() };
+            let mut refuse = |why: Bilingual, column: Option<usize>| {
+                problems.push(
+                    Diagnostic::error("evaluate.truth.line", why)
+                        .with_hint(Bilingual::new(
+                            r#"每行一条：{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns"}"#,
+                            r#"one entry a line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns"}"#,
+                        ))
+                        .at(Place { column, ..place.clone() })
+                        .in_file(file),
+                );
+            };
+            if std::mem::take(&mut first)
+                && let Ok(header) = serde_json::from_str::<Header>(line)
+            {
+                for class in header.complete.iter().filter(|c| !is_class(c)) {
+                    refuse(unknown(class), None);
+                }
+                self.complete.push(Complete {
+                    classes: header.complete.into_iter().filter(is_class).collect(),
+                    drives: header.drives.into_iter().collect(),
+                });
+                continue;
+            }
+            match serde_json::from_str::<TruthEntry>(line) {
+                Err(e) => refuse(
+                    Bilingual::new(
+                        format!("该行不是真值记录，已跳过：{e}"),
+                        format!("this line is no entry of a truth file and is left out: {e}"),
+                    ),
+                    Some(e.column().max(1)),
+                ),
+                Ok(e) if !is_class(&e.scenario_id) => refuse(unknown(&e.scenario_id), None),
+                Ok(e) if !(e.start_ns <= e.keyframe_ns && e.keyframe_ns <= e.end_ns) => refuse(
+                    Bilingual::new(
+                        "关键帧不在起止时间之内，已跳过",
+                        "the keyframe is not between start and end; the entry is left out",
+                    ),
+                    None,
+                ),
+                Ok(e) => self.entries.push(e),
+            }
+        }
+        problems
+    }
+}
+
+fn unknown(class: &ScenarioId) -> Bilingual {
+    Bilingual::new(
+        format!("分类体系中没有 '{class}'，已跳过"),
+        format!("there is no class '{class}' in the taxonomy; it is left out"),
+    )
+}

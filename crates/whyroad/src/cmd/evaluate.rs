@@ -1,0 +1,123 @@
+//! `whyroad evaluate`: how good the episodes are against a truth that somebody else wrote down.
+
+use crate::{Global, framework_folder, output};
+use anyhow::Context as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use whyroad_dataset::evaluation::truth::TruthSet;
+use whyroad_dataset::evaluation::{Evaluation, evaluate, render};
+use whyroad_dataset::mined;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::{Lang, ScenarioId};
+
+/// Arguments of `whyroad evaluate`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Truth, JSON Lines (docs/guides/evaluation.md); may be given several times
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    truth: Vec<PathBuf>,
+    /// Folder that `whyroad mine` wrote
+    #[arg(long, value_name = "DIR")]
+    episodes: PathBuf,
+    /// Only this class: an L1, L2 or leaf
+    #[arg(long, value_name = "ID")]
+    scenario: Option<ScenarioId>,
+    /// Fail when the macro F1 is below this
+    #[arg(long, value_name = "F1")]
+    min_f1: Option<f64>,
+    /// Fail when the F1 of any class that occurs is below this
+    #[arg(long, value_name = "F1")]
+    min_class_f1: Option<f64>,
+    /// Fail when the median keyframe error is above this many seconds
+    #[arg(long, value_name = "S")]
+    max_keyframe_error: Option<f64>,
+    /// Name every entry that was missed and every episode that is false
+    #[arg(long)]
+    details: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let is_class = |id: &ScenarioId| {
+        framework.taxonomy.leaves().any(|(l1, l2, l3)| ScenarioId::leaf(&l1.id, &l2.id, &l3.id).is_within(id))
+    };
+    let read = |path: &PathBuf| {
+        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    };
+    let mut truth = TruthSet::default();
+    let mut lost = Vec::new();
+    for path in &args.truth {
+        lost.extend(truth.read(&read(path)?, &path.display().to_string(), &is_class));
+    }
+    let path = args.episodes.join("episodes.jsonl");
+    let (mut episodes, unreadable) = mined::read_episodes(&read(&path)?, &path.display().to_string());
+    lost.extend(unreadable);
+    if let Some(class) = &args.scenario {
+        anyhow::ensure!(is_class(class), "there is no class '{class}'; `whyroad taxonomy list` shows them all");
+        truth.entries.retain(|e| e.scenario_id.is_within(class));
+        episodes.retain(|e| e.scenario_id.is_within(class));
+    }
+    let evaluation = evaluate(&truth, &episodes);
+    output::put(&if args.json {
+        format!("{}\n", serde_json::to_string_pretty(&evaluation)?)
+    } else {
+        render(&evaluation, global.lang)
+    });
+    if args.details && !args.json {
+        output::put(&details(&evaluation, global.lang));
+    }
+    for d in &lost {
+        tell!("{}", render_text(d, global.lang));
+    }
+    let failures = shortfalls(&evaluation, &args);
+    for failure in &failures {
+        say!("{failure}");
+    }
+    Ok(if !failures.is_empty() {
+        output::FINDINGS
+    } else if lost.is_empty() {
+        output::FINE
+    } else {
+        output::lost_input()
+    })
+}
+
+/// What is worse than was asked for. A figure that has no value does not reach its threshold.
+fn shortfalls(e: &Evaluation, args: &Args) -> Vec<String> {
+    let mut out = Vec::new();
+    let told = |v: Option<f64>| v.map_or("unknown".to_owned(), |v| format!("{v:.3}"));
+    if let Some(least) = args.min_f1
+        && e.macro_f1.is_none_or(|f| f < least)
+    {
+        out.push(format!("macro F1 is {}, under {least}", told(e.macro_f1)));
+    }
+    if let Some(least) = args.min_class_f1 {
+        for (id, c) in e.classes.iter().filter(|(_, c)| c.truth > 0 && c.f1.is_none_or(|f| f < least)) {
+            out.push(format!("{id}: F1 is {}, under {least}", told(c.f1)));
+        }
+    }
+    if let Some(most) = args.max_keyframe_error
+        && e.keyframe_error_median_s.is_none_or(|s| s > most)
+    {
+        out.push(format!("median keyframe error is {} s, over {most} s", told(e.keyframe_error_median_s)));
+    }
+    out
+}
+
+fn details(e: &Evaluation, lang: Lang) -> String {
+    let (missed, spurious) =
+        if lang == Lang::Zh { ("漏检", "误检") } else { ("missed", "false") };
+    let mut out = String::from("\n");
+    for m in &e.missed {
+        let target = m.target_id.as_ref().map_or(String::new(), |t| format!(" {t}"));
+        let instead: Vec<String> = m.found_instead.iter().map(ToString::to_string).collect();
+        out += &format!("{missed}  {} {} {}{target}  [{}]\n", m.scenario_id, m.drive_id, m.keyframe, instead.join(", "));
+    }
+    for s in &e.spurious {
+        out += &format!("{spurious}  {} {} {}\n", s.scenario_id, s.episode_id, s.keyframe);
+    }
+    out
+}
