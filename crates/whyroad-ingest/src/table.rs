@@ -11,7 +11,9 @@ mod objects;
 mod problems;
 mod road;
 mod sheet;
+mod signs;
 mod states;
+mod words;
 
 use crate::report::SourceReport;
 use crate::run::Options;
@@ -26,7 +28,7 @@ use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ, FrameOfReference};
 use whyroad_model::{Drive, Nanos};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
 const MAX_GAP_S: f64 = 0.25;
 const GAP_STEPS: f64 = 1.5;
@@ -120,7 +122,7 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
         None => (Vec::new(), vec!["objects"]),
     };
     missing.extend(lacking);
-    let map = road::read(&mut reader);
+    let map = road::read(&meta.map_complete_for, &mut reader);
     let lights = states::lights(&mut reader);
     let context = states::context(&mut reader);
     if !ego.length_m.is_finite() || !ego.width_m.is_finite() {

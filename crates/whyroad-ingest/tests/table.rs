@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_ingest::{Format, Options, SourceReport, find_sources, table};
 use whyroad_model::scene::{LightColour, TurnSignal};
+use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::{Drive, ObjectClass, Severity};
 
 fn example() -> PathBuf {
@@ -257,4 +258,114 @@ fn a_lake_is_not_taken_for_tables() {
     let lake = whyroad_lake::Lake::create_or_open(dir.path()).unwrap();
     lake.write_drive(&drive.unwrap()).unwrap();
     assert!(table::find_drives(dir.path()).unwrap().is_empty());
+}
+
+#[test]
+fn every_word_of_the_closed_lists_comes_through() {
+    let words = |known: &[&str]| known.iter().map(|w| (*w).to_owned()).collect::<Vec<String>>();
+    let (drive, report) = changed(|dir| {
+        edit(dir, "drive.yaml", "licence:", "map_complete_for: [tunnel, stop]\nlicence:");
+        edit(dir, "lanes.csv", "speed_limit_mps\n", "speed_limit_mps,tags\n");
+        edit(dir, "lanes.csv", "false,13.89\n", &format!("false,13.89,{}\n", LANE_TAGS.join("; ")));
+        edit(dir, "lanes.csv", "false,13.89\n", "false,13.89,\n");
+        let mut areas = String::from("area_id,kind,boundary_xyz_m\n");
+        FACILITY_KINDS.iter().for_each(|k| areas += &format!("{k},{k},0 0; 1 0; 1 1\n"));
+        fs::write(dir.join("areas.csv"), areas).unwrap();
+        let mut signs = String::from("sign_id,kind,x_m,y_m,lane_ids,value\n");
+        SIGN_KINDS.iter().for_each(|k| signs += &format!("{k},{k},50,-3,east-1,8.33\n"));
+        fs::write(dir.join("signs.csv"), signs).unwrap();
+        let mut context = String::from("time_s,kind,value\n");
+        for (i, (kind, values)) in CONTEXT_KINDS.iter().enumerate() {
+            let values = match values {
+                ContextValues::Words(words) => words.to_vec(),
+                ContextValues::Number(_) => vec!["12.5"],
+            };
+            values.iter().for_each(|v| context += &format!("0.{i:02},{kind},{v}\n"));
+        }
+        fs::write(dir.join("context.csv"), context).unwrap();
+    });
+    assert!(codes(&report).is_empty() && !report.lost_input(), "{:?}", report.diagnostics);
+    let drive = drive.unwrap();
+    let map = drive.map.as_ref().unwrap();
+    assert_eq!(map.lane("east-1").unwrap().tags, words(LANE_TAGS));
+    let sorted = |mut v: Vec<String>| {
+        v.sort();
+        v
+    };
+    assert_eq!(
+        map.facilities.iter().map(|f| f.kind.clone()).collect::<Vec<_>>(),
+        sorted(words(FACILITY_KINDS))
+    );
+    assert_eq!(map.signs.iter().map(|s| s.kind.clone()).collect::<Vec<_>>(), sorted(words(SIGN_KINDS)));
+    assert_eq!((map.signs[0].value, map.signs[0].lane_ids[0].as_str()), (Some(8.33), "east-1"));
+    assert_eq!(map.complete_for, ["stop", "tunnel"]);
+    let count: usize = CONTEXT_KINDS
+        .iter()
+        .map(|(_, v)| match v {
+            ContextValues::Words(w) => w.len(),
+            ContextValues::Number(_) => 1,
+        })
+        .sum();
+    assert_eq!(drive.context.unwrap().len(), count);
+}
+
+#[test]
+fn words_in_no_list_are_told_and_end_what_was_known() {
+    let (drive, report) = changed(|dir| {
+        edit(dir, "areas.csv", "bump,speed_bump", "bump,speedbump");
+        edit(dir, "lanes.csv", "speed_limit_mps\n", "speed_limit_mps,tags\n");
+        edit(dir, "lanes.csv", "false,13.89\n", "false,13.89,ramp; acceleratoin\n");
+        edit(dir, "lanes.csv", "false,13.89\n", "false,13.89,\n");
+        let rows =
+            "time_s,kind,value\n0,weather,rain\n1,weather,hail\n0,mood,good\n0,visibility,far\n2,weather,\n";
+        fs::write(dir.join("context.csv"), rows).unwrap();
+    });
+    let drive = drive.unwrap();
+    let told: Vec<(String, String)> = report
+        .diagnostics
+        .iter()
+        .filter(|d| d.code == "table.word.unknown")
+        .map(|d| (d.message.en.clone(), d.hint.as_ref().unwrap().en.clone()))
+        .collect();
+    for (word, hint) in [
+        ("'speedbump'", "'speed_bump'"),
+        ("'acceleratoin'", "'acceleration'"),
+        ("'hail'", "clear, rain, snow, fog"),
+        ("'mood'", "weather, visibility"),
+    ] {
+        assert!(told.iter().any(|(m, h)| m.contains(word) && h.contains(hint)), "{word}: {told:?}");
+    }
+    assert!(report.lost_input() && codes(&report).contains(&"table.cell.invalid"));
+    let map = drive.map.as_ref().unwrap();
+    assert!(map.facilities.is_empty() && map.lane("east-1").unwrap().tags == ["ramp"]);
+    let context: Vec<(String, String)> =
+        drive.context.unwrap().into_iter().map(|c| (c.kind, c.value)).collect();
+    let unknown = "unknown".to_owned();
+    assert_eq!(
+        context,
+        [
+            ("visibility".into(), unknown.clone()),
+            ("weather".into(), "rain".into()),
+            ("weather".into(), unknown.clone()),
+            ("weather".into(), unknown)
+        ]
+    );
+}
+
+#[test]
+fn the_guides_name_every_word() {
+    for page in ["docs/guides/table-format.md", "docs/guides/table-format.zh.md", "docs/lake.md"] {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(page);
+        let text = fs::read_to_string(path).unwrap();
+        let mut words: Vec<&str> =
+            [LANE_TAGS, FACILITY_KINDS, SIGN_KINDS].into_iter().flatten().copied().collect();
+        for (kind, values) in CONTEXT_KINDS {
+            words.push(kind);
+            if let ContextValues::Words(list) = values {
+                words.extend_from_slice(list);
+            }
+        }
+        let missing: Vec<_> = words.into_iter().filter(|w| !text.contains(w)).collect();
+        assert!(missing.is_empty(), "{page} lacks {missing:?}");
+    }
 }

@@ -27,6 +27,9 @@ pub const FACILITY_KINDS: &[&str] = &[
 /// Kinds of signs ([`crate::road_map::Sign::kind`]).
 pub const SIGN_KINDS: &[&str] = &["stop", "yield", "speed_limit", "lane_arrow", "prohibition", "warning"];
 
+/// Value of a context state that nobody knows; it ends what was known before.
+pub const UNKNOWN: &str = "unknown";
+
 /// What the value of a context state is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContextValues {

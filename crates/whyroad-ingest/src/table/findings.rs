@@ -15,6 +15,7 @@ pub(crate) const CODES: &[&str] = &[
     "table.meta.invalid",
     "table.meta.unknown",
     "table.class.unknown",
+    "table.word.unknown",
 ];
 
 pub(super) fn ego_missing(dir: &str) -> Diagnostic {
@@ -103,4 +104,13 @@ pub(super) fn unknown_class(file: &str, name: &str, rows: usize, known: &[&str])
         format!("{rows} rows have the unknown class '{name}'; the tracks are kept with class unknown"),
     );
     did_you_mean(Diagnostic::warning("table.class.unknown", message).in_file(file), name, known)
+}
+
+pub(super) fn unknown_word(file: &str, column: &str, word: &str, rows: usize, known: &[&str]) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("列 '{column}' 有 {rows} 行的词 '{word}' 不在词表中，未采用"),
+        format!("{rows} rows of column '{column}' have the unknown word '{word}'; it is not used"),
+    );
+    // What the file says is lost.
+    did_you_mean(Diagnostic::error("table.word.unknown", message).in_file(file), word, known)
 }

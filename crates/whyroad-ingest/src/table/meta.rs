@@ -1,12 +1,16 @@
 //! `drive.yaml` or `drive.json`: what is known about the drive as a whole.
 
+use super::words::UnknownWords;
 use super::{Reader, findings};
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Diagnostic, Nanos};
 
-const KEYS: &[&str] = &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego"];
+const KEYS: &[&str] =
+    &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego", "map_complete_for"];
 const EGO_KEYS: &[&str] = &["length_m", "width_m", "height_m", "reference_to_centre_m"];
 
 /// The file's content.
@@ -19,6 +23,8 @@ pub(super) struct Meta {
     /// Time of `time_s` zero.
     pub start_time: Option<Nanos>,
     pub ego: EgoBox,
+    /// Kinds of signs and facilities of which the map has all there are, ordered.
+    pub map_complete_for: Vec<String>,
 }
 
 /// The recording vehicle.
@@ -95,7 +101,9 @@ impl Meta {
                 "'ego.reference_to_centre_m' is missing: from the point of the pose forward to the middle of the car (0 when that is the point)",
             );
         };
+        let map_complete_for = complete_for(root.get("map_complete_for"), &label, out);
         Some(Self {
+            map_complete_for,
             drive_id: text("drive_id"),
             source,
             place: text("place"),
@@ -110,6 +118,18 @@ impl Meta {
             },
         })
     }
+}
+
+fn complete_for(list: Option<&Value>, file: &str, out: &mut Vec<Diagnostic>) -> Vec<String> {
+    let known: Vec<&'static str> = SIGN_KINDS.iter().chain(FACILITY_KINDS).copied().collect();
+    let mut words = UnknownWords::default();
+    let mut kinds = BTreeSet::new();
+    for item in list.into_iter().flat_map(|v| v.as_array().cloned().unwrap_or_else(|| vec![v.clone()])) {
+        let word = item.as_str().map_or_else(|| item.to_string(), str::to_owned);
+        kinds.extend(words.check("map_complete_for", &word, &known));
+    }
+    out.extend(words.diagnostics(file));
+    kinds.into_iter().collect()
 }
 
 fn fail<T>(out: &mut Vec<Diagnostic>, file: &str, zh: &str, en: &str) -> Option<T> {

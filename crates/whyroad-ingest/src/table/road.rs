@@ -1,14 +1,16 @@
 //! `lanes` and `areas`: the road. A line is one cell, `x y; x y; ...` or `x y z; ...`, in metres of the drive's frame.
 
-use super::Reader;
 use super::problems::Problems;
 use super::sheet::Sheet;
+use super::words::UnknownWords;
+use super::{Reader, signs};
 use crate::geometry::centre_line;
 use crate::junctions;
 use crate::report::RowCount;
 use std::collections::BTreeSet;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, StopLine};
+use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS};
 
 const LANE_COLUMNS: &[&str] = &[
     "lane_id",
@@ -27,20 +29,24 @@ const LANE_COLUMNS: &[&str] = &[
     "speed_limit_mps",
     "width_m",
     "turn",
+    "tags",
 ];
 const AREA_COLUMNS: &[&str] = &["area_id", "kind", "boundary_xyz_m", "lane_ids"];
+/// Kinds of areas that are not facilities.
+const ROAD_KINDS: &[&str] = &["crosswalk", "junction", "drivable_area", "stop_line"];
 const LINE: &str = "a line 'x y; x y; ...' or 'x y z; ...'";
 const MARKS: &str =
     "one of unknown, none, dashed, solid, double_dashed, double_solid, solid_dashed, dashed_solid";
 
-/// The map; `None` when there is neither table.
-pub(super) fn read(reader: &mut Reader) -> Option<RoadMap> {
+/// The map; `None` when there is none of its tables.
+pub(super) fn read(complete_for: &[String], reader: &mut Reader) -> Option<RoadMap> {
     let lanes = reader.sheet("lanes", LANE_COLUMNS, &[&["lane_id"], &["centre_xyz_m", "left_xyz_m"]]);
     let areas = reader.sheet("areas", AREA_COLUMNS, &[&["area_id"], &["kind"], &["boundary_xyz_m"]]);
-    if lanes.is_none() && areas.is_none() {
+    let mut map = RoadMap { complete_for: complete_for.to_vec(), ..RoadMap::default() };
+    let signs = signs::read(&mut map, reader);
+    if lanes.is_none() && areas.is_none() && !signs {
         return None;
     }
-    let mut map = RoadMap::default();
     if let Some(sheet) = lanes {
         read_lanes(&sheet, &mut map, reader);
     }
@@ -68,13 +74,14 @@ fn line(text: &str) -> Option<Vec<Point3>> {
         .collect()
 }
 
-fn list(cell: &Option<String>) -> Vec<String> {
+/// A list of ids or words.
+pub(super) fn list(cell: &Option<String>) -> Vec<String> {
     let ids = cell.as_deref().unwrap_or_default().split(';').map(str::trim).filter(|id| !id.is_empty());
     ids.map(str::to_owned).collect()
 }
 
 fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
-    let mut problems = Problems::default();
+    let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
     let p = &mut problems;
     let [ids, left_neighbour, right_neighbour, successors, predecessors, junction] =
         ["lane_id", "left_neighbour", "right_neighbour", "successors", "predecessors", "junction_id"]
@@ -84,6 +91,7 @@ fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
     let [left_mark, right_mark] = ["left_mark", "right_mark"].map(|n| sheet.words(n, MARKS, p));
     let kind = sheet.words("kind", "one of vehicle, bus, bike, sidewalk, shoulder, other", p);
     let turn = sheet.words("turn", "one of straight, left, right, uturn", p);
+    let tags = sheet.texts("tags");
     let in_junction = sheet.flags("in_junction", p);
     let (limit, width) = (sheet.numbers("speed_limit_mps", p), sheet.numbers("width_m", p));
 
@@ -125,16 +133,18 @@ fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
             width_m: Some(width[i]).filter(|v| v.is_finite()),
             junction_id: junction[i].clone(),
             turn: turn[i],
-            tags: Vec::new(),
+            tags: list(&tags[i]).iter().filter_map(|t| words.check("tags", t, LANE_TAGS)).collect(),
         });
     }
     map.lanes.sort_by(|a, b| a.id.cmp(&b.id));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
+    reader.report.diagnostics.extend(words.diagnostics(&sheet.label));
     reader.report.tables.push(count);
 }
 
 fn read_areas(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
-    let mut problems = Problems::default();
+    let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
+    let known: Vec<&'static str> = ROAD_KINDS.iter().chain(FACILITY_KINDS).copied().collect();
     let [ids, kinds, lanes] = ["area_id", "kind", "lane_ids"].map(|n| sheet.texts(n));
     let boundaries = sheet.parsed("boundary_xyz_m", LINE, &mut problems, line);
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("areas") };
@@ -143,6 +153,10 @@ fn read_areas(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
         let row = sheet.first_row + i;
         let (Some(id), Some(kind)) = (ids[i].clone(), kinds[i].clone()) else {
             problems.row("no_id", row, &mut count);
+            continue;
+        };
+        let Some(kind) = words.check("kind", &kind, &known) else {
+            problems.row("unknown_word", row, &mut count);
             continue;
         };
         // Two points are a line (a stop line, a speed bump across the road); an area needs three.
@@ -182,5 +196,6 @@ fn read_areas(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {
     map.stop_lines.sort_by(|a, b| a.id.cmp(&b.id));
     map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
+    reader.report.diagnostics.extend(words.diagnostics(&sheet.label));
     reader.report.tables.push(count);
 }

@@ -3,9 +3,11 @@
 use super::Reader;
 use super::problems::Problems;
 use super::sheet::TIME;
+use super::words::UnknownWords;
 use crate::report::RowCount;
 use whyroad_model::Nanos;
 use whyroad_model::scene::{ContextState, LightColour, LightState};
+use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, UNKNOWN, context_values};
 
 const COLOURS: &str = "one of red, yellow, green, green_yield, red_yellow, flashing_yellow, off, unknown";
 
@@ -37,29 +39,46 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     Some(out)
 }
 
-/// Weather, surface and the like; `None` without the table.
+/// Weather, surface and the like; `None` without the table. A value that is missing or not one of its kind's ends what was
+/// known before: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;
-    let mut problems = Problems::default();
+    let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
+    let known: Vec<&'static str> = CONTEXT_KINDS.iter().map(|(kind, _)| *kind).collect();
     let times = sheet.times(reader.start, &mut problems);
     let [kinds, values, sources] = ["kind", "value", "source"].map(|n| sheet.texts(n));
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("context") };
     let mut out = Vec::new();
     for i in 0..sheet.rows {
         let row = sheet.first_row + i;
-        match (times[i], kinds[i].clone(), values[i].clone()) {
-            (None, ..) => problems.row("no_time", row, &mut count),
-            (Some(t), Some(kind), Some(value)) => {
-                count.keep("state", 1);
-                let source = sources[i].clone().unwrap_or_else(|| "log".to_owned());
-                out.push(ContextState { time: Nanos(t), kind, value, source });
+        let (Some(time), Some(kind)) = (times[i], kinds[i].as_deref()) else {
+            problems.row(if times[i].is_none() { "no_time" } else { "invalid" }, row, &mut count);
+            continue;
+        };
+        let Some(kind) = words.check("kind", kind, &known) else {
+            problems.row("unknown_word", row, &mut count);
+            continue;
+        };
+        let told = values[i].as_deref().filter(|v| *v != UNKNOWN);
+        let value = told.and_then(|text| match context_values(&kind)? {
+            ContextValues::Words(list) => words.check("value", text, list),
+            ContextValues::Number(_) => {
+                let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);
+                if !is_number {
+                    problems.cell("value", "a number", row, text);
+                }
+                is_number.then(|| text.to_owned())
             }
-            _ => problems.row("invalid", row, &mut count),
-        }
+        });
+        count.keep("state", 1);
+        let source = sources[i].clone().unwrap_or_else(|| "log".to_owned());
+        let value = value.unwrap_or_else(|| UNKNOWN.to_owned());
+        out.push(ContextState { time: Nanos(time), kind, value, source });
     }
     out.sort_by(|a, b| (a.time, &a.kind).cmp(&(b.time, &b.kind)));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
+    reader.report.diagnostics.extend(words.diagnostics(&sheet.label));
     reader.report.tables.push(count);
     Some(out)
 }
