@@ -4,9 +4,11 @@
 pub mod arbitrate;
 mod build;
 pub mod moment;
+mod pairs;
 
 pub use build::{Found, find};
 
+use std::collections::BTreeMap;
 use whyroad_model::messages::{KeyframeType, MatchedCondition};
 use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
 
@@ -17,12 +19,16 @@ pub struct Episode {
     pub scenario: ScenarioId,
     /// The target that the rule bound.
     pub target: Option<TrackId>,
+    /// Who takes which role, where the rule binds two objects; empty otherwise.
+    pub roles: BTreeMap<String, TrackId>,
     /// Frames in which the rule's condition held, short breaks included.
     pub matched: FrameRange,
     /// One moment or a range.
     pub kind: KeyframeType,
     /// The keyframe; the start of the range for a range.
     pub keyframe: usize,
+    /// The second keyframe, where the spec has one and it was found.
+    pub second_keyframe: Option<usize>,
     /// `time_range` of the labelling spec; contains the keyframe.
     pub range: FrameRange,
     /// The time range with the context that its spec asks for.

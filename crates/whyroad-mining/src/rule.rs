@@ -4,6 +4,7 @@
 pub mod lint;
 pub mod origin;
 pub mod query;
+mod roles;
 pub mod set;
 pub mod source;
 
@@ -33,6 +34,9 @@ pub const CODES: &[&str] = &[
     "mine.scenario.no_rule",
 ];
 
+/// What the first role is called where the rule gives it no name of its own.
+pub const TARGET: &str = "target";
+
 /// An executable rule.
 #[derive(Clone, Debug)]
 pub struct Rule {
@@ -40,6 +44,10 @@ pub struct Rule {
     pub scenario: ScenarioId,
     /// What the target can be; `None` when the rule speaks of the ego alone.
     pub subject: Option<Subject>,
+    /// How the rule calls its target: `target`, or a name such as `lead`.
+    pub target_role: String,
+    /// The object that a rule binds besides its target.
+    pub second: Option<SecondRole>,
     /// All operations of the rule and of its moments.
     pub program: Program,
     /// The condition whose runs of true are the matches.
@@ -60,6 +68,15 @@ pub struct Rule {
     pub timing: Timing,
 }
 
+/// A second object that takes part: the rule is judged for every pair of a target and such an object.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SecondRole {
+    /// How the rule calls it, such as `obstacle`.
+    pub name: String,
+    /// What it can be.
+    pub subject: Subject,
+}
+
 /// Which atoms an episode lists as matched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Listed {
@@ -78,6 +95,8 @@ pub struct Timing {
     pub keyframe: Vec<(Moment, Bilingual)>,
     /// What the keyframe is when none of these finds it: the start of the match, in words.
     pub at_match_start: Bilingual,
+    /// The second keyframe, the best way first; without any, or where none finds it, there is none.
+    pub second_keyframe: Vec<Moment>,
     /// Start of the time range, the best way first.
     pub start: Vec<Moment>,
     /// End of the time range, the best way first.
@@ -97,6 +116,7 @@ impl Timing {
             kind: KeyframeType::Reactive,
             keyframe: vec![],
             at_match_start: Bilingual::new("匹配条件首次全部成立", "the conditions first hold together"),
+            second_keyframe: vec![],
             start: vec![],
             end: vec![],
             before: Nanos::default(),

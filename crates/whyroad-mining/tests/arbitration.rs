@@ -20,9 +20,11 @@ fn episode(class: &str, target: &str, keyframe: usize, score: f64) -> Episode {
     Episode {
         scenario: class.parse().unwrap(),
         target: (!target.is_empty()).then(|| target.into()),
+        roles: [].into(),
         matched: FrameRange::new(keyframe, keyframe + 20),
         kind: KeyframeType::Reactive,
         keyframe,
+        second_keyframe: None,
         range: FrameRange::new(keyframe, keyframe + 20),
         context: FrameRange::new(keyframe, keyframe + 20),
         keyframe_rule: Bilingual::default(),

@@ -139,6 +139,8 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
         drive_id: drive.meta.drive_id.clone(),
         clip_id: whyroad_model::ClipId::of(&drive.meta.drive_id, 0),
         target_id: Some(drive.tracks[0].id.clone()),
+        roles: [].into(),
+        second_keyframe: None,
         time_range: TimeRange {
             start_timestamp: at(20),
             end_timestamp: at(70),

@@ -1,15 +1,15 @@
 //! One rule on one drive: its matches, and an episode for each that also meets `require` at its keyframe.
 
 use super::moment::{Known, Sought, resolve};
+use super::pairs;
 use super::{Episode, Rank, score};
-use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Row, Series, Truths};
+use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
 use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::{Listed, Rule};
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::MatchedCondition;
-use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, Tri};
+use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
 
 /// What came of one rule on one drive.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,25 +25,39 @@ pub fn find(rule: &Rule, table: &SignalTable) -> Found {
     let mut evaluator = Evaluator::new(&rule.program, table);
     let mut found = Found::default();
     let mut decided = Decided::default();
-    match rule.subject {
-        None => on_rows(rule, None, &mut evaluator, &mut found.episodes, &mut decided),
-        Some(subject) => {
-            for span in table.targets.iter().filter(|t| subject.admits(t.class)) {
-                on_rows(rule, Some(span), &mut evaluator, &mut found.episodes, &mut decided);
-            }
+    let Some(subject) = rule.subject else {
+        on_rows(rule, Roles::default(), &mut evaluator, &mut found.episodes, &mut decided);
+        return finished(found, rule, table, &decided);
+    };
+    for span in table.targets.iter().filter(|t| subject.admits(t.class)) {
+        let alone = Roles { target: Some(span), second: None };
+        let Some(role) = &rule.second else {
+            on_rows(rule, alone, &mut evaluator, &mut found.episodes, &mut decided);
+            continue;
+        };
+        if pairs::hopeless(rule, alone, &mut evaluator, &mut decided) {
+            continue;
+        }
+        for second in pairs::partners(span, role, table) {
+            let pair = Roles { second: Some(second), ..alone };
+            on_rows(rule, pair, &mut evaluator, &mut found.episodes, &mut decided);
         }
     }
+    finished(found, rule, table, &decided)
+}
+
+fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decided) -> Found {
     if found.episodes.is_empty() {
-        found.missing = missing(rule, table, &decided);
+        found.missing = missing(rule, table, decided);
     }
     found
 }
 
 /// How far the rule's condition was known.
 #[derive(Default)]
-struct Decided {
-    rows: usize,
-    known: usize,
+pub(super) struct Decided {
+    pub(super) rows: usize,
+    pub(super) known: usize,
 }
 
 /// Signals that the drive does not have, when the rule reads any: "nothing found" would claim too much. Where
@@ -61,18 +75,18 @@ fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<Stri
 
 fn on_rows<'a>(
     rule: &'a Rule,
-    span: Option<&'a TargetSpan>,
+    roles: Roles<'a>,
     evaluator: &mut Evaluator<'a>,
     out: &mut Vec<Episode>,
     decided: &mut Decided,
 ) {
-    let mut pass = evaluator.pass(span);
+    let mut pass = evaluator.pass_of(roles);
     let series = evaluator.series(rule.when, &mut pass);
     let Series::Truths(when) = series.as_ref() else { return };
     decided.rows += when.value.len();
     decided.known += when.value.iter().filter(|t| **t != Tri::Unknown).count();
     for (first, last) in matches(when, evaluator.rows(&pass), rule) {
-        out.extend(episode(rule, span, when, (first, last), evaluator, &mut pass));
+        out.extend(episode(rule, roles, when, (first, last), evaluator, &mut pass));
     }
 }
 
@@ -100,7 +114,7 @@ fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
 
 fn episode<'a>(
     rule: &'a Rule,
-    span: Option<&'a TargetSpan>,
+    roles: Roles<'a>,
     when: &Truths,
     (first, last): (usize, usize),
     evaluator: &mut Evaluator<'a>,
@@ -125,6 +139,8 @@ fn episode<'a>(
         margin = margin.min(m);
     }
     let conditions = conditions(rule, row, evaluator, &mut at);
+    let second = rule.timing.second_keyframe.iter();
+    let second = second.filter_map(|m| resolve(m, Sought::Keyframe, known, evaluator, &mut at)).next();
     let mut bound = |ways: &[Moment], sought, default: Nanos| {
         ways.iter().find_map(|m| resolve(m, sought, known, evaluator, &mut at)).unwrap_or(default)
     };
@@ -138,10 +154,12 @@ fn episode<'a>(
     let after = (end + rule.timing.after).min(until.max(end));
     Some(Episode {
         scenario: rule.scenario.clone(),
-        target: span.map(|s| s.id.clone()),
+        target: roles.target.map(|s| s.id.clone()),
+        roles: named(rule, roles),
         matched: times.matched,
         kind: rule.timing.kind,
         keyframe,
+        second_keyframe: second.map(|t| times.frame_at(t)),
         range,
         context: times.range(start - rule.timing.before, after),
         keyframe_rule,
@@ -150,6 +168,16 @@ fn episode<'a>(
         signals: rule.signals().into_iter().collect(),
         rank: Rank::Primary,
     })
+}
+
+/// Who takes which role, for a rule that binds two objects.
+fn named(rule: &Rule, roles: Roles<'_>) -> BTreeMap<String, TrackId> {
+    match (&rule.second, roles.target, roles.second) {
+        (Some(role), Some(a), Some(b)) => {
+            BTreeMap::from([(rule.target_role.clone(), a.id.clone()), (role.name.clone(), b.id.clone())])
+        }
+        _ => BTreeMap::new(),
+    }
 }
 
 /// The first way that finds the keyframe, with its rule in words.

@@ -304,9 +304,9 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// True when the node's value belongs to a target.
+    /// True when the node's value belongs to an object.
     pub fn is_of_target(&self, id: NodeId) -> bool {
-        self.program.node(id).scope == Scope::Target
+        self.program.node(id).scope != Scope::Frame
     }
 }
 

@@ -90,9 +90,11 @@ mod tests {
         let episode = Episode {
             scenario: "reactive_agent.cutin.urgent".parse().unwrap(),
             target: target.map(Into::into),
+            roles: [].into(),
             matched: FrameRange::new(210, 230),
             kind: KeyframeType::Reactive,
             keyframe: 210,
+            second_keyframe: None,
             range: FrameRange::new(190, 240),
             context: FrameRange::new(160, 250),
             keyframe_rule: Bilingual::default(),

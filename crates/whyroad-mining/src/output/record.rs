@@ -37,6 +37,7 @@ pub fn write_down(
             drive_id: drive.clone(),
             clip_id: ClipId::of(drive, index),
             target_id: e.target.clone(),
+            roles: e.roles.clone(),
             time_range: TimeRange {
                 start_timestamp: times[e.range.start],
                 end_timestamp: end_time(times, e.range.end),
@@ -50,6 +51,13 @@ pub fn write_down(
                 range_start: (e.kind == KeyframeType::Proactive).then(|| times[e.keyframe]),
                 range_end: (e.kind == KeyframeType::Proactive).then(|| end_time(times, e.range.end)),
             },
+            second_keyframe: e.second_keyframe.map(|frame| Keyframe {
+                timestamp: times[frame],
+                frame_idx: frame_in(clip, frame),
+                kind: KeyframeType::Reactive,
+                range_start: None,
+                range_end: None,
+            }),
             score: rounded(e.score),
             is_primary: e.rank == Rank::Primary,
             primary_episode_id: match e.rank {

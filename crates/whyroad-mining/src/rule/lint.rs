@@ -45,6 +45,8 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
     else {
         return;
     };
+    let roles = block.get("roles").and_then(Value::as_mapping).cloned().unwrap_or_default();
+    checker.roles = super::roles::names(block.get("target").and_then(Value::as_str), &roles);
     let names = |key: &str| block.get(key).and_then(Value::as_mapping).cloned().unwrap_or_default();
     let text = |value: &Value| value.as_str().and_then(|t| parse(t).ok());
     let (parameters, definitions): (Mapping, Mapping) = (names("parameters"), names("define"));

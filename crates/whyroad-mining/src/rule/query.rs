@@ -1,6 +1,6 @@
 //! A JSON `mining_query` (DATA_FORMAT.md 5.1) to a [`Rule`]: the same program that a rule file makes.
 
-use super::{Listed, Rule, Timing};
+use super::{Listed, Rule, TARGET, Timing};
 use crate::language::program::{Kind, Op};
 use crate::language::syntax::{CompareOp, Expr, ExprKind, Quantity, Span};
 use crate::language::token::unknown_unit;
@@ -124,6 +124,8 @@ pub fn compile_query(
     Ok(Rule {
         scenario: query.scenario_id.clone(),
         subject: checker.subject.or(any),
+        target_role: TARGET.to_owned(),
+        second: None,
         when,
         require: vec![],
         atoms,

@@ -1,7 +1,7 @@
 //! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
 
 use super::origin::Origin;
-use super::{Listed, Rule, Timing};
+use super::{Listed, Rule, TARGET, Timing};
 use crate::language::program::{Atom, Kind, Moment, NodeId, Op, Subject};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
@@ -23,6 +23,8 @@ const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
 #[serde(deny_unknown_fields)]
 struct Block {
     target: Option<String>,
+    #[serde(default)]
+    roles: Mapping,
     #[serde(default)]
     parameters: Mapping,
     #[serde(default)]
@@ -96,9 +98,10 @@ pub fn compile(
         found: Vec::new(),
         broken: BTreeSet::new(),
     };
+    let roles = c.roles(block.target.as_deref(), &block.roles);
     c.parameters(&block.parameters);
     c.define(&block.define);
-    let subject = c.subject(block.target.as_deref());
+    let subject = roles.target;
     let whens = match block.when {
         OneOrMany::One(text) => vec![text],
         OneOrMany::Many(all) => all,
@@ -122,6 +125,13 @@ pub fn compile(
         );
         c.report("/mining", "", fault.hint("例如 target: vehicle", "as in `target: vehicle`"));
     }
+    if when.len() == whens.len() {
+        for (id, text) in when.iter().zip(&whens) {
+            if c.checker.program.node(*id).needs_episode {
+                c.report("/mining/when", text, needs_a_match(text));
+            }
+        }
+    }
     let timing = spec.map_or_else(Timing::of_match, |s| c.timing(s, subject));
     let when = match when.as_slice() {
         [one] => *one,
@@ -133,6 +143,8 @@ pub fn compile(
     Ok(Rule {
         scenario: scenario.clone(),
         subject,
+        target_role: c.checker.roles.first.clone().unwrap_or_else(|| TARGET.to_owned()),
+        second: roles.second,
         when,
         require,
         atoms,
@@ -145,8 +157,8 @@ pub fn compile(
     })
 }
 
-struct Compiler<'a> {
-    checker: Checker<'a>,
+pub(super) struct Compiler<'a> {
+    pub(super) checker: Checker<'a>,
     catalogue: &'a Catalogue,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
@@ -155,7 +167,7 @@ struct Compiler<'a> {
 }
 
 impl Compiler<'_> {
-    fn report(&mut self, key: &str, text: &str, fault: Fault) {
+    pub(super) fn report(&mut self, key: &str, text: &str, fault: Fault) {
         let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
         if fault.code == "rule.signal.unknown" && self.broken.contains(marked) {
             return;
@@ -263,23 +275,6 @@ impl Compiler<'_> {
         }
     }
 
-    fn subject(&mut self, word: Option<&str>) -> Option<Subject> {
-        let word = word?;
-        let subject = Subject::from_word(word);
-        if subject.is_none() {
-            let span = Span { start: 0, end: word.len() };
-            let fault = Fault::new(
-                "rule.target",
-                span,
-                format!("没有名为 '{word}' 的目标种类"),
-                format!("'{word}' is not a kind of target"),
-            )
-            .hint("可用：vehicle, large_vehicle, vru, any", "there are vehicle, large_vehicle, vru, any");
-            self.report("/mining/target", word, fault);
-        }
-        subject
-    }
-
     /// The moments of a labelling spec, whose expressions are checked here, with the rule that they serve.
     fn timing(&mut self, spec: &ResolvedSpec, subject: Option<Subject>) -> Timing {
         let mut timing = Timing::of_match();
@@ -300,6 +295,12 @@ impl Compiler<'_> {
                 out.extend(self.moment_for(expr, key, subject));
             }
         }
+        let second = spec.second_keyframe.as_ref();
+        let ways =
+            second.into_iter().flat_map(|k| k.expr.iter().chain(k.fallback.iter().flat_map(|f| &f.expr)));
+        for expr in ways {
+            timing.second_keyframe.extend(self.moment_for(expr, "/labeling/second_keyframe", subject));
+        }
         timing.before = Nanos::from_secs_f64(spec.pack.before_s);
         timing.after = Nanos::from_secs_f64(spec.pack.after_s);
         let until = spec.pack.after_until.as_ref().and_then(|m| m.expr.as_ref());
@@ -313,6 +314,20 @@ impl Compiler<'_> {
         let of_target = moment.conditions().iter().any(|id| self.checker.is_of_target(*id));
         (subject.is_some() || !of_target).then_some(moment)
     }
+}
+
+/// `when` decides what a match is: it cannot speak of one.
+fn needs_a_match(text: &str) -> Fault {
+    let word =
+        ["at keyframe", "least(", "greatest("].into_iter().find_map(|w| Some((text.find(w)?, w.len())));
+    let (start, len) = word.unwrap_or((0, text.len()));
+    let span = Span { start, end: start + len };
+    Fault::new(
+        "rule.type",
+        span,
+        "when 里还没有匹配：at keyframe、least、greatest 只能用于 require、start、end",
+        "there is no match yet in `when`: at keyframe, least and greatest belong in require, start and end",
+    )
 }
 
 fn not_a_quantity(span: Span) -> Fault {

@@ -6,6 +6,7 @@ use super::mining::MatchedCondition;
 use crate::{Bilingual, ClipId, DriveId, ScenarioId, TrackId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A stretch of a drive in which one leaf's rule held, with the evidence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,10 +22,16 @@ pub struct EpisodeRecord {
     /// The target that the rule bound; null for rules without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_id: Option<TrackId>,
+    /// Who takes which role, where the rule binds two objects (`{"lead": .., "obstacle": ..}`); empty otherwise.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub roles: BTreeMap<String, TrackId>,
     /// From start to end; frames count from the clip's first frame and are clamped to the clip.
     pub time_range: TimeRange,
     /// The keyframe; its frame counts from the clip's first frame.
     pub keyframe: Keyframe,
+    /// The second keyframe, where the labelling spec has two and it was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_keyframe: Option<Keyframe>,
     /// Match score, 0 to 1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub score: f64,

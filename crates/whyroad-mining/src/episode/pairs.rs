@@ -1,0 +1,57 @@
+//! Rules that bind two objects: which pairs are worth judging. All pairs of a crowded drive are many, and nearly
+//! all fail for the target alone (it is not even the lead), which is looked at first.
+
+use super::build::Decided;
+use crate::evaluate::{Evaluator, Roles, Series};
+use crate::language::program::{NodeId, Op, Program, Scope};
+use crate::rule::{Rule, SecondRole};
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{SignalTable, Tri};
+
+/// The objects that can take the second role beside `target`: others, seen while it is seen.
+pub(super) fn partners<'a>(
+    target: &'a TargetSpan,
+    role: &SecondRole,
+    table: &'a SignalTable,
+) -> impl Iterator<Item = &'a TargetSpan> {
+    let subject = role.subject;
+    table.targets.iter().filter(move |o| {
+        o.first_row != target.first_row
+            && subject.admits(o.class)
+            && !o.frames.intersect(target.frames).is_empty()
+    })
+}
+
+/// True when what the rule asks of the target alone (or of the drive) is false at every row: no pair with this
+/// target can match. Its rows then count as decided.
+pub(super) fn hopeless<'a>(
+    rule: &'a Rule,
+    alone: Roles<'a>,
+    evaluator: &mut Evaluator<'a>,
+    decided: &mut Decided,
+) -> bool {
+    let mut parts = Vec::new();
+    conjuncts(&rule.program, rule.when, &mut parts);
+    parts.retain(|id| matches!(rule.program.node(*id).scope, Scope::Frame | Scope::Target));
+    let mut pass = evaluator.pass_of(alone);
+    let n = evaluator.rows(&pass).len();
+    let mut open = vec![true; n];
+    for id in parts {
+        if let Series::Truths(t) = evaluator.series(id, &mut pass).as_ref() {
+            open.iter_mut().zip(&t.value).for_each(|(o, v)| *o &= *v != Tri::False);
+        }
+    }
+    let hopeless = !open.contains(&true);
+    if hopeless {
+        decided.rows += n;
+        decided.known += n;
+    }
+    hopeless
+}
+
+fn conjuncts(program: &Program, id: NodeId, out: &mut Vec<NodeId>) {
+    match &program.node(id).op {
+        Op::And(all) => all.iter().for_each(|a| conjuncts(program, *a, out)),
+        _ => out.push(id),
+    }
+}
