@@ -125,6 +125,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "no_time" => ("没有时间", "no time"),
         "no_id" => ("没有编号", "no id"),
         "no_line" => ("没有线或面", "no line or area"),
+        "scenery" => ("景物", "scenery"),
         "unknown_word" => ("不在词表中", "a word that is in no list"),
         "no_position" => ("没有位置", "no position"),
         "light" => ("灯态", "light states"),

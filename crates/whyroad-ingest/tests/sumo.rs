@@ -281,3 +281,64 @@ fn every_code_has_a_page() {
         whyroad_ingest::codes().into_iter().filter(|c| !docs.join(format!("{c}.md")).is_file()).collect();
     assert!(missing.is_empty(), "no page for {missing:?}");
 }
+
+#[test]
+fn buildings_signs_and_ramps_come_from_what_sumo_has() {
+    let dir = fcd(0.1, 12, |t| vec![car("ego", 10.0 + 10.0 * t, -1.6)]);
+    let lane = |id: &str, rest: &str, shape: &str| {
+        format!(r#"<lane id="{id}" index="0" speed="22" length="9" {rest} shape="{shape}"/>"#)
+    };
+    // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type; and a main road.
+    let net = format!(
+        r#"<net>
+        <edge id=":n_0" function="internal">{}</edge>
+        <edge id=":n_1" function="internal">{}</edge>
+        <edge id="main" from="w" to="n">{}</edge>
+        <edge id="drawn" from="y" to="n">{}</edge>
+        <edge id="linked" from="y" to="z" type="highway.motorway_link">{}</edge>
+        <edge id="on" from="n" to="e">{}{}</edge>
+        <connection from="main" to="on" fromLane="0" toLane="1" via=":n_1_0" dir="s"/>
+        <connection from="drawn" to="on" fromLane="0" toLane="0" via=":n_0_0" dir="s"/>
+        <connection from=":n_0" to="on" fromLane="0" toLane="0" dir="s"/>
+        <connection from=":n_1" to="on" fromLane="0" toLane="1" dir="s"/></net>"#,
+        lane(":n_0_0", "", "100,-4 102,-4"),
+        lane(":n_1_0", "", "100,-1 102,-1"),
+        lane("main_0", "", "0,-1 100,-1"),
+        lane("drawn_0", "", "0,-30 100,-4"),
+        lane("linked_0", "", "0,-60 100,-60"),
+        lane("on_0", r#"acceleration="1""#, "102,-4 200,-4"),
+        lane("on_1", "", "102,-1 200,-1"),
+    );
+    fs::write(dir.path().join("net.xml"), net).unwrap();
+    let shapes = r#"<additional>
+        <poly id="house" type="building.house" shape="0,5 10,5 10,15"/>
+        <poly id="bump" type="speed_bump" shape="50,-3 50,0"/>
+        <poly id="park" type="leisure.park" shape="0,50 10,50 10,60"/>
+        <poi id="limit" type="sign.speed_limit" lane="main_0" pos="-20"><param key="value" value="13.89"/></poi>
+        <poi id="stop" type="sign.stop" x="95" y="-4"/>
+        <poi id="kiosk" type="shop" x="9" y="9"/></additional>"#;
+    fs::write(dir.path().join("town.poly.xml"), shapes).unwrap();
+    let (drive, report) = read(&dir);
+    let map = drive.unwrap().map.unwrap();
+    let tagged =
+        |tag: &str| map.lanes.iter().filter(|l| l.is_tagged(tag)).map(|l| l.id.as_str()).collect::<Vec<_>>();
+    assert_eq!(tagged("ramp"), [":n_0_0", "drawn_0", "linked_0"]);
+    assert_eq!(tagged("acceleration"), ["on_0"]);
+    let facilities: Vec<_> = map.facilities.iter().map(|f| (f.id.as_str(), f.kind.as_str())).collect();
+    assert_eq!(facilities, [("bump", "speed_bump"), ("house", "building")]);
+    assert_eq!(map.facilities[1].boundary.len(), 4, "closed");
+    let signs: Vec<_> = map.signs.iter().map(|s| (s.kind.as_str(), s.position.x, s.value)).collect();
+    assert_eq!(signs, [("speed_limit", 80.0, Some(13.89)), ("stop", 95.0, None)]);
+    assert_eq!(map.signs[0].lane_ids, ["main_0"]);
+    assert_eq!(map.complete_for, ["roundabout"]);
+    let count = report.tables.iter().find(|t| t.table == "shapes").unwrap();
+    assert_eq!((count.read, count.set_aside["scenery"]), (6, 2));
+
+    fs::write(dir.path().join("town.poly.xml"), &shapes[..300]).unwrap();
+    let (drive, report) = read(&dir);
+    assert!(codes(&report).contains(&"sumo.shapes.unreadable"));
+    assert!(
+        drive.unwrap().map.unwrap().facilities.iter().any(|f| f.id == "house"),
+        "what stands before the break"
+    );
+}

@@ -20,6 +20,7 @@ pub(crate) const CODES: &[&str] = &[
     "sumo.net.invalid",
     "sumo.net.dangling",
     "sumo.lights.unreadable",
+    "sumo.shapes.unreadable",
 ];
 
 fn text(zh: String, en: String) -> Bilingual {
@@ -220,5 +221,18 @@ pub(super) fn lights_unreadable(file: &str, reason: &str) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new("重新运行仿真", "run the simulation again"))
+    .in_file(file)
+}
+
+pub(super) fn shapes_unreadable(file: &str, reason: &str) -> Diagnostic {
+    Diagnostic::error(
+        "sumo.shapes.unreadable",
+        text(
+            format!("附加文件无法完整读取，其余的多边形和标志丢失：{reason}"),
+            format!(
+                "the additional file cannot be read to its end, further polygons and signs are lost: {reason}"
+            ),
+        ),
+    )
     .in_file(file)
 }

@@ -2,8 +2,8 @@
 
 use super::net::{self, LightLink};
 use super::vehicle_types::VehicleTypes;
-use super::{beside, findings, lights, run_name};
-use crate::report::SourceReport;
+use super::{beside, findings, lights, run_name, shapes};
+use crate::report::{RowCount, SourceReport};
 use crate::run::Options;
 use crate::source::{ContentHash, file_label};
 use std::fs;
@@ -53,9 +53,10 @@ pub(super) fn read_net(
     let label = file.display().to_string();
     add_file(hash, &file);
     match net::read(&file) {
-        Ok(net) => {
+        Ok(mut net) => {
             report.diagnostics.extend(findings::of_net(&label, &net));
-            report.tables.push(net.count);
+            report.tables.push(std::mem::take(&mut net.count));
+            read_shapes(fcd, &mut net.map, hash, report);
             let name = run_name(&file);
             // `net.xml` in a folder of its own is the folder's network.
             let name = if name == "net" {
@@ -69,6 +70,20 @@ pub(super) fn read_net(
             report.diagnostics.push(findings::net_unreadable(&label, &reason));
             None
         }
+    }
+}
+
+/// Buildings, other facilities and signs from additional files beside the FCD or one folder up.
+fn read_shapes(fcd: &Path, map: &mut RoadMap, hash: &mut ContentHash, report: &mut SourceReport) {
+    let mut count = RowCount::new("shapes");
+    for file in beside(fcd, &["poly", "add"]) {
+        add_file(hash, &file);
+        if let Err(reason) = shapes::read(&file, map, &mut count) {
+            report.diagnostics.push(findings::shapes_unreadable(&file.display().to_string(), &reason));
+        }
+    }
+    if count.read > 0 {
+        report.tables.push(count);
     }
 }
 

@@ -5,6 +5,7 @@
 //! other nodes: a node that only bends a road or changes its number of lanes is none. SUMO has no lane marks
 //! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
 
+use super::ramps;
 use super::xml::{Element, Tag, for_each_tag};
 use crate::geometry::{beside, between, distance};
 use crate::report::RowCount;
@@ -46,6 +47,8 @@ struct Edge {
     from: String,
     to: String,
     function: String,
+    /// `highway.motorway_link`; empty where the network does not tell.
+    kind: String,
     lanes: Vec<String>,
 }
 
@@ -84,6 +87,7 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
                     from: text("from"),
                     to: text("to"),
                     function: text("function"),
+                    kind: text("type"),
                     lanes: Vec::new(),
                 };
                 raw.edges.insert(edge_id.clone(), edge);
@@ -112,7 +116,7 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
     Ok(net)
 }
 
-fn points(shape: &str) -> Vec<Point3> {
+pub(super) fn points(shape: &str) -> Vec<Point3> {
     shape
         .split_whitespace()
         .filter_map(|p| {
@@ -145,8 +149,11 @@ fn add_lane(e: &Element, edge_id: &str, raw: &mut Raw, net: &mut Net) {
     net.count.keep("lane", 1);
     edge.lanes.push(id.clone());
     let internal = edge.function == "internal";
+    let fast = matches!(e.get("acceleration").as_deref(), Some("1" | "true"));
+    let tags = [("ramp", ramps::is_link_type(&edge.kind)), ("acceleration", fast)];
     let lane = Lane {
         id: id.clone(),
+        tags: tags.into_iter().filter(|(_, holds)| *holds).map(|(tag, _)| tag.to_owned()).collect(),
         left,
         right,
         centre,
@@ -255,6 +262,9 @@ fn assemble(raw: Raw, net: &mut Net) {
             net.links.push(LightLink { tls, index, lane: c.from, to_lane: next });
         }
     }
+    let outside: Vec<&Vec<String>> =
+        edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
+    ramps::tag_feeders(&outside, &mut lanes);
     let stops: BTreeSet<&str> = net.links.iter().map(|l| l.lane.as_str()).collect();
     net.map.stop_lines = stops
         .into_iter()
@@ -266,6 +276,8 @@ fn assemble(raw: Raw, net: &mut Net) {
         .collect();
     net.map.facilities = roundabouts.iter().filter_map(|r| roundabout(r, &edges, &lanes)).collect();
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
+    // netconvert marks every roundabout that it finds.
+    net.map.complete_for = vec!["roundabout".to_owned()];
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
     net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
