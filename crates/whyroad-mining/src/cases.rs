@@ -2,6 +2,7 @@
 //! the rules must find in them. `docs/rules.md` describes the file. They are written by hand; nothing here
 //! knows where signals come from.
 
+mod table;
 mod trace;
 
 use crate::drive::mine_drive;
@@ -9,14 +10,9 @@ use crate::evaluate::STEP;
 use crate::rule::RuleSet;
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::sync::Arc;
-use trace::{Segment, segments};
-use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::TargetSpan;
-use whyroad_model::{
-    Bilingual, Column, Diagnostic, FrameRange, Nanos, ObjectClass, Place, ScenarioId, SignalTable, Tri,
-};
-use whyroad_signals::{Catalogue, SignalKind};
+use table::table;
+use whyroad_model::{Bilingual, Diagnostic, Nanos, ObjectClass, Place, ScenarioId};
+use whyroad_signals::Catalogue;
 
 /// What a case shows about its rule. Every rule has at least one of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -57,6 +53,10 @@ struct CaseText {
     target: Option<ObjectClass>,
     /// When the target is seen; all the time unless said.
     seen: Option<[String; 2]>,
+    /// Other objects by name: the second role of a rule, or what a count ranges over. Their signals are written
+    /// `obstacle.gap`.
+    #[serde(default)]
+    objects: BTreeMap<String, ObjectText>,
     #[serde(default)]
     signals: BTreeMap<String, String>,
     /// Signals that the log does not have.
@@ -70,10 +70,18 @@ struct CaseText {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct ObjectText {
+    class: ObjectClass,
+    seen: Option<[String; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Expectation {
     keyframe: String,
     start: Option<String>,
     end: Option<String>,
+    second_keyframe: Option<String>,
 }
 
 /// What was run.
@@ -158,10 +166,13 @@ fn run(
     }
     for (e, x) in ours.iter().zip(&case.expect) {
         let near = |wanted: &str, frame: usize| -> Result<bool, String> {
-            Ok((duration(wanted)?.as_secs_f64() - seconds(frame)).abs() < 0.051)
+            let seconds = if frame == usize::MAX { f64::INFINITY } else { seconds(frame) };
+            Ok((duration(wanted)?.as_secs_f64() - seconds).abs() < 0.051)
         };
         let mut agrees = near(&x.keyframe, e.keyframe)?;
-        for (wanted, frame) in [(&x.start, e.range.start), (&x.end, e.range.end)] {
+        let second = e.second_keyframe.unwrap_or(usize::MAX);
+        let moments = [(&x.start, e.range.start), (&x.end, e.range.end), (&x.second_keyframe, second)];
+        for (wanted, frame) in moments {
             agrees &= wanted.as_ref().map_or(Ok(true), |w| near(w, frame))?;
         }
         if !agrees {
@@ -182,93 +193,5 @@ fn duration(text: &str) -> Result<Nanos, String> {
     match trace::value(text)? {
         trace::Value::Number(seconds) => Ok(Nanos::from_secs_f64(seconds)),
         _ => Err(format!("'{text}' is not a time")),
-    }
-}
-
-/// The signal table of a case: 10 Hz, one target at most.
-fn table(
-    case: &CaseText,
-    base: &BTreeMap<String, String>,
-    catalogue: &Catalogue,
-) -> Result<SignalTable, String> {
-    let frame_of = |t: Nanos| usize::try_from(t.0 / STEP.0).unwrap_or(0);
-    let n = frame_of(duration(&case.duration)?);
-    let seen = match &case.seen {
-        Some([from, to]) => FrameRange::new(frame_of(duration(from)?), frame_of(duration(to)?).min(n)),
-        None => FrameRange::new(0, n),
-    };
-    let mut table = SignalTable {
-        drive_id: "case".into(),
-        times: (0..n as i64).map(|i| Nanos(i * STEP.0)).collect(),
-        ..SignalTable::default()
-    };
-    if let Some(class) = case.target {
-        table.targets.push(TargetSpan { id: "target".into(), class, first_row: 0, frames: seen });
-    }
-    let mut all = base.clone();
-    all.extend(case.signals.clone());
-    for (name, text) in all.iter().filter(|(name, _)| !case.lacks.contains(name)) {
-        let def = catalogue.get(name).ok_or(format!("there is no signal '{name}'"))?;
-        let of_target = def.name.starts_with("target.");
-        if of_target && case.target.is_none() {
-            continue;
-        }
-        let column = column(&segments(text)?, &def.kind, n).map_err(|e| format!("{name}: {e}"))?;
-        if of_target {
-            table.target_columns.insert(def.name.clone(), cut(column, seen));
-        } else {
-            table.frame_columns.insert(def.name.clone(), column);
-        }
-    }
-    for name in &case.lacks {
-        table.unavailable.insert(name.clone(), vec!["the case says so".to_owned()]);
-    }
-    Ok(table)
-}
-
-fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, String> {
-    let values = trace::expand(segments, n);
-    match kind {
-        SignalKind::Number(_) => {
-            let number = |v: &trace::Value| match v {
-                trace::Value::Number(x) => Ok(*x),
-                trace::Value::Word(w) if w == "unknown" => Ok(f64::NAN),
-                trace::Value::Word(w) if w == "never" => Ok(f64::INFINITY),
-                trace::Value::Word(w) => Err(format!("'{w}' is not a number")),
-            };
-            values.iter().map(number).collect::<Result<_, _>>().map(Column::Number)
-        }
-        SignalKind::Flag => {
-            let flag = |v: &trace::Value| match v {
-                trace::Value::Word(w) if w == "true" => Ok(Tri::True),
-                trace::Value::Word(w) if w == "false" => Ok(Tri::False),
-                trace::Value::Word(w) if w == "unknown" => Ok(Tri::Unknown),
-                other => Err(format!("{other:?} is neither true nor false")),
-            };
-            values.iter().map(flag).collect::<Result<_, _>>().map(Column::Flag)
-        }
-        SignalKind::Category(names) => {
-            let code = |v: &trace::Value| match v {
-                trace::Value::Word(w) if w == "unknown" => Ok(UNKNOWN_CODE),
-                trace::Value::Word(w) => names
-                    .iter()
-                    .position(|n| n == w)
-                    .and_then(|i| u16::try_from(i).ok())
-                    .ok_or(format!("'{w}' is not one of {}", names.join(", "))),
-                trace::Value::Number(x) => Err(format!("{x} is not a name")),
-            };
-            let codes = values.iter().map(code).collect::<Result<_, _>>()?;
-            Ok(Column::Category { codes, names: Arc::clone(names) })
-        }
-    }
-}
-
-/// A target's rows are those of the frames in which it is seen.
-fn cut(column: Column, seen: FrameRange) -> Column {
-    let (from, to) = (seen.start, seen.end);
-    match column {
-        Column::Number(v) => Column::Number(v[from..to].to_vec()),
-        Column::Flag(v) => Column::Flag(v[from..to].to_vec()),
-        Column::Category { codes, names } => Column::Category { codes: codes[from..to].to_vec(), names },
     }
 }
