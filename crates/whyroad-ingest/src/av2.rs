@@ -384,6 +384,8 @@ fn tracks(
                 height_m: cuboids.iter().map(|c| c.size[2]).collect(),
                 interior_points: cuboids.iter().map(|c| c.points).collect(),
                 turn_signal: Vec::new(),
+                visible_share: Vec::new(),
+                occluder: Vec::new(),
             }
         })
         .collect();

@@ -145,6 +145,8 @@ impl Sampled {
             height_m: at(&self.height),
             interior_points: at(&self.points),
             turn_signal: Vec::new(),
+            visible_share: Vec::new(),
+            occluder: Vec::new(),
         };
         (track, impossible)
     }

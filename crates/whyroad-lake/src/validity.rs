@@ -51,7 +51,7 @@ fn broken_track(t: &Track, frames: usize) -> Option<String> {
         return Some(format!("track '{}' has frames out of order or beyond the drive", t.id));
     }
     let columns_ok = [&t.length_m, &t.width_m, &t.height_m, &t.interior_points].iter().all(|c| c.len() == n)
-        && (t.turn_signal.is_empty() || t.turn_signal.len() == n)
+        && [t.turn_signal.len(), t.visible_share.len(), t.occluder.len()].iter().all(|&m| m == 0 || m == n)
         && motion_has_len(&t.motion, n);
     (!columns_ok).then(|| format!("track '{}' has columns of unequal length", t.id))
 }

@@ -109,18 +109,28 @@ fn track(index: usize, frames: usize) -> impl Strategy<Value = Track> {
             prop::collection::vec(numbers(n), 4),
             prop::collection::vec(signal(), n),
             word(),
+            bus_column(n, 0.25),
+            bus_column(n, TrackId::from("t00")),
         )
-            .prop_map(move |(seen, motion, mut c, turn_signal, source_class)| Track {
-                id: TrackId(format!("t{index:02}")),
-                class: ObjectClass::ALL[index % ObjectClass::ALL.len()],
-                source_class,
-                frames: seen.into_iter().collect(),
-                motion,
-                length_m: c.pop().unwrap(),
-                width_m: c.pop().unwrap(),
-                height_m: c.pop().unwrap(),
-                interior_points: c.pop().unwrap(),
-                turn_signal: if turn_signal.iter().any(Option::is_some) { turn_signal } else { Vec::new() },
+            .prop_map(move |(seen, motion, mut c, turn_signal, source_class, share, occluder)| {
+                Track {
+                    id: TrackId(format!("t{index:02}")),
+                    class: ObjectClass::ALL[index % ObjectClass::ALL.len()],
+                    source_class,
+                    frames: seen.into_iter().collect(),
+                    motion,
+                    length_m: c.pop().unwrap(),
+                    width_m: c.pop().unwrap(),
+                    height_m: c.pop().unwrap(),
+                    interior_points: c.pop().unwrap(),
+                    turn_signal: if turn_signal.iter().any(Option::is_some) {
+                        turn_signal
+                    } else {
+                        Vec::new()
+                    },
+                    visible_share: share.into_iter().map(|s| s.unwrap_or(f64::NAN)).collect(),
+                    occluder,
+                }
             })
     })
 }

@@ -200,6 +200,12 @@ pub struct Track {
     pub interior_points: Vec<f64>,
     /// Indicators, where the source tells (simulators do); empty when it does not.
     pub turn_signal: Vec<Option<TurnSignal>>,
+    /// Share of the object that the ego's sensors could see, 0 to 1, a row each, where the source's own sensor model
+    /// tells; empty when it does not.
+    pub visible_share: Vec<f64>,
+    /// What hid most of the rest by that model; empty when it tells of none. May name a track that was itself never
+    /// seen and so is not in the drive.
+    pub occluder: Vec<Option<TrackId>>,
 }
 
 impl Track {

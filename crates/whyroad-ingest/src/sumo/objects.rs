@@ -152,6 +152,9 @@ pub(super) fn tracks(
             height_m: vec![shape.height_m; n],
             interior_points: vec![f64::NAN; n],
             turn_signal: empty_when_never_told(signals),
+            // Told by the sensor model, where one is asked for.
+            visible_share: Vec::new(),
+            occluder: Vec::new(),
         });
     }
     out

@@ -5,6 +5,7 @@ use crate::LakeError;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
 use crate::tables::ego::{motion_columns, read_motion};
 use crate::tables::frames;
+use arrow_array::Array;
 use std::collections::BTreeMap;
 use whyroad_model::scene::{CLIP_FRAMES, Motion, Track, TurnSignal};
 use whyroad_model::{Drive, ObjectClass, TrackId};
@@ -52,6 +53,16 @@ pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
                 drive.tracks[t].turn_signal.get(row).copied().flatten().map(|s| member_name(&s))
             }),
         )
+        .numbers(
+            "visible_share",
+            order
+                .iter()
+                .map(|&(_, t, row)| drive.tracks[t].visible_share.get(row).copied().unwrap_or(f64::NAN)),
+        )
+        .texts_or_null(
+            "occluder",
+            order.iter().map(|&(_, t, row)| drive.tracks[t].occluder.get(row)?.as_ref().map(TrackId::as_str)),
+        )
 }
 
 pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, LakeError> {
@@ -63,6 +74,10 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let sizes = [t.numbers("length_m")?, t.numbers("width_m")?, t.numbers("height_m")?];
     let points = t.numbers("interior_points")?;
     let signals: Vec<Option<TurnSignal>> = t.members("turn_signal")?;
+
+    // Lakes written before these two columns are read as sources that do not tell: what they are.
+    let shares = if t.has("visible_share") { t.numbers("visible_share")? } else { Vec::new() };
+    let occluders = if t.has("occluder") { Some(t.texts_or_null("occluder")?) } else { None };
 
     let key = |i: usize| (frames[i] as usize / CLIP_FRAMES, ids.value(i), frames[i]);
     if let Some(row) = (1..t.rows()).find(|&i| key(i - 1) >= key(i)) {
@@ -107,6 +122,14 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
                 height_m: pick(&sizes[2]),
                 interior_points: pick(&points),
                 turn_signal: empty_if_unknown(rows.iter().map(|&i| signals[i]).collect(), Option::is_some),
+                visible_share: empty_if_unknown(
+                    rows.iter().filter_map(|&i| shares.get(i).copied()).collect(),
+                    |share| !share.is_nan(),
+                ),
+                occluder: occluders.map_or_else(Vec::new, |ids| {
+                    let id = |&i: &usize| ids.is_valid(i).then(|| TrackId::from(ids.value(i)));
+                    empty_if_unknown(rows.iter().map(id).collect(), Option::is_some)
+                }),
             })
         })
         .collect()
