@@ -9,6 +9,7 @@
 
 mod figures;
 mod matching;
+pub mod scenario_mining;
 mod text;
 pub mod truth;
 

@@ -5,8 +5,12 @@ use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Bilingual, Diagnostic, Place};
 
 /// Codes of the diagnostics of this crate; each has a page in `docs/diagnostics/`.
-pub const CODES: &[&str] =
-    &["report.coverage.unreadable", "report.episode.unreadable", "evaluate.truth.line"];
+pub const CODES: &[&str] = &[
+    "report.coverage.unreadable",
+    "report.episode.unreadable",
+    "evaluate.truth.line",
+    "evaluate.sequence.line",
+];
 
 /// Reads `coverage.json`.
 pub fn read_coverage(text: &str, file: &str) -> Result<Coverage, Box<Diagnostic>> {

@@ -1,0 +1,109 @@
+//! Sequences as JSON Lines, the pickle-free equivalent of the challenge's files: one line a log and prompt,
+//! `{"log_id", "prompt", "frames": [{"timestamp_ns", "ego": [x, y], "is_positive"?, "objects": [{"track_id",
+//! "label"?, "x", "y", "score"?}]}]}`. Positions are box centres in the city (world) frame, m.
+
+use serde::{Deserialize, Deserializer, Serialize};
+use whyroad_model::{Bilingual, Diagnostic, Place};
+
+/// One log and one prompt.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sequence {
+    /// Log (drive).
+    pub log_id: String,
+    /// What is asked: a text, or the id of a class.
+    pub prompt: String,
+    /// In the order of time.
+    pub frames: Vec<Frame>,
+}
+
+/// One moment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// Time.
+    pub timestamp_ns: i64,
+    /// Centre of the ego, m.
+    pub ego: [f64; 2],
+    /// Does the prompt apply here? Absent: it does where an object is referred to. `null`: nobody can say.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "stated")]
+    pub is_positive: Option<Option<bool>>,
+    /// Objects; those that are never referred to may be left out.
+    pub objects: Vec<Object>,
+}
+
+/// One object.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Object {
+    /// Track.
+    pub track_id: String,
+    /// What it is to the prompt.
+    #[serde(default)]
+    pub label: Label,
+    /// m.
+    pub x: f64,
+    /// m.
+    pub y: f64,
+    /// How sure the prediction is; 1 in a truth.
+    #[serde(default = "sure")]
+    pub score: f64,
+}
+
+/// What an object is to the prompt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub enum Label {
+    /// The prompt speaks of it.
+    #[default]
+    ReferredObject,
+    /// The prompt mentions it.
+    RelatedObject,
+    /// Neither.
+    OtherObject,
+}
+
+fn sure() -> f64 {
+    1.0
+}
+
+/// Tells `null` from absent.
+fn stated<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Option<bool>>, D::Error> {
+    Option::<bool>::deserialize(d).map(Some)
+}
+
+/// Reads sequences; a line that is none is an error with its place and does not stop the rest.
+pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
+    let (mut sequences, mut problems) = (Vec::new(), Vec::new());
+    for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
+        match serde_json::from_str(line) {
+            Ok(sequence) => sequences.push(sequence),
+            Err(e) => problems.push(
+                Diagnostic::error(
+                    "evaluate.sequence.line",
+                    Bilingual::new(
+                        format!("该行不是序列，已跳过：{e}"),
+                        format!("this line is no sequence and is left out: {e}"),
+                    ),
+                )
+                .with_hint(Bilingual::new(
+                    "格式见 docs/guides/evaluation.zh.md",
+                    "the format is in docs/guides/evaluation.md",
+                ))
+                .at(Place { line: Some(i + 1), column: Some(e.column().max(1)), ..Place::default() })
+                .in_file(file),
+            ),
+        }
+    }
+    (sequences, problems)
+}
+
+/// As JSON Lines.
+pub fn write(sequences: &[Sequence]) -> Result<String, serde_json::Error> {
+    let mut out = String::new();
+    for s in sequences {
+        out += &serde_json::to_string(s)?;
+        out.push('\n');
+    }
+    Ok(out)
+}
