@@ -43,7 +43,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
 use whyroad_model::{Diagnostic, Drive, DriveId, Nanos};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 
 /// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is a file.
 pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
@@ -205,7 +205,10 @@ impl Simulation {
         notes.assume(&ego.type_id, known);
         let ego_state = ego_table(&ego_samples, &ego_type, &mut notes);
         let mut tracks = tracks(&self.fcd, id, &times, &self.types, &mut notes);
-        let unseen = sensing::apply(options.sensing, &ego_state, &mut tracks);
+        let unseen = {
+            let map = self.net.as_ref().map(|(map, _, _)| map);
+            sensing::apply(options.sensing, &ego_state, map, &mut tracks)
+        };
         let mut count = self.fcd.count.clone();
         count_rows(&mut count, &self.fcd, id, ego, &times, cadence, unseen);
         report.tables.push(count);

@@ -195,6 +195,10 @@ fn vehicles_hide_what_is_behind_them() {
     assert_eq!((seen("near"), seen("behind"), seen("left")), (Some(100.0), None, Some(100.0)));
     assert_eq!(report.tables[0].set_aside.get("hidden"), Some(&20));
     assert_eq!((seen("shade"), seen("half")), (Some(100.0), Some(50.0)));
+    let half = drive.track(&"half".into()).unwrap();
+    assert_eq!((half.visible_share[0], &half.occluder[0]), (0.5, &Some("shade".into())));
+    let near = drive.track(&"near".into()).unwrap();
+    assert!(near.visible_share.iter().all(|s| *s == 1.0) && near.occluder.is_empty());
     assert!(
         drive
             .tracks

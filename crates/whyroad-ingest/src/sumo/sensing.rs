@@ -1,9 +1,12 @@
 //! What a sensor on the ego would have seen: a range, and line of sight past other vehicles.
 //!
 //! Sight lines run in the plane from the centre of the ego's box to a target's outline, [`SIGHT_LINES`] of them evenly
-//! over the angle under which it is seen; one that meets another motor vehicle's box first is blocked. Heights play no
-//! part: a car hides a lorry behind it. Buildings are not in a log of SUMO. A row that no line reaches is taken out of the track.
+//! over the angle under which it is seen; one that meets another motor vehicle's box or a building (of an additional file)
+//! first is blocked. Heights play no part: a car hides a lorry behind it. A row that no line reaches is taken out of the track.
 
+use std::collections::BTreeMap;
+use whyroad_model::TrackId;
+use whyroad_model::road_map::RoadMap;
 use whyroad_model::scene::{Ego, Track};
 
 /// Sight lines a target.
@@ -24,7 +27,7 @@ pub enum Occlusion {
     /// All is seen.
     #[default]
     Ignored,
-    /// By the boxes of motor vehicles.
+    /// By the boxes of motor vehicles, and buildings.
     ByBoxes,
 }
 
@@ -94,68 +97,153 @@ impl Footprint {
     }
 }
 
-/// How many of [`SIGHT_LINES`] reach `target`; boxes are relative to the sensor.
-fn seen_lines(target: &Footprint, others: &[Footprint]) -> usize {
-    let (centre, low, high) = target.span();
-    let nearer: Vec<&Footprint> = others
-        .iter()
-        .filter(|o| o.distance() - o.half_length < target.distance() + target.half_length)
-        .collect();
-    (0..SIGHT_LINES)
-        .filter(|i| {
-            let angle = centre + low + (high - low) * (*i as f64 + 0.5) / SIGHT_LINES as f64;
-            let direction = (angle.cos(), angle.sin());
-            // Between two corners that the eye sees, every line meets the box; rounding at its edge does not matter.
-            let Some(own) = target.hit(direction) else { return true };
-            !nearer.iter().any(|o| o.hit(direction).is_some_and(|d| d < own))
-        })
-        .count()
+/// A wall of a building, relative to the sensor.
+type Wall = [(f64, f64); 2];
+
+/// Distance along a line of sight from the origin to a wall.
+fn wall_hit([a, b]: Wall, direction: (f64, f64)) -> Option<f64> {
+    let along = (b.0 - a.0, b.1 - a.1);
+    let turn = direction.0 * along.1 - direction.1 * along.0;
+    if turn.abs() < 1e-12 {
+        return None;
+    }
+    let distance = (a.0 * along.1 - a.1 * along.0) / turn;
+    let share = (a.0 * direction.1 - a.1 * direction.0) / turn;
+    (distance >= 0.0 && (0.0..=1.0).contains(&share)).then_some(distance)
 }
 
-/// Takes out of the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest
-/// (`interior_points`; only with occlusion).
-pub(super) fn apply(sensing: Sensing, ego: &Ego, tracks: &mut Vec<Track>) -> Unseen {
+/// What a target's sight lines meet.
+struct Sight {
+    /// Lines of [`SIGHT_LINES`] that reach it.
+    seen: usize,
+    /// Index of the vehicle that stops most of the others; `None` when walls stop more.
+    occluder: Option<usize>,
+}
+
+/// Sight lines from the origin to `target` past the boxes of others (with their indices) and walls.
+fn look(target: &Footprint, others: &[(usize, Footprint)], walls: &[Wall]) -> Sight {
+    let (centre, low, high) = target.span();
+    let nearer: Vec<&(usize, Footprint)> = others
+        .iter()
+        .filter(|(_, o)| o.distance() - o.half_length < target.distance() + target.half_length)
+        .filter(|(_, o)| {
+            let (other, least, most) = o.span();
+            let apart = crate::kinematics::wrap_angle(other - centre);
+            // A sensor inside a box has it all around.
+            o.hit((1.0, 0.0)) == Some(0.0) || (apart + least <= high && apart + most >= low)
+        })
+        .collect();
+    let mut stopped: BTreeMap<Option<usize>, usize> = BTreeMap::new();
+    for i in 0..SIGHT_LINES {
+        let angle = centre + low + (high - low) * (i as f64 + 0.5) / SIGHT_LINES as f64;
+        let direction = (angle.cos(), angle.sin());
+        // Between two corners that the eye sees, every line meets the box; rounding at its edge does not matter.
+        let Some(own) = target.hit(direction) else { continue };
+        let boxes = nearer.iter().filter_map(|(k, o)| Some((o.hit(direction)?, Some(*k))));
+        let walls = walls.iter().filter_map(|w| Some((wall_hit(*w, direction)?, None)));
+        let first = boxes.chain(walls).filter(|(d, _)| *d < own).min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, who)) = first {
+            *stopped.entry(who).or_default() += 1;
+        }
+    }
+    let most = stopped.iter().max_by_key(|(_, n)| **n);
+    Sight { seen: SIGHT_LINES - stopped.values().sum::<usize>(), occluder: most.and_then(|(who, _)| *who) }
+}
+
+/// The walls of the map's buildings; an outline of two points is one wall.
+fn walls(map: Option<&RoadMap>) -> Vec<Wall> {
+    let buildings = map.into_iter().flat_map(|m| &m.facilities).filter(|f| f.kind == "building");
+    let corners = |f: &whyroad_model::road_map::Facility| -> Vec<(f64, f64)> {
+        f.boundary.iter().map(|p| (p.x, p.y)).collect()
+    };
+    buildings
+        .map(corners)
+        .flat_map(|c| {
+            let closing = (c.len() > 2).then(|| [c[c.len() - 1], c[0]]);
+            c.windows(2).map(|w| [w[0], w[1]]).chain(closing).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// The walls that reach within `reach` of a place, relative to it.
+fn walls_around(walls: &[Wall], (x, y): (f64, f64), reach: f64) -> Vec<Wall> {
+    let near = |[a, b]: &Wall| {
+        let within = |p: f64, q: f64, c: f64| p.min(q) <= c + reach && p.max(q) >= c - reach;
+        within(a.0, b.0, x) && within(a.1, b.1, y)
+    };
+    walls.iter().filter(|w| near(w)).map(|w| w.map(|(px, py)| (px - x, py - y))).collect()
+}
+
+/// What the ego's sensor sees of the rows of one track.
+struct Seen {
+    rows: Vec<usize>,
+    sights: Vec<Sight>,
+}
+
+/// Takes out of the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest and
+/// what stops most of the others (only with occlusion).
+pub(super) fn apply(sensing: Sensing, ego: &Ego, map: Option<&RoadMap>, tracks: &mut Vec<Track>) -> Unseen {
     let mut unseen = Unseen::default();
     if sensing == Sensing::default() {
         return unseen;
     }
+    let at = |frame: usize| (ego.motion.x[frame], ego.motion.y[frame]);
     let around = |track: &Track, row: usize| {
-        let frame = track.frames[row] as usize;
         let f = Footprint::of(track, row);
-        Footprint { x: f.x - ego.motion.x[frame], y: f.y - ego.motion.y[frame], ..f }
+        let (x, y) = at(track.frames[row] as usize);
+        Footprint { x: f.x - x, y: f.y - y, ..f }
     };
-    // Who can hide something, by frame, before anything is taken out.
+    let occludes = sensing.occlusion == Occlusion::ByBoxes;
+    let within = |f: &Footprint| sensing.range_m.is_none_or(|r| f.distance() <= r);
+    // Who can hide something, by frame, before anything is taken out; and how far the farthest target is.
     let mut by_frame: Vec<Vec<(usize, Footprint)>> = vec![Vec::new(); ego.motion.len()];
-    if sensing.occlusion == Occlusion::ByBoxes {
-        for (k, track) in tracks.iter().enumerate().filter(|(_, t)| t.class.is_vehicle()) {
-            for row in 0..track.frames.len() {
-                by_frame[track.frames[row] as usize].push((k, around(track, row)));
+    let mut reach = vec![0.0_f64; ego.motion.len()];
+    for (k, track) in tracks.iter().enumerate().filter(|_| occludes) {
+        for row in 0..track.frames.len() {
+            let (frame, footprint) = (track.frames[row] as usize, around(track, row));
+            if within(&footprint) {
+                reach[frame] = reach[frame].max(footprint.distance());
+            }
+            if track.class.is_vehicle() {
+                by_frame[frame].push((k, footprint));
             }
         }
     }
+    let walls = if occludes { walls(map) } else { Vec::new() };
+    let near: Vec<Vec<Wall>> = (0..reach.len()).map(|i| walls_around(&walls, at(i), reach[i])).collect();
+    let ids: Vec<TrackId> = tracks.iter().map(|t| t.id.clone()).collect();
     for (k, track) in tracks.iter_mut().enumerate() {
-        let mut kept = Vec::with_capacity(track.frames.len());
+        let mut seen = Seen { rows: Vec::new(), sights: Vec::new() };
         for row in 0..track.frames.len() {
             let target = around(track, row);
-            if sensing.range_m.is_some_and(|r| target.distance() > r) {
+            if !within(&target) {
                 unseen.out_of_range += 1;
                 continue;
             }
-            if sensing.occlusion == Occlusion::ByBoxes {
-                let others = &by_frame[track.frames[row] as usize];
-                let others: Vec<Footprint> =
-                    others.iter().filter(|(j, _)| *j != k).map(|(_, f)| *f).collect();
-                let lines = seen_lines(&target, &others);
-                if lines == 0 {
+            if occludes {
+                let frame = track.frames[row] as usize;
+                let others: Vec<(usize, Footprint)> =
+                    by_frame[frame].iter().filter(|(j, _)| *j != k).copied().collect();
+                let sight = look(&target, &others, &near[frame]);
+                if sight.seen == 0 {
                     unseen.hidden += 1;
                     continue;
                 }
-                track.interior_points[row] = lines as f64;
+                seen.sights.push(sight);
             }
-            kept.push(row);
+            seen.rows.push(row);
         }
-        if kept.len() < track.frames.len() {
-            keep(track, &kept);
+        if seen.rows.len() < track.frames.len() {
+            keep(track, &seen.rows);
+        }
+        if occludes {
+            let id = |s: &Sight| s.occluder.map(|j| ids[j].clone());
+            track.interior_points = seen.sights.iter().map(|s| s.seen as f64).collect();
+            track.visible_share = seen.sights.iter().map(|s| s.seen as f64 / SIGHT_LINES as f64).collect();
+            track.occluder = seen.sights.iter().map(id).collect();
+            if track.occluder.iter().all(Option::is_none) {
+                track.occluder.clear();
+            }
         }
     }
     tracks.retain(|t| !t.frames.is_empty());
@@ -199,6 +287,11 @@ mod tests {
         assert_eq!(car(0.5, 0.0).hit((1.0, 0.0)), Some(0.0), "the sensor is inside");
     }
 
+    fn seen_lines(target: &Footprint, others: &[Footprint]) -> usize {
+        let others: Vec<(usize, Footprint)> = others.iter().copied().enumerate().collect();
+        look(target, &others, &[]).seen
+    }
+
     #[test]
     fn the_same_size_behind_is_hidden_and_beside_is_not() {
         let behind = car(30.0, 0.0);
@@ -218,5 +311,19 @@ mod tests {
     fn a_target_across_the_seam_of_angles_is_seen() {
         assert_eq!(seen_lines(&car(-20.0, 0.0), &[car(20.0, 0.0)]), SIGHT_LINES);
         assert_eq!(seen_lines(&car(-20.0, 0.0), &[car(-8.0, 0.0)]), 0);
+    }
+
+    #[test]
+    fn a_wall_hides_and_what_stops_most_is_named() {
+        let target = car(30.0, 0.0);
+        // From y = 0 upwards, half way: the left half is hidden by the wall, nobody is to be named.
+        let wall = [(15.0, 0.0), (15.0, 20.0)];
+        let sight = look(&target, &[], &[wall]);
+        assert_eq!((sight.seen, sight.occluder), (SIGHT_LINES / 2, None));
+        assert_eq!(look(&target, &[], &[[(40.0, -9.0), (40.0, 9.0)]]).seen, SIGHT_LINES, "it stands behind");
+        // The near car's top edge at y = -0.2: seen from the eye it hides less than the wall does; alone it is named.
+        let sight = look(&target, &[(7, car(10.0, -1.2))], &[wall]);
+        assert!(sight.seen > 0 && sight.seen < SIGHT_LINES / 2 && sight.occluder.is_none());
+        assert_eq!(look(&target, &[(7, car(10.0, -1.2))], &[]).occluder, Some(7));
     }
 }
