@@ -39,6 +39,35 @@ fn the_demo_meets_its_truth_and_a_worse_truth_fails() {
     assert_eq!(told["total"]["spurious"], 0, "{}", told["spurious"]);
     assert_eq!(told["macro_f1"], 1.0);
 
+    // The challenge's figures on the same: everything is found, so what is left is where ranges begin and end.
+    let lake = dir.path().join("lake");
+    let sequences = dir.path().join("sequences");
+    let (lake, sequences) = (lake.to_str().unwrap(), sequences.to_str().unwrap());
+    let metric = ["evaluate", "--metric", "av2-scenario-mining", "--json"];
+    let rest = [
+        "--episodes",
+        mined,
+        "--lake",
+        lake,
+        "--write",
+        sequences,
+        "--truth",
+        &truth[0],
+        &truth[1],
+        &truth[2],
+    ];
+    let output = whyroad(&[&metric[..], &rest[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let of_lake: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(of_lake["mean"]["log_balanced_accuracy"], 1.0);
+    assert!(of_lake["mean"]["hota_temporal"].as_f64().unwrap() > 0.5, "{of_lake}");
+    let written = |name: &str| format!("{sequences}/{name}.jsonl");
+    let output = whyroad(
+        &[&metric[..], &["--truth", &written("truth"), "--predictions", &written("predictions")]].concat(),
+    );
+    let of_files: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(of_files, of_lake);
+
     // An entry that never happened: the figure falls and a threshold is missed.
     let wrong = dir.path().join("wrong.jsonl");
     let never = r#"{"complete": ["reactive_agent.animal"], "drives": ["multilane-ego"]}

@@ -1,8 +1,10 @@
 //! `whyroad evaluate`: how good the episodes are against a truth that somebody else wrote down.
 
+mod scenario_mining;
+
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_dataset::evaluation::truth::TruthSet;
 use whyroad_dataset::evaluation::{Evaluation, evaluate, render};
@@ -17,8 +19,20 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     truth: Vec<PathBuf>,
     /// Folder that `whyroad mine` wrote
+    #[arg(long, value_name = "DIR", required_unless_present = "predictions")]
+    episodes: Option<PathBuf>,
+    /// Which figures
+    #[arg(long, value_enum, default_value_t = Metric::Episodes)]
+    metric: Metric,
+    /// Sequences to compare with the truth's sequences, instead of episodes (av2-scenario-mining)
+    #[arg(long, value_name = "FILE", conflicts_with = "episodes")]
+    predictions: Option<PathBuf>,
+    /// Lake that was mined: where everything was (av2-scenario-mining)
     #[arg(long, value_name = "DIR")]
-    episodes: PathBuf,
+    lake: Option<PathBuf>,
+    /// Write truth and predictions as sequences into this folder (av2-scenario-mining)
+    #[arg(long, value_name = "DIR")]
+    write: Option<PathBuf>,
     /// Only this class: an L1, L2 or leaf
     #[arg(long, value_name = "ID")]
     scenario: Option<ScenarioId>,
@@ -39,26 +53,45 @@ pub(crate) struct Args {
     json: bool,
 }
 
+/// Families of figures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Metric {
+    /// Precision, recall, F1 and keyframe error by class
+    Episodes,
+    /// HOTA-Temporal, HOTA-Track, balanced accuracy by timestamp and by log
+    Av2ScenarioMining,
+}
+
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    if let Some(predictions) = &args.predictions {
+        anyhow::ensure!(
+            args.metric == Metric::Av2ScenarioMining,
+            "--predictions needs --metric av2-scenario-mining"
+        );
+        return scenario_mining::from_files(global, &args, predictions);
+    }
     let (framework, _) = framework_folder::load(global)?;
     let is_class = |id: &ScenarioId| {
         framework.taxonomy.leaves().any(|(l1, l2, l3)| ScenarioId::leaf(&l1.id, &l2.id, &l3.id).is_within(id))
-    };
-    let read = |path: &PathBuf| {
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
     };
     let mut truth = TruthSet::default();
     let mut lost = Vec::new();
     for path in &args.truth {
         lost.extend(truth.read(&read(path)?, &path.display().to_string(), &is_class));
     }
-    let path = args.episodes.join("episodes.jsonl");
+    let path = args.episodes.as_deref().context("--episodes is missing")?.join("episodes.jsonl");
     let (mut episodes, unreadable) = mined::read_episodes(&read(&path)?, &path.display().to_string());
     lost.extend(unreadable);
     if let Some(class) = &args.scenario {
-        anyhow::ensure!(is_class(class), "there is no class '{class}'; `whyroad taxonomy list` shows them all");
+        anyhow::ensure!(
+            is_class(class),
+            "there is no class '{class}'; `whyroad taxonomy list` shows them all"
+        );
         truth.entries.retain(|e| e.scenario_id.is_within(class));
         episodes.retain(|e| e.scenario_id.is_within(class));
+    }
+    if args.metric == Metric::Av2ScenarioMining {
+        return scenario_mining::from_lake(global, &args, &truth, &episodes, lost);
     }
     let evaluation = evaluate(&truth, &episodes);
     output::put(&if args.json {
@@ -85,6 +118,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
+fn read(path: &Path) -> anyhow::Result<String> {
+    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
 /// What is worse than was asked for. A figure that has no value does not reach its threshold.
 fn shortfalls(e: &Evaluation, args: &Args) -> Vec<String> {
     let mut out = Vec::new();
@@ -108,13 +145,18 @@ fn shortfalls(e: &Evaluation, args: &Args) -> Vec<String> {
 }
 
 fn details(e: &Evaluation, lang: Lang) -> String {
-    let (missed, spurious) =
-        if lang == Lang::Zh { ("漏检", "误检") } else { ("missed", "false") };
+    let (missed, spurious) = if lang == Lang::Zh { ("漏检", "误检") } else { ("missed", "false") };
     let mut out = String::from("\n");
     for m in &e.missed {
         let target = m.target_id.as_ref().map_or(String::new(), |t| format!(" {t}"));
         let instead: Vec<String> = m.found_instead.iter().map(ToString::to_string).collect();
-        out += &format!("{missed}  {} {} {}{target}  [{}]\n", m.scenario_id, m.drive_id, m.keyframe, instead.join(", "));
+        out += &format!(
+            "{missed}  {} {} {}{target}  [{}]\n",
+            m.scenario_id,
+            m.drive_id,
+            m.keyframe,
+            instead.join(", ")
+        );
     }
     for s in &e.spurious {
         out += &format!("{spurious}  {} {} {}\n", s.scenario_id, s.episode_id, s.keyframe);

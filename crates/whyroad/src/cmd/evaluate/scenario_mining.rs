@@ -1,0 +1,120 @@
+//! `whyroad evaluate --metric av2-scenario-mining`: sequences against sequences, read from files or made from a truth,
+//! the episodes and the lake.
+
+use super::{Args, read};
+use crate::{Global, output};
+use anyhow::Context as _;
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::ExitCode;
+use whyroad_dataset::evaluation::scenario_mining::bridge::{self, Reference};
+use whyroad_dataset::evaluation::scenario_mining::sequence::{self, Sequence};
+use whyroad_dataset::evaluation::scenario_mining::{Figures, Scores, score};
+use whyroad_dataset::evaluation::truth::TruthSet;
+use whyroad_lake::Lake;
+use whyroad_model::diagnostic::render_text;
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::{Diagnostic, DriveId, ScenarioId};
+
+/// Truth and predictions from files of sequences.
+pub(super) fn from_files(global: &Global, args: &Args, predictions: &Path) -> anyhow::Result<ExitCode> {
+    let mut lost = Vec::new();
+    let mut sequences = |path: &Path| -> anyhow::Result<Vec<Sequence>> {
+        let (sequences, problems) = sequence::read(&read(path)?, &path.display().to_string());
+        lost.extend(problems);
+        Ok(sequences)
+    };
+    let mut truth = Vec::new();
+    for path in &args.truth {
+        truth.extend(sequences(path)?);
+    }
+    let predictions = sequences(predictions)?;
+    finish(global, args, &truth, &predictions, &lost)
+}
+
+/// Truth and predictions from entries and episodes; the lake tells where everything was.
+pub(super) fn from_lake(
+    global: &Global,
+    args: &Args,
+    truth: &TruthSet,
+    episodes: &[EpisodeRecord],
+    mut lost: Vec<Diagnostic>,
+) -> anyhow::Result<ExitCode> {
+    let lake = args.lake.as_ref().context("--metric av2-scenario-mining needs --lake (or --predictions)")?;
+    let lake =
+        Lake::open(lake).map_err(|e| anyhow::anyhow!("{}", render_text(&e.diagnostic(), global.lang)))?;
+    // A class is asked of a drive where the truth is complete for it, or has an entry of it.
+    let mut asked: BTreeSet<(DriveId, ScenarioId)> =
+        truth.entries.iter().map(|e| (e.drive_id.clone(), e.scenario_id.clone())).collect();
+    for c in &truth.complete {
+        asked.extend(c.drives.iter().flat_map(|d| c.classes.iter().map(|k| (d.clone(), k.clone()))));
+    }
+    let (mut there, mut found) = (Vec::new(), Vec::new());
+    let drives: BTreeSet<&DriveId> = asked.iter().map(|(d, _)| d).collect();
+    for id in drives {
+        let drive = match lake.read_drive(id) {
+            Ok(drive) => drive,
+            Err(e) => {
+                lost.push(e.diagnostic());
+                continue;
+            }
+        };
+        let entries = truth.entries.iter().filter(|e| &e.drive_id == id);
+        let entries: Vec<Reference> = entries.map(Reference::from).collect();
+        let mined = episodes.iter().filter(|e| &e.drive_id == id);
+        let mined: Vec<Reference> = mined.map(Reference::from).collect();
+        for (_, class) in asked.iter().filter(|(d, _)| d == id) {
+            there.push(bridge::sequence(&drive, class, &entries));
+            found.push(bridge::sequence(&drive, class, &mined));
+        }
+    }
+    if let Some(dir) = &args.write {
+        std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+        for (name, sequences) in [("truth.jsonl", &there), ("predictions.jsonl", &found)] {
+            let path = dir.join(name);
+            std::fs::write(&path, sequence::write(sequences)?)
+                .with_context(|| format!("cannot write {}", path.display()))?;
+        }
+    }
+    finish(global, args, &there, &found, &lost)
+}
+
+fn finish(
+    global: &Global,
+    args: &Args,
+    truth: &[Sequence],
+    predictions: &[Sequence],
+    lost: &[Diagnostic],
+) -> anyhow::Result<ExitCode> {
+    for d in lost {
+        tell!("{}", render_text(d, global.lang));
+    }
+    let scores = score(truth, predictions)?;
+    output::put(&if args.json {
+        format!("{}\n", serde_json::to_string_pretty(&scores)?)
+    } else {
+        table(&scores)
+    });
+    Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
+}
+
+/// Percent, as the challenge tells them.
+fn table(scores: &Scores) -> String {
+    let width = scores.prompts.keys().map(|p| p.chars().count()).max().unwrap_or(0).max(6);
+    let mut out = format!(
+        "{:width$} {:>13} {:>10} {:>12} {:>7}\n",
+        "prompt", "HOTA-Temporal", "HOTA-Track", "timestamp BA", "log BA"
+    );
+    let mut row = |name: &str, f: &Figures| {
+        let [a, b, c, d] =
+            [f.hota_temporal, f.hota_track, f.timestamp_balanced_accuracy, f.log_balanced_accuracy]
+                .map(|v| v * 100.0);
+        let _ = writeln!(out, "{name:width$} {a:>13.2} {b:>10.2} {c:>12.2} {d:>7.2}");
+    };
+    for (prompt, f) in &scores.prompts {
+        row(prompt, f);
+    }
+    row("mean", &scores.mean);
+    out
+}
