@@ -1,5 +1,8 @@
 //! Small signal tables by hand; expected truths from the definitions in `docs/rules.md`.
 
+mod lasting;
+mod objects;
+
 use super::*;
 use crate::language::{Checker, parse};
 use std::collections::BTreeMap;
@@ -32,6 +35,11 @@ fn truths(text: &str, table: &SignalTable, target: Option<usize>) -> String {
     let mut evaluator = Evaluator::new(&checker.program, table);
     let mut pass = evaluator.pass(target.map(|t| &table.targets[t]));
     let Series::Truths(t) = evaluator.series(id, &mut pass).as_ref().clone() else { panic!("{text}") };
+    told(text, &t)
+}
+
+/// `1`, `0`, `?` a row, after a look at the margins.
+fn told(text: &str, t: &Truths) -> String {
     for (v, m) in t.value.iter().zip(&t.margin) {
         let agrees = match v {
             Tri::True => *m >= 0.0,

@@ -99,3 +99,6 @@ fn filled_margin(c: &Truths, rows: &[Row], d: Nanos, i: usize) -> f64 {
     }
     best
 }
+
+#[cfg(test)]
+mod tests;
