@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use std::collections::BTreeSet;
 use whyroad_framework::Framework;
+use whyroad_framework::taxonomy::Decides;
 use whyroad_mining::episode::arbitrate::arbitrate;
 use whyroad_mining::rule::Precedence;
 use whyroad_mining::{Episode, Rank};
@@ -63,6 +65,11 @@ fn pairs_that_overlap_are_decided_as_the_taxonomy_says() {
         ("reactive_agent.cutin.slow", "proactive.lane_change.abort"),
         ("reactive_agent.cutin.large_vehicle", "reactive_agent.cutin.urgent"),
         ("reactive_agent.cutin.urgent", "safety.near_miss.general"),
+        // A junction conflict that can be named; the ego's own light; rain that falls; the lane that the route needs.
+        ("reactive_agent.intersection_interaction.cross_conflict", "safety.near_miss.general"),
+        ("reactive_rule.traffic_light.red_stop", "reactive_agent.vru_crossing.crosswalk"),
+        ("reactive_road.weather_adaptation.rain", "reactive_road.surface_adaptation.wet"),
+        ("proactive.lane_change.navigation", "reactive_rule.special_lane.turn_only_left"),
         ("safety.aeb.vru", "reactive_agent.vru_crossing.crosswalk"),
     ];
     for (first, second) in pairs {
@@ -71,6 +78,56 @@ fn pairs_that_overlap_are_decided_as_the_taxonomy_says() {
             assert_eq!(primaries(both), [(first.to_owned(), 100)], "{first} before {second}");
         }
     }
+}
+
+/// `tests/decides.txt` reads each `decides` of the taxonomy: does its text say which class is primary where both hold?
+#[test]
+fn the_order_agrees_with_every_text_that_decides_between_two_classes() {
+    let precedence = precedence();
+    let taxonomy = &Framework::bundled().taxonomy;
+    let mut stated = BTreeSet::new();
+    for l1 in &taxonomy.l1 {
+        for l2 in &l1.l2 {
+            let class = ScenarioId { l1: l1.id.clone(), l2: Some(l2.id.clone()), l3: None };
+            stated.extend(pairs(&class, &l2.decides));
+        }
+    }
+    for (l1, l2, l3) in taxonomy.leaves() {
+        stated.extend(pairs(&ScenarioId::leaf(&l1.id, &l2.id, &l3.id), &l3.decides));
+    }
+    let mut read = BTreeSet::new();
+    let mut preferences = 0;
+    for line in include_str!("decides.txt").lines().filter(|l| !l.is_empty() && !l.starts_with('#')) {
+        let [first, sign, second] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+        let (first, second): (ScenarioId, ScenarioId) = (first.parse().unwrap(), second.parse().unwrap());
+        assert!(read.insert(ordered(&first, &second)), "{line} is there twice");
+        assert!(matches!(sign, ">" | "|"), "{line}");
+        if sign == "|" {
+            continue;
+        }
+        preferences += 1;
+        for a in leaves_of(&first) {
+            for b in leaves_of(&second).into_iter().filter(|b| *b != a) {
+                assert!(precedence.rank(&a) < precedence.rank(&b), "{line}: {a} does not go before {b}");
+            }
+        }
+    }
+    // A new pair has to be read, and one that is gone has to be struck out.
+    assert_eq!(read, stated);
+    assert!(preferences > 100, "{preferences}");
+}
+
+fn ordered(a: &ScenarioId, b: &ScenarioId) -> (ScenarioId, ScenarioId) {
+    if a < b { (a.clone(), b.clone()) } else { (b.clone(), a.clone()) }
+}
+
+fn pairs(class: &ScenarioId, decides: &[Decides]) -> Vec<(ScenarioId, ScenarioId)> {
+    decides.iter().map(|d| ordered(class, &d.against)).collect()
+}
+
+fn leaves_of(class: &ScenarioId) -> Vec<ScenarioId> {
+    let leaves = Framework::bundled().taxonomy.leaves();
+    leaves.map(|(l1, l2, l3)| ScenarioId::leaf(&l1.id, &l2.id, &l3.id)).filter(|id| id.is_within(class)).collect()
 }
 
 #[test]
