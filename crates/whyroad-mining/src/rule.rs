@@ -1,12 +1,14 @@
 //! A rule: one program that says when a scenario happens, and how its moments are found. Made from a
 //! `mining:` block and the leaf's labelling spec ([`source`]) or from a JSON query ([`query`]).
 
+pub mod file;
 pub mod lint;
 pub mod origin;
 pub mod query;
 mod roles;
 pub mod set;
 pub mod source;
+pub mod text;
 
 pub use set::{Precedence, RuleSet};
 
@@ -33,6 +35,9 @@ pub const CODES: &[&str] = &[
     "mine.query.scenario",
     "mine.scenario.no_rule",
 ];
+
+/// The class of what fits in no other (LABELING.md 1); it is in no taxonomy file.
+pub const OTHER: &str = "other";
 
 /// What the first role is called where the rule gives it no name of its own.
 pub const TARGET: &str = "target";

@@ -46,6 +46,8 @@ enum Command {
     Signals(cmd::signals::Args),
     /// Find episodes
     Mine(cmd::mine::Args),
+    /// Check mining rules while they are being written
+    Rules(cmd::rules::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
     /// Write the coverage report
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
         Command::Signals(a) => cmd::signals::run(&cli.global, a),
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
+        Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),

@@ -16,7 +16,7 @@ use whyroad_signals::Catalogue;
 
 /// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
 /// few frames does not make a second event.
-const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
+pub(super) const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
 
 /// The block as written.
 #[derive(Deserialize)]
@@ -317,7 +317,7 @@ impl Compiler<'_> {
 }
 
 /// `when` decides what a match is: it cannot speak of one.
-fn needs_a_match(text: &str) -> Fault {
+pub(super) fn needs_a_match(text: &str) -> Fault {
     let word =
         ["at keyframe", "least(", "greatest("].into_iter().find_map(|w| Some((text.find(w)?, w.len())));
     let (start, len) = word.unwrap_or((0, text.len()));

@@ -11,9 +11,12 @@ use whyroad_framework::{Framework, Taxonomy};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_mining::engine::{MinedLake, mine_lake};
+use whyroad_mining::language::Subject;
 use whyroad_mining::output::folder::{Question, Summary};
 use whyroad_mining::output::write_folder;
+use whyroad_mining::rule::OTHER;
 use whyroad_mining::rule::query::{compile_query, parse_query};
+use whyroad_mining::rule::text::compile_text;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::CoverageState;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
@@ -26,8 +29,14 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
     /// Only this class (L1, L2 or leaf; full or unambiguous short id); may be repeated
-    #[arg(long, value_name = "ID", conflicts_with = "query")]
+    #[arg(long, value_name = "ID", conflicts_with_all = ["query", "rule"])]
     scenario: Vec<String>,
+    /// A rule in one line (docs/rules.md) instead of the framework's rules
+    #[arg(long, value_name = "TEXT", conflicts_with = "query")]
+    rule: Option<String>,
+    /// What the target of --rule can be; any object unless said
+    #[arg(long, value_name = "KIND", requires = "rule", value_parser = ["vehicle", "large_vehicle", "vru", "any"])]
+    target: Option<String>,
     /// A mining_query (JSON) instead of the framework's rules
     #[arg(long, value_name = "FILE")]
     query: Option<PathBuf>,
@@ -42,9 +51,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut findings: Vec<Diagnostic> = faults;
     let dir = global.framework.as_deref();
     findings.extend(say(framework_folder::placed(dir, faults_of_signals), global.lang));
-    let plan = match &args.query {
-        Some(file) => of_query(file, &framework, &catalogue)?,
-        None => of_rules(&args.scenario, &framework, &catalogue),
+    let plan = match (&args.query, &args.rule) {
+        (Some(file), _) => of_query(file, &framework, &catalogue)?,
+        (None, Some(text)) => of_text(text, args.target.as_deref(), &framework, &catalogue),
+        (None, None) => of_rules(&args.scenario, &framework, &catalogue),
     };
     let (plan, found) = match plan {
         Ok(p) => p,
@@ -117,6 +127,17 @@ fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Catalogue) -> 
     }
     let question = |id: ScenarioId| Question { query_id: format!("rules_{id}"), scenario: id, limit: None };
     Ok((Plan { rules, questions: classes.into_iter().map(question).collect() }, found))
+}
+
+/// A question in one line belongs to no class: what it finds is reported as `other`.
+fn of_text(text: &str, target: Option<&str>, framework: &Framework, catalogue: &Catalogue) -> Planned {
+    let class = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
+    let target = target.and_then(Subject::from_word);
+    let rule = compile_text(text, target, &class, catalogue, "--rule").map_err(|d| vec![*d])?;
+    let question = Question { query_id: "rule".to_owned(), scenario: class, limit: None };
+    let (all, _) = RuleSet::of_framework(framework, catalogue);
+    let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
+    Ok((Plan { rules, questions: vec![question] }, vec![]))
 }
 
 fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue) -> anyhow::Result<Planned> {

@@ -6,6 +6,7 @@ pub(crate) mod ingest;
 pub(crate) mod inspect;
 pub(crate) mod mine;
 pub(crate) mod report;
+pub(crate) mod rules;
 pub(crate) mod signals;
 pub(crate) mod taxonomy;
 pub(crate) mod validate;

@@ -2,7 +2,7 @@
 
 mod diff;
 mod generate;
-mod lint;
+pub(crate) mod lint;
 mod list;
 mod show;
 
@@ -92,7 +92,7 @@ enum DataFormat {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FindingFormat {
+pub(crate) enum FindingFormat {
     Text,
     Json,
     Sarif,

@@ -60,7 +60,7 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
     Ok(found)
 }
 
-fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
+pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
     match format {
         FindingFormat::Json => output::put(&format!("{:#}\n", diagnostic::render_json(found, lang))),
         FindingFormat::Sarif => output::put(&format!("{:#}\n", diagnostic::render_sarif(found, lang))),

@@ -1,0 +1,110 @@
+//! One file of rules, checked as it is being written: a `scenarios/<l1>/<l2>.yaml` in the place of the framework's
+//! own, with the cases beside it, or a bare rule (a `mining:` block and nothing else).
+
+use super::lint::lint;
+use super::origin::Origin;
+use super::{OTHER, RuleSet, source};
+use crate::cases::run_cases;
+use serde_yaml_ng::Value;
+use std::collections::BTreeMap;
+use whyroad_framework::Framework;
+use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
+use whyroad_signals::Catalogue;
+
+/// A text with the name that diagnostics give it.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// Name of the file.
+    pub name: &'a str,
+    /// Its text.
+    pub text: &'a str,
+}
+
+/// What was looked at, and what is wrong with it.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// Rules that could be made of the file.
+    pub rules: usize,
+    /// Cases that were run.
+    pub cases: usize,
+    /// Faults of the rules, then cases that fail.
+    pub found: Vec<Diagnostic>,
+}
+
+/// Checks `file`, and runs `cases` where there are some. `framework` holds the texts of the framework in force.
+pub fn check_file(
+    file: Named<'_>,
+    cases: Option<Named<'_>>,
+    framework: &BTreeMap<String, String>,
+    catalogue: &Catalogue,
+) -> Checked {
+    let yaml: Value = match serde_yaml_ng::from_str(file.text) {
+        Ok(yaml) => yaml,
+        Err(e) => return Checked { found: vec![unreadable(file, &e)], ..Checked::default() },
+    };
+    let word = |key: &str| yaml.get(key).and_then(Value::as_str);
+    if let (Some(l1), Some(l2)) = (word("l1"), word("l2")) {
+        return scenarios(
+            file,
+            cases,
+            &ScenarioId { l1: l1.to_owned(), l2: Some(l2.to_owned()), l3: None },
+            framework,
+            catalogue,
+        );
+    }
+    bare(file, yaml.get("mining").unwrap_or(&yaml), catalogue)
+}
+
+fn unreadable(file: Named<'_>, e: &serde_yaml_ng::Error) -> Diagnostic {
+    let message = Bilingual::new(format!("文件无法读取：{e}"), format!("the file cannot be read: {e}"));
+    let at = e.location();
+    Diagnostic::error("rule.block", message).at(Place {
+        file: Some(file.name.to_owned()),
+        line: at.as_ref().map(serde_yaml_ng::Location::line),
+        column: at.as_ref().map(serde_yaml_ng::Location::column),
+        snippet: at.and_then(|l| file.text.lines().nth(l.line().saturating_sub(1)).map(str::to_owned)),
+        span: 1,
+        ..Place::default()
+    })
+}
+
+fn scenarios(
+    file: Named<'_>,
+    cases: Option<Named<'_>>,
+    class: &ScenarioId,
+    framework: &BTreeMap<String, String>,
+    catalogue: &Catalogue,
+) -> Checked {
+    let own = format!("scenarios/{}/{}.yaml", class.l1, class.l2.as_deref().unwrap_or_default());
+    let mut files = framework.clone();
+    files.insert(own.clone(), file.text.to_owned());
+    let (framework, mut found) = Framework::from_files(&files);
+    let mut checked = Checked::default();
+    if let Some(framework) = framework {
+        found.extend(lint(&framework, catalogue));
+        let (rules, _) = RuleSet::of_framework(&framework, catalogue);
+        let rules = rules.restricted_to(std::slice::from_ref(class));
+        checked.rules = rules.rules.len();
+        if let Some(cases) = cases {
+            let tally = run_cases(cases.name, cases.text, &rules, catalogue);
+            checked.cases = tally.cases.values().sum();
+            checked.found = tally.failures;
+        }
+    }
+    // What is wrong elsewhere in the framework is not this file's business.
+    found.retain(|d| d.place.file.as_deref() == Some(own.as_str()));
+    for d in &mut found {
+        d.place.file = Some(file.name.to_owned());
+    }
+    found.append(&mut checked.found);
+    Checked { found, ..checked }
+}
+
+fn bare(file: Named<'_>, block: &Value, catalogue: &Catalogue) -> Checked {
+    let origin = Origin { file: file.name, text: file.text, line: 1, owner: String::new() };
+    let nameless = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
+    match source::compile(&nameless, block, None, catalogue, &origin) {
+        Ok(_) => Checked { rules: 1, ..Checked::default() },
+        Err(found) => Checked { found, ..Checked::default() },
+    }
+}

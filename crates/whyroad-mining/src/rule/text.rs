@@ -1,0 +1,48 @@
+//! A rule in one line, as it is asked on the command line: a condition, and perhaps what its target is. It has no
+//! labelling spec: its moments are those of the match itself.
+
+use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
+use super::{Listed, Rule, TARGET, Timing};
+use crate::language::program::Subject;
+use crate::language::{Checker, parse};
+use whyroad_model::{Diagnostic, Nanos, Place, ScenarioId};
+use whyroad_signals::Catalogue;
+
+/// The rule of a text. Without a `target`, one that speaks of `target.*` is about any object. `name` stands for a
+/// file's name in diagnostics.
+pub fn compile_text(
+    text: &str,
+    target: Option<Subject>,
+    scenario: &ScenarioId,
+    catalogue: &Catalogue,
+    name: &str,
+) -> Result<Rule, Box<Diagnostic>> {
+    let mut checker = Checker::new(catalogue);
+    let mut atoms = Vec::new();
+    let checked = parse::parse(text).and_then(|expr| {
+        let when = checker.condition(&expr)?;
+        if checker.program.node(when).needs_episode {
+            return Err(needs_a_match(text));
+        }
+        checker.atoms(&expr, &mut atoms)?;
+        Ok(when)
+    });
+    let place = Place { file: Some(name.to_owned()), line: Some(1), ..Place::default() };
+    let when = checked.map_err(|fault| Box::new(fault.about(text, &place)))?;
+    let any = checker.is_of_target(when).then_some(Subject::Any);
+    Ok(Rule {
+        scenario: scenario.clone(),
+        subject: target.or(checker.subject).or(any),
+        target_role: TARGET.to_owned(),
+        second: None,
+        when,
+        require: vec![],
+        atoms,
+        listed: Listed::Holding,
+        min_duration: Nanos::default(),
+        max_duration: None,
+        merge_gap: DEFAULT_MERGE_GAP,
+        timing: Timing::of_match(),
+        program: checker.program,
+    })
+}
