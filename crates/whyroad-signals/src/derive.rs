@@ -12,7 +12,7 @@ use crate::rows::{Rows, observed_tracks};
 use crate::table::TableBuilder;
 use crate::{
     bus, crosswalk, curvature, ego_lane, ego_motion, junction, lane_change, lights, line_crossing,
-    meta_actions, pet, relations, target_motion, ttc,
+    meta_actions, pet, relations, sight, target_motion, ttc,
 };
 use whyroad_model::scene::Track;
 use whyroad_model::{Drive, ObjectClass, SignalTable};
@@ -76,6 +76,8 @@ fn write_with_ego(
     ttc::write(drive, &around, &targets, table);
     relations::write_lead(ego, &near, table);
     line_crossing::write(drive, &targets, table);
+    let seen = sight::Scene { drive, ego, path: &path, road, targets: &targets, near: &near, times };
+    sight::write(&seen, table);
     let rows = Rows::new(drive, table);
     let sweep = pet::EgoSweep::new(ego, times);
     let pets: Vec<Vec<f64>> = targets.iter().map(|t| sweep.pet(t, times)).collect();

@@ -32,6 +32,7 @@ mod pet;
 mod placement;
 mod relations;
 mod rows;
+mod sight;
 mod target_motion;
 mod ttc;
 

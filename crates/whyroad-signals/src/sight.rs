@@ -1,0 +1,66 @@
+//! Sight: what of each target the ego can see, what hides it, when it comes out; how far and how wide the ego sees of
+//! the road ahead and beside. Seen from the centre of the ego's box over the ground plan: heights matter only for
+//! crests, for what is too low to hide anything, and for what is on another level.
+
+mod ahead;
+mod beside;
+mod crossing_arms;
+mod emergence;
+mod obstacles;
+mod occlusion;
+mod profile;
+mod view;
+
+use crate::ego_motion::EgoMotion;
+use crate::path::DrivenPath;
+use crate::placement::Target;
+use crate::relations::Neighbours;
+use crate::road::Road;
+use crate::table::TableBuilder;
+use obstacles::Obstacles;
+use whyroad_model::Drive;
+
+/// What the family is computed from.
+pub struct Scene<'a> {
+    /// The drive.
+    pub drive: &'a Drive,
+    /// The ego.
+    pub ego: &'a EgoMotion,
+    /// Its path.
+    pub path: &'a DrivenPath,
+    /// The road, when there is a map.
+    pub road: Option<&'a Road>,
+    /// The targets in row order.
+    pub targets: &'a [Target<'a>],
+    /// Who leads.
+    pub near: &'a Neighbours,
+    /// Seconds by frame.
+    pub times: &'a [f64],
+}
+
+/// Writes the signals of this family. One view a frame serves all of them.
+pub fn write(scene: &Scene<'_>, table: &mut TableBuilder<'_>) {
+    let obstacles = Obstacles::new(scene);
+    let mut occlusion = occlusion::Occlusion::new(scene);
+    let mut beside = beside::Beside::default();
+    let profile = profile::Profile::new(scene);
+    let mut ahead = ahead::Ahead::new(scene, &profile, &obstacles);
+    let mut arms = scene.road.map(|road| crossing_arms::CrossingArms::new(scene, road, &obstacles));
+    for frame in 0..scene.ego.len() {
+        let view = obstacles.view(frame);
+        occlusion.look(frame, view.as_ref());
+        beside.look(frame, view.as_ref(), scene, &obstacles);
+        ahead.look(frame, view.as_ref());
+        if let Some(arms) = &mut arms {
+            arms.look(frame, view.as_ref());
+        }
+    }
+    occlusion.write(&obstacles, table);
+    emergence::write(scene, &occlusion, &obstacles, table);
+    beside.write(table);
+    profile.write(scene, table);
+    if let Some(arms) = arms {
+        ahead.write(table);
+        arms.write(table);
+    }
+}

@@ -1,0 +1,97 @@
+//! How far the ego sees of its own path. Writes `map.sight_distance` and `map.curve_hidden`.
+
+use super::Scene;
+use super::obstacles::{Kind, Obstacles};
+use super::profile::Profile;
+use super::view::{Owner, View};
+use crate::geometry::P2;
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+
+/// Farther is not looked, m.
+const HORIZON_M: f64 = 150.0;
+/// Places on the path are so far apart, m.
+const STEP_M: f64 = 1.0;
+/// A bend within this distance, and sight cut within it, m.
+const CURVE_M: f64 = 50.0;
+/// From this curvature on there is a bend, 1/m (a radius of 100 m).
+const CURVE_PER_M: f64 = 0.01;
+/// Chords by which curvature is measured, m; as `map.curvature`.
+const CHORD_M: f64 = 5.0;
+/// What is this near to the middle of the path is on it, not beside it, m: half a car and a little.
+const ON_PATH_M: f64 = 1.5;
+
+/// Sight along the path by frame.
+pub struct Ahead<'a> {
+    scene: &'a Scene<'a>,
+    profile: &'a Profile,
+    obstacles: &'a Obstacles<'a>,
+    distance: Vec<f64>,
+    curve_hidden: Vec<Tri>,
+}
+
+impl<'a> Ahead<'a> {
+    /// Before anything was looked at.
+    pub fn new(scene: &'a Scene<'a>, profile: &'a Profile, obstacles: &'a Obstacles<'a>) -> Self {
+        Self { scene, profile, obstacles, distance: Vec::new(), curve_hidden: Vec::new() }
+    }
+
+    /// Looks along the path in one frame; frames come in order.
+    pub fn look(&mut self, frame: usize, view: Option<&View>) {
+        let s = self.scene.path.ego_s[frame];
+        let Some(view) = view.filter(|_| s.is_finite()) else {
+            self.distance.push(f64::NAN);
+            self.curve_hidden.push(Tri::Unknown);
+            return;
+        };
+        let counts = |owner: Owner| match self.obstacles.kind(owner) {
+            Kind::Building | Kind::LargeVehicle => true,
+            Kind::Vehicle => self.obstacles.moves(owner, frame) == Some(false),
+            Kind::Vru | Kind::Object => false,
+        };
+        let steps = (HORIZON_M / STEP_M) as usize;
+        let first = (1..=steps).find_map(|i| {
+            let ahead = i as f64 * STEP_M;
+            Some((ahead, view.before(self.scene.path.line.point_at(s + ahead), counts)?))
+        });
+        let flat = first.map_or(HORIZON_M, |(hidden, _)| hidden - STEP_M);
+        let over = self.profile.sight(s).hidden_at;
+        self.distance.push(flat.min(over).min(HORIZON_M));
+        let curve = self.curve(s, first.filter(|(hidden, _)| *hidden <= CURVE_M), frame);
+        self.curve_hidden.push(curve);
+    }
+
+    /// Whether `cut`, the place first hidden and what hides it, is by something on the inner side of a bend ahead.
+    fn curve(&self, s: f64, cut: Option<(f64, Owner)>, frame: usize) -> Tri {
+        let path = &self.scene.path.line;
+        let bend = (0..=(CURVE_M / 2.0) as usize)
+            .map(|i| path.curvature_at(s + 2.0 * i as f64, CHORD_M))
+            .fold(0.0_f64, |most, c| if c.abs() > most.abs() { c } else { most });
+        if bend.abs() < CURVE_PER_M {
+            return Tri::False;
+        }
+        match cut {
+            // Sight lines round a bend run on its inner side: what cuts one away from the path stands there.
+            Some((_, owner)) => Tri::from(self.side(owner, s, frame).is_none_or(|side| side * bend > 0.0)),
+            // Nothing that is known; but a hedge or a house may stand there when the map does not tell.
+            None if self.obstacles.tells_buildings => Tri::False,
+            None => Tri::Unknown,
+        }
+    }
+
+    /// How far beside the path ahead the box of a target is, left positive, 0 on it; `None` for a building.
+    fn side(&self, owner: Owner, s: f64, frame: usize) -> Option<f64> {
+        let Owner::Target(k) = owner else { return None };
+        let target = &self.scene.targets[k];
+        let place = target.places[target.track.row_at(frame)?].as_ref()?;
+        let centre: P2 = place.footprint.centre;
+        let lateral = self.scene.path.line.project_between(centre, s, s + CURVE_M + 10.0).lateral;
+        Some(if lateral.abs() <= ON_PATH_M { 0.0 } else { lateral })
+    }
+
+    /// Writes the signals of this file.
+    pub fn write(self, table: &mut TableBuilder<'_>) {
+        table.number("map.sight_distance", self.distance);
+        table.flag("map.curve_hidden", self.curve_hidden);
+    }
+}

@@ -1,0 +1,86 @@
+//! How much of the ground beside the path ahead is hidden, and by what. Writes `map.hidden_beside` and
+//! `map.hidden_beside_by`.
+
+use super::Scene;
+use super::obstacles::{Kind, Obstacles};
+use super::view::{Owner, View};
+use crate::geometry::P2;
+use crate::table::TableBuilder;
+
+/// Length of the strip from the front bumper on, m.
+const LENGTH_M: f64 = 30.0;
+/// Its width, from the edge of the band that the ego sweeps outwards, m.
+const WIDTH_M: f64 = 4.0;
+/// The band is so much wider than the ego on either side, m; as for `target.gap`.
+const MARGIN_M: f64 = 0.3;
+/// Places are so far apart, m.
+const STEP_M: f64 = 1.0;
+/// Under this share nothing is said to hide it.
+const LEAST_SHARE: f64 = 0.05;
+
+// Indices into the catalogue's values of map.hidden_beside_by; a test holds them to the names.
+const NONE: u16 = 0;
+const VEHICLE: u16 = 1;
+const LARGE_VEHICLE: u16 = 2;
+const OBJECT: u16 = 3;
+const BUILDING: u16 = 4;
+
+/// What is hidden beside the path by frame.
+#[derive(Default)]
+pub struct Beside {
+    share: Vec<f64>,
+    by: Vec<Option<u16>>,
+}
+
+impl Beside {
+    /// Looks beside the path in one frame; frames come in order.
+    pub fn look(&mut self, frame: usize, view: Option<&View>, scene: &Scene<'_>, obstacles: &Obstacles<'_>) {
+        let s = scene.path.ego_s[frame];
+        let (length, width) = (scene.ego.length, scene.ego.width);
+        let Some(view) = view.filter(|_| s.is_finite() && length.is_finite() && width.is_finite()) else {
+            self.share.push(f64::NAN);
+            self.by.push(None);
+            return;
+        };
+        let code = |owner: Owner| match obstacles.kind(owner) {
+            Kind::Vehicle => Some(VEHICLE),
+            Kind::LargeVehicle => Some(LARGE_VEHICLE),
+            Kind::Object => Some(OBJECT),
+            Kind::Building => Some(BUILDING),
+            Kind::Vru => None,
+        };
+        let (long, wide) = ((LENGTH_M / STEP_M) as usize, (WIDTH_M / STEP_M) as usize);
+        let places = (long * wide) as f64;
+        let mut worst = (0.0, NONE);
+        for side in [1.0, -1.0] {
+            let mut counts = [0_usize; 5];
+            for i in 0..long {
+                let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
+                let (on, left) =
+                    (scene.path.line.point_at(at), P2::from_heading(scene.path.heading_at(at)).left());
+                for j in 0..wide {
+                    let away = width / 2.0 + MARGIN_M + (j as f64 + 0.5) * STEP_M;
+                    let first = view.before(on + left * (side * away), |owner| code(owner).is_some());
+                    if let Some(code) = first.and_then(code) {
+                        counts[usize::from(code)] += 1;
+                    }
+                }
+            }
+            let share = counts.iter().sum::<usize>() as f64 / places;
+            let most = [BUILDING, OBJECT, LARGE_VEHICLE, VEHICLE]
+                .into_iter()
+                .max_by_key(|c| counts[usize::from(*c)]);
+            if share > worst.0 {
+                worst = (share, most.unwrap_or(NONE));
+            }
+        }
+        self.share.push(worst.0);
+        self.by.push(Some(if worst.0 < LEAST_SHARE { NONE } else { worst.1 }));
+    }
+
+    /// Writes the signals of this file.
+    pub fn write(self, table: &mut TableBuilder<'_>) {
+        table.number("map.hidden_beside", self.share);
+        table.category("map.hidden_beside_by", self.by);
+    }
+}

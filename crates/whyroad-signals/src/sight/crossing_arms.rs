@@ -1,0 +1,159 @@
+//! How far into the crossing arms of the next junction the ego sees. Writes `map.sight_angle`.
+//!
+//! The arms are where the road leaves a circle around the junction's middle; those that lead left or right of the
+//! direction of approach are looked into, along their middle up to 40 m. The angle of a side is that of the outermost
+//! place seen there; an arm seen to its end is free (90 deg), and so is a side without an arm.
+
+use super::Scene;
+use super::obstacles::{Kind, Obstacles};
+use super::view::{Owner, View};
+use crate::geometry::{P2, wrap};
+use crate::junction::{Stretch, stretches};
+use crate::road::Road;
+use crate::table::TableBuilder;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// The junction is looked at from this distance on, m.
+const REACH_M: f64 = 60.0;
+/// Stretches of the path in junctions with less than this between them are one junction, m; as `map.distance_to_junction`.
+const MERGE_M: f64 = 5.0;
+/// Arms are looked into up to this far from the junction's middle, m.
+const ARM_M: f64 = 40.0;
+/// Places on an arm are so far apart, m.
+const STEP_M: f64 = 1.0;
+/// Arms are sought this far outside of the junction, m.
+const OUTSIDE_M: f64 = 8.0;
+/// Directions tried around the junction.
+const DIRECTIONS: usize = 120;
+/// Arms within this of straight on or straight back are not crossing, rad: 30 deg.
+const ALONG_RAD: f64 = PI / 6.0;
+
+/// One junction on the path.
+struct Crossing {
+    stretch: Stretch,
+    middle: P2,
+    approach: f64,
+    radius: f64,
+    arms: Vec<f64>,
+}
+
+/// Sight into crossing arms by frame.
+pub struct CrossingArms<'a> {
+    scene: &'a Scene<'a>,
+    obstacles: &'a Obstacles<'a>,
+    crossings: Vec<Crossing>,
+    angle: Vec<f64>,
+}
+
+impl<'a> CrossingArms<'a> {
+    /// Of the junctions on the scene's path.
+    pub fn new(scene: &'a Scene<'a>, road: &Road, obstacles: &'a Obstacles<'a>) -> Self {
+        let found = stretches(scene.path, |p| road.in_junction(p), MERGE_M);
+        let crossings = found.into_iter().map(|s| crossing(scene, road, s)).collect();
+        Self { scene, obstacles, crossings, angle: Vec::new() }
+    }
+
+    /// Looks into the arms of the next junction; frames come in order.
+    pub fn look(&mut self, frame: usize, view: Option<&View>) {
+        let s = self.scene.path.ego_s[frame];
+        let Some(view) = view.filter(|_| s.is_finite()) else {
+            self.angle.push(f64::NAN);
+            return;
+        };
+        let front = if self.scene.ego.length.is_finite() { self.scene.ego.length / 2.0 } else { 0.0 };
+        // Past its middle a junction is behind: its arms are no longer looked into.
+        let next = self.crossings.iter().find(|c| (c.stretch.from + c.stretch.to) / 2.0 >= s);
+        let Some(crossing) = next.filter(|c| c.stretch.from - s - front <= REACH_M) else {
+            self.angle.push(f64::INFINITY);
+            return;
+        };
+        let eye = self.scene.ego.position[frame];
+        // Somebody on foot does not cut the view of a road, and who drives in the ego's lane goes on.
+        let counts =
+            |owner: Owner| !matches!(self.obstacles.kind(owner), Kind::Vru) && !self.in_way(owner, frame);
+        let angle = crossing
+            .arms
+            .iter()
+            .map(|&arm| into(crossing, arm, eye, view, &counts))
+            .fold(FRAC_PI_2, f64::min);
+        let unknown = angle >= FRAC_PI_2 && !self.obstacles.tells_buildings && !crossing.arms.is_empty();
+        self.angle.push(if unknown { f64::NAN } else { angle });
+    }
+
+    fn in_way(&self, owner: Owner, frame: usize) -> bool {
+        let Owner::Target(k) = owner else { return false };
+        let target = &self.scene.targets[k];
+        let place = target.track.row_at(frame).and_then(|row| target.places[row].as_ref());
+        place.is_some_and(|p| p.in_way || p.band.is_some())
+    }
+
+    /// Writes `map.sight_angle`.
+    pub fn write(self, table: &mut TableBuilder<'_>) {
+        table.number("map.sight_angle", self.angle);
+    }
+}
+
+/// The junction of a stretch: where its middle is, how the ego comes to it, which arms cross.
+fn crossing(scene: &Scene<'_>, road: &Road, stretch: Stretch) -> Crossing {
+    let line = &scene.path.line;
+    let middle = line.point_at((stretch.from + stretch.to) / 2.0);
+    let approach = line.smooth_heading_at(stretch.from - 3.0, 2.0);
+    let radius = ((stretch.to - stretch.from) / 2.0 + OUTSIDE_M).min(ARM_M - 10.0);
+    let on_road = |i: usize| {
+        let direction = 2.0 * PI * i as f64 / DIRECTIONS as f64;
+        let place = middle + P2::from_heading(direction) * radius;
+        road.on_road(place)
+    };
+    let ring: Vec<bool> = (0..DIRECTIONS).map(on_road).collect();
+    let crosses = |arm: &f64| {
+        let turned = wrap(arm - approach).abs();
+        turned > ALONG_RAD && turned < PI - ALONG_RAD
+    };
+    let arms = middles(&ring).into_iter().filter(crosses).collect();
+    Crossing { stretch, middle, approach, radius, arms }
+}
+
+/// Directions of the middles of the runs of `true` around a ring. None when all or nothing is road: an open square.
+fn middles(ring: &[bool]) -> Vec<f64> {
+    let n = ring.len();
+    let Some(gap) = ring.iter().position(|on| !on) else { return Vec::new() };
+    let mut arms = Vec::new();
+    let mut start = None;
+    for i in gap..=gap + n {
+        match (ring[i % n], start) {
+            (true, None) => start = Some(i),
+            (false, Some(from)) => {
+                arms.push(wrap(2.0 * PI * (from + i - 1) as f64 / 2.0 / n as f64));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    arms
+}
+
+/// Angle from the direction of approach to the outermost place of an arm that is seen, rad; a right angle when its far
+/// end is.
+fn into(crossing: &Crossing, arm: f64, eye: P2, view: &View, counts: &impl Fn(Owner) -> bool) -> f64 {
+    let direction = P2::from_heading(arm);
+    let place = |away: f64| crossing.middle + direction * away;
+    let seen = |away: f64| view.before(place(away), counts).is_none();
+    if seen(ARM_M) {
+        return FRAC_PI_2;
+    }
+    let inner = crossing.radius - OUTSIDE_M;
+    let steps = ((ARM_M - inner) / STEP_M) as usize;
+    let Some(mut last) = (0..steps).rev().map(|i| inner + i as f64 * STEP_M).find(|&away| seen(away)) else {
+        return 0.0;
+    };
+    let mut beyond = last + STEP_M;
+    for _ in 0..6 {
+        let between = (last + beyond) / 2.0;
+        if seen(between) {
+            last = between;
+        } else {
+            beyond = between;
+        }
+    }
+    wrap((place(last) - eye).heading() - crossing.approach).abs().min(FRAC_PI_2)
+}

@@ -1,0 +1,118 @@
+//! What can hide something, and of what kind it is: the boxes of targets by frame, and the buildings of the map.
+
+use super::Scene;
+use super::view::{Owner, View};
+use crate::geometry::{P2, p2};
+use crate::placement::{MOVING_MPS, Placement, Target};
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
+
+/// Nothing farther from the ego than this is looked at, m.
+const REACH_M: f64 = 150.0;
+/// What is known to be lower than this hides nothing: a driver's eye is at 1.1 to 1.2 m, a child's head above it.
+const LEAST_HEIGHT_M: f64 = 1.0;
+
+/// What an occluder is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Any other motor vehicle.
+    Vehicle,
+    /// Truck, bus, odd vehicle.
+    LargeVehicle,
+    /// Somebody on foot or on two light wheels.
+    Vru,
+    /// Anything else that is tracked.
+    Object,
+    /// A building of the map.
+    Building,
+}
+
+type Wall = GeomWithData<Line<[f64; 2]>, usize>;
+
+/// Everything that hides, over the whole drive.
+pub struct Obstacles<'a> {
+    scene: &'a Scene<'a>,
+    by_frame: Vec<Vec<(usize, usize)>>,
+    walls: RTree<Wall>,
+    /// Whether the map tells where buildings are: without, nothing is known to be free of them.
+    pub tells_buildings: bool,
+}
+
+impl<'a> Obstacles<'a> {
+    /// Of this scene.
+    pub fn new(scene: &'a Scene<'a>) -> Self {
+        let mut by_frame = vec![Vec::new(); scene.ego.len()];
+        for (k, target) in scene.targets.iter().enumerate() {
+            for (row, place) in target.places.iter().enumerate() {
+                if let Some(p) = place.as_ref().filter(|p| hides(target, row, p)) {
+                    by_frame[p.frame].push((k, row));
+                }
+            }
+        }
+        let map = scene.drive.map.as_ref();
+        let buildings = map.into_iter().flat_map(|m| &m.facilities).filter(|f| f.kind == "building");
+        let mut walls = Vec::new();
+        for (k, building) in buildings.enumerate() {
+            let corners: Vec<[f64; 2]> = building.boundary.iter().map(|p| [p.x, p.y]).collect();
+            // An outline of two points is one wall.
+            let closing = (corners.len() > 2).then(|| (corners[corners.len() - 1], corners[0]));
+            let sides = corners.windows(2).map(|w| (w[0], w[1])).chain(closing);
+            walls.extend(sides.map(|(a, b)| Wall::new(Line::new(a, b), k)));
+        }
+        let tells_buildings = map.is_some_and(|m| m.tells("building"));
+        Self { scene, by_frame, walls: RTree::bulk_load(walls), tells_buildings }
+    }
+
+    /// What the ego has around it in `frame`; `None` while its pose is unknown.
+    pub fn view(&self, frame: usize) -> Option<View> {
+        let ego = self.scene.ego;
+        if !ego.is_known(frame) {
+            return None;
+        }
+        let eye = ego.position[frame];
+        let mut view = View::from(eye);
+        for &(k, row) in &self.by_frame[frame] {
+            let place = self.scene.targets[k].places[row].as_ref();
+            if let Some(p) = place.filter(|p| (p.footprint.centre - eye).norm() <= REACH_M) {
+                view.add_box(Owner::Target(k), p.footprint);
+            }
+        }
+        let around =
+            AABB::from_corners([eye.x - REACH_M, eye.y - REACH_M], [eye.x + REACH_M, eye.y + REACH_M]);
+        let mut walls: Vec<(usize, P2, P2)> = self
+            .walls
+            .locate_in_envelope_intersecting(&around)
+            .map(|w| (w.data, p2(w.geom().from[0], w.geom().from[1]), p2(w.geom().to[0], w.geom().to[1])))
+            .collect();
+        // The tree's order is no one's business: the view's is by building and place.
+        walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
+        for (k, a, b) in walls {
+            view.add_wall(Owner::Building(k), a, b);
+        }
+        Some(view)
+    }
+
+    /// Of what kind the owner is.
+    pub fn kind(&self, owner: Owner) -> Kind {
+        let Owner::Target(k) = owner else { return Kind::Building };
+        match self.scene.targets[k].track.class {
+            class if class.is_large_vehicle() => Kind::LargeVehicle,
+            class if class.is_vehicle() => Kind::Vehicle,
+            class if class.is_vru() => Kind::Vru,
+            _ => Kind::Object,
+        }
+    }
+
+    /// Whether the owner moves in `frame`; `None` when its speed is unknown or it is not observed then.
+    pub fn moves(&self, owner: Owner, frame: usize) -> Option<bool> {
+        let Owner::Target(k) = owner else { return Some(false) };
+        let track = self.scene.targets[k].track;
+        let speed = track.motion.speed(track.row_at(frame)?);
+        (!speed.is_nan()).then_some(speed >= MOVING_MPS)
+    }
+}
+
+fn hides(target: &Target<'_>, row: usize, place: &Placement) -> bool {
+    let low = target.track.height_m[row] < LEAST_HEIGHT_M;
+    place.is_sized() && place.footprint.heading.is_finite() && place.same_level && !low
+}

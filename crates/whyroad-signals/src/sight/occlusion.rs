@@ -1,0 +1,159 @@
+//! The visible share of each target and what hides it; also where a target must have been before it was first seen,
+//! so that it can be told from behind what it came. Writes `target.visible_share`, `occluder`, `occluder_moving`.
+
+use super::Scene;
+use super::obstacles::{Kind, Obstacles};
+use super::view::{Owner, View};
+use crate::geometry::OrientedBox;
+use crate::rows::Rows;
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+
+/// Farther targets are not looked at, m.
+const REACH_M: f64 = 80.0;
+/// Targets first seen within this distance are traced back, m.
+const TRACED_REACH_M: f64 = 60.0;
+/// For so long before they were first seen, s.
+pub const TRACED_BACK_S: f64 = 1.0;
+
+/// How much of a target is seen in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// The frame.
+    pub frame: usize,
+    /// Visible share; NaN when unknown.
+    pub share: f64,
+    /// What hides most of it; `None` when nothing does, or when `share` is below 1 and it is not known what.
+    pub occluder: Option<Owner>,
+}
+
+/// A place where a target must have been while it was not observed.
+struct Trace {
+    target: usize,
+    row: usize,
+    footprint: OrientedBox,
+}
+
+/// Shares and occluders of all targets.
+pub struct Occlusion<'a> {
+    scene: &'a Scene<'a>,
+    /// By target and row.
+    pub rows: Vec<Vec<Seen>>,
+    /// By target: before which row, and what was seen of the place then; frames ascend.
+    pub traced: Vec<Vec<(usize, Seen)>>,
+    traces: Vec<Vec<Trace>>,
+}
+
+impl<'a> Occlusion<'a> {
+    /// Before anything was looked at.
+    pub fn new(scene: &'a Scene<'a>) -> Self {
+        let unseen = |frame: &u32| Seen { frame: *frame as usize, share: f64::NAN, occluder: None };
+        let rows = scene.targets.iter().map(|t| t.track.frames.iter().map(unseen).collect()).collect();
+        let mut traces: Vec<Vec<Trace>> = (0..scene.ego.len()).map(|_| Vec::new()).collect();
+        for target in 0..scene.targets.len() {
+            trace_back(scene, target, &mut traces);
+        }
+        Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces }
+    }
+
+    /// Looks at all targets of one frame.
+    pub fn look(&mut self, frame: usize, view: Option<&View>) {
+        for (k, target) in self.scene.targets.iter().enumerate() {
+            let Some(row) = target.track.row_at(frame) else { continue };
+            let place =
+                target.places[row].as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
+            let eye = self.scene.ego.position[frame];
+            let near = |footprint: &&OrientedBox| (footprint.centre - eye).norm() <= REACH_M;
+            let footprint = place.map(|p| &p.footprint).filter(near);
+            let seen = &mut self.rows[k][row];
+            if let (Some(view), Some(footprint)) = (view, footprint)
+                && let Some(sight) = view.sight(Some(Owner::Target(k)), footprint)
+            {
+                (seen.share, seen.occluder) = (sight.share, sight.occluder);
+            }
+            self.take_told(k, row);
+        }
+        for trace in &self.traces[frame] {
+            let own = Some(Owner::Target(trace.target));
+            if let Some(sight) = view.and_then(|v| v.sight(own, &trace.footprint)) {
+                let seen = Seen { frame, share: sight.share, occluder: sight.occluder };
+                self.traced[trace.target].push((trace.row, seen));
+            }
+        }
+    }
+
+    /// What the source's own sensor model says goes before what we work out.
+    fn take_told(&mut self, k: usize, row: usize) {
+        let track = self.scene.targets[k].track;
+        let seen = &mut self.rows[k][row];
+        let Some(&share) = track.visible_share.get(row).filter(|s| !s.is_nan()) else { return };
+        seen.share = share;
+        let told = track.occluder.get(row).and_then(Option::as_ref);
+        let named = told
+            .and_then(|id| self.scene.targets.binary_search_by(|t| t.track.id.cmp(id)).ok())
+            .map(Owner::Target);
+        seen.occluder = if share >= 1.0 { None } else { named.or(seen.occluder) };
+    }
+
+    /// Writes the signals of this file.
+    pub fn write(&self, obstacles: &Obstacles<'_>, table: &mut TableBuilder<'_>) {
+        let rows = Rows::new(self.scene.drive, table);
+        let targets = self.scene.targets;
+        table.number("target.visible_share", rows.spread(targets, f64::NAN, |k, r, _| self.rows[k][r].share));
+        let kind = |k: usize, r: usize| -> Option<u16> {
+            let seen = self.rows[k][r];
+            match seen.occluder {
+                Some(owner) => Some(code(obstacles.kind(owner))),
+                None => (seen.share >= 1.0).then_some(0),
+            }
+        };
+        table.category("target.occluder", rows.spread(targets, None, |k, r, _| kind(k, r)));
+        let moving = |k: usize, r: usize| {
+            let seen = self.rows[k][r];
+            match seen.occluder {
+                Some(owner) => obstacles.moves(owner, seen.frame).into(),
+                None if seen.share >= 1.0 => Tri::False,
+                None => Tri::Unknown,
+            }
+        };
+        table.flag("target.occluder_moving", rows.spread(targets, Tri::Unknown, |k, r, _| moving(k, r)));
+    }
+}
+
+/// Index into the catalogue's values of target.occluder; a test holds them to the names.
+fn code(kind: Kind) -> u16 {
+    match kind {
+        Kind::Vehicle => 1,
+        Kind::LargeVehicle => 2,
+        Kind::Vru => 3,
+        Kind::Object => 4,
+        Kind::Building => 5,
+    }
+}
+
+/// Where the target must have been in the frames before it was seen, by its first velocity: before its first row and in
+/// the gaps between rows.
+fn trace_back(scene: &Scene<'_>, k: usize, traces: &mut [Vec<Trace>]) {
+    let target = &scene.targets[k];
+    let frames = &target.track.frames;
+    for (row, place) in target.places.iter().enumerate() {
+        let before = if row == 0 { 0 } else { frames[row - 1] as usize + 1 };
+        let frame = frames[row] as usize;
+        let Some(p) = place.as_ref().filter(|p| before < frame && p.is_sized() && p.velocity.is_finite())
+        else {
+            continue;
+        };
+        if (p.footprint.centre - scene.ego.position[frame]).norm() > TRACED_REACH_M {
+            continue;
+        }
+        for earlier in (before..frame).rev() {
+            let ago = scene.times[frame] - scene.times[earlier];
+            if ago > TRACED_BACK_S + 1e-6 {
+                break;
+            }
+            let centre = p.footprint.centre - p.velocity * ago;
+            let footprint = OrientedBox { centre, ..p.footprint };
+            traces[earlier].push(Trace { target: k, row, footprint });
+        }
+    }
+}

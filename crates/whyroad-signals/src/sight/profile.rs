@@ -1,0 +1,123 @@
+//! The road's heights along the driven path and how far the eye sees over them. Writes `map.crest_ahead`.
+//!
+//! Heights are the ego's own where it drove; beyond the recording's end they go on by the map's, set level with the
+//! ego's at the joint. Only differences count, so it does not matter how high the box's centre is over the road.
+
+use super::Scene;
+use crate::geometry::P2;
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+use whyroad_model::road_map::{Point3, RoadMap};
+
+/// Driver's eye over the road, m (AASHTO Green Book: 1.08; RASt: 1.0; a van's 1.2).
+const EYE_M: f64 = 1.2;
+/// What is to be seen over the road, m: a car's tail light (AASHTO Green Book: 0.60).
+const OBJECT_M: f64 = 0.6;
+/// Points along the path are so far apart, m.
+const STEP_M: f64 = 2.0;
+/// Sight is followed this far, m.
+const HORIZON_M: f64 = 150.0;
+/// A crest nearer than this counts for `map.crest_ahead`, m.
+const CREST_M: f64 = 60.0;
+/// A lane's centre line this near gives the height, m.
+const MAP_REACH_M: f64 = 4.0;
+
+/// Heights by arc length of the path.
+pub struct Profile {
+    first: f64,
+    heights: Vec<f64>,
+}
+
+/// How far is seen over the profile.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverCrest {
+    /// Distance of the first place that cannot be seen; infinite when there is none, m.
+    pub hidden_at: f64,
+    /// Up to this distance heights are known, m.
+    pub known_to: f64,
+}
+
+impl Profile {
+    /// Along the scene's path; all unknown where the log has no heights.
+    pub fn new(scene: &Scene<'_>) -> Self {
+        let path = scene.path;
+        let (first, driven_to) = path.driven;
+        let count = ((path.line.length() - first) / STEP_M).max(0.0) as usize + 1;
+        let at_end = path.z_at(driven_to);
+        let map_z = |s: f64| {
+            scene
+                .road
+                .and(scene.drive.map.as_ref())
+                .map_or(f64::NAN, |m| height_at(m, path.line.point_at(s), at_end))
+        };
+        let offset = at_end - map_z(driven_to);
+        let height = |i: usize| {
+            let s = first + i as f64 * STEP_M;
+            if s <= driven_to { path.z_at(s) } else { map_z(s) + offset }
+        };
+        Self { first, heights: (0..count).map(height).collect() }
+    }
+
+    fn at(&self, s: f64) -> f64 {
+        let x = (s - self.first) / STEP_M;
+        if x.is_nan() || x < 0.0 {
+            return f64::NAN;
+        }
+        let (i, share) = (x as usize, x.fract());
+        match (self.heights.get(i), self.heights.get(i + 1)) {
+            (Some(a), Some(b)) => a + (b - a) * share,
+            (Some(a), None) if share < 1e-9 => *a,
+            _ => f64::NAN,
+        }
+    }
+
+    /// How far the eye sees from arc length `s`.
+    pub fn sight(&self, s: f64) -> OverCrest {
+        let eye = self.at(s) + EYE_M;
+        let mut steepest = f64::NEG_INFINITY;
+        let mut distance = STEP_M;
+        while distance <= HORIZON_M {
+            let road = self.at(s + distance);
+            if road.is_nan() || eye.is_nan() {
+                return OverCrest { hidden_at: f64::INFINITY, known_to: distance - STEP_M };
+            }
+            // The line from the eye to the object is stopped where the road between is seen under a steeper angle.
+            if (road + OBJECT_M - eye) / distance < steepest - 1e-9 {
+                return OverCrest { hidden_at: distance, known_to: distance };
+            }
+            steepest = steepest.max((road - eye) / distance);
+            distance += STEP_M;
+        }
+        OverCrest { hidden_at: f64::INFINITY, known_to: HORIZON_M }
+    }
+
+    /// Writes `map.crest_ahead`.
+    pub fn write(&self, scene: &Scene<'_>, table: &mut TableBuilder<'_>) {
+        let crest = |s: &f64| {
+            let over = self.sight(*s);
+            if over.hidden_at <= CREST_M {
+                return Tri::True;
+            }
+            if over.known_to >= CREST_M { Tri::False } else { Tri::Unknown }
+        };
+        table.flag("map.crest_ahead", scene.path.ego_s.iter().map(crest).collect());
+    }
+}
+
+/// Height of the nearest lane's centre line at `p`; of several levels the one nearest to `about`. NaN when there is none.
+fn height_at(map: &RoadMap, p: P2, about: f64) -> f64 {
+    let near = map.lanes.iter().flat_map(|l| l.centre.windows(2)).filter_map(|w| near_segment(w, p));
+    near.min_by(|a, b| (a - about).abs().total_cmp(&(b - about).abs())).unwrap_or(f64::NAN)
+}
+
+/// Height of the segment's point nearest to `p`, when that is near.
+fn near_segment(w: &[Point3], p: P2) -> Option<f64> {
+    let (a, b) = (w[0], w[1]);
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let length2 = dx * dx + dy * dy;
+    let share =
+        if length2 > 0.0 { (((p.x - a.x) * dx + (p.y - a.y) * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
+    let away = (a.x + dx * share - p.x).hypot(a.y + dy * share - p.y);
+    let z = a.z + (b.z - a.z) * share;
+    (away <= MAP_REACH_M && z.is_finite()).then_some(z)
+}

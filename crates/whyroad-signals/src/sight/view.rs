@@ -1,0 +1,211 @@
+//! What stands around one eye in one frame, by the angles that it fills, and what of a place or a box is seen past it.
+//! Plane geometry: heights play no part.
+//!
+//! Everything that can hide something is cut into convex pieces: boxes as they are, buildings by their walls. Two convex
+//! pieces that do not overlap are never before one another on one sight line and behind on another, so which of the two
+//! is nearer is decided on one line, and the visible share of a box is exact: one minus the union of the angles of the
+//! pieces before it. Nothing is sampled.
+
+use crate::geometry::{OrientedBox, P2, wrap};
+
+/// Angles smaller than this are none, rad (a hair at 80 m).
+const LEAST_ANGLE_RAD: f64 = 1e-9;
+
+/// What can hide something, as the rest of the family sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Owner {
+    /// Index of a target.
+    Target(usize),
+    /// Index of a building.
+    Building(usize),
+}
+
+/// Angles around the eye: `mid` in (-pi, pi] and as much either side, rad.
+#[derive(Clone, Copy, Debug)]
+struct Sector {
+    mid: f64,
+    half: f64,
+    direction: P2,
+    least_cosine: f64,
+}
+
+impl Sector {
+    /// The angles under which a convex shape is seen from the origin, which is outside of it.
+    fn of(corners: &[P2]) -> Self {
+        let first = corners[0].heading();
+        let (low, high) = corners.iter().fold((0.0_f64, 0.0_f64), |(low, high), c| {
+            let turned = wrap(c.heading() - first);
+            (low.min(turned), high.max(turned))
+        });
+        let (mid, half) = (wrap(first + (low + high) / 2.0), (high - low) / 2.0);
+        // A line along the very edge counts as within.
+        Self { mid, half, direction: P2::from_heading(mid), least_cosine: half.cos() - 1e-12 }
+    }
+
+    /// The part of `other` in this sector, relative to this one's middle.
+    fn shared(&self, other: &Sector) -> Option<(f64, f64)> {
+        let turned = wrap(other.mid - self.mid);
+        let (low, high) = ((turned - other.half).max(-self.half), (turned + other.half).min(self.half));
+        (high - low > LEAST_ANGLE_RAD).then_some((low, high))
+    }
+
+    fn contains(&self, direction: P2) -> bool {
+        self.direction.dot(direction) >= self.least_cosine
+    }
+}
+
+/// A convex piece of something that hides; corners relative to the eye.
+#[derive(Clone, Debug)]
+struct Piece {
+    owner: Owner,
+    corners: Vec<P2>,
+    sector: Sector,
+    nearest: f64,
+    footprint: Option<OrientedBox>,
+}
+
+/// Where a line from the origin with this direction first meets the shape; infinite when it misses, m.
+fn entry(corners: &[P2], direction: P2) -> f64 {
+    let n = corners.len();
+    let sides = if n == 2 { 1 } else { n };
+    let mut nearest = f64::INFINITY;
+    for i in 0..sides {
+        let (a, b) = (corners[i], corners[(i + 1) % n]);
+        let along = b - a;
+        let turn = direction.cross(along);
+        if turn == 0.0 {
+            continue;
+        }
+        let (distance, share) = (a.cross(along) / turn, a.cross(direction) / turn);
+        if distance >= 0.0 && (0.0..=1.0).contains(&share) {
+            nearest = nearest.min(distance);
+        }
+    }
+    nearest
+}
+
+fn nearest_point(corners: &[P2]) -> f64 {
+    let n = corners.len();
+    let to_origin = |a: P2, b: P2| {
+        let along = b - a;
+        let length2 = along.dot(along);
+        let share = if length2 > 0.0 { (-a.dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
+        (a + along * share).norm()
+    };
+    (0..n).map(|i| to_origin(corners[i], corners[(i + 1) % n])).fold(f64::INFINITY, f64::min)
+}
+
+/// How much of a box is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Visible share, 0 to 1.
+    pub share: f64,
+    /// What hides most of it, the nearest one of equals; `None` when nothing hides any of it.
+    pub occluder: Option<Owner>,
+}
+
+/// Everything that hides, around one eye.
+#[derive(Clone, Debug, Default)]
+pub struct View {
+    eye: P2,
+    pieces: Vec<Piece>,
+}
+
+impl View {
+    /// An empty view from `eye`.
+    pub fn from(eye: P2) -> Self {
+        Self { eye, pieces: Vec::new() }
+    }
+
+    /// Adds the box of a target. A box around the eye hides nothing: it is the ego's own trailer, or an error.
+    pub fn add_box(&mut self, owner: Owner, footprint: OrientedBox) {
+        let corners = footprint.corners().map(|c| c - self.eye);
+        let about = OrientedBox { centre: self.eye, heading: 0.0, length: 0.0, width: 0.0 };
+        if !footprint.overlaps(&about) {
+            self.push(owner, corners.to_vec(), Some(footprint));
+        }
+    }
+
+    /// Adds a wall of a building.
+    pub fn add_wall(&mut self, owner: Owner, a: P2, b: P2) {
+        self.push(owner, vec![a - self.eye, b - self.eye], None);
+    }
+
+    fn push(&mut self, owner: Owner, corners: Vec<P2>, footprint: Option<OrientedBox>) {
+        let nearest = nearest_point(&corners);
+        if nearest > 0.0 {
+            self.pieces.push(Piece { owner, sector: Sector::of(&corners), corners, nearest, footprint });
+        }
+    }
+
+    /// How much of `target`'s box is seen past everything but itself. A box that overlaps it (a rider and the bicycle)
+    /// hides nothing of it. `None` when the eye is inside.
+    pub fn sight(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sight> {
+        let corners = target.corners().map(|c| c - self.eye);
+        let about = OrientedBox { centre: self.eye, heading: 0.0, length: 0.0, width: 0.0 };
+        if target.overlaps(&about) {
+            return None;
+        }
+        let sector = Sector::of(&corners);
+        let farthest = corners.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
+        for piece in self.pieces.iter().filter(|p| Some(p.owner) != own && p.nearest < farthest) {
+            let Some((low, high)) = sector.shared(&piece.sector) else { continue };
+            let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
+            let before = entry(&piece.corners, direction) < entry(&corners, direction);
+            if before && piece.footprint.is_none_or(|f| !f.overlaps(target)) {
+                hidden.push((piece.owner, piece.nearest, (low, high)));
+            }
+        }
+        if hidden.is_empty() {
+            return Some(Sight { share: 1.0, occluder: None });
+        }
+        let covered = union(hidden.iter().map(|h| h.2).collect());
+        let share = (1.0 - covered / (2.0 * sector.half)).clamp(0.0, 1.0);
+        Some(Sight { share, occluder: most_hiding(hidden) })
+    }
+
+    /// The first thing for which `counts` holds that stands before `place` as seen from the eye.
+    pub fn before(&self, place: P2, counts: impl Fn(Owner) -> bool) -> Option<Owner> {
+        let to = place - self.eye;
+        let distance = to.norm();
+        let direction = to * (1.0 / distance.max(1e-9));
+        self.pieces
+            .iter()
+            .filter(|p| p.nearest < distance && p.sector.contains(direction) && counts(p.owner))
+            .map(|p| (entry(&p.corners, direction), p.owner))
+            .filter(|(at, _)| *at < distance)
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, owner)| owner)
+    }
+}
+
+/// Length of the union of intervals.
+fn union(mut intervals: Vec<(f64, f64)>) -> f64 {
+    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut covered, mut reached) = (0.0, f64::NEG_INFINITY);
+    for (low, high) in intervals {
+        covered += (high - low.max(reached)).max(0.0);
+        reached = reached.max(high);
+    }
+    covered
+}
+
+/// The owner whose pieces together hide the greatest angle; of equals the nearest.
+fn most_hiding(mut hidden: Vec<(Owner, f64, (f64, f64))>) -> Option<Owner> {
+    hidden.sort_by_key(|h| h.0);
+    hidden
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|of_one| {
+            let nearest = of_one.iter().map(|h| h.1).fold(f64::INFINITY, f64::min);
+            (union(of_one.iter().map(|h| h.2).collect()), nearest, of_one[0].0)
+        })
+        .max_by(|a, b| {
+            let same = (a.0 - b.0).abs() <= LEAST_ANGLE_RAD;
+            if same { b.1.total_cmp(&a.1) } else { a.0.total_cmp(&b.0) }
+        })
+        .map(|(_, _, owner)| owner)
+}
+
+#[cfg(test)]
+mod tests;
