@@ -3,19 +3,18 @@
 use crate::catalogue::Catalogue;
 use crate::ego_lane::EgoLane;
 use crate::ego_motion::EgoMotion;
-use crate::geometry::{P2, p2};
-use crate::lanes::{Tether, assign};
+use crate::interaction::Interaction;
 use crate::path::{Continuation, DrivenPath};
 use crate::placement::{Surroundings, Target};
 use crate::road::Road;
 use crate::rows::{Rows, observed_tracks};
 use crate::table::TableBuilder;
+use crate::target_lanes::TargetLanes;
 use crate::{
-    bus, crosswalk, curvature, ego_lane, ego_motion, junction, lane_change, lights, line_crossing,
+    bus, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights, line_crossing,
     meta_actions, pet, relations, sight, target_motion, ttc,
 };
-use whyroad_model::scene::Track;
-use whyroad_model::{Drive, ObjectClass, SignalTable};
+use whyroad_model::{Drive, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
 ///
@@ -82,13 +81,16 @@ fn write_with_ego(
     let sweep = pet::EgoSweep::new(ego, times);
     let pets: Vec<Vec<f64>> = targets.iter().map(|t| sweep.pet(t, times)).collect();
     table.number("target.pet", rows.spread(&targets, f64::NAN, |k, r, _| pets[k][r]));
-    if let Some(road) = road {
-        let codes: Vec<_> = targets.iter().map(|t| target_changes(road, t, times)).collect();
-        table.category(
-            "target.lane_change",
-            rows.spread(&targets, None, |k, r, _| codes[k].get(r).copied().flatten()),
-        );
-    }
+    let on_lanes = road.map(|r| TargetLanes::new(r, &targets));
+    let scene = Interaction {
+        drive,
+        times,
+        around: &around,
+        targets: &targets,
+        near: &near,
+        lanes: on_lanes.as_ref(),
+    };
+    interaction::write(&scene, table);
 }
 
 /// The driven path, continued along the ego's lanes where it has any.
@@ -99,24 +101,4 @@ fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Optio
         lanes.and_then(|l| l.at(frame)).map(|on| (on.corridor, on.s, on.lateral))
     };
     DrivenPath::new(ego, times, along(first), along(last))
-}
-
-/// Lane changes of a target, a value a row; empty for what does not drive in lanes.
-fn target_changes(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Option<u16>> {
-    let track: &Track = target.track;
-    let tether = match track.class {
-        class if class.is_vehicle() => Tether::VEHICLE,
-        ObjectClass::Bicycle | ObjectClass::Bicyclist => Tether::BICYCLE,
-        _ => return Vec::new(),
-    };
-    let m = &track.motion;
-    let rows: Vec<(P2, f64, f64)> =
-        (0..m.len()).map(|r| (p2(m.x[r], m.y[r]), m.z[r], m.heading[r])).collect();
-    let places = assign(road, &rows, tether);
-    let position: Vec<P2> = rows.iter().map(|r| r.0).collect();
-    let velocity: Vec<P2> = (0..m.len()).map(|r| p2(m.vx[r], m.vy[r])).collect();
-    let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
-    let rows =
-        lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places: &places };
-    lane_change::changes(road, &rows)
 }

@@ -12,11 +12,11 @@ use whyroad_model::Tri;
 /// Step in which the path is probed, m.
 const STEP_M: f64 = 0.5;
 /// Stretches of one kind with less than this between them are one, m.
-const MERGE_M: f64 = 5.0;
+pub const MERGE_M: f64 = 5.0;
 /// Farther ahead than this there is none, m.
 const HORIZON_M: f64 = 150.0;
 /// A turn's heading begins to change a little before the area and ends a little behind it, m.
-const TURN_MARGIN_M: f64 = 3.0;
+pub const TURN_MARGIN_M: f64 = 3.0;
 /// From this angle on a traversal is a turn: 45 deg (RefAV).
 const TURN_RAD: f64 = PI / 4.0;
 /// From this angle on it is a U-turn: 135 deg.
@@ -80,8 +80,8 @@ fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64,
     Some((headings[last] - headings[first], whole))
 }
 
-/// Index of the movement for a traversal.
-fn movement(angle: f64, whole: bool) -> Option<u16> {
+/// Index of the movement for a traversal that turned by `angle` (rad) and was seen as a `whole`.
+pub fn movement(angle: f64, whole: bool) -> Option<u16> {
     if angle.abs() > UTURN_RAD {
         Some(UTURN)
     } else if angle.abs() >= TURN_RAD {

@@ -28,6 +28,28 @@ pub const NONE: u16 = 0;
 const LEFT: u16 = 1;
 const RIGHT: u16 = 2;
 
+/// To which side an actor changes lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+}
+
+/// One lane change, in rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// First row: it leaves the old lane's centre.
+    pub start: usize,
+    /// First row in the new lane: half of it is there.
+    pub crossing: usize,
+    /// One past the last row: it is stable in the new lane.
+    pub end: usize,
+    /// The side.
+    pub side: Side,
+}
+
 /// An actor's rows in ascending time.
 pub struct Rows<'a> {
     /// s.
@@ -116,8 +138,18 @@ impl Rows<'_> {
 
 /// The change in progress for each row, as index into none, left, right; `None` where no lane is known.
 pub fn changes(road: &Road, rows: &Rows<'_>) -> Vec<Option<u16>> {
-    let n = rows.places.len();
     let mut codes: Vec<Option<u16>> = rows.places.iter().map(|p| p.as_ref().map(|_| NONE)).collect();
+    for change in found(road, rows) {
+        let code = if change.side == Side::Left { LEFT } else { RIGHT };
+        codes[change.start..change.end].fill(Some(code));
+    }
+    codes
+}
+
+/// All lane changes of an actor, in order.
+pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
+    let n = rows.places.len();
+    let mut changes = Vec::new();
     // (first row in the new lane, old lane, new lane, side)
     let mut steps: Vec<(usize, usize, usize, usize)> = Vec::new();
     let mut last: Option<(usize, usize)> = None;
@@ -150,8 +182,9 @@ pub fn changes(road: &Road, rows: &Rows<'_>) -> Vec<Option<u16>> {
         let shift = rows.across(&from, end - 1, sign).0 - rows.across(&from, start, sign).0;
         let stayed = latest == n || rows.times[latest] - rows.times[k] >= LEAST_STAY_S;
         if shift >= LEAST_SHIFT_M && stayed {
-            codes[start..end].fill(Some(if side == 0 { LEFT } else { RIGHT }));
+            let side = if side == 0 { Side::Left } else { Side::Right };
+            changes.push(Change { start, crossing: k, end, side });
         }
     }
-    codes
+    changes
 }

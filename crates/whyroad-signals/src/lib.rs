@@ -36,6 +36,26 @@ mod sight;
 mod target_motion;
 mod ttc;
 
+mod conflict_point;
+mod criticality;
+mod ego_offset;
+mod interaction;
+mod lane_change_phase;
+mod lead;
+mod overtaking;
+mod passing;
+mod refav;
+mod responds;
+mod stops;
+mod swerve;
+mod target_behaviour;
+mod target_lanes;
+mod target_side;
+mod target_turns;
+mod time_to_line;
+mod traffic;
+mod ttc_accel;
+
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
 pub use derive::derive;
 pub use lane_ids::ego_lane_ids;

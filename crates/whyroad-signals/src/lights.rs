@@ -1,4 +1,5 @@
-//! The traffic light for the ego's own movement: the next one on its lane's continuation that the log knows.
+//! The traffic light for the ego's own movement: the next one on its lane's continuation that the log knows, its
+//! state and what is known of its history.
 
 use crate::ego_lane::{EgoLane, OnCorridor};
 use crate::ego_motion::EgoMotion;
@@ -11,6 +12,11 @@ use whyroad_model::{Nanos, RoadMap};
 
 /// Lights farther ahead do not concern the ego yet, m.
 const REACH_M: f64 = 100.0;
+
+/// A state that was seen for this long without a change has lasted at least as long, s.
+const LASTED_S: f64 = 5.0;
+/// Slower than this the ego stands, m/s.
+const STANDS_MPS: f64 = 0.1;
 
 /// Index in the catalogue's values of light.state when no light is ahead.
 const NONE: u16 = 0;
@@ -27,6 +33,24 @@ fn code(colour: LightColour) -> Option<u16> {
         LightColour::Off => 7,
         LightColour::Unknown => return None,
     })
+}
+
+/// What a light shows, and what it showed before.
+#[derive(Clone, Copy)]
+struct Shown {
+    colour: LightColour,
+    /// `None` when no change was recorded.
+    previous: Option<LightColour>,
+    /// Since the change, or since it was first seen, s.
+    lasted_s: f64,
+}
+
+impl Shown {
+    /// Time since the change, s; a lower bound where none was recorded, NaN while that says nothing.
+    fn since_change(self) -> f64 {
+        let told = self.previous.is_some() || self.lasted_s >= LASTED_S - 1e-6;
+        if told && self.colour != LightColour::Unknown { self.lasted_s } else { f64::NAN }
+    }
 }
 
 struct Lights<'a> {
@@ -49,22 +73,23 @@ impl<'a> Lights<'a> {
         Self { by_lane, stop_lines }
     }
 
-    /// The latest state at `time` of the light on `lane` that concerns a way over the lanes `onward`.
-    fn state(&self, lane: &str, onward: &[&str], time: Nanos) -> Option<LightColour> {
+    /// The latest state at `time` of the light on `lane` that concerns a way over the lanes `onward`, with its history.
+    fn shown(&self, lane: &str, onward: &[&str], time: Nanos) -> Option<Shown> {
         let concerns = |s: &&&LightState| s.to_lane_id.as_deref().is_none_or(|to| onward.contains(&to));
-        let states = self.by_lane.get(lane)?.iter().filter(concerns).filter(|s| s.time <= time);
-        states.max_by_key(|s| s.time).map(|s| s.colour)
+        let states =
+            || self.by_lane.get(lane).into_iter().flatten().filter(concerns).filter(|s| s.time <= time);
+        let colour = states().max_by_key(|s| s.time)?.colour;
+        let before = states().filter(|s| s.colour != colour).max_by_key(|s| s.time);
+        let since = states()
+            .filter(|s| s.colour == colour && before.is_none_or(|b| s.time > b.time))
+            .map(|s| s.time)
+            .min()?;
+        Some(Shown { colour, previous: before.map(|b| b.colour), lasted_s: time.seconds_since(since) })
     }
 
-    /// The next light on the corridor: its colour, when known at `time`, and the distance of its stop line from
+    /// The next light on the corridor: what it shows, when known at `time`, and the distance of its stop line from
     /// the ego's front bumper, m.
-    fn next(
-        &self,
-        road: &Road,
-        on: OnCorridor<'_>,
-        front: f64,
-        time: Nanos,
-    ) -> Option<(Option<LightColour>, f64)> {
+    fn next(&self, road: &Road, on: OnCorridor<'_>, front: f64, time: Nanos) -> Option<(Option<Shown>, f64)> {
         let chain = &on.corridor.lanes;
         for (k, &(lane, start)) in chain.iter().enumerate() {
             let id = road.lanes[lane].id.as_str();
@@ -85,13 +110,18 @@ impl<'a> Lights<'a> {
                 return None;
             }
             let onward: Vec<&str> = chain[k..].iter().map(|&(l, _)| road.lanes[l].id.as_str()).collect();
-            return Some((self.state(id, &onward, time), (stop - on.s - front).max(0.0)));
+            return Some((self.shown(id, &onward, time), (stop - on.s - front).max(0.0)));
         }
         None
     }
 }
 
-/// Writes `light.state` and `light.distance_to_stop_line`.
+/// Time to the stop line, s.
+fn time_to_line(distance: f64, speed: f64) -> f64 {
+    if distance.is_infinite() || speed < STANDS_MPS { f64::INFINITY } else { distance / speed }
+}
+
+/// Writes `light.state`, `previous`, `time_since_change`, `distance_to_stop_line`, `time_to_stop_line`.
 pub fn write(
     states: &[LightState],
     map: &RoadMap,
@@ -104,17 +134,29 @@ pub fn write(
     let lights = Lights::new(states, map);
     let front = if ego.length.is_finite() { ego.length / 2.0 } else { 0.0 };
     let (mut codes, mut distances) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
+    let (mut previous, mut since) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
     for (i, &time) in times.iter().enumerate() {
-        let (state, distance) = match lanes.at(i) {
-            None => (None, f64::NAN),
+        let (state, distance, before, lasted) = match lanes.at(i) {
+            None => (None, f64::NAN, None, f64::NAN),
             Some(on) => match lights.next(road, on, front, time) {
-                None => (Some(NONE), f64::INFINITY),
-                Some((colour, distance)) => (colour.and_then(code), distance),
+                None => (Some(NONE), f64::INFINITY, Some(NONE), f64::INFINITY),
+                Some((shown, distance)) => (
+                    shown.and_then(|s| code(s.colour)),
+                    distance,
+                    shown.and_then(|s| s.previous).and_then(code),
+                    shown.map_or(f64::NAN, Shown::since_change),
+                ),
             },
         };
         codes.push(state);
         distances.push(distance);
+        previous.push(before);
+        since.push(lasted);
     }
+    let to_line = distances.iter().zip(&ego.forward_speed).map(|(&d, &v)| time_to_line(d, v));
+    table.number("light.time_to_stop_line", to_line.collect());
+    table.category("light.previous", previous);
+    table.number("light.time_since_change", since);
     table.category("light.state", codes);
     table.number("light.distance_to_stop_line", distances);
 }

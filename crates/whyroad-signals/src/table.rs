@@ -48,7 +48,8 @@ fn missing_of_road(drive: &Drive) -> impl Iterator<Item = &'static str> {
     let map = drive.map.as_ref();
     let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
     let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.centre.iter().any(|p| p.z.is_finite())));
-    let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some));
+    let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some))
+        || states(drive, "route_distance");
     let marked = |l: &Lane| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown;
     let marks = states(drive, "lane_marks") || map.is_some_and(|m| m.lanes.iter().any(marked));
     [
@@ -77,7 +78,15 @@ const CONTEXT_NEEDS: [(&str, &str); 10] = [
 ];
 
 fn missing_context(drive: &Drive) -> impl Iterator<Item = &'static str> {
-    CONTEXT_NEEDS.into_iter().filter_map(|(need, kind)| (!states(drive, kind)).then_some(need))
+    // What another kind of state, or the lanes' tags, tell as well.
+    let also = |need: &str| match need {
+        "weather" => states(drive, "visibility"),
+        "pavement" => drive.map.iter().flat_map(|m| &m.lanes).any(|l| l.is_tagged("unpaved")),
+        _ => false,
+    };
+    let lacks =
+        move |(need, kind): (&'static str, &str)| (!states(drive, kind) && !also(need)).then_some(need);
+    CONTEXT_NEEDS.into_iter().filter_map(lacks)
 }
 
 /// True when the log states `kind` at least once.
@@ -130,6 +139,11 @@ impl<'a> TableBuilder<'a> {
         let row = self.table.targets[k].row(frame);
         let column = self.table.target_columns.get(name);
         row.zip(column).and_then(|(row, c)| c.number(row)).unwrap_or(f64::NAN)
+    }
+
+    /// A column already in the table.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.table.frame_columns.get(name).or_else(|| self.table.target_columns.get(name))
     }
 
     /// Adds a number signal; one value a frame or target row.

@@ -12,7 +12,7 @@ use whyroad_model::ObjectClass;
 use whyroad_model::scene::Drive;
 
 /// Closing slower than this is not closing, m/s: it is within what differentiated positions can tell.
-const CLOSING_LEAST_MPS: f64 = 0.1;
+pub const CLOSING_LEAST_MPS: f64 = 0.1;
 /// Below this speed the ego stands, and has no headway, m/s.
 const HEADWAY_LEAST_SPEED_MPS: f64 = 0.1;
 /// Motion within this of the path's direction is along it: 45 deg (RefAV).
@@ -24,13 +24,17 @@ const BOX_REACH_M: f64 = 150.0;
 
 /// How a target goes relative to the ego's path where it is.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+pub enum Way {
+    /// With it, to within 45 deg.
     Along,
+    /// Against it, nearly in line with the ego.
     HeadOn,
+    /// Everything else.
     Across,
 }
 
-fn way(p: &Placement) -> Way {
+/// How `p` goes.
+pub fn way(p: &Placement) -> Way {
     let turned = wrap(p.course() - p.path.heading).abs();
     let straight = wrap(p.path.heading - p.heading_at_ego).abs() < HEAD_ON_RAD;
     if turned <= ALONG_RAD {
@@ -43,22 +47,30 @@ fn way(p: &Placement) -> Way {
     }
 }
 
+/// Velocity of a target along the path where it is, m/s, forward positive.
+pub fn along_signed(p: &Placement) -> f64 {
+    p.speed() * wrap(p.velocity.heading() - p.path.heading).cos()
+}
+
+/// The same for what can be closed on: what goes across recedes at best.
+pub fn along(p: &Placement) -> f64 {
+    let along = along_signed(p);
+    if way(p) == Way::Across { along.max(0.0) } else { along }
+}
+
 /// Closing speed of an in-path pair along the path, m/s; 0 when the two will not meet there. A target that goes
 /// across recedes at best: its sideways motion brings it out of the path, not nearer along it. Whatever does not go
 /// along the path must still be in it when the ego gets there: a car that passes the mouth of the ego's left turn, or
 /// a walker who has crossed by then, is on no collision course along the path (`target.ttc_box` and `target.pet`
 /// look at those).
-fn closing(p: &Placement, gap: f64, around: &Surroundings<'_>) -> f64 {
-    let along = p.speed() * wrap(p.velocity.heading() - p.path.heading).cos();
-    let way = way(p);
-    let theirs = if way == Way::Across { along.max(0.0) } else { along };
-    let speed = around.ego.forward_speed[p.frame] - theirs;
-    let meets = way == Way::Along || speed <= CLOSING_LEAST_MPS || around.meets(p, gap.max(0.0) / speed);
+pub fn closing(p: &Placement, gap: f64, around: &Surroundings<'_>) -> f64 {
+    let speed = around.ego.forward_speed[p.frame] - along(p);
+    let meets = way(p) == Way::Along || speed <= CLOSING_LEAST_MPS || around.meets(p, gap.max(0.0) / speed);
     if gap.is_finite() && !meets { 0.0 } else { speed }
 }
 
 /// TTC along the path, s.
-fn ttc(gap: f64, closing: f64) -> f64 {
+pub fn ttc(gap: f64, closing: f64) -> f64 {
     if gap.is_nan() || (gap.is_finite() && closing.is_nan()) {
         f64::NAN
     } else if gap <= 0.0 {

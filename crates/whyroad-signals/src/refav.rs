@@ -1,0 +1,250 @@
+//! RefAV's questions in its own definitions and thresholds (`refAV/atomic_functions.py`), with the ego as the one that
+//! is asked about: so that the same question can be put to both. Left out is its median filter over seven positions,
+//! which works along the world's axes and would make an answer depend on how they lie; and exactly 180 deg is opposite.
+
+mod turning;
+
+use crate::geometry::{P2, p2, wrap};
+use crate::interaction::Interaction;
+use crate::placement::{Placement, Target};
+use crate::road::Road;
+use crate::rows::Rows;
+use crate::table::TableBuilder;
+use std::f64::consts::{FRAC_PI_4, PI};
+use whyroad_model::road_map::LaneKind;
+use whyroad_model::scene::Motion;
+use whyroad_model::{ObjectClass, Tri};
+
+/// Others within this have a relative direction, box to box, m.
+const DIRECTION_REACH_M: f64 = 50.0;
+/// Following reaches this far ahead of the front, m.
+const FOLLOWING_M: f64 = 25.0;
+/// ... and this far beside, m.
+const FOLLOWING_BESIDE_M: f64 = 5.0;
+/// ... within this cosine of directions.
+const FOLLOWING_COS: f64 = 0.5;
+/// From this speed on the velocity is the direction, m/s.
+const HEADING_SPEED_MPS: f64 = 0.5;
+/// Crossing happens within this ahead of the front, m.
+const CROSSED_AHEAD_M: f64 = 10.0;
+/// ... and goes on to this far beside, m.
+const CROSSED_BESIDE_M: f64 = 5.0;
+/// ... faster than this across, m/s.
+const CROSSED_MPS: f64 = 0.2;
+/// A track whose bounding diagonal is shorter is stationary, m.
+const STATIONARY_M: f64 = 3.0;
+/// This near a junction lane is near an intersection, m.
+const INTERSECTION_M: f64 = 5.0;
+/// From this speed on a motion has a direction, m/s.
+const DIRECTED_MPS: f64 = 1.0;
+
+// Indices into the values of target.refav_relative_direction and target.refav_heading; a test holds them to the names.
+const NONE: u16 = 0;
+const FRONT: u16 = 1;
+const BACK: u16 = 2;
+const LEFT: u16 = 3;
+const RIGHT: u16 = 4;
+const SAME: u16 = 1;
+const OPPOSITE: u16 = 2;
+const PERPENDICULAR: u16 = 3;
+
+/// A vector of the world in the ego's axes, x forward, y left.
+fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
+    let forward = P2::from_heading(scene.around.ego.heading[frame]);
+    p2(v.dot(forward), v.dot(forward.left()))
+}
+
+fn seen_at(scene: &Interaction<'_>, p: &Placement) -> P2 {
+    in_ego_axes(scene, p.frame, p.footprint.centre - scene.around.ego.position[p.frame])
+}
+
+fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<u16> {
+    let ego = scene.around.ego;
+    if !p.is_sized() {
+        return None;
+    }
+    let (at, front, side) = (seen_at(scene, p), ego.length / 2.0, ego.width / 2.0);
+    Some(if ego.footprint(p.frame).distance(&p.footprint) > DIRECTION_REACH_M {
+        NONE
+    } else if at.x > front {
+        FRONT
+    } else if at.x < -front {
+        BACK
+    } else if at.y > side {
+        LEFT
+    } else if at.y < -side {
+        RIGHT
+    } else {
+        NONE
+    })
+}
+
+/// Lanes that a target is on: the assigned one, else all that hold its centre.
+fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, centre: P2) -> Vec<usize> {
+    if let Some(place) = scene.lanes.and_then(|l| l.at(k, r)) {
+        return vec![place.lane];
+    }
+    let holds = |&i: &usize| {
+        let lane = &road.lanes[i];
+        lane.kind != LaneKind::Sidewalk && lane.area.as_ref().is_some_and(|a| a.contains(centre))
+    };
+    road.lanes_near(centre, 0.0).into_iter().filter(holds).collect()
+}
+
+fn direction(velocity: P2, heading: f64) -> P2 {
+    let speed = velocity.norm();
+    if speed > HEADING_SPEED_MPS { velocity * (1.0 / speed) } else { P2::from_heading(heading) }
+}
+
+fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Placement) -> Tri {
+    let ego = scene.around.ego;
+    let Some(on) = scene.around.lanes.and_then(|l| l.at(p.frame)) else { return Tri::Unknown };
+    if !p.is_sized() || !p.velocity.is_finite() {
+        return Tri::Unknown;
+    }
+    let (at, front) = (seen_at(scene, p), ego.length / 2.0);
+    let way = direction(ego.velocity[p.frame], ego.heading[p.frame]);
+    let alike = way.dot(direction(p.velocity, p.footprint.heading)) > FOLLOWING_COS;
+    if !alike || at.x <= front || at.x >= FOLLOWING_M + front {
+        return Tri::False;
+    }
+    let own = &road.lanes[on.lane];
+    let here = lanes_of(scene, road, k, r, p.footprint.centre);
+    let same = here.iter().any(|&l| l == on.lane || own.successors.contains(&l));
+    let beside = here.iter().any(|&l| own.neighbours.contains(&Some(l)));
+    let half = p.footprint.width / 2.0;
+    let reaches_in = [at.y + half, at.y - half].iter().any(|side| side.abs() <= ego.width / 2.0);
+    Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))
+}
+
+/// By row: the ego is being crossed by the target.
+fn crossed_by(scene: &Interaction<'_>, target: &Target<'_>) -> Vec<Tri> {
+    let ego = scene.around.ego;
+    let (front, side) = (ego.length / 2.0, ego.width / 2.0);
+    let known = |p: &&Placement| p.velocity.is_finite();
+    let mut flags: Vec<Tri> =
+        target.places.iter().map(|p| p.as_ref().filter(known).map_or(Tri::Unknown, |_| Tri::False)).collect();
+    let rows: Vec<usize> = (0..flags.len()).filter(|&r| flags[r] == Tri::False).collect();
+    let seen: Vec<(P2, f64)> = rows
+        .iter()
+        .filter_map(|&r| target.places[r].as_ref())
+        .map(|p| (seen_at(scene, p), in_ego_axes(scene, p.frame, p.velocity).y))
+        .collect();
+    for i in 1..seen.len() {
+        let (y0, y1) = (seen[i - 1].0.y, seen[i].0.y);
+        let over = |line: f64| (y0 < line && line < y1) || (y1 < line && line < y0);
+        let ahead = (front..=front + CROSSED_AHEAD_M).contains(&seen[i].0.x);
+        if !ahead || !(over(side) || over(-side)) || seen[i].1.abs() <= CROSSED_MPS {
+            continue;
+        }
+        let sign = (y1 - y0).signum();
+        let goes_on = |j: &usize| sign * seen[*j].0.y < CROSSED_BESIDE_M && sign * seen[*j].1 > CROSSED_MPS;
+        for j in (0..i).rev().take_while(goes_on).chain((i..seen.len()).take_while(goes_on)) {
+            flags[rows[j]] = Tri::True;
+        }
+    }
+    flags
+}
+
+fn stationary(m: &Motion) -> Tri {
+    let extent = |v: &[f64]| {
+        let (low, high) =
+            v.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        if low > high { 0.0 } else { high - low }
+    };
+    let known = m.x.iter().any(|x| x.is_finite());
+    let diagonal = extent(&m.x).hypot(extent(&m.y)).hypot(extent(&m.z));
+    if known { Tri::from(diagonal < STATIONARY_M) } else { Tri::Unknown }
+}
+
+fn near_intersection(road: &Road, p: P2) -> Tri {
+    if !p.is_finite() {
+        return Tri::Unknown;
+    }
+    let lane_near = |i: usize| {
+        let lane = &road.lanes[i];
+        let counts = lane.in_junction && lane.kind != LaneKind::Sidewalk;
+        counts && lane.area.as_ref().is_some_and(|a| a.distance(p) <= INTERSECTION_M)
+    };
+    let lanes = road.lanes_near(p, INTERSECTION_M).into_iter().any(lane_near);
+    Tri::from(lanes || road.junctions.iter().any(|j| j.distance(p) <= INTERSECTION_M))
+}
+
+/// Things that nobody steers have no direction of their own.
+fn has_free_will(class: ObjectClass) -> bool {
+    use ObjectClass::{Bicycle, Cone, StaticObject, Unknown};
+    !matches!(class, Bicycle | Cone | StaticObject | Unknown)
+}
+
+fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option<u16> {
+    let (ego, i) = (scene.around.ego, p.frame);
+    let (own, theirs) = (ego.velocity[i], p.velocity);
+    if !own.is_finite() || !theirs.is_finite() {
+        return None;
+    }
+    let (own_speed, their_speed) = (own.norm(), theirs.norm());
+    let (a, b) = if their_speed < DIRECTED_MPS && has_free_will(class) && own_speed > DIRECTED_MPS {
+        (own.heading(), p.footprint.heading)
+    } else if own_speed < DIRECTED_MPS && their_speed > HEADING_SPEED_MPS {
+        (ego.heading[i], theirs.heading())
+    } else if own_speed < DIRECTED_MPS || their_speed < DIRECTED_MPS {
+        return Some(NONE);
+    } else {
+        (own.heading(), theirs.heading())
+    };
+    let turned = wrap(b - a).abs();
+    // A hair of slack, so that exactly 45 and 135 deg do not depend on rounding.
+    Some(if turned.is_nan() {
+        return None;
+    } else if turned <= FRAC_PI_4 + 1e-9 {
+        SAME
+    } else if turned >= PI - FRAC_PI_4 - 1e-9 {
+        OPPOSITE
+    } else {
+        PERPENDICULAR
+    })
+}
+
+/// Writes the `target.refav_` and `ego.refav_` signals.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(scene.drive, table);
+    let (targets, ego) = (scene.targets, scene.around.ego);
+    table.category(
+        "target.refav_relative_direction",
+        rows.placed(targets, None, |p| relative_direction(scene, p)),
+    );
+    let crossed: Vec<_> = targets.iter().map(|t| crossed_by(scene, t)).collect();
+    table.flag("target.refav_crossed_by", rows.spread(targets, Tri::Unknown, |k, r, _| crossed[k][r]));
+    let standing: Vec<Tri> = targets.iter().map(|t| stationary(&t.track.motion)).collect();
+    table.flag("target.refav_stationary", rows.spread(targets, Tri::Unknown, |k, _, _| standing[k]));
+    let turns: Vec<_> = targets
+        .iter()
+        .map(|t| {
+            let times: Vec<f64> = t.track.frames.iter().map(|&f| scene.times[f as usize]).collect();
+            turning::turning(&times, &t.track.motion.heading)
+        })
+        .collect();
+    table.category("target.refav_turning", rows.spread(targets, None, |k, r, _| turns[k][r]));
+    table.category(
+        "target.refav_heading",
+        rows.spread(targets, None, |k, _, p| p.and_then(|p| heading(scene, targets[k].track.class, p))),
+    );
+    let n = ego.len();
+    if let Some(own) = &scene.drive.ego {
+        let value = stationary(&own.motion);
+        let of = |i: usize| if ego.is_known(i) { value } else { Tri::Unknown };
+        table.flag("ego.refav_stationary", (0..n).map(of).collect());
+    }
+    table.category("ego.refav_turning", turning::turning(scene.times, &ego.heading));
+    let Some(road) = scene.around.road else { return };
+    let follows = |k: usize, r: usize, p: Option<&Placement>| {
+        p.map_or(Tri::Unknown, |p| following(scene, road, k, r, p))
+    };
+    table.flag("target.refav_following", rows.spread(targets, Tri::Unknown, follows));
+    let near = rows.flags(|t, r| near_intersection(road, p2(t.motion.x[r], t.motion.y[r])));
+    table.flag("target.refav_near_intersection", near);
+    table.flag(
+        "ego.refav_near_intersection",
+        (0..n).map(|i| near_intersection(road, ego.position[i])).collect(),
+    );
+}
