@@ -42,6 +42,31 @@ fn half_of_a_car_behind_another() {
     near(Table::of(&d).num("beside", "target.visible_share", 10), 1.0, 0.0);
 }
 
+#[test]
+fn each_kind_of_occluder_has_its_name() {
+    let with = |class: Option<ObjectClass>| {
+        let mut d = standing();
+        let mut m = map(vec![lane("a", &[(-200.0, 0.0), (300.0, 0.0)], 7.0)]);
+        // Before the walker at (40, -8) and beside the path: x from 19 to 21, y from -3 to -5.
+        match class {
+            Some(class) => add(&mut d, "occluder", class, (2.0, 2.0), |_| (20.0, -4.0, 0.0)),
+            None => m.facilities = vec![building(&[(19.0, -5.0), (21.0, -5.0), (21.0, -3.0), (19.0, -3.0)])],
+        }
+        d.map = Some(m);
+        add(&mut d, "walker", Pedestrian, (0.6, 0.6), |_| (40.0, -8.0, 0.0));
+        let t = Table::of(&d);
+        near(t.num("walker", "target.visible_share", 0), 0.0, 0.0);
+        let beside = t.ego_category("map.hidden_beside_by", 0).unwrap().to_owned();
+        (t.category("walker", "target.occluder", 0).unwrap().to_owned(), beside)
+    };
+    let names = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+    assert_eq!(with(Some(Car)), names("vehicle", "vehicle"));
+    assert_eq!(with(Some(Truck)), names("large_vehicle", "large_vehicle"));
+    assert_eq!(with(Some(ObjectClass::Bicyclist)), names("vru", "none"));
+    assert_eq!(with(Some(ObjectClass::StaticObject)), names("object", "object"));
+    assert_eq!(with(None), names("building", "building"));
+}
+
 /// A parked van (x from 17 to 23, y from 2 to 4) and somebody who walks out from behind it at 1.5 m/s, seen in `seen`.
 fn dash_out(seen: impl Fn(usize) -> bool) -> Drive {
     let mut d = standing();
