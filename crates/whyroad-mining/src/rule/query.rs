@@ -1,17 +1,17 @@
 //! A JSON `mining_query` (DATA_FORMAT.md 5.1) to a [`Rule`]: the same program that a rule file makes.
 
+mod clause;
+
 use super::{Listed, Rule, TARGET, Timing};
 use crate::language::program::{Kind, Op};
-use crate::language::syntax::{CompareOp, Expr, ExprKind, Quantity, Span};
-use crate::language::token::unknown_unit;
+use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
-use serde_json::Value;
+use clause::Reader;
 use whyroad_framework::Taxonomy;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
-use whyroad_model::messages::mining::{MiningQuery, MiningQueryMessage, QueryCondition, QueryOperator};
-use whyroad_model::units::{UNITS, Unit};
+use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Place};
-use whyroad_signals::{Catalogue, SignalKind};
+use whyroad_signals::Catalogue;
 
 /// The query in a JSON text, its class resolved. `file` is its name in diagnostics.
 pub fn parse_query(text: &str, file: &str, taxonomy: &Taxonomy) -> Result<MiningQuery, Vec<Diagnostic>> {
@@ -70,29 +70,26 @@ pub fn compile_query(
     let mut found = Vec::new();
     let mut conditions = Vec::new();
     let mut atoms = Vec::new();
-    let at = |i: usize, part: Part| {
-        let pointer = format!("/mining_query/conditions/{i}{}", part.pointer());
-        let shown = |c: &QueryCondition| match part {
-            Part::Field | Part::Whole => serde_json::to_string(&c.field),
-            Part::Value => serde_json::to_string(&c.value),
-            Part::Unit => serde_json::to_string(&c.unit),
-        };
-        let value = shown(&query.conditions[i]).unwrap_or_default();
-        // The same text in an earlier condition is another one's.
-        let nth = query.conditions[..i].iter().filter(|c| shown(c).is_ok_and(|v| v == value)).count();
-        locate(text, file, &pointer, &value, nth)
-    };
-    for (i, condition) in query.conditions.iter().enumerate() {
-        let made = expression(condition, catalogue).and_then(|expr| {
-            let id = checker.condition(&expr).map_err(|f| (Part::of(&f), f))?;
-            checker.atoms(&expr, &mut atoms).map_err(|f| (Part::Whole, f))?;
+    let mut reader =
+        Reader { checker: &mut checker, catalogue, text, file, seen: Vec::new(), found: Vec::new() };
+    for (i, clause) in query.conditions.iter().enumerate() {
+        let pointer = format!("/mining_query/conditions/{i}");
+        let Some(expr) = reader.clause(clause, &pointer) else { continue };
+        let whole = reader.checker.condition(&expr).and_then(|id| {
+            reader.checker.atoms(&expr, &mut atoms)?;
             Ok(id)
         });
-        match made {
+        match whole {
             Ok(id) => conditions.push(id),
-            Err((part, fault)) => found.push(fault.at(at(i, part))),
+            // Each part is sound by itself: what is wrong is how they go together.
+            Err(fault) => reader.found.push(fault.at(Place {
+                file: Some(file.to_owned()),
+                pointer: Some(pointer),
+                ..Place::default()
+            })),
         }
     }
+    found.append(&mut reader.found);
     if query.conditions.is_empty() {
         let fault =
             Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
@@ -136,77 +133,4 @@ pub fn compile_query(
         timing: Timing::of_match(),
         program: checker.program,
     })
-}
-
-/// Which field of a condition a fault is about.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Whole,
-    Field,
-    Value,
-    Unit,
-}
-
-const FIELD: Span = Span { start: 1, end: 1 };
-const VALUE: Span = Span { start: 2, end: 2 };
-
-impl Part {
-    fn pointer(self) -> &'static str {
-        match self {
-            Part::Whole => "",
-            Part::Field => "/field",
-            Part::Value => "/value",
-            Part::Unit => "/unit",
-        }
-    }
-
-    /// The parts of the expression below are told apart by their spans.
-    fn of(fault: &Fault) -> Part {
-        match fault.span {
-            FIELD => Part::Field,
-            VALUE => Part::Value,
-            _ => Part::Whole,
-        }
-    }
-}
-
-fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Part, Fault)> {
-    let field = Expr { kind: ExprKind::Name(c.field.clone()), span: FIELD };
-    let whole = FIELD.to(VALUE);
-    let wrong = |zh: &str, en: &str| (Part::Value, Fault::new("rule.type", VALUE, zh, en));
-    let op = match c.operator {
-        QueryOperator::Gt => CompareOp::Greater,
-        QueryOperator::Ge => CompareOp::GreaterOrEqual,
-        QueryOperator::Lt => CompareOp::Less,
-        QueryOperator::Le => CompareOp::LessOrEqual,
-        QueryOperator::Eq => CompareOp::Equal,
-        QueryOperator::Ne => CompareOp::NotEqual,
-        QueryOperator::In => {
-            let Some(list) = c.value.as_array() else {
-                return Err(wrong("in 的取值应为数组", "`in` takes a list of values"));
-            };
-            let words: Option<Vec<_>> =
-                list.iter().map(|v| v.as_str().map(|w| (w.to_owned(), VALUE))).collect();
-            let words = words.ok_or_else(|| wrong("in 的取值应为名称", "`in` takes a list of names"))?;
-            return Ok(Expr { kind: ExprKind::In(Box::new(field), words), span: whole });
-        }
-    };
-    let value = match &c.value {
-        Value::Number(n) => {
-            let unit = match (&c.unit, catalogue.get(&c.field).map(|d| &d.kind)) {
-                (Some(symbol), _) => {
-                    Unit::parse(symbol).ok_or_else(|| (Part::Unit, unknown_unit(symbol, VALUE)))?
-                }
-                (None, Some(SignalKind::Number(d))) => d.base(),
-                (None, _) => &UNITS[0],
-            };
-            let value = n.as_f64().ok_or_else(|| wrong("取值不是数", "the value is not a number"))?;
-            ExprKind::Number(Quantity { value, unit })
-        }
-        Value::Bool(b) => ExprKind::Name(b.to_string()),
-        Value::String(word) => ExprKind::Name(word.clone()),
-        _ => return Err(wrong("取值应为数、名称或真假", "the value is a number, a name or true or false")),
-    };
-    let right = Expr { kind: value, span: VALUE };
-    Ok(Expr { kind: ExprKind::Compare(Box::new(field), vec![(op, right)]), span: whole })
 }

@@ -1,5 +1,6 @@
 //! The mining interface: query (DATA_FORMAT.md 5.1) and result (5.2).
 
+use super::query_clause::QueryClause;
 use crate::{Nanos, ScenarioId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,8 +22,8 @@ pub struct MiningQuery {
     pub query_id: Option<String>,
     /// Class that the result is for: L1, L2 or leaf.
     pub scenario_id: ScenarioId,
-    /// Conditions on signals.
-    pub conditions: Vec<QueryCondition>,
+    /// What must hold together.
+    pub conditions: Vec<QueryClause>,
     /// How long they must hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_constraints: Option<TimeConstraints>,

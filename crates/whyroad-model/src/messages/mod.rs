@@ -6,9 +6,11 @@ pub mod coverage;
 pub mod episode;
 pub mod label;
 pub mod mining;
+pub mod query_clause;
 
 pub use clip::*;
 pub use coverage::*;
 pub use episode::*;
 pub use label::*;
 pub use mining::*;
+pub use query_clause::*;
