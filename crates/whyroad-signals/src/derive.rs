@@ -1,18 +1,21 @@
 //! One drive to its signal table: the families in order, each writing its own signals.
 
 use crate::catalogue::Catalogue;
+use crate::context::Channels;
 use crate::ego_lane::EgoLane;
 use crate::ego_motion::EgoMotion;
 use crate::interaction::Interaction;
+use crate::on_road::OnRoad;
 use crate::path::{Continuation, DrivenPath};
 use crate::placement::{Surroundings, Target};
 use crate::road::Road;
 use crate::rows::{Rows, observed_tracks};
 use crate::table::TableBuilder;
 use crate::target_lanes::TargetLanes;
+use crate::way::Ways;
 use crate::{
-    bus, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights, line_crossing,
-    meta_actions, pet, relations, sight, target_motion, ttc,
+    bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
+    line_crossing, meta_actions, on_road, pet, relations, route, sight, target_motion, ttc,
 };
 use whyroad_model::{Drive, SignalTable};
 
@@ -30,6 +33,9 @@ pub fn derive(drive: &Drive) -> SignalTable {
     if let Some(ego) = &drive.ego {
         bus::write(&ego.bus, times.len(), &mut table);
     }
+    let channels = Channels::new(drive);
+    context::write(&channels, &mut table);
+    route::write_stated(drive, &channels, &mut table);
     target_motion::write_relative(drive, ego.as_ref(), &mut table);
     if let Some(road) = &road {
         crosswalk::write(drive, road, &mut table);
@@ -54,7 +60,6 @@ fn write_with_ego(
     curvature::write(&path, lanes.as_ref(), table);
     if let (Some(road), Some(lanes)) = (road, &lanes) {
         ego_lane::write(lanes, road, ego, table);
-        junction::write(road, &path, ego, table);
         let rows = lane_change::Rows {
             times,
             position: &ego.position,
@@ -70,6 +75,13 @@ fn write_with_ego(
     let around = Surroundings { ego, path: &path, lanes: lanes.as_ref(), road };
     let targets: Vec<Target<'_>> = observed_tracks(drive).map(|t| around.place(t, times)).collect();
     let near = relations::neighbours(&targets, ego.len());
+    if let (Some(map), Some(road), Some(lanes)) = (&drive.map, road, &lanes) {
+        let encounters = junction::Encounters::new(road, &path, ego);
+        junction::write(&encounters, &path, ego, table);
+        let ways = Ways::new(road, lanes);
+        let on = OnRoad { drive, map, road, path: &path, ego, lanes, encounters: &encounters, times, ways };
+        on_road::write(&on, &targets, table);
+    }
     target_motion::write(drive, &targets, table);
     relations::write(drive, &targets, &near, table);
     ttc::write(drive, &around, &targets, table);

@@ -64,7 +64,8 @@ pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (
     })
 }
 
-fn lane_count(road: &Road, lane: usize) -> f64 {
+/// Lanes for vehicles and buses beside one another in the direction of `lane`, itself included.
+pub fn lane_count(road: &Road, lane: usize) -> f64 {
     let mut count = 1;
     for side in 0..2 {
         let mut at = lane;

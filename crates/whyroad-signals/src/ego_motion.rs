@@ -71,6 +71,11 @@ impl EgoMotion {
         }
     }
 
+    /// From the box centre to the front bumper, m; 0 where the length is unknown.
+    pub fn front(&self) -> f64 {
+        if self.length.is_finite() { self.length / 2.0 } else { 0.0 }
+    }
+
     /// Number of frames.
     pub fn len(&self) -> usize {
         self.position.len()

@@ -14,7 +14,7 @@ const STEP_M: f64 = 0.5;
 /// Stretches of one kind with less than this between them are one, m.
 pub const MERGE_M: f64 = 5.0;
 /// Farther ahead than this there is none, m.
-const HORIZON_M: f64 = 150.0;
+pub const HORIZON_M: f64 = 150.0;
 /// A turn's heading begins to change a little before the area and ends a little behind it, m.
 pub const TURN_MARGIN_M: f64 = 3.0;
 /// From this angle on a traversal is a turn: 45 deg (RefAV).
@@ -23,10 +23,10 @@ const TURN_RAD: f64 = PI / 4.0;
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
 
 // Indices into the catalogue's values of ego.movement; a test holds them to the names.
-const STRAIGHT: u16 = 0;
-const LEFT: u16 = 1;
-const RIGHT: u16 = 2;
-const UTURN: u16 = 3;
+pub const STRAIGHT: u16 = 0;
+pub const LEFT: u16 = 1;
+pub const RIGHT: u16 = 2;
+pub const UTURN: u16 = 3;
 
 /// Part of the path, arc lengths in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,7 @@ pub fn stretches(
 }
 
 /// Distance from the front bumper to the next stretch, 0 from reaching it until the centre has left it.
-fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
+pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if ego_s.is_nan() {
         return f64::NAN;
     }
@@ -91,24 +91,52 @@ pub fn movement(angle: f64, whole: bool) -> Option<u16> {
     }
 }
 
+/// The junctions and crosswalks on the ego's path, in order.
+pub struct Encounters {
+    /// Junctions; those with less than 5 m between them are one.
+    pub junctions: Vec<Stretch>,
+    /// Crosswalks.
+    pub crosswalks: Vec<Stretch>,
+    /// Heading turned across each junction, rad, and whether the recording holds it from entry to exit.
+    ways: Vec<Option<(f64, bool)>>,
+}
+
+impl Encounters {
+    /// Along the whole path, its continuations included.
+    pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
+        let junctions = stretches(path, |p| road.in_junction(p), MERGE_M);
+        let headings = unwrap(&ego.heading);
+        let ways = junctions.iter().map(|&j| turned(j, path, &headings)).collect();
+        let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
+        Self { junctions, crosswalks, ways }
+    }
+
+    /// The junction in which the ego's centre is at `ego_s`, else the next whose distance from its front is within `reach`.
+    pub fn here_or_next(&self, ego_s: f64, front: f64, reach: f64) -> Option<usize> {
+        let next = self.junctions.iter().position(|j| j.to >= ego_s)?;
+        (self.junctions[next].from - ego_s - front <= reach).then_some(next)
+    }
+
+    /// Index in the values of `ego.movement` of the way that the ego takes across junction `k`, where the recording tells.
+    pub fn movement(&self, k: usize) -> Option<u16> {
+        self.ways[k].and_then(|(angle, whole)| movement(angle, whole))
+    }
+}
+
 /// Writes `ego.in_junction`, `movement`, `turn_angle`, `map.distance_to_junction`, `distance_to_crosswalk`.
-pub fn write(road: &Road, path: &DrivenPath, ego: &EgoMotion, table: &mut TableBuilder<'_>) {
+pub fn write(found: &Encounters, path: &DrivenPath, ego: &EgoMotion, table: &mut TableBuilder<'_>) {
     let n = ego.len();
-    let junctions = stretches(path, |p| road.in_junction(p), MERGE_M);
-    let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);
-    let headings = unwrap(&ego.heading);
-    let ways: Vec<Option<(f64, bool)>> = junctions.iter().map(|&j| turned(j, path, &headings)).collect();
-    let at = |i: usize| junctions.iter().position(|j| j.from <= path.ego_s[i] && path.ego_s[i] <= j.to);
-    let way = |i: usize| at(i).and_then(|j| ways[j]);
+    let at = |i: usize| found.junctions.iter().position(|j| j.from <= path.ego_s[i] && path.ego_s[i] <= j.to);
+    let angle = |i: usize| at(i).and_then(|j| found.ways[j]).map_or(f64::NAN, |(angle, _)| angle);
     let known = |i: usize| path.ego_s[i].is_finite();
     table.flag(
         "ego.in_junction",
         (0..n).map(|i| if known(i) { Tri::from(at(i).is_some()) } else { Tri::Unknown }).collect(),
     );
-    table.number("ego.turn_angle", (0..n).map(|i| way(i).map_or(f64::NAN, |(angle, _)| angle)).collect());
-    table.category("ego.movement", (0..n).map(|i| way(i).and_then(|(angle, whole)| movement(angle, whole))));
-    let front = if ego.length.is_finite() { ego.length / 2.0 } else { 0.0 };
+    table.number("ego.turn_angle", (0..n).map(angle).collect());
+    table.category("ego.movement", (0..n).map(|i| at(i).and_then(|j| found.movement(j))));
+    let front = ego.front();
     let ahead = |x: &[Stretch]| (0..n).map(|i| distance_to_next(x, path.ego_s[i], front)).collect();
-    table.number("map.distance_to_junction", ahead(&junctions));
-    table.number("map.distance_to_crosswalk", ahead(&crosswalks));
+    table.number("map.distance_to_junction", ahead(&found.junctions));
+    table.number("map.distance_to_crosswalk", ahead(&found.crosswalks));
 }

@@ -21,6 +21,19 @@ mod lanes;
 mod lights;
 mod path;
 mod road;
+mod way;
+
+mod context;
+mod crossroads;
+mod facilities;
+mod free_width;
+mod junction_arms;
+mod lane_rules;
+mod merging;
+mod on_road;
+mod road_profile;
+mod roadside;
+mod route;
 
 mod crosswalk;
 mod derive;
