@@ -303,7 +303,7 @@ impl<'a> Evaluator<'a> {
 }
 
 /// Truth and margin of one comparison; unknown when a side is NaN.
-fn compare(op: CompareOp, a: f64, b: f64, scale: f64) -> (Tri, f64) {
+pub(crate) fn compare(op: CompareOp, a: f64, b: f64, scale: f64) -> (Tri, f64) {
     if a.is_nan() || b.is_nan() {
         return (Tri::Unknown, f64::NAN);
     }

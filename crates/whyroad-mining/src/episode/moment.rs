@@ -5,7 +5,7 @@ use crate::language::program::{Moment, NodeId};
 use whyroad_model::{Nanos, Tri};
 
 /// Moments outside the match are looked for no further away than one clip lasts (LABELING.md 4).
-const REACH: Nanos = Nanos(20_000_000_000);
+pub(crate) const REACH: Nanos = Nanos(20_000_000_000);
 
 /// Which moment is sought: this decides where a bare condition is looked for. `first`, `last`, `least` and
 /// `greatest` speak of the match whatever is sought.

@@ -1,0 +1,32 @@
+//! The fast evaluator: all rules of a set on one drive, as one program over packed columns.
+//!
+//! ```text
+//! rules --plan--> one program    signals --signals--> columns
+//!                      \             /
+//!                       evaluation: truth of each node, 64 rows a word, once for all objects of the drive
+//!                           |  runs of true
+//!                       search: episodes; margins only for the rows of an episode (margin)
+//! ```
+//!
+//! It must give what the reference (`crate::evaluate`, `crate::episode`) gives: same truths on every row, same
+//! episodes with the same scores. Property tests hold the two equal. No I/O and no clock: who calls brings the columns.
+
+pub mod bits;
+pub mod evaluation;
+mod margin;
+pub mod numbers;
+pub mod places;
+pub mod plan;
+pub mod search;
+pub mod signals;
+mod temporal;
+pub mod truth;
+mod windows;
+
+pub use evaluation::Evaluation;
+pub use plan::Plan;
+pub use search::{Search, find_all, mine_drive};
+pub use signals::{Columns, SignalColumn, Signals};
+
+#[cfg(test)]
+mod tests;

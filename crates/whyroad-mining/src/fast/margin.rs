@@ -1,0 +1,286 @@
+//! Margins, only where they are asked for: on the rows of an episode, and on those around them that an operator
+//! over time looks at. The definitions are those of `crate::evaluate`; what differs is which rows are computed,
+//! and that a moving window keeps its extreme instead of looking for it.
+
+use super::evaluation::Evaluation;
+use super::places::Place;
+use super::signals::Value;
+use super::temporal::reaches;
+use crate::evaluate::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row, compare};
+use crate::language::program::{NodeId, Op, Subject};
+use std::collections::VecDeque;
+use std::ops::Range;
+use std::rc::Rc;
+use whyroad_model::{Nanos, Tri};
+
+impl Evaluation<'_> {
+    /// Margins of a condition on these rows of a place that is not all objects; NaN where it is unknown.
+    pub fn margins(&self, id: NodeId, place: Place, rows: Range<usize>) -> Vec<f64> {
+        let Some((own, home)) = self.home(id, place) else { return vec![f64::NAN; rows.len()] };
+        if home != place {
+            let by = self.places.segment(place).row - self.places.segment(home).row;
+            return self.margins(own, home, rows.start + by..rows.end + by);
+        }
+        let op = &self.plan.node(id).op;
+        match op {
+            Op::Not(a) => return self.margins(*a, place, rows).into_iter().map(|m| -m).collect(),
+            Op::Compare { op, left, right, scale } => {
+                let (a, b) = (self.numbers(*left, place), self.numbers(*right, place));
+                return rows.map(|i| compare(*op, a.at(i), b.at(i), *scale).1).collect();
+            }
+            Op::Before(a) => {
+                let first = rows.start.saturating_sub(1)..rows.end.saturating_sub(1);
+                let unknown = usize::from(rows.start == 0 && !rows.is_empty());
+                return [vec![f64::NAN; unknown], self.margins(*a, place, first)].concat();
+            }
+            Op::AtKeyframe(a) => {
+                let at = self.keyframe_row(place).map(|k| self.margins(*a, place, k..k + 1)[0]);
+                return vec![at.unwrap_or(f64::NAN); rows.len()];
+            }
+            Op::Previously(_, None) | Op::Since(..) | Op::Until(..) => {
+                return self.whole_margins(id, place)[rows].to_vec();
+            }
+            _ => {}
+        }
+        let Value::Truth(truth) = self.value(id, place) else { return vec![f64::NAN; rows.len()] };
+        let mut out = self.raw_margins(op, place, rows.clone(), &|i| truth.at(i));
+        for (i, m) in rows.zip(&mut out) {
+            *m = settled(truth.at(i), *m);
+        }
+        out
+    }
+
+    /// Before they are brought to agree with the truth.
+    fn raw_margins(
+        &self,
+        op: &Op,
+        place: Place,
+        rows: Range<usize>,
+        truth: &dyn Fn(usize) -> Tri,
+    ) -> Vec<f64> {
+        let n = rows.len();
+        let each = |all: &[NodeId], start: f64, pick: fn(f64, f64) -> f64| {
+            let mut out = vec![start; n];
+            for id in all {
+                let of = self.margins(*id, place, rows.clone());
+                out.iter_mut().zip(of).for_each(|(o, m)| *o = pick(*o, m));
+            }
+            out
+        };
+        match op {
+            Op::And(all) => each(all, MARGIN_LIMIT, f64::min),
+            Op::Or(all) => each(all, -MARGIN_LIMIT, f64::max),
+            Op::For(a, d) => self.of_for(*a, place, rows, *d),
+            Op::Within(a, d) => {
+                let on = self.rows_of(place);
+                let end = |i: usize| first_after(on, i, on[i].time + *d + CLOCK_TOLERANCE);
+                let reach = rows.start..rows.clone().last().map_or(rows.end, end);
+                let of = self.margins(*a, place, reach.clone());
+                let windows = rows.map(|i| (i - reach.start, end(i) - reach.start));
+                sliding(&of, windows, f64::NEG_INFINITY, |x, y| x > y)
+            }
+            Op::Previously(a, Some(d)) => {
+                let on = self.rows_of(place);
+                let start =
+                    |i: usize| (0..i).rev().take_while(|&j| reaches(on, i, j, *d)).last().unwrap_or(i);
+                let from = if rows.is_empty() { rows.start } else { start(rows.start) };
+                let of = self.margins(*a, place, from..rows.end);
+                let mut begin = from;
+                let windows = rows.map(|i| {
+                    while begin < i && !reaches(on, i, begin, *d) {
+                        begin += 1;
+                    }
+                    (begin - from, i - from)
+                });
+                sliding(&of, windows, f64::NEG_INFINITY, |x, y| x > y)
+            }
+            Op::Bridge(a, d) => self.of_bridge(*a, place, rows, *d),
+            Op::AtLeast { of, count, subject } => self.of_count(*of, *count, *subject, rows),
+            Op::InMatch(a) => {
+                let of = self.match_rows(place).map(|m| self.margins(*a, place, m)).unwrap_or_default();
+                vec![of.into_iter().fold(f64::NEG_INFINITY, f64::max); n]
+            }
+            // Flags and categories are true or false without degree.
+            _ => rows.map(|i| if truth(i) == Tri::True { MARGIN_LIMIT } else { -MARGIN_LIMIT }).collect(),
+        }
+    }
+
+    fn rows_of(&self, place: Place) -> &[Row] {
+        let segment = self.places.segment(place);
+        &self.places.rows[segment.row..segment.row + segment.len]
+    }
+
+    /// The best window of length `d` around the row, judged by its worst row.
+    fn of_for(&self, a: NodeId, place: Place, rows: Range<usize>, d: Nanos) -> Vec<f64> {
+        let on = self.rows_of(place);
+        let enough = |from: usize, to: usize| on[to - 1].end - on[from].time + CLOCK_TOLERANCE >= d;
+        if rows.is_empty() {
+            return Vec::new();
+        }
+        let first =
+            (0..rows.start).rev().take_while(|&s| !enough(s, rows.start)).last().unwrap_or(rows.start);
+        // Windows by where they begin; from some row on, what is left is too short for one.
+        let mut ends = Vec::with_capacity(rows.end - first);
+        let mut end = first;
+        for start in first..rows.end {
+            end = end.max(start + 1);
+            while end < on.len() && !enough(start, end) {
+                end += 1;
+            }
+            if !enough(start, end) {
+                break;
+            }
+            ends.push(end);
+        }
+        let reach = first..ends.last().copied().unwrap_or(rows.end).max(rows.end);
+        let of = self.margins(a, place, reach);
+        let windows = ends.iter().enumerate().map(|(k, end)| (k, end - first));
+        let worst = sliding(&of, windows, f64::INFINITY, |x, y| x < y);
+        let mut begin = 0;
+        let around = rows.clone().map(|i| {
+            while begin < ends.len() && ends[begin] <= i {
+                begin += 1;
+            }
+            (begin, (i + 1 - first).min(ends.len()).max(begin))
+        });
+        let best = sliding(&worst, around.collect::<Vec<_>>().into_iter(), f64::NEG_INFINITY, |x, y| x > y);
+        let own = |i: usize| of[i - first].min(0.0);
+        rows.zip(best).map(|(i, b)| if b.is_finite() { b } else { own(i) }).collect()
+    }
+
+    /// The row's own margin or, if that is better, the lesser one of two rows that fill the break around it.
+    fn of_bridge(&self, a: NodeId, place: Place, rows: Range<usize>, d: Nanos) -> Vec<f64> {
+        let on = self.rows_of(place);
+        let close = |from: Nanos, to: Nanos| to - from <= d + CLOCK_TOLERANCE;
+        let (Some(lowest), Some(highest)) = (rows.clone().next(), rows.clone().last()) else {
+            return Vec::new();
+        };
+        let before = |i: usize| (0..i).rev().take_while(move |&j| close(on[j].end, on[i].end));
+        let first = before(lowest).last().unwrap_or(lowest);
+        let after = (highest + 1..on.len()).take_while(|&k| close(on[highest].time, on[k].time));
+        let reach = first..after.last().unwrap_or(highest) + 1;
+        let (of, truth) = (self.margins(a, place, reach.clone()), self.truth(a, place));
+        let cell = |i: usize| (truth.at(i), of[i - reach.start]);
+        let each = rows.map(|i| {
+            let mut best = cell(i).1.max(-MARGIN_LIMIT);
+            for j in before(i) {
+                for k in (i + 1..reach.end).take_while(|&k| close(on[j].end, on[k].time)) {
+                    let (x, y) = (cell(j), cell(k));
+                    best = best.max(settled(x.0.and(y.0), x.1.min(y.1)));
+                }
+            }
+            best
+        });
+        each.collect()
+    }
+
+    /// The margin of the object that is last needed to make up the number.
+    fn of_count(&self, of: NodeId, count: usize, subject: Subject, rows: Range<usize>) -> Vec<f64> {
+        let mut cells: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
+        for (i, object) in self.places.objects.iter().enumerate() {
+            let (from, to) = (rows.start.max(object.row), rows.end.min(object.row + object.len));
+            if from < to && subject.admits(self.signals.targets[i].class) {
+                let of = self.margins(of, Place::Object(i), from - object.row..to - object.row);
+                (from..to)
+                    .zip(of)
+                    .filter(|(_, m)| !m.is_nan())
+                    .for_each(|(k, m)| cells[k - rows.start].push(m));
+            }
+        }
+        let deciding = |mut margins: Vec<f64>| {
+            margins.sort_by(|a, b| b.total_cmp(a));
+            match count.checked_sub(1) {
+                None => MARGIN_LIMIT,
+                Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),
+            }
+        };
+        cells.into_iter().map(deciding).collect()
+    }
+
+    /// Of operators that look along the whole recording: for all rows at once, and kept.
+    fn whole_margins(&self, id: NodeId, place: Place) -> Rc<Vec<f64>> {
+        if let Some(done) = self.margins.borrow().get(&(id, place)) {
+            return done.clone();
+        }
+        let n = self.places.len(place);
+        let all = |id: NodeId| self.margins(id, place, 0..n);
+        let truth = self.truth(id, place);
+        let out = match &self.plan.node(id).op {
+            Op::Previously(a, _) => {
+                let mut best = f64::NEG_INFINITY;
+                let mut out = Vec::with_capacity(n);
+                for (i, m) in all(*a).into_iter().enumerate() {
+                    out.push(settled(truth.at(i), best));
+                    best = best.max(m);
+                }
+                out
+            }
+            Op::Since(a, b) => self.along((*a, *b), place, 0..n),
+            Op::Until(a, b) => self.along((*a, *b), place, (0..n).rev()),
+            _ => vec![f64::NAN; n],
+        };
+        let out = Rc::new(out);
+        self.margins.borrow_mut().insert((id, place), out.clone());
+        out
+    }
+
+    /// At each row: b, or a and the answer at the row that came before in `order`.
+    fn along(&self, (a, b): (NodeId, NodeId), place: Place, order: impl Iterator<Item = usize>) -> Vec<f64> {
+        let n = self.places.len(place);
+        let (of_a, of_b) = (self.margins(a, place, 0..n), self.margins(b, place, 0..n));
+        let (a, b) = (self.truth(a, place), self.truth(b, place));
+        let mut out = vec![f64::NAN; n];
+        let mut answer = (Tri::Unknown, f64::NAN);
+        for i in order {
+            let truth = a.at(i).and(answer.0);
+            let carried = settled(truth, of_a[i].min(answer.1));
+            let truth = b.at(i).or(truth);
+            answer = (truth, settled(truth, of_b[i].max(carried)));
+            out[i] = answer.1;
+        }
+        out
+    }
+}
+
+/// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
+/// computed into 0.
+fn settled(truth: Tri, margin: f64) -> f64 {
+    match truth {
+        Tri::Unknown => f64::NAN,
+        Tri::True => margin.max(0.0),
+        Tri::False => margin.min(0.0),
+    }
+}
+
+/// The first row after `i` that begins after `time`.
+fn first_after(rows: &[Row], i: usize, time: Nanos) -> usize {
+    i + rows[i..].partition_point(|r| r.time <= time)
+}
+
+/// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
+fn sliding(
+    values: &[f64],
+    windows: impl Iterator<Item = (usize, usize)>,
+    none: f64,
+    better: impl Fn(f64, f64) -> bool,
+) -> Vec<f64> {
+    let mut candidates: VecDeque<usize> = VecDeque::new();
+    let mut taken = 0;
+    windows
+        .map(|(start, end)| {
+            for (i, x) in values.iter().enumerate().take(end).skip(taken) {
+                if !x.is_nan() {
+                    while candidates.back().is_some_and(|&k| !better(values[k], *x)) {
+                        candidates.pop_back();
+                    }
+                    candidates.push_back(i);
+                }
+            }
+            taken = taken.max(end);
+            while candidates.front().is_some_and(|&k| k < start) {
+                candidates.pop_front();
+            }
+            candidates.front().map_or(none, |&k| values[k])
+        })
+        .collect()
+}

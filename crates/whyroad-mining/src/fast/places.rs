@@ -1,0 +1,176 @@
+//! Which rows a value has: those of the drive, of all objects one after another, of one object, of a pair.
+//! A *segment* is an unbroken stretch of the drive's rows; operators over time never look out of theirs.
+
+use crate::evaluate::{Row, Timeline};
+use std::borrow::Cow;
+use std::ops::Range;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{FrameRange, Nanos};
+
+/// Rows of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Place {
+    /// All rows of the drive.
+    Drive,
+    /// The rows of all objects, one object after another, as one long column.
+    Objects,
+    /// The rows of the object with this index.
+    Object(usize),
+    /// The rows in which both the target and the other object are.
+    Pair(usize, usize),
+}
+
+/// A stretch of the drive's rows in a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Segment {
+    /// Where it begins in the column.
+    pub start: usize,
+    /// Row of the drive with which it begins.
+    pub row: usize,
+    /// Number of rows.
+    pub len: usize,
+}
+
+impl Segment {
+    /// Its rows in the column.
+    pub fn range(&self) -> Range<usize> {
+        self.start..self.start + self.len
+    }
+}
+
+/// The rows of a drive, its gaps included, and where its objects are in them.
+#[derive(Clone, Debug)]
+pub struct Places {
+    /// Rows of the drive.
+    pub rows: Vec<Row>,
+    /// Row of each frame.
+    pub row_of_frame: Vec<usize>,
+    /// Of each object, as a stretch of the long column.
+    pub objects: Vec<Segment>,
+    /// Rows of the long column.
+    pub object_rows: usize,
+    frames: Vec<FrameRange>,
+    first_rows: Vec<usize>,
+    drive: Segment,
+    gaps: bool,
+    /// True when the long column is the table's own: no gap rows in it, objects in the order of their rows.
+    dense: bool,
+}
+
+impl Places {
+    /// Of a drive with these frame times and objects.
+    pub fn new(times: &[Nanos], targets: &[TargetSpan]) -> Self {
+        let timeline = Timeline::new(times);
+        let row_of_frame: Vec<usize> =
+            (0..timeline.rows.len()).filter(|&i| timeline.rows[i].frame.is_some()).collect();
+        let gaps = timeline.rows.len() != times.len();
+        let mut object_rows = 0;
+        let mut objects = Vec::with_capacity(targets.len());
+        let mut dense = !gaps;
+        for target in targets {
+            let (row, len) = match target.frames.is_empty() {
+                true => (0, 0),
+                false => {
+                    let first = row_of_frame[target.frames.start];
+                    (first, row_of_frame[target.frames.end - 1] + 1 - first)
+                }
+            };
+            dense &= target.first_row == object_rows;
+            objects.push(Segment { start: object_rows, row, len });
+            object_rows += len;
+        }
+        let drive = Segment { start: 0, row: 0, len: timeline.rows.len() };
+        let frames = targets.iter().map(|t| t.frames).collect();
+        let first_rows = targets.iter().map(|t| t.first_row).collect();
+        let rows = timeline.rows;
+        Self { rows, row_of_frame, objects, object_rows, frames, first_rows, drive, gaps, dense }
+    }
+
+    /// The stretches of which a column there is made.
+    pub fn segments(&self, place: Place) -> Cow<'_, [Segment]> {
+        match place {
+            Place::Drive => Cow::Borrowed(std::slice::from_ref(&self.drive)),
+            Place::Objects => Cow::Borrowed(&self.objects),
+            _ => Cow::Owned(vec![self.segment(place)]),
+        }
+    }
+
+    /// The stretch of a place that has one.
+    pub fn segment(&self, place: Place) -> Segment {
+        match place {
+            Place::Drive | Place::Objects => self.drive,
+            Place::Object(i) => Segment { start: 0, ..self.objects[i] },
+            Place::Pair(a, b) => {
+                let (a, b) = (self.objects[a], self.objects[b]);
+                let row = a.row.max(b.row);
+                let end = (a.row + a.len).min(b.row + b.len);
+                Segment { start: 0, row, len: end.saturating_sub(row) }
+            }
+        }
+    }
+
+    /// Rows of a column there.
+    pub fn len(&self, place: Place) -> usize {
+        match place {
+            Place::Objects => self.object_rows,
+            _ => self.segment(place).len,
+        }
+    }
+
+    /// The row of a frame in a place with one segment.
+    pub fn position(&self, place: Place, frame: usize) -> Option<usize> {
+        let segment = self.segment(place);
+        let row = self.row_of_frame.get(frame)?.checked_sub(segment.row)?;
+        (row < segment.len).then_some(row)
+    }
+
+    /// The values of a signal of the drive there: as they are, or with `hole` in each gap.
+    pub fn of_frames<'v, T: Copy>(&self, values: &'v [T], hole: T) -> Cow<'v, [T]> {
+        if !self.gaps {
+            return Cow::Borrowed(values);
+        }
+        Cow::Owned(
+            self.rows.iter().map(|r| r.frame.and_then(|f| values.get(f).copied()).unwrap_or(hole)).collect(),
+        )
+    }
+
+    /// The values of a signal of the objects there: as they are, or with `hole` in each gap.
+    pub fn of_objects<'v, T: Copy>(&self, values: &'v [T], place: Place, hole: T) -> Cow<'v, [T]> {
+        match place {
+            Place::Objects if self.dense && values.len() == self.object_rows => Cow::Borrowed(values),
+            Place::Objects => {
+                let mut all = Vec::with_capacity(self.object_rows);
+                for i in 0..self.objects.len() {
+                    all.extend_from_slice(&self.of_object(values, i, hole));
+                }
+                Cow::Owned(all)
+            }
+            Place::Object(i) => self.of_object(values, i, hole),
+            Place::Drive | Place::Pair(..) => Cow::Owned(vec![hole; self.len(place)]),
+        }
+    }
+
+    /// The rows of a stored column of `len` values that are the rows of a place, where they are some of them just
+    /// as they are.
+    pub fn stored_rows(&self, place: Place, of_target: bool, len: usize) -> Option<Range<usize>> {
+        let rows = match place {
+            _ if self.gaps => return None,
+            Place::Drive if !of_target => 0..self.rows.len(),
+            Place::Objects if of_target && self.dense => 0..self.object_rows,
+            Place::Object(i) if of_target => self.first_rows[i]..self.first_rows[i] + self.objects[i].len,
+            _ => return None,
+        };
+        (rows.end <= len).then_some(rows)
+    }
+
+    fn of_object<'v, T: Copy>(&self, values: &'v [T], object: usize, hole: T) -> Cow<'v, [T]> {
+        let (segment, first_row, frames) =
+            (self.objects[object], self.first_rows[object], self.frames[object]);
+        if let (false, Some(rows)) = (self.gaps, values.get(first_row..first_row + segment.len)) {
+            return Cow::Borrowed(rows);
+        }
+        let rows = &self.rows[segment.row..segment.row + segment.len];
+        let value = |row: &Row| row.frame.and_then(|f| values.get(first_row + f - frames.start).copied());
+        Cow::Owned(rows.iter().map(|r| value(r).unwrap_or(hole)).collect())
+    }
+}

@@ -1,0 +1,169 @@
+//! All rules as one program: what several rules ask is one node, and is evaluated once a drive.
+
+use crate::language::program::{Moment, NodeId, Op, Scope};
+use crate::rule::{Rule, RuleSet};
+use std::collections::{BTreeSet, HashMap};
+
+/// A node of the plan.
+#[derive(Clone, Debug)]
+pub struct PlanNode {
+    /// What it computes; operands are nodes of the plan.
+    pub op: Op,
+    /// Rows of its value.
+    pub scope: Scope,
+    /// True when the value depends on an episode.
+    pub needs_episode: bool,
+    /// Of a node of [`Scope::Second`]: the same about the target. Its values for all objects serve both roles.
+    pub as_target: Option<NodeId>,
+}
+
+/// A rule and where its nodes are in the plan.
+#[derive(Clone, Debug)]
+pub struct PlanRule<'r> {
+    /// The rule.
+    pub rule: &'r Rule,
+    /// Node of the plan for each node of the rule's program.
+    nodes: Vec<NodeId>,
+    /// What `when` asks of the target alone, or of the drive, as parts that must all hold: for rules that bind two
+    /// objects, whose pairs are many.
+    pub alone: Vec<NodeId>,
+    /// Signals without which it cannot be said whether there is a match, sorted.
+    pub signals: BTreeSet<String>,
+    /// Signals that `when` reads.
+    pub when_signals: BTreeSet<String>,
+    /// Signals that are read only once there is a match.
+    pub later_signals: BTreeSet<String>,
+}
+
+impl PlanRule<'_> {
+    /// The plan's node for a node of the rule.
+    pub fn node(&self, id: NodeId) -> NodeId {
+        self.nodes[id.0]
+    }
+}
+
+/// The plan of a set of rules.
+#[derive(Clone, Debug, Default)]
+pub struct Plan<'r> {
+    /// Operands before users.
+    pub nodes: Vec<PlanNode>,
+    /// The rules in their order.
+    pub rules: Vec<PlanRule<'r>>,
+    by_op: HashMap<String, NodeId>,
+}
+
+impl<'r> Plan<'r> {
+    /// The plan of these rules.
+    pub fn of(rules: &'r RuleSet) -> Self {
+        Self::of_rules(&rules.rules)
+    }
+
+    /// The plan of these rules.
+    pub fn of_rules(rules: impl IntoIterator<Item = &'r Rule>) -> Self {
+        let mut plan = Self::default();
+        for rule in rules {
+            let mut nodes = Vec::with_capacity(rule.program.nodes.len());
+            for node in &rule.program.nodes {
+                nodes.push(plan.add(renamed(&node.op, |id| nodes_at(&nodes, id))));
+            }
+            let when_signals = rule.program.signals(rule.when);
+            let signals = rule.signals();
+            let later = later_nodes(rule).into_iter().flat_map(|id| rule.program.signals(id));
+            let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
+            let mut alone = plan.conjuncts(nodes[rule.when.0]);
+            alone.retain(|id| matches!(plan.node(*id).scope, Scope::Frame | Scope::Target));
+            plan.rules.push(PlanRule { rule, nodes, alone, signals, when_signals, later_signals });
+        }
+        plan
+    }
+
+    /// The node.
+    pub fn node(&self, id: NodeId) -> &PlanNode {
+        &self.nodes[id.0]
+    }
+
+    /// The parts of a condition that must all hold.
+    pub fn conjuncts(&self, id: NodeId) -> Vec<NodeId> {
+        match &self.node(id).op {
+            Op::And(all) => all.iter().flat_map(|a| self.conjuncts(*a)).collect(),
+            _ => vec![id],
+        }
+    }
+
+    fn add(&mut self, op: Op) -> NodeId {
+        // Numbers print with all their digits, so equal texts are equal operations.
+        let key = format!("{op:?}");
+        if let Some(id) = self.by_op.get(&key) {
+            return *id;
+        }
+        let operands = op.operands();
+        let scope = match &op {
+            Op::Signal(name) if name.starts_with("target.") => Scope::Target,
+            Op::SecondSignal(_) => Scope::Second,
+            Op::AtLeast { .. } => Scope::Frame,
+            _ => operands.iter().map(|o| self.node(*o).scope).fold(Scope::Frame, Scope::join),
+        };
+        let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
+        let as_target = (scope == Scope::Second).then(|| {
+            let twin = |id: NodeId| self.nodes[id.0].as_target.unwrap_or(id);
+            match &op {
+                Op::SecondSignal(name) => Op::Signal(name.clone()),
+                other => renamed(other, twin),
+            }
+        });
+        let as_target = as_target.map(|op| self.add(op));
+        self.nodes.push(PlanNode { op, scope, needs_episode, as_target });
+        let id = NodeId(self.nodes.len() - 1);
+        self.by_op.insert(key, id);
+        id
+    }
+}
+
+fn nodes_at(nodes: &[NodeId], id: NodeId) -> NodeId {
+    nodes[id.0]
+}
+
+/// What is looked at only once there is a match.
+fn later_nodes(rule: &Rule) -> Vec<NodeId> {
+    let timing = &rule.timing;
+    let moments = timing.keyframe.iter().map(|(m, _)| m).chain(&timing.start).chain(&timing.end);
+    let moments =
+        moments.chain(&timing.second_keyframe).chain(&timing.after_until).flat_map(Moment::conditions);
+    let atoms = rule.atoms.iter().flat_map(|a| [a.condition, a.measured]);
+    rule.require.iter().copied().chain(moments).chain(atoms).collect()
+}
+
+/// The same operation on other nodes.
+fn renamed(op: &Op, to: impl Fn(NodeId) -> NodeId) -> Op {
+    match op {
+        Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) => op.clone(),
+        Op::Negate(a) => Op::Negate(to(*a)),
+        Op::Add(a, b) => Op::Add(to(*a), to(*b)),
+        Op::Subtract(a, b) => Op::Subtract(to(*a), to(*b)),
+        Op::Multiply(a, b) => Op::Multiply(to(*a), to(*b)),
+        Op::Absolute(a) => Op::Absolute(to(*a)),
+        Op::Least(a, d) => Op::Least(to(*a), *d),
+        Op::Greatest(a, d) => Op::Greatest(to(*a), *d),
+        Op::Share(a, d) => Op::Share(to(*a), *d),
+        Op::Compare { op, left, right, scale } => {
+            Op::Compare { op: *op, left: to(*left), right: to(*right), scale: *scale }
+        }
+        Op::Member(a, words) => Op::Member(to(*a), words.clone()),
+        Op::Known(a) => Op::Known(to(*a)),
+        Op::Not(a) => Op::Not(to(*a)),
+        Op::And(all) => Op::And(all.iter().map(|a| to(*a)).collect()),
+        Op::Or(all) => Op::Or(all.iter().map(|a| to(*a)).collect()),
+        Op::For(a, d) => Op::For(to(*a), *d),
+        Op::Within(a, d) => Op::Within(to(*a), *d),
+        Op::Previously(a, d) => Op::Previously(to(*a), *d),
+        Op::Since(a, b) => Op::Since(to(*a), to(*b)),
+        Op::Until(a, b) => Op::Until(to(*a), to(*b)),
+        Op::Bridge(a, d) => Op::Bridge(to(*a), *d),
+        Op::AtLeast { of, count, subject } => Op::AtLeast { of: to(*of), count: *count, subject: *subject },
+        Op::Before(a) => Op::Before(to(*a)),
+        Op::AtKeyframe(a) => Op::AtKeyframe(to(*a)),
+        Op::InMatch(a) => Op::InMatch(to(*a)),
+        Op::MatchLeast(a) => Op::MatchLeast(to(*a)),
+        Op::MatchGreatest(a) => Op::MatchGreatest(to(*a)),
+    }
+}

@@ -1,0 +1,216 @@
+//! Where the rules of a plan hold on one drive: runs of true in packed columns, and what becomes of each.
+
+mod build;
+
+use super::evaluation::Evaluation;
+use super::places::{Place, Segment};
+use super::plan::{Plan, PlanRule};
+use super::signals::Signals;
+use super::truth::Truth;
+use crate::drive::DriveEpisodes;
+use crate::episode::Found;
+use crate::episode::arbitrate::arbitrate;
+use crate::evaluate::{CLOCK_TOLERANCE, Row};
+use crate::rule::{Rule, RuleSet};
+use std::collections::BTreeSet;
+use std::ops::Range;
+use whyroad_model::{DriveId, SignalTable};
+
+/// The matches of one rule at one place, in order.
+struct Matches {
+    place: Place,
+    /// First and last row of each.
+    rows: Vec<(usize, usize)>,
+}
+
+/// What is known of one rule before episodes are built.
+struct Candidates {
+    /// Index of the rule in the plan.
+    rule: usize,
+    matches: Vec<Matches>,
+    decided: Decided,
+}
+
+/// How far the rule's condition was known.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Decided {
+    /// It had rows.
+    asked: bool,
+    /// In one of them it was known.
+    known: bool,
+}
+
+/// Rules of a plan on one drive, matches found, episodes not yet built: for these, more columns may be needed.
+pub struct Search<'a> {
+    evaluation: Evaluation<'a>,
+    candidates: Vec<Candidates>,
+}
+
+impl<'a> Search<'a> {
+    /// Looks for matches of these rules of the plan. `signals` must hold what their conditions read.
+    pub fn new(plan: &'a Plan<'a>, signals: &'a Signals<'a>, rules: impl IntoIterator<Item = usize>) -> Self {
+        let evaluation = Evaluation::new(plan, signals);
+        let of_rule = |rule| candidates(&evaluation, rule);
+        let candidates = rules.into_iter().map(of_rule).collect();
+        Self { evaluation, candidates }
+    }
+
+    /// Signals that the drive has and that are needed to build the episodes, beyond those at hand.
+    pub fn wanted(&self) -> BTreeSet<String> {
+        let signals = self.evaluation.signals;
+        let found = self.candidates.iter().filter(|c| !c.matches.is_empty());
+        let later = found.flat_map(|c| &self.evaluation.plan.rules[c.rule].later_signals);
+        later.filter(|s| signals.present.contains_key(*s) && !signals.holds(s)).cloned().collect()
+    }
+
+    /// What came of each rule, in the order in which they were given.
+    pub fn found(&self) -> Vec<Found> {
+        self.candidates.iter().map(|c| self.found_of(c)).collect()
+    }
+
+    fn found_of(&self, candidates: &Candidates) -> Found {
+        let rule = &self.evaluation.plan.rules[candidates.rule];
+        let mut found = Found::default();
+        for matches in &candidates.matches {
+            let when = self.evaluation.truth(rule.node(rule.rule.when), matches.place);
+            for rows in &matches.rows {
+                found.episodes.extend(build::episode(&self.evaluation, rule, matches.place, &when, *rows));
+            }
+        }
+        if found.episodes.is_empty() {
+            found.missing = missing(rule, self.evaluation.signals, candidates.decided);
+        }
+        found
+    }
+}
+
+/// Signals that the drive does not have, when the rule reads any; where it has them all and yet not one row could
+/// be decided, those that are never known.
+fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
+    let of = |wanted: Option<bool>| -> BTreeSet<String> {
+        rule.signals.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
+    };
+    let absent = of(None);
+    if !absent.is_empty() || !decided.asked || decided.known { absent } else { of(Some(false)) }
+}
+
+fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
+    let of = &evaluation.plan.rules[rule];
+    let when = of.node(of.rule.when);
+    let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default() };
+    let Some(subject) = of.rule.subject else {
+        let truth = evaluation.truth(when, Place::Drive);
+        let segment = evaluation.places.segment(Place::Drive);
+        out.take(of.rule, Place::Drive, &truth, segment, &evaluation.places.rows);
+        return out;
+    };
+    let admitted = |i: usize| subject.admits(evaluation.signals.targets[i].class);
+    let rows = &evaluation.places.rows;
+    if of.rule.second.is_some() {
+        let alone = evaluation.conjunction(&of.alone, Place::Objects).possible();
+        for (i, object) in evaluation.places.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
+            if alone.any_in(object.range()) {
+                out.take_pairs(evaluation, of, i);
+            } else {
+                // False in every row for the target alone: no pair with it can match.
+                out.decide(object.len > 0, object.len > 0);
+            }
+        }
+        return out;
+    }
+    let truth = evaluation.truth(when, Place::Objects);
+    let nowhere = truth.yes.none();
+    for (i, object) in evaluation.places.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
+        // Once it is known that something is known, rows without a match have nothing more to say.
+        if nowhere && out.decided.known {
+            break;
+        }
+        out.take(of.rule, Place::Object(i), &truth, *object, rows);
+    }
+    out
+}
+
+impl Candidates {
+    fn decide(&mut self, asked: bool, known: bool) {
+        self.decided.asked |= asked;
+        self.decided.known |= known;
+    }
+
+    /// The matches of all pairs with this target.
+    fn take_pairs(&mut self, evaluation: &Evaluation<'_>, of: &PlanRule<'_>, target: usize) {
+        let Some(role) = &of.rule.second else { return };
+        let targets = &evaluation.signals.targets;
+        let when = of.node(of.rule.when);
+        let seen_together = |i: &usize| {
+            targets[*i].first_row != targets[target].first_row
+                && role.subject.admits(targets[*i].class)
+                && !targets[*i].frames.intersect(targets[target].frames).is_empty()
+        };
+        for second in (0..targets.len()).filter(seen_together) {
+            let place = Place::Pair(target, second);
+            let truth = evaluation.truth(when, place);
+            let segment = evaluation.places.segment(place);
+            self.take(of.rule, place, &truth, segment, &evaluation.places.rows);
+            if self.matches.last().is_none_or(|m| m.place != place) {
+                evaluation.forget_pairs();
+            }
+        }
+    }
+
+    /// The matches in one stretch of a column.
+    fn take(&mut self, rule: &Rule, place: Place, truth: &Truth, segment: Segment, rows: &[Row]) {
+        let rows = &rows[segment.row..segment.row + segment.len];
+        self.decide(segment.len > 0, !self.decided.known && truth.known.any_in(segment.range()));
+        let found = matches(rule, truth, segment.range(), rows);
+        if !found.is_empty() {
+            self.matches.push(Matches { place, rows: found });
+        }
+    }
+}
+
+/// Runs of true as first and last row of the stretch, near ones merged, too short and too long ones dropped.
+fn matches(rule: &Rule, truth: &Truth, stretch: Range<usize>, rows: &[Row]) -> Vec<(usize, usize)> {
+    let mut out: Vec<(usize, usize)> = Vec::new();
+    for run in truth.yes.runs(stretch.clone()) {
+        let (first, last) = (run.start - stretch.start, run.end - 1 - stretch.start);
+        match out.last_mut() {
+            Some((_, before)) if rows[first].time - rows[*before].end <= rule.merge_gap => *before = last,
+            _ => out.push((first, last)),
+        }
+    }
+    out.retain(|&(first, last)| {
+        let lasts = rows[last].end - rows[first].time;
+        lasts + CLOCK_TOLERANCE >= rule.min_duration
+            && rule.max_duration.is_none_or(|max| lasts <= max + CLOCK_TOLERANCE)
+    });
+    out
+}
+
+/// What comes of each rule of the plan on the signals of one drive, all of which are at hand.
+pub fn find_all<'a>(plan: &'a Plan<'a>, signals: &'a Signals<'a>) -> Vec<Found> {
+    Search::new(plan, signals, 0..plan.rules.len()).found()
+}
+
+/// All rules over the signals of one drive, arbitrated.
+pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
+    let plan = Plan::of(rules);
+    let signals = Signals::of_table(table);
+    arbitrated(rules, &table.drive_id, &signals, find_all(&plan, &signals))
+}
+
+/// One drive's episodes out of what came of each rule.
+pub fn arbitrated(
+    rules: &RuleSet,
+    drive: &DriveId,
+    signals: &Signals<'_>,
+    found: impl IntoIterator<Item = Found>,
+) -> DriveEpisodes {
+    let mut out = DriveEpisodes { drive_id: drive.clone(), ..DriveEpisodes::default() };
+    let mut episodes = Vec::new();
+    for (rule, found) in rules.rules.iter().zip(found) {
+        episodes.extend(found.episodes);
+        out.missing.insert(rule.scenario.clone(), found.missing.into_iter().collect());
+    }
+    out.episodes = arbitrate(episodes, &signals.times, &rules.precedence);
+    out
+}

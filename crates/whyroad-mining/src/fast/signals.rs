@@ -1,0 +1,188 @@
+//! What the fast evaluator reads: the columns of one drive, wherever they come from. Borrowed from a
+//! [`SignalTable`], or owned as a store decoded them.
+
+use super::bits::Bits;
+use super::numbers::Numbers;
+use super::places::{Place, Places};
+use super::truth::Truth;
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::rc::Rc;
+use std::sync::Arc;
+use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{Column, Nanos, SignalTable, Tri};
+
+/// One signal: a value a frame, or a value a row of the targets' table.
+#[derive(Debug)]
+pub enum SignalColumn<'a> {
+    /// Numbers; NaN is unknown. What is known as bits, where that is at hand.
+    Numbers(Cow<'a, [f64]>, Option<Rc<Bits>>),
+    /// Truth values.
+    Flags(Cow<'a, [Tri]>),
+    /// Truth values, packed.
+    Packed(Truth),
+    /// Codes into names.
+    Words(Cow<'a, [u16]>, Arc<[String]>),
+}
+
+/// Categories a row.
+#[derive(Clone, Debug)]
+pub struct Words<'a> {
+    codes: Rc<Cow<'a, [u16]>>,
+    rows: Range<usize>,
+    /// The closed set.
+    pub names: Arc<[String]>,
+}
+
+impl<'a> Words<'a> {
+    /// All rows of a column.
+    pub fn of(codes: Vec<u16>, names: Arc<[String]>) -> Self {
+        let rows = 0..codes.len();
+        Self { codes: Rc::new(Cow::Owned(codes)), rows, names }
+    }
+
+    /// The codes.
+    pub fn codes(&self) -> &[u16] {
+        &self.codes[self.rows.clone()]
+    }
+
+    /// These rows alone.
+    #[must_use]
+    pub fn slice(&self, rows: Range<usize>) -> Self {
+        let rows = self.rows.start + rows.start..self.rows.start + rows.end;
+        Self { codes: self.codes.clone(), rows, names: self.names.clone() }
+    }
+}
+
+/// The values of a node.
+#[derive(Clone, Debug)]
+pub enum Value<'a> {
+    /// Of a condition.
+    Truth(Truth),
+    /// Of a number.
+    Numbers(Numbers<'a>),
+    /// Of a category.
+    Words(Words<'a>),
+}
+
+impl Value<'_> {
+    /// These rows alone.
+    #[must_use]
+    pub fn slice(&self, rows: Range<usize>) -> Self {
+        match self {
+            Self::Truth(t) => Self::Truth(t.slice(rows)),
+            Self::Numbers(n) => Self::Numbers(n.slice(rows)),
+            Self::Words(w) => Self::Words(w.slice(rows)),
+        }
+    }
+}
+
+/// Columns by name.
+pub type Columns<'a> = BTreeMap<String, SignalColumn<'a>>;
+
+/// The signals of one drive.
+#[derive(Debug, Default)]
+pub struct Signals<'a> {
+    /// Frame times.
+    pub times: Cow<'a, [Nanos]>,
+    /// Objects in the order of their rows.
+    pub targets: Cow<'a, [TargetSpan]>,
+    /// Every signal that the drive has, of frames and targets, and whether any of its values is known.
+    pub present: BTreeMap<String, bool>,
+    columns: Columns<'a>,
+    more: OnceCell<Columns<'a>>,
+}
+
+impl<'a> Signals<'a> {
+    /// The columns that are asked for first; [`Signals::supply`] can bring others.
+    pub fn new(
+        times: impl Into<Cow<'a, [Nanos]>>,
+        targets: impl Into<Cow<'a, [TargetSpan]>>,
+        present: BTreeMap<String, bool>,
+        columns: Columns<'a>,
+    ) -> Self {
+        Self { times: times.into(), targets: targets.into(), present, columns, more: OnceCell::new() }
+    }
+
+    /// All signals of a table, borrowed.
+    pub fn of_table(table: &'a SignalTable) -> Self {
+        let all = || table.frame_columns.iter().chain(&table.target_columns);
+        let present = all().map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i)))).collect();
+        let columns = all().map(|(n, c)| (n.clone(), SignalColumn::borrowed(c))).collect();
+        Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns)
+    }
+
+    /// Columns that turned out to be needed as well. Only the first call brings anything.
+    pub fn supply(&self, columns: Columns<'a>) {
+        let _ = self.more.set(columns);
+    }
+
+    /// True when the column is at hand.
+    pub fn holds(&self, name: &str) -> bool {
+        self.column(name).is_some()
+    }
+
+    fn column(&self, name: &str) -> Option<&SignalColumn<'a>> {
+        self.columns.get(name).or_else(|| self.more.get()?.get(name))
+    }
+
+    /// The values of a signal at a place; `None` where the drive has it not.
+    pub fn value(&'a self, name: &str, places: &Places, place: Place) -> Option<Value<'a>> {
+        let column = self.column(name)?;
+        let of_target = name.starts_with("target.");
+        Some(match column {
+            SignalColumn::Numbers(values, known) => {
+                let cut = cut(places, place, of_target, values, f64::NAN);
+                let whole = matches!(&cut, Cow::Borrowed(v) if v.len() == values.len());
+                Value::Numbers(Numbers::with_known(cut, known.clone().filter(|_| whole)))
+            }
+            SignalColumn::Flags(values) => {
+                Value::Truth(packed(&cut(places, place, of_target, values, Tri::Unknown)))
+            }
+            SignalColumn::Packed(truth) => Value::Truth(cut_packed(places, place, of_target, truth)),
+            SignalColumn::Words(codes, names) => {
+                let codes = cut(places, place, of_target, codes, UNKNOWN_CODE);
+                let rows = 0..codes.len();
+                Value::Words(Words { codes: Rc::new(codes), rows, names: names.clone() })
+            }
+        })
+    }
+}
+
+impl<'a> SignalColumn<'a> {
+    /// A column of a table, without copying it.
+    pub fn borrowed(column: &'a Column) -> Self {
+        match column {
+            Column::Number(v) => Self::Numbers(Cow::Borrowed(v), None),
+            Column::Flag(v) => Self::Flags(Cow::Borrowed(v)),
+            Column::Category { codes, names } => Self::Words(Cow::Borrowed(codes), names.clone()),
+        }
+    }
+}
+
+fn cut<'v, T: Copy>(
+    places: &Places,
+    place: Place,
+    of_target: bool,
+    values: &'v [T],
+    hole: T,
+) -> Cow<'v, [T]> {
+    if of_target { places.of_objects(values, place, hole) } else { places.of_frames(values, hole) }
+}
+
+fn packed(values: &[Tri]) -> Truth {
+    let yes = super::numbers::pack_all(values, |t| t == Tri::True);
+    Truth::new(yes, super::numbers::pack_all(values, |t| t != Tri::Unknown))
+}
+
+fn cut_packed(places: &Places, place: Place, of_target: bool, truth: &Truth) -> Truth {
+    if let Some(rows) = places.stored_rows(place, of_target, truth.len()) {
+        return truth.slice(rows);
+    }
+    // Rows of gaps come in between: rare, and worth no code of its own.
+    let values: Vec<Tri> = (0..truth.len()).map(|i| truth.at(i)).collect();
+    packed(&cut(places, place, of_target, &values, Tri::Unknown))
+}

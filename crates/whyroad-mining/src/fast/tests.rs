@@ -1,0 +1,107 @@
+//! The fast evaluator against the reference: random programs over random signal tables (unknown values, lost
+//! frames, jitter, windows in which no frame lies, signals that the drive lacks, objects with holes). Bundled rules
+//! on whole drives are in `tests/fast.rs`.
+
+mod random;
+
+use super::places::Place;
+use super::{Evaluation, Plan, Signals, find_all};
+use crate::episode::{Episode, Found, find};
+use crate::evaluate::{Evaluator, Moments, Roles, Series};
+use crate::rule::Rule;
+use proptest::prelude::*;
+use random::{rule, table};
+use whyroad_model::{FrameRange, SignalTable};
+
+/// Equal but for the last bits of a score.
+fn same(fast: &[Found], reference: &[Found]) {
+    assert_eq!(fast.len(), reference.len());
+    for (f, r) in fast.iter().zip(reference) {
+        assert_eq!(f.missing, r.missing);
+        assert_eq!(f.episodes.len(), r.episodes.len(), "{:#?}\nagainst\n{:#?}", f.episodes, r.episodes);
+        for (a, b) in f.episodes.iter().zip(&r.episodes) {
+            assert!((a.score - b.score).abs() <= 1e-9, "{} against {}", a.score, b.score);
+            assert_eq!(a, &Episode { score: a.score, ..b.clone() });
+        }
+    }
+}
+
+/// Truths and margins of every node of a rule's program, in every row of every pass, with and without an episode.
+fn same_values(rule: &Rule, table: &SignalTable) {
+    let plan = Plan::of_rules([rule]);
+    let signals = Signals::of_table(table);
+    let fast = Evaluation::new(&plan, &signals);
+    let mut reference = Evaluator::new(&rule.program, table);
+    let n = table.times.len();
+    let episode = Moments { keyframe: n / 2, matched: FrameRange::new(n / 3, n / 2 + 1) };
+    let mut passes = vec![(Place::Drive, Roles::default())];
+    for (i, a) in table.targets.iter().enumerate() {
+        passes.push((Place::Object(i), Roles { target: Some(a), second: None }));
+        for (k, b) in table.targets.iter().enumerate().filter(|(k, _)| *k != i) {
+            if !a.frames.intersect(b.frames).is_empty() {
+                passes.push((Place::Pair(i, k), Roles { target: Some(a), second: Some(b) }));
+            }
+        }
+    }
+    for moments in [None, Some(episode)] {
+        fast.set_episode(moments);
+        for (place, roles) in &passes {
+            let mut pass = reference.pass_of(*roles);
+            if let Some(moments) = moments {
+                pass = reference.at_episode(&pass, moments);
+            }
+            for i in 0..rule.program.nodes.len() {
+                let local = crate::language::NodeId(i);
+                let of = plan.rules[0].node(local);
+                let what =
+                    || format!("{:?} at {place:?} of {:?}", rule.program.nodes[i].op, rule.program.nodes);
+                match reference.series(local, &mut pass).as_ref() {
+                    Series::Truths(t) => {
+                        let truth = fast.truth(of, *place);
+                        let rows = t.value.len();
+                        assert_eq!(
+                            (0..truth.len()).map(|k| truth.at(k)).collect::<Vec<_>>(),
+                            t.value,
+                            "{}",
+                            what()
+                        );
+                        // Any part alone is what it is in the whole.
+                        for part in [0..rows, rows / 3..rows / 2, rows / 2..rows] {
+                            let margins = fast.margins(of, *place, part.clone());
+                            for (a, b) in margins.iter().zip(&t.margin[part.clone()]) {
+                                let equal = (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-9;
+                                assert!(equal, "{margins:?}\nagainst\n{:?}\n{}", &t.margin[part], what());
+                            }
+                            assert_eq!(margins.len(), part.len());
+                        }
+                    }
+                    Series::Numbers(v) => {
+                        let numbers = fast.numbers(of, *place);
+                        for (k, x) in v.iter().enumerate() {
+                            let y = numbers.at(k);
+                            assert!(*x == y || (x.is_nan() && y.is_nan()), "{x} against {y}: {}", what());
+                        }
+                    }
+                    Series::Categories(..) => {}
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_node_has_the_values_of_the_reference(table in table(), rule in rule()) {
+        same_values(&rule, &table);
+    }
+
+    #[test]
+    fn random_rules_find_what_the_reference_finds(table in table(), rules in prop::collection::vec(rule(), 1..4)) {
+        let plan = Plan::of_rules(&rules);
+        let signals = Signals::of_table(&table);
+        let reference: Vec<Found> = rules.iter().map(|r| find(r, &table)).collect();
+        same(&find_all(&plan, &signals), &reference);
+    }
+}

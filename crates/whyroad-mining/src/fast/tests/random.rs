@@ -1,0 +1,296 @@
+//! Random signal tables and random rules. A program is built by instructions that take their operands from what
+//! was built before, so that every kind of operation meets every other.
+
+use crate::language::program::{Kind, Moment, NodeId, Op, Program, Scope, Subject};
+use crate::language::syntax::CompareOp;
+use crate::rule::{Listed, Rule, SecondRole, Timing};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::units::{Dimension, Unit};
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
+
+/// `n` numbers, `f` flags, `c` categories; `x` is a number that some drives lack.
+const NAMES: [&str; 4] = ["n", "f", "c", "x"];
+const WORDS: [&str; 3] = ["left", "right", "none"];
+
+/// Runs of values, as signals have them.
+fn runs<T: Clone + std::fmt::Debug + 'static>(
+    value: impl Strategy<Value = T> + 'static,
+) -> impl Strategy<Value = Vec<T>> {
+    prop::collection::vec((value, 1usize..9), 1..24)
+        .prop_map(|runs| runs.into_iter().flat_map(|(v, n)| std::iter::repeat_n(v, n)).collect())
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => (-3i32..4).prop_map(|x| f64::from(x) / 2.0),
+        1 => Just(f64::NAN),
+        1 => Just(f64::INFINITY),
+    ]
+}
+
+fn tri() -> impl Strategy<Value = Tri> {
+    prop_oneof![3 => Just(Tri::True), 3 => Just(Tri::False), 1 => Just(Tri::Unknown)]
+}
+
+fn code() -> impl Strategy<Value = u16> {
+    prop_oneof![6 => 0u16..3, 1 => Just(UNKNOWN_CODE)]
+}
+
+/// Enough values of each kind for a table; taken in turn.
+fn stock() -> impl Strategy<Value = (Vec<f64>, Vec<Tri>, Vec<u16>)> {
+    (runs(number()), runs(tri()), runs(code()))
+}
+
+fn taken<T: Copy>(from: &[T], skip: usize, n: usize) -> Vec<T> {
+    from.iter().copied().cycle().skip(skip).take(n).collect()
+}
+
+type Stock = (Vec<f64>, Vec<Tri>, Vec<u16>);
+
+fn columns(
+    prefix: &str,
+    (numbers, flags, codes): &Stock,
+    rows: usize,
+    lacks: bool,
+) -> BTreeMap<String, Column> {
+    let names: std::sync::Arc<[String]> = WORDS.map(str::to_owned).to_vec().into();
+    let all = [
+        Column::Number(taken(numbers, 0, rows)),
+        Column::Flag(taken(flags, 0, rows)),
+        Column::Category { codes: taken(codes, 0, rows), names },
+        Column::Number(taken(numbers, 7, rows)),
+    ];
+    let named = NAMES.iter().zip(all).filter(|(n, _)| **n != "x" || !lacks);
+    named.map(|(n, c)| (format!("{prefix}.{n}"), c)).collect()
+}
+
+/// A table of 1 to 90 frames with up to five objects.
+pub fn table() -> impl Strategy<Value = SignalTable> {
+    let step = prop_oneof![12 => 98i64..=102, 1 => 200i64..900, 1 => 1i64..40];
+    let object = (0usize..90, 1usize..90, 0usize..4);
+    let lacks = (any::<bool>(), any::<bool>());
+    (prop::collection::vec(step, 1..90), prop::collection::vec(object, 0..6), stock(), stock(), lacks)
+        .prop_map(|(steps, objects, of_frames, of_targets, lacks)| {
+            let mut now = 1_700_000_000_000i64;
+            let times: Vec<Nanos> = steps
+                .iter()
+                .map(|ms| {
+                    now += ms;
+                    Nanos(now * 1_000_000)
+                })
+                .collect();
+            let mut first_row = 0;
+            let classes =
+                [ObjectClass::Car, ObjectClass::Truck, ObjectClass::Pedestrian, ObjectClass::Bicycle];
+            let mut targets = Vec::new();
+            for (i, (from, len, class)) in objects.into_iter().enumerate() {
+                let from = from % times.len();
+                let frames = FrameRange::new(from, (from + len).min(times.len()));
+                targets.push(TargetSpan {
+                    id: format!("t{i}").as_str().into(),
+                    class: classes[class],
+                    first_row,
+                    frames,
+                });
+                first_row += frames.len();
+            }
+            SignalTable {
+                drive_id: "random".into(),
+                frame_columns: columns("ego", &of_frames, times.len(), lacks.0),
+                target_columns: columns("target", &of_targets, first_row, lacks.1),
+                times,
+                targets,
+                unavailable: BTreeMap::new(),
+            }
+        })
+}
+
+fn duration() -> impl Strategy<Value = Nanos> {
+    // Also shorter than a frame, and such that the clock's tolerance decides.
+    prop_oneof![Just(0), Just(50), (1i64..20).prop_map(|k| k * 100), (1i64..20).prop_map(|k| k * 100 + 50)]
+        .prop_map(|ms| Nanos(ms * 1_000_000))
+}
+
+/// An operation, two operands, a number.
+type Instruction = (usize, usize, usize, i32, Nanos);
+
+/// What has been built so far, by type.
+struct Pool {
+    program: Program,
+    numbers: Vec<NodeId>,
+    conditions: Vec<NodeId>,
+}
+
+const NUMBER: Kind = Kind::Number(Dimension::Speed);
+
+impl Pool {
+    /// The signals and a constant.
+    fn new(roles: usize) -> Self {
+        let mut pool = Pool { program: Program::default(), numbers: vec![], conditions: vec![] };
+        let words = || Kind::Category(WORDS.map(str::to_owned).to_vec());
+        let signal = |prefix: &str, name: &str, second: bool| {
+            let full = format!("{prefix}.{name}");
+            if second { Op::SecondSignal(full) } else { Op::Signal(full) }
+        };
+        for (prefix, second) in
+            [("ego", false), ("target", false), ("target", true)].into_iter().take(roles + 1)
+        {
+            for name in ["n", "x"] {
+                let id = pool.program.add(signal(prefix, name, second), NUMBER);
+                pool.numbers.push(id);
+            }
+            let flag = pool.program.add(signal(prefix, "f", second), Kind::Condition);
+            let category = pool.program.add(signal(prefix, "c", second), words());
+            let member = Op::Member(category, vec!["left".into(), "none".into()]);
+            let known = pool.program.add(Op::Known(category), Kind::Condition);
+            let member = pool.program.add(member, Kind::Condition);
+            pool.conditions.extend([flag, member, known]);
+        }
+        pool
+    }
+
+    fn number(&self, i: usize) -> NodeId {
+        self.numbers[i % self.numbers.len()]
+    }
+
+    fn condition(&self, i: usize) -> NodeId {
+        // What was built last is taken most often, so that trees grow deep.
+        self.conditions[self.conditions.len() - 1 - i % self.conditions.len()]
+    }
+
+    fn add_number(&mut self, op: Op) {
+        let id = self.program.add(op, NUMBER);
+        self.numbers.push(id);
+    }
+
+    fn add_condition(&mut self, op: Op) {
+        let id = self.program.add(op, Kind::Condition);
+        self.conditions.push(id);
+    }
+
+    fn run(&mut self, (op, a, b, x, d): Instruction) {
+        let (m, n) = (self.number(a), self.number(b));
+        let (p, q) = (self.condition(a), self.condition(b));
+        let constant = self.program.add(Op::Constant(f64::from(x) / 2.0), NUMBER);
+        let compare = [
+            CompareOp::Less,
+            CompareOp::LessOrEqual,
+            CompareOp::Greater,
+            CompareOp::GreaterOrEqual,
+            CompareOp::Equal,
+            CompareOp::NotEqual,
+        ][b % 6];
+        match op {
+            0 => self.add_number(Op::Negate(m)),
+            1 => self.add_number(Op::Add(m, n)),
+            2 => self.add_number(Op::Subtract(m, n)),
+            3 => self.add_number(Op::Multiply(m, constant)),
+            4 => self.add_number(Op::Absolute(m)),
+            5 => self.add_number(Op::Least(m, d)),
+            6 => self.add_number(Op::Greatest(m, d)),
+            7 => self.add_number(Op::Share(p, d)),
+            8 => self.add_number(Op::MatchLeast(m)),
+            9 => self.add_number(Op::AtKeyframe(m)),
+            10 | 11 => self.add_condition(Op::Compare { op: compare, left: m, right: constant, scale: 1.5 }),
+            12 => self.add_condition(Op::Compare { op: compare, left: constant, right: m, scale: 0.5 }),
+            13 => self.add_condition(Op::Compare { op: compare, left: m, right: n, scale: 1.0 }),
+            14 => self.add_condition(Op::Known(m)),
+            15 => self.add_condition(Op::Known(p)),
+            16 => self.add_condition(Op::Not(p)),
+            17 => self.add_condition(Op::And(vec![p, q])),
+            18 => self.add_condition(Op::Or(vec![p, q])),
+            19 => self.add_condition(Op::For(p, d)),
+            20 => self.add_condition(Op::Within(p, d)),
+            21 => self.add_condition(Op::Previously(p, Some(d))),
+            22 => self.add_condition(Op::Previously(p, None)),
+            23 => self.add_condition(Op::Since(p, q)),
+            24 => self.add_condition(Op::Until(p, q)),
+            25 => self.add_condition(Op::Bridge(p, d)),
+            26 => self.add_condition(Op::Before(p)),
+            27 => self.add_condition(Op::AtKeyframe(p)),
+            28 => self.add_condition(Op::InMatch(p)),
+            29 if matches!(self.program.node(p).scope, Scope::Frame | Scope::Target) => {
+                let subject = if a % 2 == 0 { Subject::Any } else { Subject::Vehicle };
+                self.add_condition(Op::AtLeast { of: p, count: b % 3, subject });
+            }
+            30 => self.add_condition(Op::And(vec![p, q, self.condition(a + b)])),
+            _ => self.add_condition(Op::Truth(a % 2 == 0)),
+        }
+    }
+
+    /// The condition that was built last for which this holds, from the `skip`th on.
+    fn last(&self, skip: usize, holds: impl Fn(&crate::language::program::Node) -> bool) -> Option<NodeId> {
+        let all = self.conditions.iter().rev().filter(|id| holds(self.program.node(**id)));
+        let all: Vec<NodeId> = all.copied().collect();
+        (!all.is_empty()).then(|| all[skip % all.len()])
+    }
+}
+
+/// A rule of an ego, a target or a pair, with all its moments.
+pub fn rule() -> impl Strategy<Value = Rule> {
+    let instruction = (0usize..32, 0usize..40, 0usize..40, -3i32..4, duration());
+    let picks = (0usize..4, 0usize..9, 0usize..9, 0usize..9, any::<bool>());
+    let times = (duration(), duration(), duration());
+    (0usize..3, prop::collection::vec(instruction, 1..18), picks, times).prop_map(
+        |(roles, instructions, (when, a, b, c, bounded), (least, merge_gap, offset))| {
+            let mut pool = Pool::new(roles);
+            instructions.into_iter().for_each(|i| pool.run(i));
+            // Until there is an episode, nothing can be asked of it.
+            let fallback = pool.conditions[0];
+            let when = pool.last(when, |n| !n.needs_episode).unwrap_or(fallback);
+            let require = pool.last(a, |_| true).into_iter().filter(|_| b % 3 == 0).collect();
+            let moment = pool.last(b, |n| !n.needs_episode).unwrap_or(fallback);
+            let late = pool.last(c, |_| true).unwrap_or(fallback);
+            let number = pool.number(a);
+            let number = if pool.program.node(number).needs_episode { pool.numbers[0] } else { number };
+            let words = Bilingual::new("", "");
+            let first = match c % 5 {
+                0 => Moment::First(moment),
+                1 => Moment::Last(moment),
+                2 => Moment::Greatest(number),
+                3 => Moment::Earliest(vec![Moment::Least(number), Moment::MatchEnd]),
+                _ => Moment::Offset(Box::new(Moment::Nearest(moment)), Nanos(-offset.0)),
+            };
+            let timing = Timing {
+                keyframe: vec![(first, words)],
+                second_keyframe: vec![Moment::Last(late)],
+                start: vec![
+                    Moment::Nearest(late),
+                    Moment::Offset(Box::new(Moment::Keyframe), Nanos(-offset.0)),
+                ],
+                end: vec![Moment::Latest(vec![Moment::Nearest(moment), Moment::Keyframe])],
+                before: offset,
+                after: least,
+                after_until: bounded.then_some(Moment::Nearest(late)),
+                ..Timing::of_match()
+            };
+            let unit = Unit::parse("m/s").expect("a unit");
+            let atom = |condition, measured| crate::language::program::Atom {
+                text: "atom".into(),
+                condition,
+                measured,
+                signals: Default::default(),
+                unit,
+            };
+            let second = SecondRole { name: "other".into(), subject: Subject::Any };
+            Rule {
+                scenario: "proactive.turn.straight".parse().expect("a class"),
+                subject: [None, Some(Subject::Vehicle), Some(Subject::Any)][roles],
+                target_role: "target".into(),
+                second: (roles == 2).then_some(second),
+                when,
+                require,
+                atoms: vec![atom(late, number), atom(moment, moment)],
+                listed: if bounded { Listed::All } else { Listed::Holding },
+                min_duration: least,
+                max_duration: bounded.then_some(Nanos(3_000_000_000)),
+                merge_gap,
+                timing,
+                program: pool.program,
+            }
+        },
+    )
+}
