@@ -6,7 +6,7 @@ use super::origin::Origin;
 use super::source::inherit;
 use crate::language::Checker;
 use crate::language::parse::parse;
-use crate::language::syntax::ExprKind;
+use crate::language::syntax::{ExprKind, Quantity};
 use serde_yaml_ng::{Mapping, Value};
 use whyroad_framework::{ExpressionSource, Framework};
 use whyroad_model::{Diagnostic, ScenarioId};
@@ -51,8 +51,8 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
     let text = |value: &Value| value.as_str().and_then(|t| parse(t).ok());
     let (parameters, definitions): (Mapping, Mapping) = (names("parameters"), names("define"));
     for (name, parameter) in &parameters {
-        let value = parameter.get("value").and_then(text).map(|e| e.kind);
-        if let (Some(name), Some(ExprKind::Number(q))) = (name.as_str(), value) {
+        let value = parameter.get("value").and_then(text).and_then(|e| quantity(e.kind));
+        if let (Some(name), Some(q)) = (name.as_str(), value) {
             checker.parameters.insert(name.to_owned(), q);
         }
     }
@@ -62,5 +62,14 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
         {
             checker.definitions.insert(name.to_owned(), (expr, id));
         }
+    }
+}
+
+/// A number with its unit, as `-0.5 m/s2`.
+fn quantity(value: ExprKind) -> Option<Quantity> {
+    match value {
+        ExprKind::Number(q) => Some(q),
+        ExprKind::Negate(of) => quantity(of.kind).map(|q| Quantity { value: -q.value, ..q }),
+        _ => None,
     }
 }
