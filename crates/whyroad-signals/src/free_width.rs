@@ -36,11 +36,12 @@ fn is_road(road: &Road, p: P2) -> bool {
 /// How far the road goes on from `p` in direction `across`, at most [`FREE_M`] beyond `within`, m.
 fn edge(road: &Road, p: P2, across: P2, within: f64) -> f64 {
     let steps = ((FREE_M + within) / PROBE_M) as usize;
-    let off = |k: &usize| !is_road(road, p + across * (*k as f64 * PROBE_M));
-    let Some(k) = (1..=steps).find(off) else { return FREE_M + within };
-    // Between the last probe on the road and the first off it, to a centimetre.
+    let off = |k: usize| !is_road(road, p + across * (k as f64 * PROBE_M));
+    // Two probes in a row: between lanes that are drawn one by one there are seams.
+    let Some(k) = (1..=steps).find(|&k| off(k) && off(k + 1)) else { return FREE_M + within };
+    // Between the last probe on the road and the first off it; as sharp as positions are, so that no step shows.
     let (mut on, mut out) = ((k - 1) as f64 * PROBE_M, k as f64 * PROBE_M);
-    while out - on > 0.01 {
+    while out - on > 1e-6 {
         let middle = (on + out) / 2.0;
         if is_road(road, p + across * middle) { on = middle } else { out = middle }
     }

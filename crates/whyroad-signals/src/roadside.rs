@@ -4,6 +4,7 @@ use crate::facilities::line_crossings;
 use crate::geometry::{P2, p2};
 use crate::junction::{Stretch, distance_to_next};
 use crate::on_road::{OnRoad, time_to};
+use crate::road::DEFAULT_HALF_WIDTH_M;
 use crate::table::TableBuilder;
 use std::collections::BTreeSet;
 use whyroad_model::road_map::Sign;
@@ -42,11 +43,18 @@ fn places(on: &OnRoad<'_>, wanted: impl Fn(&Sign) -> bool, route: &BTreeSet<Stri
     found
 }
 
-/// Where the path crosses a stop line.
+/// Where the path crosses a stop line; one that is told by a point alone, where the path passes it within half a lane.
 fn stop_lines(on: &OnRoad<'_>) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     for line in &on.map.stop_lines {
         let corners: Vec<P2> = line.line.iter().map(|p| p2(p.x, p.y)).collect();
+        if let [point] = corners[..] {
+            let at = on.path.line.project(point);
+            found.extend(
+                (at.lateral.abs() <= DEFAULT_HALF_WIDTH_M).then_some(Stretch { from: at.s, to: at.s }),
+            );
+            continue;
+        }
         found.extend(line_crossings(on.path, &corners).into_iter().map(|s| Stretch { from: s, to: s }));
     }
     found.sort_by(|a, b| a.from.total_cmp(&b.from));
