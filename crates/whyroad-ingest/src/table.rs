@@ -28,7 +28,7 @@ use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ, FrameOfReference};
 use whyroad_model::{Drive, Nanos};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
 const MAX_GAP_S: f64 = 0.25;
 const GAP_STEPS: f64 = 1.5;

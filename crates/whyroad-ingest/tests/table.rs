@@ -101,6 +101,30 @@ fn the_example_is_what_its_formulas_say() {
 }
 
 #[test]
+fn what_a_sensor_model_tells_is_kept() {
+    // Two columns more: the walker half seen behind the car in every row, one cell of the car's out of range.
+    let (drive, report) = changed(|dir| {
+        let text = fs::read_to_string(dir.join("objects.csv")).unwrap();
+        let more = |(i, line): (usize, &str)| match i {
+            0 => format!("{line},visible_share,occluder\n"),
+            _ if line.contains("ped-1") => format!("{line},0.5,car-1\n"),
+            1 => format!("{line},50,\n"),
+            _ => format!("{line},,\n"),
+        };
+        fs::write(dir.join("objects.csv"), text.lines().enumerate().map(more).collect::<String>()).unwrap();
+    });
+    let drive = drive.unwrap();
+    let walker = drive.track(&"ped-1".into()).unwrap();
+    assert!(
+        walker.visible_share.len() == walker.frames.len() && walker.visible_share.iter().all(|s| *s == 0.5)
+    );
+    assert!(walker.occluder.iter().all(|o| *o == Some("car-1".into())) && !walker.occluder.is_empty());
+    let car = drive.track(&"car-1".into()).unwrap();
+    assert!(car.visible_share.is_empty() && car.occluder.is_empty(), "a share of 50 is none");
+    assert_eq!(codes(&report).len(), 1, "{:?}", report.diagnostics);
+}
+
+#[test]
 fn parquet_and_csv_give_the_same_drive() {
     let (csv, _) = changed(|_| ());
     // The same objects as Parquet, numbers as numbers.

@@ -5,12 +5,12 @@ use super::problems::Problems;
 use super::sheet::{Sheet, TIME};
 use super::{Clock, Reader, findings, gap_for};
 use crate::report::RowCount;
-use crate::resample::latest;
+use crate::resample::{latest, linear};
 use crate::sampled::{Sample, Sampled, median};
 use crate::source::impossible_speeds;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::ObjectClass;
 use whyroad_model::scene::{Track, TurnSignal};
+use whyroad_model::{ObjectClass, TrackId};
 
 pub(super) const COLUMNS: &[&str] = &[
     "timestamp_ns",
@@ -31,8 +31,15 @@ pub(super) const COLUMNS: &[&str] = &[
     "height_m",
     "interior_points",
     "turn_signal",
+    "visible_share",
+    "occluder",
 ];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["track_id"], &["class"], &["x_m"], &["y_m"]];
+
+/// A column in which every row is unknown is no column.
+fn empty_if<T>(values: Vec<T>, unknown: impl Fn(&T) -> bool) -> Vec<T> {
+    if values.iter().all(unknown) { Vec::new() } else { values }
+}
 
 /// The tracks, and what the table does not have.
 pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<Track>, Vec<&'static str>) {
@@ -47,6 +54,10 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
     let headings = sheet.headings(p);
     let velocity = velocities(&sheet, &headings, p);
     let signals: Vec<Option<TurnSignal>> = sheet.words("turn_signal", "one of off, left, right, hazard", p);
+
+    let share = |text: &str| text.parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v));
+    let shares = sheet.parsed("visible_share", "a number from 0 to 1", p, share);
+    let occluders = sheet.texts("occluder");
 
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("objects") };
     let mut by_track: BTreeMap<&str, Vec<(i64, usize)>> = BTreeMap::new();
@@ -103,7 +114,13 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         count.keep("track", kept.len());
         let own: Vec<f64> = track.frames.iter().map(|&f| clock.frames[f as usize]).collect();
         let of_rows: Vec<Option<TurnSignal>> = kept.iter().map(|&i| signals[i]).collect();
-        track.turn_signal = states(&of_rows, &latest(&samples.times, &own, max_gap_s));
+        let last = latest(&samples.times, &own, max_gap_s);
+        track.turn_signal = states(&of_rows, &last);
+        let hidden_by: Vec<Option<TrackId>> =
+            kept.iter().map(|&i| occluders[i].as_deref().map(TrackId::from)).collect();
+        track.occluder = empty_if(states(&hidden_by, &last), Option::is_none);
+        let seen: Vec<f64> = kept.iter().map(|&i| shares[i].unwrap_or(f64::NAN)).collect();
+        track.visible_share = empty_if(linear(&samples.times, &seen, &own, max_gap_s), |s| s.is_nan());
         tracks.push(track);
     }
     let out = &mut reader.report.diagnostics;

@@ -168,4 +168,36 @@ mod tests {
         // A writer that does not sort its tracks first.
         assert_eq!(read_back(vec![track("b"), track("a")]).unwrap_err().code(), "lake.row_order");
     }
+
+    #[test]
+    fn a_lake_from_before_the_sensor_model_columns_is_read_as_one_that_does_not_tell() {
+        let told = Track {
+            id: "a".into(),
+            frames: vec![0],
+            motion: Motion::unknown(1),
+            length_m: vec![4.0],
+            width_m: vec![2.0],
+            height_m: vec![1.5],
+            interior_points: vec![1.0],
+            visible_share: vec![0.5],
+            occluder: vec![Some("b".into())],
+            ..Track::default()
+        };
+        let drive = Drive {
+            meta: whyroad_model::scene::DriveMeta { drive_id: "d".into(), ..Default::default() },
+            times: vec![whyroad_model::Nanos(0)],
+            tracks: vec![told],
+            ..Drive::default()
+        };
+        let batch = to_table(&drive).finish().unwrap();
+        let now = from_table(&Table { path: "now".into(), batch: batch.clone() }, 1).unwrap();
+        assert_eq!((now[0].visible_share[0], &now[0].occluder[0]), (0.5, &Some("b".into())));
+        let kept: Vec<usize> = (0..batch.num_columns())
+            .filter(|&i| !["visible_share", "occluder"].contains(&batch.schema().field(i).name().as_str()))
+            .collect();
+        assert_eq!(kept.len() + 2, batch.num_columns());
+        let old = Table { path: "old".into(), batch: batch.project(&kept).unwrap() };
+        let old = from_table(&old, 1).unwrap();
+        assert!(old[0].visible_share.is_empty() && old[0].occluder.is_empty());
+    }
 }
