@@ -90,7 +90,7 @@ fn crosswalk_lights(on: &OnRoad<'_>, crossings: &[Crossing], frame: usize) -> Tr
 }
 
 /// Writes `map.time_to_junction`, `time_to_crosswalk`, `junction_signalised`, `junction_arms`, `junction_irregular`,
-/// `junction_exits`, `crosswalk_signalised`.
+/// `junction_exits`, `opposing_arm`, `crosswalk_signalised`.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let (found, front) = (on.encounters, on.ego.front());
     let crossings = crossings(on);
@@ -122,5 +122,10 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         if c.arms.inside.is_empty() { Tri::Unknown } else { Tri::from(c.arms.is_irregular()) }
     };
     table.flag("map.junction_irregular", on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, irregular)));
+    let opposed = |i: usize, c: &Crossing| match approach(on, c, i).and_then(|lanes| lanes.first().copied()) {
+        Some(lane) if !c.arms.inside.is_empty() => Tri::from(c.arms.is_opposed(on.road, lane)),
+        _ => Tri::Unknown,
+    };
+    table.flag("map.opposing_arm", on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, |c| opposed(i, c))));
     table.flag("map.crosswalk_signalised", on.flags(|i| crosswalk_lights(on, &crossings, i)));
 }

@@ -15,6 +15,8 @@ const SAME_ARM_M: f64 = 20.0;
 const DIRECTION_M: f64 = 10.0;
 /// Two arms this near to a straight line are opposite, rad: 30 deg.
 const OPPOSITE_RAD: f64 = 30.0 * PI / 180.0;
+/// Who comes in at this angle or more comes from opposite, rad: 135 deg (RefAV, opposite direction).
+const AGAINST_RAD: f64 = 135.0 * PI / 180.0;
 /// Adjacent arms nearer than this make an acute corner, rad: 50 deg.
 const ACUTE_RAD: f64 = 50.0 * PI / 180.0;
 
@@ -127,6 +129,17 @@ impl JunctionArms {
             }
         }
         reached.difference(&own).count()
+    }
+
+    /// True when some lane leads in against the direction in which `approach` does: traffic may come from opposite.
+    pub fn is_opposed(&self, road: &Road, approach: usize) -> bool {
+        let into = |lane: usize| {
+            let line = &road.lanes[lane].centre;
+            let before = (line.length() - DIRECTION_M).max(0.0);
+            (line.point_at(line.length()) - line.point_at(before)).heading()
+        };
+        let own = into(approach);
+        self.entries.iter().any(|&l| wrap(into(l) - own).abs() >= AGAINST_RAD)
     }
 
     fn arm_of(&self, outside: usize) -> Option<usize> {

@@ -79,6 +79,27 @@ fn arms_and_exits_of_stars() {
 }
 
 #[test]
+fn traffic_from_opposite() {
+    // The ego comes from the west: only an arm to the east (within 45 deg) sends traffic against it.
+    for (bearings, opposed) in [
+        (&[0.0, 90.0, 180.0, 270.0][..], True),
+        (&[90.0, 180.0, 270.0], False),
+        (&[40.0, 180.0], True),
+        (&[50.0, 180.0], False),
+    ] {
+        let mut m = star(bearings);
+        m.lanes.iter_mut().for_each(|l| l.junction_id = Some("j".into()).filter(|_| l.in_junction));
+        let t = Table::of(&through(m));
+        // Before it, and where there is none within reach any more.
+        assert_eq!(
+            (t.ego_flag("map.opposing_arm", 80), t.ego_flag("map.opposing_arm", 180)),
+            (opposed, False),
+            "{bearings:?}"
+        );
+    }
+}
+
+#[test]
 fn turns_that_the_lane_allows_and_the_route_that_needs_them() {
     // Without stated turns, by geometry: from the west straight on (0), left (90), right (270 deg).
     let m = star(&[0.0, 90.0, 180.0, 270.0]);
