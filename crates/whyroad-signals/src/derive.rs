@@ -15,7 +15,7 @@ use crate::target_lanes::TargetLanes;
 use crate::way::Ways;
 use crate::{
     bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
-    line_crossing, meta_actions, on_road, pet, relations, route, sight, target_motion, ttc,
+    line_crossing, meta_actions, on_road, pet, relations, route, sight, target_motion, terrain, ttc,
 };
 use whyroad_model::{Drive, SignalTable};
 
@@ -82,6 +82,7 @@ fn write_with_ego(
         let on = OnRoad { drive, map, road, path: &path, ego, lanes, encounters: &encounters, times, ways };
         on_road::write(&on, &targets, table);
     }
+    terrain::write(&path, table);
     target_motion::write(drive, &targets, table);
     relations::write(drive, &targets, &near, table);
     ttc::write(drive, &around, &targets, table);

@@ -10,7 +10,9 @@ use crate::placement::Target;
 use crate::road::Road;
 use crate::table::TableBuilder;
 use crate::way::{Way, Ways};
-use crate::{crossroads, facilities, free_width, lane_rules, merging, road_profile, roadside, route};
+use crate::{
+    crossroads, facilities, free_width, lane_rules, merging, open_area, road_profile, roadside, route,
+};
 use whyroad_model::road_map::Lane;
 use whyroad_model::{Drive, RoadMap, Tri};
 
@@ -75,6 +77,7 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
     merging::write(on, table);
     crossroads::write(on, table);
     roadside::write(on, table);
+    open_area::write(on, table);
     facilities::write(on, &channels, table);
     free_width::write(on, targets, table);
     route::write_fit(on, table);

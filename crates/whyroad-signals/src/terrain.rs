@@ -1,0 +1,162 @@
+//! What the lie of the road asks of speed: how fast its next bend may be taken, how far the ego needs to stop, how long the slope is
+//! that it is on, how the road winds and climbs around it. From what was driven: the signals of each frame, put where the ego was in
+//! it. What lies beyond the recording is not known here.
+
+use crate::geometry::wrap;
+use crate::path::DrivenPath;
+use crate::table::TableBuilder;
+
+/// Lateral acceleration beyond which a bend limits speed, m/s2 (taxonomy, high_curvature).
+const BEND_ACCEL: f64 = 2.0;
+/// Reaction time, s, and deceleration, m/s2, of a stop (taxonomy, blind_spot_slowdown.curve).
+const REACTION_S: f64 = 2.0;
+const STOPPING: f64 = 3.0;
+/// From this grade on a road is a slope (taxonomy, slope_up).
+const SLOPE: f64 = 0.04;
+/// From this curvature on it bends, 1/m (taxonomy, high_curvature).
+const BEND: f64 = 0.01;
+/// Bends of one direction that are nearer together are one, m: the middle of a bend made of two arcs is no straight.
+const BEND_MERGE_M: f64 = 10.0;
+/// Half of the 500 m over which a mountain road is judged, m.
+const AROUND_M: f64 = 250.0;
+/// Bends that settle the question though not all of the 500 m was driven (taxonomy, mountain).
+const ENOUGH_BENDS: usize = 3;
+/// A mean grade over less tells nothing, m.
+const LEAST_MEAN_M: f64 = 100.0;
+/// Standing and creeping put many frames in one place; places this near are one, m.
+const SAME_PLACE_M: f64 = 0.2;
+
+/// Speed at which a curvature takes 2 m/s2, m/s.
+fn bend_speed(curvature: f64) -> f64 {
+    // Lines of maps are straight to some 0.1 mm; a radius of 100 km is.
+    if curvature < 1e-5 { f64::INFINITY } else { (BEND_ACCEL / curvature).sqrt() }
+}
+
+fn stopping_distance(speed: f64) -> f64 {
+    REACTION_S * speed + speed * speed / (2.0 * STOPPING)
+}
+
+/// A place on the driven path.
+struct Place {
+    s: f64,
+    curvature: f64,
+    grade: f64,
+    in_junction: bool,
+}
+
+/// Part of the path, arc lengths in m.
+struct Part {
+    from: f64,
+    to: f64,
+    /// Sign of the grade, or of the turn.
+    sign: f64,
+}
+
+/// Numbers of a frame column; all unknown where the table has none.
+fn numbers(table: &TableBuilder<'_>, name: &str, frames: usize) -> Vec<f64> {
+    let column = table.column(name);
+    (0..frames).map(|i| column.and_then(|c| c.number(i)).unwrap_or(f64::NAN)).collect()
+}
+
+/// Where the ego was, in order of arc length.
+fn places(path: &DrivenPath, table: &TableBuilder<'_>) -> Vec<Place> {
+    let frames = path.ego_s.len();
+    let (curvature, grade) = (numbers(table, "map.curvature", frames), numbers(table, "map.grade", frames));
+    let junction = table.column("ego.in_junction");
+    let mut places: Vec<Place> = (0..frames)
+        .filter(|&i| path.ego_s[i].is_finite())
+        .map(|i| Place {
+            s: path.ego_s[i],
+            curvature: curvature[i],
+            grade: grade[i],
+            in_junction: junction.is_some_and(|c| c.flag(i) == whyroad_model::Tri::True),
+        })
+        .collect();
+    places.sort_by(|a, b| a.s.total_cmp(&b.s));
+    places.dedup_by(|b, a| b.s - a.s < SAME_PLACE_M);
+    places
+}
+
+/// Maximal runs of places to which `sign` gives one sign; 0 belongs to none.
+fn runs(places: &[Place], sign: impl Fn(&Place) -> f64) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    let mut before = 0.0;
+    for place in places {
+        let now = sign(place);
+        match parts.last_mut() {
+            Some(part) if now != 0.0 && now == before => part.to = place.s,
+            _ if now != 0.0 => parts.push(Part { from: place.s, to: place.s, sign: now }),
+            _ => {}
+        }
+        before = now;
+    }
+    parts
+}
+
+fn slopes(places: &[Place]) -> Vec<Part> {
+    runs(places, |p| if p.grade.abs() >= SLOPE { p.grade.signum() } else { 0.0 })
+}
+
+fn bends(places: &[Place], path: &DrivenPath) -> Vec<Part> {
+    let curved = |p: &Place| if p.curvature >= BEND && !p.in_junction { 1.0 } else { 0.0 };
+    let mut parts: Vec<Part> = Vec::new();
+    for mut part in runs(places, curved) {
+        let turned = wrap(path.heading_at(part.to + 1.0) - path.heading_at(part.from - 1.0));
+        part.sign = turned.signum();
+        match parts.last_mut() {
+            Some(last) if last.sign == part.sign && part.from - last.to < BEND_MERGE_M => last.to = part.to,
+            _ => parts.push(part),
+        }
+    }
+    parts
+}
+
+/// Bends around `s`; NaN where too little was driven to tell.
+fn bends_around(bends: &[Part], driven: (f64, f64), s: f64) -> f64 {
+    let (from, to) = (s - AROUND_M, s + AROUND_M);
+    let count = bends.iter().filter(|b| b.to >= from && b.from <= to).count();
+    let all_driven = driven.0 <= from && to <= driven.1;
+    if all_driven || count >= ENOUGH_BENDS { count as f64 } else { f64::NAN }
+}
+
+/// Mean of the grade's magnitude around `s` by the trapezoid rule; NaN over less than 100 m.
+fn mean_grade(places: &[Place], s: f64) -> f64 {
+    let (mut sum, mut length) = (0.0, 0.0);
+    for pair in places.windows(2) {
+        let (a, b) = (&pair[0], &pair[1]);
+        if a.s < s - AROUND_M || b.s > s + AROUND_M || a.grade.is_nan() || b.grade.is_nan() {
+            continue;
+        }
+        sum += (b.s - a.s) * (a.grade.abs() + b.grade.abs()) / 2.0;
+        length += b.s - a.s;
+    }
+    if length >= LEAST_MEAN_M { sum / length } else { f64::NAN }
+}
+
+/// Writes `map.bend_speed`, `ego.stopping_distance`, `map.slope_length`, `map.bends_around`, `map.mean_grade`.
+pub fn write(path: &DrivenPath, table: &mut TableBuilder<'_>) {
+    let frames = path.ego_s.len();
+    let speed = numbers(table, "ego.speed", frames);
+    let ahead = numbers(table, "map.curvature_ahead", frames);
+    let grade = numbers(table, "map.grade", frames);
+    let of_bend = |&k: &f64| if k.is_nan() { k } else { bend_speed(k) };
+    table.number("map.bend_speed", ahead.iter().map(of_bend).collect());
+    table.number("ego.stopping_distance", speed.into_iter().map(stopping_distance).collect());
+
+    let places = places(path, table);
+    let driven = (places.first().map_or(f64::NAN, |p| p.s), places.last().map_or(f64::NAN, |p| p.s));
+    let bends = bends(&places, path);
+    let winding = path.ego_s.iter().map(|&s| if s.is_nan() { s } else { bends_around(&bends, driven, s) });
+    table.number("map.bends_around", winding.collect());
+    if grade.iter().all(|g| g.is_nan()) {
+        return;
+    }
+    let slopes = slopes(&places);
+    let on_slope = |i: usize| {
+        let s = path.ego_s[i];
+        let part = slopes.iter().find(|p| p.from - SAME_PLACE_M <= s && s <= p.to + SAME_PLACE_M);
+        if grade[i].is_nan() { f64::NAN } else { part.map_or(0.0, |p| p.to - p.from) }
+    };
+    table.number("map.slope_length", (0..frames).map(on_slope).collect());
+    table.number("map.mean_grade", path.ego_s.iter().map(|&s| mean_grade(&places, s)).collect());
+}
