@@ -15,7 +15,10 @@ pub use decision::LongitudinalMotion;
 use crate::moments::frame_at;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
-use whyroad_model::messages::{CocLabel, EpisodeRecord, ScenarioLabel, Uncertainty};
+use whyroad_model::messages::{
+    Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Provenance, ProvenanceSource,
+    ScenarioLabel, Uncertainty,
+};
 use whyroad_model::{Bilingual, Drive, Lang, ScenarioId, SignalTable};
 
 /// A skeleton and what is to be said of it.
@@ -75,6 +78,12 @@ pub fn draft(
     ));
     let (time_range, moment) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
+    let mut components = components;
+    for (i, c) in components.iter_mut().enumerate() {
+        c.id = Some(format!("c{}", i + 1));
+        c.evidence_times = vec![moment.timestamp];
+    }
+    let causes = causes(&decision, &components);
     let label = CocLabel {
         version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
         clip_id: episode.clip_id.to_string(),
@@ -90,8 +99,28 @@ pub fn draft(
         critical_components: components,
         coc_trace,
         records,
+        causes,
+        second_keyframe: episode.second_keyframe.clone(),
+        secondary_scenarios: Vec::new(),
+        provenance: Some(Provenance {
+            source: ProvenanceSource::Rule,
+            by: Some(id.to_string()),
+            at: None,
+            tool: Some(format!("whyroad {}", env!("CARGO_PKG_VERSION"))),
+            versions: [("taxonomy".to_owned(), framework.taxonomy.version.clone())].into(),
+        }),
     };
     Draft { episode_id: episode.episode_id.clone(), label, notes }
+}
+
+/// The draft's first component is what the rule saw: it is proposed as the cause of both decisions.
+fn causes(decision: &DrivingDecision, components: &[CriticalComponent]) -> Option<Causes> {
+    let first = components.first()?.id.clone()?;
+    let cause = || Some(Cause { components: vec![first.clone()], unobserved: None });
+    Some(Causes {
+        longitudinal: decision.longitudinal.and_then(|_| cause()),
+        lateral: decision.lateral.and_then(|_| cause()),
+    })
 }
 
 /// Those of the leaf, or of the L2 where the variant is not known.

@@ -31,6 +31,12 @@ pub(super) fn observed(
             category: Some(category.to_owned()),
             description: text.get(lang).to_owned(),
             uncertainty: None,
+            id: None,
+            evidence_times: Vec::new(),
+            linked_objects: match (category, &episode.target_id) {
+                ("critical objects", Some(target)) => vec![target.to_string()],
+                _ => Vec::new(),
+            },
         })
         .collect()
 }

@@ -19,6 +19,7 @@ pub(super) struct Prescribed {
     pub lateral: Option<Lateral>,
     /// Id, name for people, unit.
     pub records: Vec<(String, Bilingual, Option<String>)>,
+    pub two_keyframes: bool,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -63,6 +64,7 @@ impl Prescribed {
             uncertainty_high: spec.uncertainty_high,
             lateral: spec.lateral,
             records: spec.records.iter().map(|r| (r.id.clone(), r.name.clone(), r.unit.clone())).collect(),
+            two_keyframes: spec.second_keyframe.is_some(),
         }
     }
 
@@ -73,6 +75,7 @@ impl Prescribed {
             uncertainty_high: self.uncertainty_high && other.uncertainty_high,
             lateral: self.lateral.filter(|l| other.lateral == Some(*l)),
             records: self.records.into_iter().filter(|r| other.records.contains(r)).collect(),
+            two_keyframes: self.two_keyframes && other.two_keyframes,
         }
     }
 }

@@ -23,6 +23,7 @@ pub const CODES: &[&str] = &[
     "label.enum.lateral",
     "label.enum.lateral_direction",
     "label.enum.uncertainty",
+    "label.enum.provenance_source",
     // Business.
     "label.scenario.unknown",
     "label.scenario.wrong_parent",
@@ -37,6 +38,16 @@ pub const CODES: &[&str] = &[
     "label.lateral.mandated",
     "label.record.missing",
     "label.components.empty",
+    "label.component.duplicate_id",
+    "label.secondary.unknown",
+    "label.secondary.primary",
+    "label.second_keyframe.missing",
+    // Causal (LABELING.md 6).
+    "label.cause.missing",
+    "label.cause.both",
+    "label.cause.unknown_component",
+    "label.cause.without_decision",
+    "label.evidence.after_keyframe",
     // Consistency.
     "label.time_range.order",
     "label.time_range.outside_clip",
@@ -44,6 +55,7 @@ pub const CODES: &[&str] = &[
     "label.keyframe.outside_time_range",
     "label.keyframe.outside_range",
     "label.keyframe.outside_clip",
+    "label.second_keyframe.order",
     "label.frame.timestamp_mismatch",
     "label.frame.outside_clip",
     "label.clip.unknown",

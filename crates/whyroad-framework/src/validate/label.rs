@@ -2,13 +2,15 @@
 
 use super::json::Node;
 use super::rules::{Finding, Sink, Words};
-use super::view::{Components, KeyframeView, ScenarioView, Slot, View};
+use super::view::{
+    CauseView, CausesView, Components, KeyframeView, LinkedComponent, ScenarioView, Slot, View,
+};
 use super::walk::{Object, Walk};
 use crate::DecisionSets;
 use crate::taxonomy::did_you_mean;
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::{KeyframeType, Uncertainty};
+use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
 
 /// A closed set: what its members are called, in messages and by people.
 struct ClosedSet<T: 'static> {
@@ -36,12 +38,22 @@ pub(super) fn read<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, decisions: &Deci
     keyframe(walk, &mut o, &mut v);
     decision(walk, &mut o, decisions, &mut v);
     v.components = match walk.need(&mut o, "critical_components") {
-        Some(n) => components(walk, n),
+        Some(n) => components(walk, n, &mut v.linked),
         None => Slot::Broken,
     };
     // A blank trace has a rule of its own.
     v.trace = required(walk.need(&mut o, "coc_trace").map(|n| walk.any_text(Some(n), "/coc_trace")));
     v.records = records(walk, &mut o);
+    v.causes = causes(walk, &mut o);
+    v.second = match o.get("second_keyframe") {
+        Some(n) => Slot::Is(one_keyframe(walk, n, "/second_keyframe")),
+        None => Slot::Absent,
+    };
+    if let Slot::Is(items) = walk.list(o.get("secondary_scenarios"), "/secondary_scenarios") {
+        let at = |i: usize| format!("/secondary_scenarios/{i}");
+        v.secondary = items.iter().enumerate().map(|(i, n)| walk.text(Some(n), &at(i))).collect();
+    }
+    provenance(walk, &mut o);
     walk.close(o, Severity::Warning);
     v
 }
@@ -86,25 +98,33 @@ fn time_range<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>
 }
 
 fn keyframe<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>) {
-    v.keyframe = KeyframeView {
-        timestamp: Slot::Broken,
-        frame: Slot::Broken,
-        kind: Slot::Broken,
-        range_start: Slot::Broken,
-        range_end: Slot::Broken,
+    v.keyframe = match walk.need(parent, "keyframe") {
+        Some(node) => one_keyframe(walk, node, "/keyframe"),
+        None => BROKEN_KEYFRAME,
     };
-    let Some(node) = walk.need(parent, "keyframe") else { return };
-    let Some(mut o) = walk.object(node, "/keyframe".into()) else { return };
-    let k = &mut v.keyframe;
-    k.timestamp = required(walk.need(&mut o, "timestamp").map(|n| walk.time(Some(n), "/keyframe/timestamp")));
-    k.frame = required(walk.need(&mut o, "frame_idx").map(|n| walk.frame(Some(n), "/keyframe/frame_idx")));
+}
+
+const BROKEN_KEYFRAME: KeyframeView = KeyframeView {
+    timestamp: Slot::Broken,
+    frame: Slot::Broken,
+    kind: Slot::Broken,
+    range_start: Slot::Broken,
+    range_end: Slot::Broken,
+};
+
+fn one_keyframe<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> KeyframeView {
+    let mut k = BROKEN_KEYFRAME;
+    let Some(mut o) = walk.object(node, base.to_owned()) else { return k };
+    let at = |key: &str| format!("{base}/{key}");
+    k.timestamp = required(walk.need(&mut o, "timestamp").map(|n| walk.time(Some(n), &at("timestamp"))));
+    k.frame = required(walk.need(&mut o, "frame_idx").map(|n| walk.frame(Some(n), &at("frame_idx"))));
     k.kind = required(
-        walk.need(&mut o, "type")
-            .map(|n| keyframe_type(walk, n, "/keyframe/type", "label.enum.keyframe_type")),
+        walk.need(&mut o, "type").map(|n| keyframe_type(walk, n, &at("type"), "label.enum.keyframe_type")),
     );
-    k.range_start = walk.time(o.get("range_start"), "/keyframe/range_start");
-    k.range_end = walk.time(o.get("range_end"), "/keyframe/range_end");
+    k.range_start = walk.time(o.get("range_start"), &at("range_start"));
+    k.range_end = walk.time(o.get("range_end"), &at("range_end"));
     walk.close(o, Severity::Warning);
+    k
 }
 
 /// The type of a keyframe; also of a suggested one.
@@ -212,7 +232,11 @@ fn choose<'d, T: Copy>(
     Slot::Broken
 }
 
-fn components<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>) -> Slot<Components> {
+fn components<'d>(
+    walk: &mut Walk<'d>,
+    node: &'d Node<'d>,
+    linked: &mut Vec<LinkedComponent<'d>>,
+) -> Slot<Components> {
     let Slot::Is(items) = walk.list(Some(node), "/critical_components") else { return Slot::Broken };
     let mut out = Components { count: items.len(), any_high: false };
     let set = ClosedSet {
@@ -238,6 +262,22 @@ fn components<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>) -> Slot<Components> {
         let at = o.at("uncertainty");
         let uncertainty = choose(walk, o.get("uncertainty"), &at, &set);
         out.any_high |= !matches!(uncertainty, Slot::Absent | Slot::Is(Uncertainty::Low));
+        let at = o.at("id");
+        let id = walk.text(o.get("id"), &at);
+        let at = o.at("evidence_times");
+        let mut evidence = Vec::new();
+        if let Slot::Is(times) = walk.list(o.get("evidence_times"), &at) {
+            evidence.extend(times.iter().enumerate().map(|(k, n)| walk.time(Some(n), &format!("{at}/{k}"))));
+        }
+        let at = o.at("linked_objects");
+        if let Slot::Is(objects) = walk.list(o.get("linked_objects"), &at) {
+            for (k, n) in objects.iter().enumerate() {
+                walk.text(Some(n), &format!("{at}/{k}"));
+            }
+        }
+        if !id.is_absent() || !evidence.is_empty() {
+            linked.push(LinkedComponent { index: i, id, evidence });
+        }
         walk.close(o, Severity::Warning);
     }
     Slot::Is(out)
@@ -259,4 +299,64 @@ fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<&'d str
         }
     }
     Slot::Is(filled)
+}
+
+fn causes<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<CausesView<'d>> {
+    let Some(node) = parent.get("causes") else { return Slot::Absent };
+    let Some(mut o) = walk.object(node, "/causes".into()) else { return Slot::Broken };
+    let mut channel = |walk: &mut Walk<'d>, key: &'static str| match o.get(key) {
+        Some(n) => cause(walk, n, &format!("/causes/{key}")),
+        None => Slot::Absent,
+    };
+    let view = CausesView { longitudinal: channel(walk, "longitudinal"), lateral: channel(walk, "lateral") };
+    walk.close(o, Severity::Warning);
+    Slot::Is(view)
+}
+
+fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseView<'d>> {
+    let Some(mut o) = walk.object(node, base.to_owned()) else { return Slot::Broken };
+    let mut view = CauseView::default();
+    let at = format!("{base}/components");
+    match walk.list(o.get("components"), &at) {
+        Slot::Is(ids) => {
+            let text = |(i, n): (usize, &'d Node<'d>)| walk.text(Some(n), &format!("{at}/{i}"));
+            view.components = ids.iter().enumerate().map(text).collect();
+        }
+        Slot::Broken => view.components.push(Slot::Broken),
+        Slot::Absent => {}
+    }
+    view.unobserved = walk.text(o.get("unobserved"), &format!("{base}/unobserved"));
+    walk.close(o, Severity::Warning);
+    Slot::Is(view)
+}
+
+fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
+    let Some(node) = parent.get("provenance") else { return };
+    let Some(mut o) = walk.object(node, "/provenance".into()) else { return };
+    let set = ClosedSet {
+        code: "label.enum.provenance_source",
+        zh: "标签来源",
+        en: "a source of labels",
+        all: ProvenanceSource::ALL,
+        id: ProvenanceSource::id,
+        names: [("规则", "rule"), ("模型", "model"), ("人工", "person")]
+            .map(|(n, id)| (n.to_owned(), id))
+            .to_vec(),
+    };
+    if let Some(n) = walk.need(&mut o, "source") {
+        choose(walk, Some(n), "/provenance/source", &set);
+    }
+    for key in ["by", "tool"] {
+        let at = o.at(key);
+        walk.text(o.get(key), &at);
+    }
+    walk.time(o.get("at"), "/provenance/at");
+    if let Some(n) = o.get("versions")
+        && let Some(versions) = walk.object(n, "/provenance/versions".into())
+    {
+        for e in versions.entries() {
+            walk.text(Some(&e.node), &versions.at(&e.key));
+        }
+    }
+    walk.close(o, Severity::Warning);
 }

@@ -1,15 +1,18 @@
 //! The fast path: one typed pass over a label's bytes, nothing copied, that takes a document only when it is
 //! beyond doubt at the basic level. What it refuses is not yet wrong; the slow path decides and explains.
 
-use super::view::{Components, KeyframeView, ScenarioView, Slot, View};
-use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Unexpected, Visitor};
+mod linked;
+
+use super::view::{KeyframeView, ScenarioView, Slot, View};
+use linked::{LeanCauses, LeanComponents, LeanLinked, LeanProvenance};
+use serde::de::{DeserializeSeed, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::{KeyframeType, Uncertainty};
+use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
 
 /// A label whose texts still lie in the document. Same fields as `whyroad_model::messages::CocLabel`, but no
 /// others allowed, because an unknown field is a finding.
@@ -25,11 +28,20 @@ pub(super) struct Lean<'t> {
     time_range: LeanRange,
     keyframe: LeanKeyframe,
     driving_decision: LeanDecision,
-    critical_components: LeanComponents,
+    #[serde(borrow)]
+    critical_components: LeanComponents<'t>,
     #[serde(borrow)]
     coc_trace: Text<'t>,
     #[serde(borrow, default)]
     records: Option<LeanRecords<'t>>,
+    #[serde(borrow, default)]
+    causes: Option<LeanCauses<'t>>,
+    #[serde(default)]
+    second_keyframe: Option<LeanKeyframe>,
+    #[serde(borrow, default)]
+    secondary_scenarios: Option<Vec<Text<'t>>>,
+    #[serde(borrow, default)]
+    provenance: Option<LeanProvenance<'t>>,
 }
 
 #[derive(Deserialize)]
@@ -80,18 +92,6 @@ struct LeanDecision {
     lateral_direction: Option<Id<LateralDirection>>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LeanComponent<'t> {
-    #[serde(borrow, default)]
-    #[allow(dead_code)] // must be text; which text is free
-    category: Option<Text<'t>>,
-    #[serde(borrow)]
-    description: Text<'t>,
-    #[serde(default)]
-    uncertainty: Option<Id<Uncertainty>>,
-}
-
 fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(d: D) -> Result<Option<T>, D::Error> {
     Option::<T>::deserialize(d)
 }
@@ -105,6 +105,9 @@ impl<'t> Lean<'t> {
         let filled = [&label.clip_id, &s.l1, &s.l2]
             .into_iter()
             .chain(optional.into_iter().flatten())
+            .chain(label.secondary_scenarios.iter().flatten())
+            .chain(label.causes.iter().flat_map(LeanCauses::texts))
+            .chain(label.provenance.iter().flat_map(LeanProvenance::texts))
             .all(|t| !t.is_blank());
         filled.then_some(label)
     }
@@ -123,22 +126,32 @@ impl<'t> Lean<'t> {
             end: Slot::Is(self.time_range.end_timestamp),
             start_frame: self.time_range.start_frame_idx.into(),
             end_frame: self.time_range.end_frame_idx.into(),
-            keyframe: KeyframeView {
-                timestamp: Slot::Is(self.keyframe.timestamp),
-                frame: Slot::Is(self.keyframe.frame_idx),
-                kind: Slot::Is(self.keyframe.kind.0),
-                range_start: self.keyframe.range_start.into(),
-                range_end: self.keyframe.range_end.into(),
-            },
+            keyframe: self.keyframe.view(),
             longitudinal: self.driving_decision.longitudinal.as_ref().map(|d| d.0).into(),
             lateral: self.driving_decision.lateral.as_ref().map(|d| d.0).into(),
             direction: self.driving_decision.lateral_direction.as_ref().map(|d| d.0).into(),
-            components: Slot::Is(self.critical_components.0),
+            components: Slot::Is(self.critical_components.folded),
             trace: Slot::Is(&self.coc_trace.0),
             records: match &self.records {
                 Some(r) => Slot::Is(r.0.iter().map(|k| &**k).collect()),
                 None => Slot::Absent,
             },
+            linked: self.critical_components.linked.iter().map(LeanLinked::view).collect(),
+            causes: self.causes.as_ref().map(LeanCauses::view).into(),
+            second: self.second_keyframe.as_ref().map(LeanKeyframe::view).into(),
+            secondary: self.secondary_scenarios.iter().flatten().map(|t| Slot::Is(&*t.0)).collect(),
+        }
+    }
+}
+
+impl LeanKeyframe {
+    fn view(&self) -> KeyframeView {
+        KeyframeView {
+            timestamp: Slot::Is(self.timestamp),
+            frame: Slot::Is(self.frame_idx),
+            kind: Slot::Is(self.kind.0),
+            range_start: self.range_start.into(),
+            range_end: self.range_end.into(),
         }
     }
 }
@@ -186,7 +199,7 @@ trait Closed: Sized {
 macro_rules! closed {
     ($($t:ty),+) => { $(impl Closed for $t { fn of(id: &str) -> Option<Self> { Self::from_id(id) } })+ };
 }
-closed!(KeyframeType, Uncertainty, Longitudinal, Lateral, LateralDirection);
+closed!(KeyframeType, ProvenanceSource, Uncertainty, Longitudinal, Lateral, LateralDirection);
 
 impl<'de, T: Closed> Deserialize<'de> for Id<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
@@ -201,33 +214,6 @@ impl<'de, T: Closed> Deserialize<'de> for Id<T> {
             }
         }
         d.deserialize_str(V(PhantomData))
-    }
-}
-
-/// The components, folded into what rules ask.
-struct LeanComponents(Components);
-
-impl<'de> Deserialize<'de> for LeanComponents {
-    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        struct V;
-        impl<'de> Visitor<'de> for V {
-            type Value = LeanComponents;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a list of components")
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-                let mut out = Components::default();
-                while let Some(c) = seq.next_element::<LeanComponent<'de>>()? {
-                    if c.description.is_blank() {
-                        return Err(A::Error::custom("blank description"));
-                    }
-                    out.count += 1;
-                    out.any_high |= c.uncertainty.is_some_and(|u| u.0 == Uncertainty::High);
-                }
-                Ok(LeanComponents(out))
-            }
-        }
-        d.deserialize_seq(V)
     }
 }
 

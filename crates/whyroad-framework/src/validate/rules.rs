@@ -2,6 +2,7 @@
 //! wording; the wording is only made when somebody wants to read it, so that the fast path pays for the
 //! question alone.
 
+mod causal;
 mod class;
 mod decision;
 mod moment;
@@ -89,6 +90,11 @@ impl Rulebook<'_> {
         moment::keyframe(label, clip, sink);
         decision::direction(label, sink);
         decision::components(label, sink);
+        causal::ids(label, sink);
+        causal::evidence(label, sink);
+        causal::causes(label, sink);
+        causal::second_keyframe(label, prescribed, sink);
+        causal::secondary(label, self.classes, sink);
         text::trace(label, self.lexicon, sink);
     }
 

@@ -56,6 +56,34 @@ pub(super) struct View<'a> {
     pub trace: Slot<&'a str>,
     /// Ids of the records that hold something.
     pub records: Slot<Vec<&'a str>>,
+    /// Components that have an id or evidence; empty in a document of 2.0.
+    pub linked: Vec<LinkedComponent<'a>>,
+    pub causes: Slot<CausesView<'a>>,
+    pub second: Slot<KeyframeView>,
+    pub secondary: Vec<Slot<&'a str>>,
+}
+
+/// A component that says more than words.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LinkedComponent<'a> {
+    /// Position in the list.
+    pub index: usize,
+    pub id: Slot<&'a str>,
+    pub evidence: Vec<Slot<Nanos>>,
+}
+
+/// Causes of the two channels.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CausesView<'a> {
+    pub longitudinal: Slot<CauseView<'a>>,
+    pub lateral: Slot<CauseView<'a>>,
+}
+
+/// Causes of one channel.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CauseView<'a> {
+    pub components: Vec<Slot<&'a str>>,
+    pub unobserved: Slot<&'a str>,
 }
 
 /// The class of a label.

@@ -48,9 +48,38 @@ pub struct CocLabel {
     pub critical_components: Vec<CriticalComponent>,
     /// The reason in words: state, why, decision (LABELING.md 7).
     pub coc_trace: String,
-    /// What the leaf obliges the annotator to note (TAXONOMY.md last column), by record id.
+    /// What the leaf obliges the annotator to note (TAXONOMY.md last column), by record id. Since 2.1.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub records: BTreeMap<String, serde_json::Value>,
+    /// For each decision the components that cause it. Since 2.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub causes: Option<Causes>,
+    /// The second moment of the leaves that have two (LABELING.md 4, `cutout_reveal`). Since 2.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_keyframe: Option<Keyframe>,
+    /// Full ids of the other triggers that were active (LABELING.md 1). Since 2.1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub secondary_scenarios: Vec<String>,
+    /// Who made it, with what. Since 2.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
+}
+
+impl CocLabel {
+    /// The same in format 2.0.0: without everything that 2.1 added.
+    #[must_use]
+    pub fn to_2_0(mut self) -> Self {
+        self.version = Some("2.0.0".to_owned());
+        self.records.clear();
+        (self.causes, self.second_keyframe, self.provenance) = (None, None, None);
+        self.secondary_scenarios.clear();
+        for c in &mut self.critical_components {
+            c.id = None;
+            c.evidence_times.clear();
+            c.linked_objects.clear();
+        }
+        self
+    }
 }
 
 /// A half-open range of time, with frames where they are known.
@@ -150,4 +179,66 @@ pub struct CriticalComponent {
     /// Low or high.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
+    /// Name of the component within the label: what `causes` refers to. Since 2.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
+    /// When it could be seen; never after the keyframe. Since 2.1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub evidence_times: Vec<Nanos>,
+    /// Track ids of the objects that it speaks of. Since 2.1.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub linked_objects: Vec<String>,
+}
+
+/// Causes of the decision, a channel each; a channel without a decision has none (LABELING.md 6, causal coverage).
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Causes {
+    /// Of the longitudinal decision.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longitudinal: Option<Cause>,
+    /// Of the lateral decision.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral: Option<Cause>,
+}
+
+/// Components that cause a decision, or why none could be observed. One of the two.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Cause {
+    /// Ids of critical components.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub components: Vec<String>,
+    /// The cause is UNOBSERVED, for this reason.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unobserved: Option<String>,
+}
+
+closed_set!(
+    /// Who made a label.
+    ProvenanceSource {
+        /// A mining rule.
+        Rule = "rule",
+        /// A model.
+        Model = "model",
+        /// A person.
+        Person = "person",
+    }
+);
+
+/// Who made a label, with what.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Provenance {
+    /// Kind of author.
+    pub source: ProvenanceSource,
+    /// The author: a rule's class, a model's name, a person's id.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
+    /// When.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<Nanos>,
+    /// Program and version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tool: Option<String>,
+    /// Versions of what it was made with: `taxonomy`, `rules`, `model`, ...
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub versions: BTreeMap<String, String>,
 }
