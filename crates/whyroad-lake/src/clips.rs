@@ -1,8 +1,8 @@
 //! Clip metadata (DATA_FORMAT.md 3.1) of a drive's clips. Pure: all of it follows from the drive.
 
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
-use whyroad_model::scene::FRAME_RATE_HZ;
-use whyroad_model::{ClipId, Drive};
+use whyroad_model::scene::{CLIP_FRAMES, DriveMeta, FRAME_RATE_HZ};
+use whyroad_model::{ClipId, Drive, FrameRange, Nanos};
 
 /// One entry a clip, in the order of time, without pre-labels (those are mining's).
 ///
@@ -10,12 +10,22 @@ use whyroad_model::{ClipId, Drive};
 /// at exactly 10 Hz are 20.0 s and the last frame's time lies inside. Rounded to 1 ms.
 pub fn clip_metadata(drive: &Drive) -> Vec<ClipMetadata> {
     let meta = &drive.meta;
-    drive
-        .clips()
+    let sources = DataSources {
+        video: meta.video.clone(),
+        sensor: meta.sensors.clone(),
+        can: meta.can,
+        map: drive.map.is_some(),
+    };
+    metadata(meta, &drive.times, &sources)
+}
+
+/// The same from what is known of a drive without its tables.
+pub(crate) fn metadata(meta: &DriveMeta, times: &[Nanos], sources: &DataSources) -> Vec<ClipMetadata> {
+    clip_ranges(times.len())
         .into_iter()
         .enumerate()
         .map(|(index, frames)| {
-            let (first, last) = (drive.times[frames.start], drive.times[frames.end - 1]);
+            let (first, last) = (times[frames.start], times[frames.end - 1]);
             let duration_s = last.seconds_since(first) + 1.0 / FRAME_RATE_HZ;
             ClipMetadata {
                 clip_id: ClipId::of(&meta.drive_id, index).0,
@@ -24,12 +34,7 @@ pub fn clip_metadata(drive: &Drive) -> Vec<ClipMetadata> {
                 duration_sec: (duration_s * 1e3).round() / 1e3,
                 frame_rate: FRAME_RATE_HZ,
                 total_frames: u32::try_from(frames.len()).unwrap_or(u32::MAX),
-                data_sources: DataSources {
-                    video: meta.video.clone(),
-                    sensor: meta.sensors.clone(),
-                    can: meta.can,
-                    map: drive.map.is_some(),
-                },
+                data_sources: sources.clone(),
                 pre_labels: None,
                 drive_id: Some(meta.drive_id.0.clone()),
                 place: meta.place.clone(),
@@ -38,4 +43,10 @@ pub fn clip_metadata(drive: &Drive) -> Vec<ClipMetadata> {
             }
         })
         .collect()
+}
+
+/// Frames of each clip of a drive with so many frames; as [`Drive::clips`] has it.
+pub(crate) fn clip_ranges(frames: usize) -> Vec<FrameRange> {
+    let starts = (0..frames).step_by(CLIP_FRAMES);
+    starts.map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(frames))).collect()
 }

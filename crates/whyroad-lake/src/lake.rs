@@ -65,7 +65,7 @@ impl Lake {
         &self.dir
     }
 
-    fn drive_dir(&self, id: &DriveId) -> PathBuf {
+    pub(crate) fn drive_dir(&self, id: &DriveId) -> PathBuf {
         self.dir.join("drives").join(id.as_str())
     }
 
@@ -84,7 +84,7 @@ impl Lake {
         ids
     }
 
-    fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
+    pub(crate) fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
         // An id that is no folder name cannot be in the lake, and must not be joined to a path.
         if !validity::is_folder_safe(id.as_str()) {
             return Err(LakeError::DriveMissing(id.clone()));
@@ -237,7 +237,7 @@ fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), LakeErr
     file.write_all(text.as_bytes()).and_then(|()| file.sync_all()).map_err(LakeError::io(path))
 }
 
-fn remove_dir(path: &Path) -> Result<(), LakeError> {
+pub(crate) fn remove_dir(path: &Path) -> Result<(), LakeError> {
     match fs::remove_dir_all(path) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(LakeError::io(path)(e)),
         _ => Ok(()),

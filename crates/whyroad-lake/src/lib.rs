@@ -12,12 +12,16 @@ mod error;
 mod file;
 mod lake;
 mod manifest;
+mod outline;
+pub mod signals;
 mod tables;
 mod validity;
 
 pub use clips::clip_metadata;
 pub use error::{CODES, LakeError};
 pub use lake::{Lake, WriteOutcome};
+pub use outline::Outline;
+pub use signals::SignalFile;
 
 /// Version of the lake's layout. Raised when a reader of the old one would misread the new one.
 pub const LAKE_VERSION: u32 = 1;

@@ -1,0 +1,81 @@
+//! Signal tables on disk: what was derived from a drive, kept so that it is derived once. Two Parquet files, `frames`
+//! (a row a frame) and `targets` (a row an object and frame), plain enough for SQL; only the columns asked for are read.
+//!
+//! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
+//! order of target, then frame, without a hole; `whyroad.signals` in the metadata names the drive's content, the
+//! version of the signals, the objects with their frames, and the words of each category.
+//!
+//! Numbers are 64 bits wide as they were derived: a value that stands exactly on a rule's threshold stays on its
+//! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
+//! or less a row (dictionary). Unknown is null on disk.
+
+mod read;
+mod write;
+
+pub use read::{Range, Scope, SignalFile, StoredColumn};
+pub use write::write_signals;
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{DriveId, FrameRange, ObjectClass, TrackId};
+
+/// Order of the rows, as the files' metadata state it.
+pub(crate) const ROW_ORDER: &str = "drive, target, frame";
+pub(crate) const KEY: &str = "whyroad.signals";
+
+/// Columns before the signals: who and when.
+pub(crate) const FRAME: &str = "frame";
+pub(crate) const TIME: &str = "time_ns";
+
+/// What the files of one store say about themselves.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Contents {
+    /// Version of what derived the signals.
+    pub version: String,
+    /// The drives, a row group each.
+    pub drives: Vec<StoredDrive>,
+}
+
+/// One drive in a store.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StoredDrive {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Content hash of the scene tables from which the signals were derived.
+    pub content_hash: String,
+    /// Number of frames.
+    pub frames: usize,
+    targets: Vec<StoredTarget>,
+    /// Signals that the log cannot support, with what it would need.
+    pub unavailable: BTreeMap<String, Vec<String>>,
+    /// The words of each category signal, in the order of their codes.
+    pub words: BTreeMap<String, Vec<String>>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct StoredTarget {
+    id: TrackId,
+    class: ObjectClass,
+    first: usize,
+    end: usize,
+}
+
+impl StoredDrive {
+    /// The objects, each with the rows that it has in the targets' row group.
+    pub fn targets(&self) -> Vec<TargetSpan> {
+        let mut first_row = 0;
+        let span = |t: &StoredTarget| {
+            let frames = FrameRange::new(t.first, t.end);
+            let span = TargetSpan { id: t.id.clone(), class: t.class, first_row, frames };
+            first_row += frames.len();
+            span
+        };
+        self.targets.iter().map(span).collect()
+    }
+
+    /// Rows of the targets' row group.
+    pub fn target_rows(&self) -> usize {
+        self.targets.iter().map(|t| t.end - t.first).sum()
+    }
+}
