@@ -7,7 +7,7 @@ mod turning;
 use crate::geometry::{P2, p2, wrap};
 use crate::interaction::Interaction;
 use crate::placement::{Placement, Target};
-use crate::road::Road;
+use crate::road::{LaneShape, Road};
 use crate::rows::Rows;
 use crate::table::TableBuilder;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -132,7 +132,8 @@ fn crossed_by(scene: &Interaction<'_>, target: &Target<'_>) -> Vec<Tri> {
         .collect();
     for i in 1..seen.len() {
         let (y0, y1) = (seen[i - 1].0.y, seen[i].0.y);
-        let over = |line: f64| (y0 < line && line < y1) || (y1 < line && line < y0);
+        // RefAV asks for both sides strictly, and so misses who is exactly on the line in a frame.
+        let over = |line: f64| (y0 < line) != (y1 < line);
         let ahead = (front..=front + CROSSED_AHEAD_M).contains(&seen[i].0.x);
         if !ahead || !(over(side) || over(-side)) || seen[i].1.abs() <= CROSSED_MPS {
             continue;
@@ -157,17 +158,20 @@ fn stationary(m: &Motion) -> Tri {
     if known { Tri::from(diagonal < STATIONARY_M) } else { Tri::Unknown }
 }
 
+/// Near a junction lane; of a map that draws junctions as areas only, near one of these.
 fn near_intersection(road: &Road, p: P2) -> Tri {
     if !p.is_finite() {
         return Tri::Unknown;
     }
-    let lane_near = |i: usize| {
+    let is_junction = |lane: &LaneShape| lane.in_junction && lane.kind != LaneKind::Sidewalk;
+    if !road.lanes.iter().any(is_junction) {
+        return Tri::from(road.junctions.iter().any(|j| j.distance(p) <= INTERSECTION_M));
+    }
+    let near = |i: usize| {
         let lane = &road.lanes[i];
-        let counts = lane.in_junction && lane.kind != LaneKind::Sidewalk;
-        counts && lane.area.as_ref().is_some_and(|a| a.distance(p) <= INTERSECTION_M)
+        is_junction(lane) && lane.area.as_ref().is_some_and(|a| a.distance(p) <= INTERSECTION_M)
     };
-    let lanes = road.lanes_near(p, INTERSECTION_M).into_iter().any(lane_near);
-    Tri::from(lanes || road.junctions.iter().any(|j| j.distance(p) <= INTERSECTION_M))
+    Tri::from(road.lanes_near(p, INTERSECTION_M).into_iter().any(near))
 }
 
 /// Things that nobody steers have no direction of their own.
