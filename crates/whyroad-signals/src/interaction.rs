@@ -7,7 +7,8 @@ use crate::table::TableBuilder;
 use crate::target_lanes::TargetLanes;
 use crate::{
     conflict_point, criticality, lane_change_phase, lead, overtaking, passing, refav, responds, stops,
-    swerve, target_behaviour, target_lanes, target_side, target_turns, time_to_line, traffic, ttc_accel,
+    swerve, target_behaviour, target_lanes, target_ramp, target_side, target_turns, time_to_line, traffic,
+    ttc_accel,
 };
 use whyroad_model::Drive;
 
@@ -36,6 +37,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let standing = stops::targets_standing(scene);
     target_behaviour::write(scene, &standing, table);
     target_lanes::write(scene, table);
+    target_ramp::write(scene, table);
     target_side::write(scene, table);
     target_turns::write(scene, table);
     passing::write(scene, table);

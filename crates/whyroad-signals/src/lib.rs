@@ -65,6 +65,7 @@ mod stops;
 mod swerve;
 mod target_behaviour;
 mod target_lanes;
+mod target_ramp;
 mod target_side;
 mod target_turns;
 mod time_to_line;
