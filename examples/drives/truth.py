@@ -39,12 +39,22 @@ class Simulation:
                 }
         net = read(drive, "net")
         self.turn = {c.get("via"): c.get("dir") for c in net.iter("connection") if c.get("via")}
+        self.link = {c.get("via"): (c.get("tl"), int(c.get("linkIndex") or -1)) for c in net.iter("connection") if c.get("via")}
+        self.lights = []
+        if (HERE / drive / "tls.xml.gz").exists():
+            self.lights = [(float(s.get("time")), s.get("id"), s.get("state")) for s in read(drive, "tls")]
         # A joint of two roads is no junction: nothing else comes in.
         self.real = {j.get("id") for j in net.iter("junction") if len({l.rsplit("_", 1)[0] for l in j.get("incLanes").split()
                                                                        if not l.startswith(":")}) > 1}
         types = ET.parse(HERE / "types.rou.xml").getroot()
         self.size = {v.get("id"): (float(v.get("length")), float(v.get("width"))) for v in types}
         self.ids = sorted({i for _, i in self.at})
+
+    def light(self, lane, t):
+        """State of the light for what enters the junction over this lane, or "" where there is none."""
+        of, link = self.link[lane]
+        states = [s for u, i, s in self.lights if i == of and u <= t]
+        return states[-1][link] if states else ""
 
     def series(self, name):
         return [(t, self.at[t, name]) for t in self.times if (t, name) in self.at]
@@ -56,7 +66,8 @@ class Simulation:
 
 
 def turns(sim):
-    """Traversals of real junctions; the turn is the network's own."""
+    """Traversals of real junctions; the turn is the network's own. A left turn on "G" has its own right of way; on "g" it is
+    unprotected, and an interaction, not a turn, where somebody comes through from opposite within 5 s."""
     kinds = {"s": "straight", "l": "left_normal", "r": "right_normal"}
     run = []
     for t, o in sim.series("ego") + [(None, {"lane": ""})]:
@@ -66,6 +77,14 @@ def turns(sim):
         elif run:
             entry, out = run[0][0], run[-1][0] + 0.1
             kind = kinds[sim.turn[run[0][1]["lane"]]]
+            if kind == "left_normal" and sim.light(run[0][1]["lane"], entry) != "G":
+                kind, heading = "left_unprotected", run[0][1]["angle"]
+                near = {o["lane"]: (o, i) for (t, i), o in sim.at.items() if abs(t - entry) < 5 and i != "ego" and not o["person"]}
+                junction = run[0][1]["lane"][1:].rsplit("_", 2)[0]
+                if any(o["lane"].startswith(f":{junction}_") and sim.turn.get(o["lane"]) in ("s", "r")
+                       and abs((o["angle"] - heading) % 360 - 180) < 45 for o, _ in near.values()):
+                    run = []
+                    continue
             keyframe = entry
             if kind != "straight":
                 before = run[0][1]["angle"]
@@ -83,7 +102,14 @@ def lane_changes(sim):
             # Back to where it left its centre line by 0.3 m (1/10 of the way of a 3 s change).
             while start > t - 1.5 + 0.05:
                 start = round(start - 0.1, 1)
-            yield sim.record("proactive.lane_change", start, start, t + 1.5)
+            # "strategic" is for the route. "speedGain" overtakes whom it left behind it, or else only gains speed.
+            leaf = {"strategic": "navigation", "speedGain": "efficiency"}[c.get("reason").split("|")[0]]
+            old, me = c.get("from"), sim.at[t, "ego"]
+            ahead = [(o["x"] - me["x"], i) for i in sim.ids if (o := sim.at.get((t - 2, i))) and o["lane"] == old and o["x"] > me["x"]]
+            if leaf == "efficiency" and any((o := sim.at.get((u, min(ahead)[1]))) and o["lane"] == old and o["x"] < sim.at[u, "ego"]["x"]
+                                            for u in sim.times if t < u < t + 20):
+                leaf = "overtake"
+            yield sim.record(f"proactive.lane_change.{leaf}", start, start, t + 1.5)
             continue
         me, it = sim.at[t, "ego"], sim.at.get((t, name))
         if it is None or c.get("to") != me["lane"] or not 0 < it["x"] - me["x"] < 60:
@@ -162,7 +188,8 @@ def bends(sim):
 
 
 COMPLETE = [f"reactive_agent.cutin.{v}" for v in ("urgent", "large_vehicle")] + [
-    "proactive.lane_change", "proactive.turn.straight", "proactive.turn.right_normal",
+    *(f"proactive.lane_change.{v}" for v in ("navigation", "efficiency", "overtake")),
+    *(f"proactive.turn.{v}" for v in ("straight", "left_normal", "left_unprotected", "right_normal")),
     "reactive_agent.following.follow_start", "reactive_agent.following.follow_stop",
     "reactive_agent.vru_crossing.horizontal", "reactive_agent.vru_crossing.diagonal",
     "reactive_road.geometry_adaptation.high_curvature",
