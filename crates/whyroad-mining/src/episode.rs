@@ -2,9 +2,9 @@
 //! the whole drive; clips come in only where an episode is written down.
 
 pub mod arbitrate;
-mod build;
+pub(crate) mod build;
 pub mod moment;
-mod pairs;
+pub(crate) mod pairs;
 
 pub use build::{Found, find};
 

@@ -8,6 +8,7 @@ pub mod drive;
 pub mod engine;
 pub mod episode;
 pub mod evaluate;
+pub mod explain;
 pub mod fast;
 pub mod language;
 pub mod output;

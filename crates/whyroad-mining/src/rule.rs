@@ -13,6 +13,7 @@ pub mod text;
 pub use set::{Precedence, RuleSet};
 
 use crate::language::program::{Atom, Moment, NodeId, Program, Subject};
+use crate::language::{Checker, Expr, Fault};
 use std::collections::BTreeSet;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Bilingual, Nanos, ScenarioId};
@@ -31,6 +32,7 @@ pub const CODES: &[&str] = &[
     "rule.precedence",
     "rule.case",
     "mine.drive.unreadable",
+    "mine.store.unwritable",
     "mine.query.syntax",
     "mine.query.scenario",
     "mine.scenario.no_rule",
@@ -61,6 +63,8 @@ pub struct Rule {
     pub require: Vec<NodeId>,
     /// The parts of `when` and `require` that a person is told about.
     pub atoms: Vec<Atom>,
+    /// What has to hold, part by part, as it is told when somebody asks why the rule did not match.
+    pub parts: Vec<Part>,
     /// Which atoms an episode lists.
     pub listed: Listed,
     /// Shorter matches are dropped, after merging.
@@ -71,6 +75,28 @@ pub struct Rule {
     pub merge_gap: Nanos,
     /// Keyframe, start, end, context.
     pub timing: Timing,
+}
+
+/// A part of a rule: one of the conditions that must hold together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Where it must hold.
+    pub place: PartPlace,
+    /// As written, names replaced by what they stand for.
+    pub text: String,
+    /// Its truth.
+    pub condition: NodeId,
+    /// What it measures.
+    pub atoms: Vec<Atom>,
+}
+
+/// Where a part of a rule must hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartPlace {
+    /// At every frame of a match.
+    When,
+    /// At the keyframe.
+    Require,
 }
 
 /// A second object that takes part: the rule is judged for every pair of a target and such an object.
@@ -128,6 +154,16 @@ impl Timing {
             after: Nanos::default(),
             after_until: None,
         }
+    }
+}
+
+impl Part {
+    /// The parts of an expression that the checker has found sound.
+    pub(crate) fn of(checker: &mut Checker<'_>, expr: &Expr, place: PartPlace) -> Result<Vec<Part>, Fault> {
+        let mut parts = Vec::new();
+        checker.parts(expr, &mut parts)?;
+        let part = |(text, condition, atoms)| Part { place, text, condition, atoms };
+        Ok(parts.into_iter().map(part).collect())
     }
 }
 

@@ -46,6 +46,8 @@ enum Command {
     Signals(cmd::signals::Args),
     /// Find episodes
     Mine(cmd::mine::Args),
+    /// Show why a class was found in a clip, or why not
+    Explain(cmd::explain::Args),
     /// Check mining rules while they are being written
     Rules(cmd::rules::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
@@ -65,6 +67,7 @@ fn main() -> ExitCode {
         Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
         Command::Signals(a) => cmd::signals::run(&cli.global, a),
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
+        Command::Explain(a) => cmd::explain::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),

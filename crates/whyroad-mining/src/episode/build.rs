@@ -91,7 +91,7 @@ fn on_rows<'a>(
 }
 
 /// Runs of true as first and last row, near ones merged, too short and too long ones dropped.
-fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
+pub(crate) fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for (i, t) in when.value.iter().enumerate() {
         if *t != Tri::True {
@@ -112,14 +112,25 @@ fn matches(when: &Truths, rows: &[Row], rule: &Rule) -> Vec<(usize, usize)> {
     runs
 }
 
-fn episode<'a>(
+/// A match with its keyframe.
+pub(crate) struct Located<'a> {
+    times: Times,
+    known: Known,
+    keyframe: usize,
+    keyframe_rule: Bilingual,
+    /// The pass for this episode.
+    pub(crate) at: Pass<'a>,
+    /// The row at which the conditions are judged.
+    pub(crate) row: usize,
+}
+
+/// Where the keyframe of a match is.
+pub(crate) fn locate<'a>(
     rule: &'a Rule,
-    roles: Roles<'a>,
-    when: &Truths,
     (first, last): (usize, usize),
     evaluator: &mut Evaluator<'a>,
     pass: &mut Pass<'a>,
-) -> Option<Episode> {
+) -> Option<Located<'a>> {
     let times = Times::of(evaluator, pass, (first, last))?;
     let mut known = Known { first, last, keyframe: None };
     let (keyframe_time, keyframe_rule) = keyframe(rule, known, evaluator, pass);
@@ -128,8 +139,21 @@ fn episode<'a>(
     // A keyframe may lie outside the match (0.5 s before the turn): the conditions are judged at the frame of
     // the match that is nearest to it.
     let judged = keyframe.clamp(times.matched.start, times.matched.end - 1);
-    let mut at = evaluator.at_episode(pass, Moments { keyframe: judged, matched: times.matched });
+    let at = evaluator.at_episode(pass, Moments { keyframe: judged, matched: times.matched });
     let row = evaluator.rows(&at).iter().position(|r| r.frame == Some(judged))?;
+    Some(Located { times, known, keyframe, keyframe_rule, at, row })
+}
+
+fn episode<'a>(
+    rule: &'a Rule,
+    roles: Roles<'a>,
+    when: &Truths,
+    (first, last): (usize, usize),
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Option<Episode> {
+    let Located { times, known, keyframe, keyframe_rule, mut at, row } =
+        locate(rule, (first, last), evaluator, pass)?;
     let mut margin = mean_margin(when, first, last);
     for id in &rule.require {
         let (truth, m) = truth_at(*id, row, evaluator, &mut at);
@@ -202,7 +226,12 @@ fn mean_margin(when: &Truths, first: usize, last: usize) -> f64 {
     held.iter().sum::<f64>() / held.len() as f64
 }
 
-fn truth_at<'a>(id: NodeId, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> (Tri, f64) {
+pub(crate) fn truth_at<'a>(
+    id: NodeId,
+    row: usize,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> (Tri, f64) {
     match evaluator.series(id, pass).as_ref() {
         Series::Truths(t) => (t.value[row], t.margin[row]),
         _ => (Tri::Unknown, f64::NAN),
@@ -227,7 +256,12 @@ fn conditions<'a>(
 }
 
 /// The measured value in the atom's unit, to four decimals; null when unknown or infinite.
-fn measured<'a>(atom: &Atom, row: usize, evaluator: &mut Evaluator<'a>, pass: &mut Pass<'a>) -> Value {
+pub(crate) fn measured<'a>(
+    atom: &Atom,
+    row: usize,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Value {
     match evaluator.series(atom.measured, pass).as_ref() {
         Series::Numbers(v) => {
             let rounded = (v[row] / atom.unit.to_base * 1e4).round() / 1e4;

@@ -9,7 +9,7 @@ use whyroad_model::signal::TargetSpan;
 use whyroad_model::{SignalTable, Tri};
 
 /// The objects that can take the second role beside `target`: others, seen while it is seen.
-pub(super) fn partners<'a>(
+pub(crate) fn partners<'a>(
     target: &'a TargetSpan,
     role: &SecondRole,
     table: &'a SignalTable,

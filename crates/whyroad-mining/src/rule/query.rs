@@ -2,7 +2,7 @@
 
 mod clause;
 
-use super::{Listed, Rule, TARGET, Timing};
+use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
 use crate::language::program::{Kind, Op};
 use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
@@ -70,6 +70,7 @@ pub fn compile_query(
     let mut found = Vec::new();
     let mut conditions = Vec::new();
     let mut atoms = Vec::new();
+    let mut parts = Vec::new();
     let mut reader =
         Reader { checker: &mut checker, catalogue, text, file, seen: Vec::new(), found: Vec::new() };
     for (i, clause) in query.conditions.iter().enumerate() {
@@ -77,6 +78,7 @@ pub fn compile_query(
         let Some(expr) = reader.clause(clause, &pointer) else { continue };
         let whole = reader.checker.condition(&expr).and_then(|id| {
             reader.checker.atoms(&expr, &mut atoms)?;
+            parts.extend(Part::of(reader.checker, &expr, PartPlace::When)?);
             Ok(id)
         });
         match whole {
@@ -126,6 +128,7 @@ pub fn compile_query(
         when,
         require: vec![],
         atoms,
+        parts,
         listed: Listed::All,
         min_duration: Nanos::from_secs_f64(bounds.condition_duration_min.unwrap_or(0.0)),
         max_duration: bounds.condition_duration_max.map(Nanos::from_secs_f64),

@@ -1,7 +1,7 @@
 //! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
 
 use super::origin::Origin;
-use super::{Listed, Rule, TARGET, Timing};
+use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
 use crate::language::program::{Atom, Kind, Moment, NodeId, Op, Subject};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
@@ -106,10 +106,11 @@ pub fn compile(
         OneOrMany::One(text) => vec![text],
         OneOrMany::Many(all) => all,
     };
-    let mut atoms = Vec::new();
-    let when: Vec<NodeId> = whens.iter().filter_map(|t| c.condition(t, "/mining/when", &mut atoms)).collect();
+    let mut told = Told::default();
+    let when: Vec<NodeId> = whens.iter().filter_map(|t| c.condition(t, PartPlace::When, &mut told)).collect();
     let require: Vec<NodeId> =
-        block.require.iter().filter_map(|t| c.condition(t, "/mining/require", &mut atoms)).collect();
+        block.require.iter().filter_map(|t| c.condition(t, PartPlace::Require, &mut told)).collect();
+    let (atoms, parts) = told;
     let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
     let min_duration = time(&block.min_duration, "/mining/min_duration").unwrap_or_default();
     let max_duration = time(&block.max_duration, "/mining/max_duration");
@@ -148,6 +149,7 @@ pub fn compile(
         when,
         require,
         atoms,
+        parts,
         listed: Listed::Holding,
         min_duration,
         max_duration,
@@ -156,6 +158,9 @@ pub fn compile(
         program: c.checker.program,
     })
 }
+
+/// What a person is told about a rule: what it measures, and what has to hold.
+type Told = (Vec<Atom>, Vec<Part>);
 
 pub(super) struct Compiler<'a> {
     pub(super) checker: Checker<'a>,
@@ -175,10 +180,15 @@ impl Compiler<'_> {
         self.found.push(self.origin.diagnose(key, text, fault));
     }
 
-    fn condition(&mut self, text: &str, key: &str, atoms: &mut Vec<Atom>) -> Option<NodeId> {
+    fn condition(&mut self, text: &str, place: PartPlace, (atoms, parts): &mut Told) -> Option<NodeId> {
+        let key = match place {
+            PartPlace::When => "/mining/when",
+            PartPlace::Require => "/mining/require",
+        };
         let checked = parse::parse(text).and_then(|expr| {
             let id = self.checker.condition(&expr)?;
             self.checker.atoms(&expr, atoms)?;
+            parts.extend(Part::of(&mut self.checker, &expr, place)?);
             Ok(id)
         });
         checked.map_err(|fault| self.report(key, text, fault)).ok()

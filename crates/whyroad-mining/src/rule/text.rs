@@ -2,7 +2,7 @@
 //! labelling spec: its moments are those of the match itself.
 
 use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
-use super::{Listed, Rule, TARGET, Timing};
+use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
 use crate::language::program::Subject;
 use crate::language::{Checker, parse};
 use whyroad_model::{Diagnostic, Nanos, Place, ScenarioId};
@@ -19,12 +19,14 @@ pub fn compile_text(
 ) -> Result<Rule, Box<Diagnostic>> {
     let mut checker = Checker::new(catalogue);
     let mut atoms = Vec::new();
+    let mut parts = Vec::new();
     let checked = parse::parse(text).and_then(|expr| {
         let when = checker.condition(&expr)?;
         if checker.program.node(when).needs_episode {
             return Err(needs_a_match(text));
         }
         checker.atoms(&expr, &mut atoms)?;
+        parts = Part::of(&mut checker, &expr, PartPlace::When)?;
         Ok(when)
     });
     let place = Place { file: Some(name.to_owned()), line: Some(1), ..Place::default() };
@@ -38,6 +40,7 @@ pub fn compile_text(
         when,
         require: vec![],
         atoms,
+        parts,
         listed: Listed::Holding,
         min_duration: Nanos::default(),
         max_duration: None,

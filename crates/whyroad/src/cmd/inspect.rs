@@ -84,7 +84,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
-fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
+pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
     let (drive, index) = clip.rsplit_once('_')?;
     let drive = DriveId::from(drive);
     let clips = lake.clip_summaries(&drive).ok()?;

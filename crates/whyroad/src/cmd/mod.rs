@@ -2,6 +2,7 @@
 
 pub(crate) mod demo;
 pub(crate) mod evaluate;
+pub(crate) mod explain;
 pub(crate) mod ingest;
 pub(crate) mod inspect;
 pub(crate) mod mine;

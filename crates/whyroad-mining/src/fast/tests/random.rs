@@ -284,6 +284,7 @@ pub fn rule() -> impl Strategy<Value = Rule> {
                 when,
                 require,
                 atoms: vec![atom(late, number), atom(moment, moment)],
+                parts: vec![],
                 listed: if bounded { Listed::All } else { Listed::Holding },
                 min_duration: least,
                 max_duration: bounded.then_some(Nanos(3_000_000_000)),

@@ -9,6 +9,24 @@ use std::fmt::Write as _;
 use whyroad_model::units::{UNITS, Unit};
 
 impl Checker<'_> {
+    /// The conditions that must hold together for this one to hold, each with its text and its atoms: the members of
+    /// a conjunction, also where it is written as a definition.
+    pub fn parts(&mut self, expr: &Expr, out: &mut Vec<(String, NodeId, Vec<Atom>)>) -> Result<(), Fault> {
+        match &expr.kind {
+            ExprKind::And(all) => all.iter().try_for_each(|e| self.parts(e, out)),
+            ExprKind::Name(name) if self.definitions.contains_key(name) => {
+                let definition = self.definitions[name].0.clone();
+                self.parts(&definition, out)
+            }
+            _ => {
+                let mut atoms = Vec::new();
+                self.atoms(expr, &mut atoms)?;
+                out.push((self.describe(expr), self.condition(expr)?, atoms));
+                Ok(())
+            }
+        }
+    }
+
     /// Appends the atoms of a condition that has been checked.
     pub fn atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
         match &expr.kind {

@@ -1,0 +1,189 @@
+//! An explanation as text: a verdict, then a bar over time for each condition.
+
+use super::{Shown, seconds};
+use serde_json::Value;
+use std::fmt::Write as _;
+use whyroad_mining::explain::{AtomCourse, Cell, Course, Explanation, Outcome, PartCourse};
+use whyroad_mining::rule::PartPlace;
+use whyroad_model::{Lang, Tri};
+
+/// 20 s at 10 Hz are 50 signs of four frames each.
+const FRAMES_A_SIGN: usize = 4;
+
+/// The whole text.
+pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
+    let e = shown.explanation;
+    let mut out = verdict(shown, lang);
+    out.push('\n');
+    if e.parts.is_empty() {
+        return out;
+    }
+    let _ = writeln!(out, "\n{}", axis(e.when.cells.len()));
+    line(&mut out, &e.when, 0, whole(lang), None, lang);
+    for part in &e.parts {
+        lines_of_part(&mut out, part, lang);
+    }
+    if let Some(frame) = e.moment {
+        let at = frame / FRAMES_A_SIGN;
+        let _ = writeln!(out, "{:at$}^ {:.1} s", "", seconds(frame));
+    }
+    let _ = writeln!(out, "\n{}", legend(lang));
+    out
+}
+
+/// What became of the rule, in a sentence; also the title of the picture.
+pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
+    let e = shown.explanation;
+    let roles: Vec<String> = e.roles.iter().map(|(name, id)| format!("{name} {id}")).collect();
+    let who = if roles.is_empty() { String::new() } else { format!(" ({})", roles.join(", ")) };
+    let (class, clip) = (shown.class, shown.clip);
+    let mut out = match lang {
+        Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(e)),
+        Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(e)),
+    };
+    if e.candidates > 1 {
+        let _ = match lang {
+            Lang::Zh => write!(out, "\n{} 个候选中最接近的一个", e.candidates),
+            Lang::En => write!(out, "\nthe one of {} candidates that came furthest", e.candidates),
+        };
+    }
+    if !e.missing.is_empty() {
+        let missing = e.missing.join(", ");
+        let _ = match lang {
+            Lang::Zh => write!(out, "\n此行程不可观测，缺少信号：{missing}"),
+            Lang::En => write!(out, "\nnot observable in this drive, which lacks {missing}"),
+        };
+    }
+    out
+}
+
+fn outcome_en(e: &Explanation) -> String {
+    let at = match e.moment {
+        Some(f) => format!("{:.1} s (frame {f})", seconds(f)),
+        None => "a time outside the clip".to_owned(),
+    };
+    match e.outcome {
+        Outcome::Matched => format!("matches, keyframe at {at}"),
+        Outcome::NotAtKeyframe => {
+            format!("does not match: what is required at the keyframe, {at}, does not hold")
+        }
+        Outcome::WrongDuration => {
+            format!("does not match: its conditions held together at {at}, but not as long as it asks")
+        }
+        Outcome::NotTogether => {
+            format!("does not match: its conditions never held together, nearest at {at}")
+        }
+        Outcome::Undecided => "cannot be decided in this clip".to_owned(),
+        Outcome::NoCandidate => "nothing in this clip could be its target".to_owned(),
+    }
+}
+
+fn outcome_zh(e: &Explanation) -> String {
+    let at = match e.moment {
+        Some(f) => format!("{:.1} s（第 {f} 帧）", seconds(f)),
+        None => "片段之外".to_owned(),
+    };
+    match e.outcome {
+        Outcome::Matched => format!("匹配，关键帧在 {at}"),
+        Outcome::NotAtKeyframe => format!("不匹配：关键帧 {at} 处须成立的条件不成立"),
+        Outcome::WrongDuration => format!("不匹配：条件在 {at} 同时成立，但持续时间不符"),
+        Outcome::NotTogether => format!("不匹配：条件从未同时成立，{at} 时最接近"),
+        Outcome::Undecided => "在此片段中无法判定".to_owned(),
+        Outcome::NoCandidate => "此片段中没有可作目标的对象".to_owned(),
+    }
+}
+
+/// Name of the line for all conditions together.
+pub(super) fn whole(lang: Lang) -> &'static str {
+    match lang {
+        Lang::Zh => "全部条件（when）",
+        Lang::En => "all of when",
+    }
+}
+
+/// A part's text, with where it must hold.
+pub(super) fn text_of(part: &PartCourse, lang: Lang) -> String {
+    match (part.place, lang) {
+        (PartPlace::When, _) => part.text.clone(),
+        (PartPlace::Require, Lang::Zh) => format!("关键帧处：{}", part.text),
+        (PartPlace::Require, Lang::En) => format!("at the keyframe: {}", part.text),
+    }
+}
+
+/// The comparison that is the whole part: it is told in one line.
+pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
+    part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
+}
+
+/// The measured value with its unit; nothing where the condition is its own measure.
+pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
+    let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
+    match &atom.actual {
+        Value::Number(n) => Some(format!("{n} {}", atom.unit).trim_end().to_owned()),
+        Value::String(s) => Some(s.clone()),
+        Value::Null if atom.course.truth == Tri::Unknown => word("未知", "unknown"),
+        Value::Null => word("无穷", "infinite"),
+        _ => None,
+    }
+}
+
+fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
+    line(out, &part.course, 0, &text_of(part, lang), single(part), lang);
+    if single(part).is_none() {
+        for atom in &part.atoms {
+            line(out, &atom.course, 2, &atom.text, Some(atom), lang);
+        }
+    }
+}
+
+fn line(out: &mut String, course: &Course, indent: usize, text: &str, atom: Option<&AtomCourse>, lang: Lang) {
+    let actual = atom.and_then(|a| actual(a, lang)).map(|a| format!("  [{a}]")).unwrap_or_default();
+    let bar: String = course.cells.chunks(FRAMES_A_SIGN).map(sign).collect();
+    let mark = match (course.truth, lang) {
+        (Tri::True, Lang::En) => "yes",
+        (Tri::False, Lang::En) => "no ",
+        (Tri::Unknown, Lang::En) => "?  ",
+        (Tri::True, Lang::Zh) => "是",
+        (Tri::False, Lang::Zh) => "否",
+        (Tri::Unknown, Lang::Zh) => "？",
+    };
+    let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}{actual}", "");
+}
+
+fn sign(frames: &[Cell]) -> char {
+    let count = |c: Cell| frames.iter().filter(|f| **f == c).count();
+    let yes = count(Cell::Known(Tri::True));
+    if count(Cell::Absent) == frames.len() {
+        ' '
+    } else if yes == frames.len() {
+        '#'
+    } else if yes > 0 {
+        '+'
+    } else if count(Cell::Known(Tri::Unknown)) > 0 {
+        '?'
+    } else {
+        '.'
+    }
+}
+
+fn axis(frames: usize) -> String {
+    let mut out = String::new();
+    for frame in (0..frames).step_by(48) {
+        let at = frame / FRAMES_A_SIGN;
+        let gap = at.saturating_sub(out.chars().count());
+        let _ = write!(out, "{:gap$}|{:.1} s", "", seconds(frame));
+    }
+    out
+}
+
+fn legend(lang: Lang) -> &'static str {
+    match lang {
+        Lang::Zh => {
+            "一格 0.4 s：# 成立，+ 部分成立，. 不成立，? 未知，空白为目标不可见；是、否与 [实际值] 均指 ^ 所示时刻"
+        }
+        Lang::En => {
+            "a sign is 0.4 s: # true, + partly true, . false, ? unknown, blank where the target is not seen;\n\
+             yes, no and [values] are those at ^"
+        }
+    }
+}
