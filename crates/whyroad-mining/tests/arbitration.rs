@@ -127,7 +127,10 @@ fn pairs(class: &ScenarioId, decides: &[Decides]) -> Vec<(ScenarioId, ScenarioId
 
 fn leaves_of(class: &ScenarioId) -> Vec<ScenarioId> {
     let leaves = Framework::bundled().taxonomy.leaves();
-    leaves.map(|(l1, l2, l3)| ScenarioId::leaf(&l1.id, &l2.id, &l3.id)).filter(|id| id.is_within(class)).collect()
+    leaves
+        .map(|(l1, l2, l3)| ScenarioId::leaf(&l1.id, &l2.id, &l3.id))
+        .filter(|id| id.is_within(class))
+        .collect()
 }
 
 #[test]
@@ -177,4 +180,9 @@ fn an_l2_stays_silent_where_a_leaf_knows_more() {
     let found = primaries(vec![l2("a", 100), l2("b", 300), leaf]);
     let expected = [("reactive_agent.cutin.slow".to_owned(), 100), ("reactive_agent.cutin".to_owned(), 300)];
     assert_eq!(found, expected);
+    // An L2 about the ego alone, a leaf about whom it overtakes.
+    let alone = episode("proactive.lane_change", "", 100, 0.9);
+    let passed = episode("proactive.lane_change.overtake", "a", 100, 0.6);
+    let times: Vec<Nanos> = (0..500).map(|i| Nanos(i * 100_000_000)).collect();
+    assert_eq!(arbitrate(vec![alone, passed.clone()], &times, &precedence()), [passed]);
 }

@@ -40,14 +40,15 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
 }
 
 /// An L2's own rule stands for "this L2, variant unknown": where a leaf of it matched the same target at the
-/// same time, the variant is known.
+/// same time, the variant is known. An L2 about the ego alone (a lane change) may have a leaf about a target (the
+/// vehicle overtaken): whichever target it is, the variant is known.
 fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {
     let resolved = |e: &Episode| {
         e.scenario.l3.is_none()
             && episodes.iter().any(|o| {
                 o.scenario.is_leaf()
                     && o.scenario.is_within(&ScenarioId { l3: None, ..e.scenario.clone() })
-                    && o.target == e.target
+                    && (e.target.is_none() || o.target == e.target)
                     && !o.matched.intersect(e.matched).is_empty()
             })
     };
