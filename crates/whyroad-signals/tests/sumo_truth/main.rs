@@ -12,6 +12,7 @@ mod lanes;
 mod leads;
 mod lights;
 mod simulation;
+mod standing;
 
 use simulation::{Derived, GRID, MOTORWAY, Simulation};
 use std::collections::BTreeMap;
