@@ -7,6 +7,7 @@
 //! positions; a person's motion comes from positions altogether, because a person moved by script is not where
 //! its speed says. Times are `start` plus simulated time.
 
+mod border;
 mod csv;
 mod egos;
 mod fcd;

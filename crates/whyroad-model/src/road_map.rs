@@ -30,8 +30,8 @@ pub struct RoadMap {
     pub signs: Vec<Sign>,
     /// Toll gates, speed bumps, tunnels and the like.
     pub facilities: Vec<Facility>,
-    /// Kinds of signs and facilities of which the map has all there are, ordered. Of any other kind a map that has
-    /// none does not tell that there is none.
+    /// Kinds of signs and facilities and tags of lanes of which the map has all there are, ordered. Of any other a map
+    /// that has none does not tell that there is none.
     pub complete_for: Vec<String>,
 }
 

@@ -14,6 +14,8 @@ use whyroad_model::road_map::{Lane, LaneKind, LaneMark, TurnKind};
 
 /// Limits that differ by less are one: 30 km/h is written as 8.33 or 8.34 m/s.
 const SAME_LIMIT_MPS: f64 = 0.1;
+/// A lane shorter than this can be a joint between two roads, without a limit of its own, m.
+const JOINT_M: f64 = 20.0;
 /// A junction's lanes lead across it over no more links than this.
 const MOST_LINKS: usize = 8;
 
@@ -168,7 +170,8 @@ fn limits(on: &OnRoad<'_>) -> Vec<Option<f64>> {
             let lane = on.lanes.at(i)?.lane;
             let from = || {
                 let shape = &on.road.lanes[lane];
-                if !shape.in_junction {
+                // As does a short piece that only joins two roads.
+                if !shape.in_junction && shape.centre.length() > JOINT_M {
                     return None;
                 }
                 before.or_else(|| shape.predecessors.iter().find_map(|&p| stated(p)))

@@ -141,7 +141,9 @@ fn turns_back(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
     let only_back = |lane: usize| {
         let next = &on.road.lanes[lane].successors;
         let back = |&n: &usize| on.lane(n).is_some_and(|l| l.turn == Some(TurnKind::Uturn));
-        !next.is_empty() && next.iter().all(back)
+        // A way that leads out of the map is a way on.
+        let all_here = on.lane(lane).is_some_and(|l| l.successors.len() == next.len());
+        !next.is_empty() && all_here && next.iter().all(back)
     };
     let ends = |lane: usize| {
         let road: Vec<usize> = std::iter::once(lane).chain(beside(on.road, lane)).collect();

@@ -2,9 +2,11 @@
 //!
 //! Lane edges are the lane's shape moved by half its width to either side. Lanes inside junctions are SUMO's internal
 //! lanes; walking areas and tracks of rails are left out. A node counts as a junction when it joins three or more
-//! other nodes: a node that only bends a road or changes its number of lanes is none. SUMO has no lane marks
+//! other nodes: a node that only bends a road or changes its number of lanes is none, nor is one where one-way roads merge or
+//! part at small angles (ramps of a motorway). SUMO has no lane marks
 //! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
 
+use super::border::Border;
 use super::ramps;
 use super::xml::{Element, Tag, for_each_tag};
 use crate::geometry::{beside, between, distance};
@@ -66,6 +68,7 @@ struct Raw {
     lanes: BTreeMap<String, Lane>,
     crossings: Vec<Area>,
     nodes: BTreeMap<String, Vec<Point3>>,
+    border: Border,
     connections: Vec<Connection>,
     /// Edges of each roundabout.
     roundabouts: Vec<Vec<String>>,
@@ -94,6 +97,7 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
             }
             "lane" => add_lane(&e, &edge_id, &mut raw, &mut net),
             "junction" => {
+                raw.border.add(&e);
                 if let (Some(id), Some(shape)) = (e.text("id"), e.get("shape"))
                     && !matches!(e.get("type").as_deref(), Some("internal" | "dead_end"))
                 {
@@ -221,8 +225,8 @@ fn connection(e: &Element) -> Option<Connection> {
 }
 
 fn assemble(raw: Raw, net: &mut Net) {
-    let Raw { edges, mut lanes, crossings, nodes, connections, roundabouts } = raw;
-    let junctions = real_junctions(&edges);
+    let Raw { edges, mut lanes, crossings, nodes, border, connections, roundabouts } = raw;
+    let junctions = real_junctions(&edges, &lanes);
 
     for edge in edges.values() {
         // Lanes are numbered from the right; SUMO writes them in that order.
@@ -265,6 +269,12 @@ fn assemble(raw: Raw, net: &mut Net) {
     let outside: Vec<&Vec<String>> =
         edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
     ramps::tag_feeders(&outside, &mut lanes);
+    let exits = border.exits();
+    for edge in edges.values().filter(|e| e.function.is_empty() && exits.contains(&e.to.as_str())) {
+        for lane in &edge.lanes {
+            set(&mut lanes, lane, |l| l.successors.push(format!("beyond:{}", edge.to)));
+        }
+    }
     let stops: BTreeSet<&str> = net.links.iter().map(|l| l.lane.as_str()).collect();
     net.map.stop_lines = stops
         .into_iter()
@@ -276,8 +286,8 @@ fn assemble(raw: Raw, net: &mut Net) {
         .collect();
     net.map.facilities = roundabouts.iter().filter_map(|r| roundabout(r, &edges, &lanes)).collect();
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds.
-    net.map.complete_for = vec!["roundabout".to_owned()];
+    // netconvert marks every roundabout that it finds; of ramps and lanes to gain speed a network has what its vehicles know of.
+    net.map.complete_for = ["acceleration", "ramp", "roundabout"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
     net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
@@ -346,14 +356,23 @@ fn internal_node(edge_id: &str) -> Option<&str> {
     edge_id.strip_prefix(':')?.rsplit_once('_').map(|p| p.0)
 }
 
-/// Nodes that join three or more other nodes by edges that have lanes.
-fn real_junctions(edges: &BTreeMap<String, Edge>) -> BTreeSet<&str> {
+/// Nodes that join three or more other nodes by edges that have lanes, but for those at which one-way roads only merge or part.
+fn real_junctions<'e>(
+    edges: &'e BTreeMap<String, Edge>,
+    lanes: &BTreeMap<String, Lane>,
+) -> BTreeSet<&'e str> {
+    let mut flows: HashMap<&str, ramps::Flows> = HashMap::new();
     let mut others: HashMap<&str, BTreeSet<&str>> = HashMap::new();
     for e in edges.values().filter(|e| e.function.is_empty() && !e.lanes.is_empty()) {
         others.entry(&e.from).or_default().insert(&e.to);
         others.entry(&e.to).or_default().insert(&e.from);
+        if let Some(lane) = e.lanes.first().and_then(|id| lanes.get(id)) {
+            flows.entry(&e.from).or_default().leaves(&e.to, lane);
+            flows.entry(&e.to).or_default().comes(&e.from, lane);
+        }
     }
-    others.into_iter().filter(|(_, o)| o.len() >= 3).map(|(n, _)| n).collect()
+    let only_flows = |node: &str| flows.get(node).is_some_and(ramps::Flows::run_together);
+    others.into_iter().filter(|(node, o)| o.len() >= 3 && !only_flows(node)).map(|(node, _)| node).collect()
 }
 
 /// The leftmost lanes of an edge and of the one that runs the other way are neighbours where they touch.

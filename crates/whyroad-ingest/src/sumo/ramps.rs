@@ -1,8 +1,48 @@
-//! Which lanes of a network are ramps. OpenStreetMap's word for them is an edge type that ends in `_link`; a network that was drawn
-//! has none, but marks the lanes on which traffic from a ramp gains speed (`acceleration="1"`).
+//! Roads that merge or part, and which lanes of a network are ramps: OpenStreetMap's word for them is an edge type that ends in `_link`;
+//! a network that was drawn has none, but marks the lanes on which traffic from a ramp gains speed (`acceleration="1"`).
 
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::road_map::Lane;
+use std::f64::consts::FRAC_PI_3;
+use whyroad_model::road_map::{Lane, Point3};
+
+/// Roads whose directions at a node differ by less than this run together there, rad: 60 deg.
+const TOGETHER_RAD: f64 = FRAC_PI_3;
+
+/// Direction from one point to another, rad.
+fn heading(a: Point3, b: Point3) -> f64 {
+    (b.y - a.y).atan2(b.x - a.x)
+}
+
+/// The roads at a node: whence, whither, and their directions there (rad).
+#[derive(Default)]
+pub(super) struct Flows<'e> {
+    from: BTreeSet<&'e str>,
+    to: BTreeSet<&'e str>,
+    headings: Vec<f64>,
+}
+
+impl<'e> Flows<'e> {
+    /// A road that begins here and leads to node `to`.
+    pub fn leaves(&mut self, to: &'e str, lane: &Lane) {
+        self.to.insert(to);
+        self.headings.extend(lane.centre.windows(2).next().map(|w| heading(w[0], w[1])));
+    }
+
+    /// A road that comes from node `from` and ends here.
+    pub fn comes(&mut self, from: &'e str, lane: &Lane) {
+        self.from.insert(from);
+        self.headings.extend(lane.centre.windows(2).last().map(|w| heading(w[0], w[1])));
+    }
+
+    /// True where one-way roads merge or part: none leads back where one comes from, one side is a single road, and all of them go
+    /// one way.
+    pub fn run_together(&self) -> bool {
+        let apart = |a: f64, b: f64| crate::kinematics::wrap_angle(a - b).abs();
+        self.from.is_disjoint(&self.to)
+            && (self.from.len() == 1 || self.to.len() == 1)
+            && self.headings.iter().all(|&a| self.headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))
+    }
+}
 
 /// True for the type of a ramp's edge: `highway.motorway_link`.
 pub(super) fn is_link_type(edge_type: &str) -> bool {

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
+use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::{Diagnostic, Nanos};
 
 const KEYS: &[&str] =
@@ -23,7 +23,7 @@ pub(super) struct Meta {
     /// Time of `time_s` zero.
     pub start_time: Option<Nanos>,
     pub ego: EgoBox,
-    /// Kinds of signs and facilities of which the map has all there are, ordered.
+    /// Kinds of signs and facilities, and tags of lanes, of which the map has all there are, ordered.
     pub map_complete_for: Vec<String>,
 }
 
@@ -121,7 +121,8 @@ impl Meta {
 }
 
 fn complete_for(list: Option<&Value>, file: &str, out: &mut Vec<Diagnostic>) -> Vec<String> {
-    let known: Vec<&'static str> = SIGN_KINDS.iter().chain(FACILITY_KINDS).copied().collect();
+    let known: Vec<&'static str> =
+        SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied().collect();
     let mut words = UnknownWords::default();
     let mut kinds = BTreeSet::new();
     for item in list.into_iter().flat_map(|v| v.as_array().cloned().unwrap_or_else(|| vec![v.clone()])) {
