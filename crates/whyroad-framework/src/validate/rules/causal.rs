@@ -66,7 +66,10 @@ pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
             (None, Slot::Is(_)) if is_null => without_decision(channel, sink),
             _ => {}
         }
-        if let Slot::Is(cause) = cause {
+        // Where there are no components at all, that has been said.
+        if let Slot::Is(cause) = cause
+            && label.components.get().is_some_and(|c| c.count > 0)
+        {
             components(channel, cause, &known, sink);
         }
     }
