@@ -176,4 +176,12 @@ impl Rule {
         }
         out
     }
+
+    /// Those of them without which nobody can say that it was not there: all but the ones of which the rule itself
+    /// asks whether they are known.
+    pub fn needs(&self) -> BTreeSet<String> {
+        let roots = std::iter::once(&self.when).chain(&self.require);
+        let asked: BTreeSet<String> = roots.flat_map(|id| self.program.asked_for(*id)).collect();
+        self.signals().difference(&asked).cloned().collect()
+    }
 }

@@ -60,10 +60,10 @@ pub(super) struct Decided {
     pub(super) known: usize,
 }
 
-/// Signals that the drive does not have, when the rule reads any: "nothing found" would claim too much. Where
+/// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much. Where
 /// the drive has them all and yet not one row could be decided, those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
-    let signals = rule.signals();
+    let signals = rule.needs();
     let column = |s: &String| table.frame_columns.get(s).or_else(|| table.target_columns.get(s));
     let absent: BTreeSet<String> = signals.iter().filter(|s| column(s).is_none()).cloned().collect();
     if !absent.is_empty() || decided.rows == 0 || decided.known > 0 {

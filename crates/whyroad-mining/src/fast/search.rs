@@ -84,11 +84,12 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Signals that the drive does not have, when the rule reads any; where it has them all and yet not one row could
+/// Signals that the drive does not have, when the rule needs any; where it has them all and yet not one row could
 /// be decided, those that are never known.
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
+    let needs = rule.rule.needs();
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
-        rule.signals.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
+        needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
     };
     let absent = of(None);
     if !absent.is_empty() || !decided.asked || decided.known { absent } else { of(Some(false)) }

@@ -274,13 +274,34 @@ impl Program {
     /// Names of all signals that `root` reads.
     pub fn signals(&self, root: NodeId) -> BTreeSet<String> {
         let mut out = BTreeSet::new();
-        let mut todo = vec![root];
-        while let Some(id) = todo.pop() {
-            let node = self.node(id);
-            if let Op::Signal(name) | Op::SecondSignal(name) = &node.op {
+        for id in self.reached(root) {
+            if let Op::Signal(name) | Op::SecondSignal(name) = &self.node(id).op {
                 out.insert(name.clone());
             }
-            todo.extend(node.op.operands());
+        }
+        out
+    }
+
+    /// Names of the signals below a node of which it is asked whether they are known (`x is known`): what it is to
+    /// mean without them is stated.
+    pub fn asked_for(&self, root: NodeId) -> BTreeSet<String> {
+        let mut out = BTreeSet::new();
+        for id in self.reached(root) {
+            if let Op::Known(a) = &self.node(id).op {
+                out.extend(self.signals(*a));
+            }
+        }
+        out
+    }
+
+    /// A node and all that it reads, each once.
+    fn reached(&self, root: NodeId) -> BTreeSet<NodeId> {
+        let mut out = BTreeSet::new();
+        let mut todo = vec![root];
+        while let Some(id) = todo.pop() {
+            if out.insert(id) {
+                todo.extend(self.node(id).op.operands());
+            }
         }
         out
     }
