@@ -2,10 +2,10 @@
 //! unit that runs in parallel, and later inside other engines.
 
 use crate::episode::arbitrate::arbitrate;
-use crate::episode::{Episode, find};
+use crate::episode::{Episode, Found, find};
 use crate::rule::RuleSet;
 use std::collections::BTreeMap;
-use whyroad_model::{DriveId, ScenarioId, SignalTable};
+use whyroad_model::{DriveId, Nanos, ScenarioId, SignalTable};
 
 /// What was found in one drive.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,15 +18,25 @@ pub struct DriveEpisodes {
     pub missing: BTreeMap<ScenarioId, Vec<String>>,
 }
 
-/// Runs all rules over the signals of one drive.
+/// Runs all rules over the signals of one drive, by the reference evaluator.
 pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
-    let mut out = DriveEpisodes { drive_id: table.drive_id.clone(), ..DriveEpisodes::default() };
+    let found = rules.rules.iter().map(|rule| find(rule, table));
+    arbitrated(rules, &table.drive_id, &table.times, found)
+}
+
+/// One drive's episodes out of what came of each rule.
+pub fn arbitrated(
+    rules: &RuleSet,
+    drive: &DriveId,
+    times: &[Nanos],
+    found: impl IntoIterator<Item = Found>,
+) -> DriveEpisodes {
+    let mut out = DriveEpisodes { drive_id: drive.clone(), ..DriveEpisodes::default() };
     let mut episodes = Vec::new();
-    for rule in &rules.rules {
-        let found = find(rule, table);
+    for (rule, found) in rules.rules.iter().zip(found) {
         episodes.extend(found.episodes);
         out.missing.insert(rule.scenario.clone(), found.missing.into_iter().collect());
     }
-    out.episodes = arbitrate(episodes, &table.times, &rules.precedence);
+    out.episodes = arbitrate(episodes, times, &rules.precedence);
     out
 }

@@ -75,3 +75,6 @@ mod ttc_accel;
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
 pub use derive::derive;
 pub use lane_ids::ego_lane_ids;
+
+/// Version of the signals: changes with the catalogue and with the code that derives them.
+pub const VERSION: &str = env!("WHYROAD_SIGNALS_VERSION");

@@ -1,5 +1,6 @@
 //! Exit codes shared by the commands: 0 fine, 1 findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
+use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
 
 /// Talk, without a line's end. A closed stderr is no reason to stop, where `eprint!` would panic.
@@ -35,4 +36,13 @@ pub(crate) fn put(text: &str) {
     if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
         std::process::exit(0);
     }
+}
+
+/// A bar for so many steps; draws on stderr, and only on a terminal.
+pub(crate) fn progress(steps: usize) -> ProgressBar {
+    let bar = ProgressBar::new(steps as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    bar
 }

@@ -27,7 +27,9 @@ pub struct PlanRule<'r> {
     /// What `when` asks of the target alone, or of the drive, as parts that must all hold: for rules that bind two
     /// objects, whose pairs are many.
     pub alone: Vec<NodeId>,
-    /// Signals without which it cannot be said whether there is a match, sorted.
+    /// Signals for lack of which it cannot be said that there is nothing.
+    pub needs: BTreeSet<String>,
+    /// Signals on which it depends whether there is a match, sorted.
     pub signals: BTreeSet<String>,
     /// Signals that `when` reads.
     pub when_signals: BTreeSet<String>,
@@ -67,12 +69,12 @@ impl<'r> Plan<'r> {
                 nodes.push(plan.add(renamed(&node.op, |id| nodes_at(&nodes, id))));
             }
             let when_signals = rule.program.signals(rule.when);
-            let signals = rule.signals();
+            let (signals, needs) = (rule.signals(), rule.needs());
             let later = later_nodes(rule).into_iter().flat_map(|id| rule.program.signals(id));
             let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
             let mut alone = plan.conjuncts(nodes[rule.when.0]);
             alone.retain(|id| matches!(plan.node(*id).scope, Scope::Frame | Scope::Target));
-            plan.rules.push(PlanRule { rule, nodes, alone, signals, when_signals, later_signals });
+            plan.rules.push(PlanRule { rule, nodes, alone, needs, signals, when_signals, later_signals });
         }
         plan
     }

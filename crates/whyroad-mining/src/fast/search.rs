@@ -7,14 +7,13 @@ use super::places::{Place, Segment};
 use super::plan::{Plan, PlanRule};
 use super::signals::Signals;
 use super::truth::Truth;
-use crate::drive::DriveEpisodes;
+use crate::drive::{DriveEpisodes, arbitrated};
 use crate::episode::Found;
-use crate::episode::arbitrate::arbitrate;
 use crate::evaluate::{CLOCK_TOLERANCE, Row};
 use crate::rule::{Rule, RuleSet};
 use std::collections::BTreeSet;
 use std::ops::Range;
-use whyroad_model::{DriveId, SignalTable};
+use whyroad_model::SignalTable;
 
 /// The matches of one rule at one place, in order.
 struct Matches {
@@ -87,9 +86,8 @@ impl<'a> Search<'a> {
 /// Signals that the drive does not have, when the rule needs any; where it has them all and yet not one row could
 /// be decided, those that are never known.
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
-    let needs = rule.rule.needs();
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
-        needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
+        rule.needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
     };
     let absent = of(None);
     if !absent.is_empty() || !decided.asked || decided.known { absent } else { of(Some(false)) }
@@ -196,22 +194,5 @@ pub fn find_all<'a>(plan: &'a Plan<'a>, signals: &'a Signals<'a>) -> Vec<Found> 
 pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
     let plan = Plan::of(rules);
     let signals = Signals::of_table(table);
-    arbitrated(rules, &table.drive_id, &signals, find_all(&plan, &signals))
-}
-
-/// One drive's episodes out of what came of each rule.
-pub fn arbitrated(
-    rules: &RuleSet,
-    drive: &DriveId,
-    signals: &Signals<'_>,
-    found: impl IntoIterator<Item = Found>,
-) -> DriveEpisodes {
-    let mut out = DriveEpisodes { drive_id: drive.clone(), ..DriveEpisodes::default() };
-    let mut episodes = Vec::new();
-    for (rule, found) in rules.rules.iter().zip(found) {
-        episodes.extend(found.episodes);
-        out.missing.insert(rule.scenario.clone(), found.missing.into_iter().collect());
-    }
-    out.episodes = arbitrate(episodes, &signals.times, &rules.precedence);
-    out
+    arbitrated(rules, &table.drive_id, &table.times, find_all(&plan, &signals))
 }

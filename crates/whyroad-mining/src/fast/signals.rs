@@ -153,6 +153,17 @@ impl<'a> Signals<'a> {
 }
 
 impl<'a> SignalColumn<'a> {
+    /// True when a value in these rows of the stored column is known.
+    pub fn any_known(&self, mut rows: Range<usize>) -> bool {
+        match self {
+            Self::Numbers(_, Some(known)) => known.any_in(rows),
+            Self::Numbers(values, None) => rows.any(|i| !values[i].is_nan()),
+            Self::Flags(values) => rows.any(|i| values[i] != Tri::Unknown),
+            Self::Packed(truth) => truth.known.any_in(rows),
+            Self::Words(codes, _) => rows.any(|i| codes[i] != UNKNOWN_CODE),
+        }
+    }
+
     /// A column of a table, without copying it.
     pub fn borrowed(column: &'a Column) -> Self {
         match column {

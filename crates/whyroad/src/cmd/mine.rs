@@ -2,7 +2,6 @@
 
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -10,7 +9,7 @@ use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
-use whyroad_mining::engine::{MinedLake, mine_lake};
+use whyroad_mining::engine::{Evaluator, MinedLake, Options, mine_lake_with};
 use whyroad_mining::language::Subject;
 use whyroad_mining::output::folder::{Question, Summary};
 use whyroad_mining::output::write_folder;
@@ -19,7 +18,7 @@ use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::CoverageState;
-use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad mine`.
@@ -40,6 +39,15 @@ pub(crate) struct Args {
     /// A mining_query (JSON) instead of the framework's rules
     #[arg(long, value_name = "FILE")]
     query: Option<PathBuf>,
+    /// At most so many clips in each mining_result, the best scores first; totals stay exact
+    #[arg(long, value_name = "N")]
+    limit: Option<u32>,
+    /// Drives worked on at once; all cores unless said
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// fast, or the plain reference that it must equal (keeps nothing)
+    #[arg(long, hide = true, default_value = "fast", value_parser = ["fast", "reference"])]
+    evaluator: String,
     /// Folder for the results; made when it is not there
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -56,7 +64,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         (None, Some(text)) => of_text(text, args.target.as_deref(), &framework, &catalogue),
         (None, None) => of_rules(&args.scenario, &framework, &catalogue),
     };
-    let (plan, found) = match plan {
+    let (mut plan, found) = match plan {
         Ok(p) => p,
         Err(found) => {
             say(found, global.lang);
@@ -72,13 +80,23 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let bar = progress(lake.drive_ids().len());
-    let mut mined = mine_lake(&lake, &plan.rules, global.lang, |id| {
+    let bar = output::progress(lake.drive_ids().len());
+    if let Some(limit) = args.limit {
+        plan.questions.iter_mut().for_each(|q| q.limit = Some(limit));
+    }
+    let options = Options {
+        jobs: args.jobs.map(usize::from),
+        evaluator: if args.evaluator == "reference" { Evaluator::Reference } else { Evaluator::Fast },
+        lang: global.lang,
+    };
+    let mut mined = mine_lake_with(&lake, &plan.rules, &options, |id| {
         bar.set_message(id.to_string());
         bar.inc(1);
     });
     bar.finish_and_clear();
-    let lost = !say(std::mem::take(&mut mined.diagnostics), global.lang).is_empty();
+    let said = say(std::mem::take(&mut mined.diagnostics), global.lang);
+    // That the lake could not keep something loses nothing of the results.
+    let lost = said.iter().any(|d| d.severity == Severity::Error);
     keep(&mut mined, &plan.questions);
     let classes: Vec<ScenarioId> = plan.rules.rules.iter().map(|r| r.scenario.clone()).collect();
     let summary = write_folder(&args.out, &mined, &plan.questions, &framework.taxonomy, &classes)?;
@@ -174,15 +192,6 @@ fn say(found: Vec<Diagnostic>, lang: Lang) -> Vec<Diagnostic> {
         tell!("{}", render_text(d, lang));
     }
     found
-}
-
-fn progress(drives: usize) -> ProgressBar {
-    // Draws on stderr, and only on a terminal.
-    let bar = ProgressBar::new(drives as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// What was found, what was searched for in vain, what could not be decided.

@@ -3,7 +3,10 @@
 use crate::{Global, framework_folder, output};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use whyroad_lake::Lake;
+use whyroad_mining::engine::derive_signals;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Bilingual, Diagnostic, Lang};
 use whyroad_signals::catalogue::{Catalogue, Scope, SignalDef, SignalKind};
@@ -31,9 +34,21 @@ enum SignalsCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Derive the signals of all drives of a lake and store them beside the drives, as `mine` does on the way
+    Derive {
+        /// The lake
+        #[arg(long, value_name = "DIR")]
+        lake: PathBuf,
+        /// Drives worked on at once; all cores unless said
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+        jobs: Option<u16>,
+    },
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    if let SignalsCommand::Derive { lake, jobs } = &args.command {
+        return Ok(derive(lake, jobs.map(usize::from), global.lang));
+    }
     let (framework, _) = framework_folder::load(global)?;
     let (catalogue, found) = Catalogue::parse(&framework.signals_yaml);
     for d in &found {
@@ -52,8 +67,34 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             };
             output::put(&if json { format!("{:#}\n", as_json(signal)) } else { page(signal, global.lang) });
         }
+        SignalsCommand::Derive { .. } => {}
     }
     Ok(code)
+}
+
+fn derive(lake: &Path, jobs: Option<usize>, lang: Lang) -> ExitCode {
+    let lake = match Lake::open(lake) {
+        Ok(lake) => lake,
+        Err(e) => {
+            tell!("{}", render_text(&e.diagnostic(), lang));
+            return output::FINDINGS;
+        }
+    };
+    let drives = lake.drive_ids().len();
+    let bar = output::progress(drives);
+    let (derived, found) = derive_signals(&lake, jobs, |id| {
+        bar.set_message(id.to_string());
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    for d in &found {
+        tell!("{}", render_text(d, lang));
+    }
+    match lang {
+        Lang::Zh => say!("{drives} 个行程，其中 {derived} 个新推导了信号"),
+        Lang::En => say!("{drives} drives, signals derived anew for {derived}"),
+    }
+    if found.is_empty() { output::FINE } else { output::lost_input() }
 }
 
 fn unknown(catalogue: &Catalogue, name: &str) -> Diagnostic {

@@ -229,6 +229,26 @@ impl Pool {
     }
 }
 
+/// A rule about the ego whose matches are its episodes.
+pub fn plain_rule(program: Program, when: NodeId) -> Rule {
+    Rule {
+        scenario: "proactive.turn.straight".parse().expect("a class"),
+        subject: None,
+        target_role: "target".into(),
+        second: None,
+        program,
+        when,
+        require: vec![],
+        atoms: vec![],
+        parts: vec![],
+        listed: Listed::Holding,
+        min_duration: Nanos(0),
+        max_duration: None,
+        merge_gap: Nanos(0),
+        timing: Timing::of_match(),
+    }
+}
+
 /// A rule of an ego, a target or a pair, with all its moments.
 pub fn rule() -> impl Strategy<Value = Rule> {
     let instruction = (0usize..32, 0usize..40, 0usize..40, -3i32..4, duration());
@@ -277,11 +297,8 @@ pub fn rule() -> impl Strategy<Value = Rule> {
             };
             let second = SecondRole { name: "other".into(), subject: Subject::Any };
             Rule {
-                scenario: "proactive.turn.straight".parse().expect("a class"),
                 subject: [None, Some(Subject::Vehicle), Some(Subject::Any)][roles],
-                target_role: "target".into(),
                 second: (roles == 2).then_some(second),
-                when,
                 require,
                 atoms: vec![atom(late, number), atom(moment, moment)],
                 parts: vec![],
@@ -290,7 +307,7 @@ pub fn rule() -> impl Strategy<Value = Rule> {
                 max_duration: bounded.then_some(Nanos(3_000_000_000)),
                 merge_gap,
                 timing,
-                program: pool.program,
+                ..plain_rule(pool.program, when)
             }
         },
     )

@@ -1,0 +1,87 @@
+//! Rules on the stored signals of one drive: what the file's statistics settle is not read, and of the rest only
+//! the columns that the rules' conditions read; those of moments and requirements where there is a match.
+
+use super::prefilter::{Verdict, verdict};
+use crate::episode::Found;
+use crate::fast::bits::Bits;
+use crate::fast::truth::Truth;
+use crate::fast::{Columns, Plan, Search, SignalColumn, Signals};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
+use whyroad_lake::signals::{Scope, StoredColumn};
+use whyroad_lake::{LakeError, SignalFile};
+
+/// What comes of these rules of the plan, in their order, on one drive of a store.
+pub fn find_stored(
+    plan: &Plan<'_>,
+    file: &SignalFile,
+    drive: usize,
+    rules: &[usize],
+) -> Result<Vec<Found>, LakeError> {
+    let named = file.signals(drive);
+    let ranges: BTreeMap<&str, _> = named.iter().map(|n| (*n, file.range(drive, n))).collect();
+    let known = |name: &str| ranges.get(name).copied().flatten().is_none_or(|r| r.known > 0);
+    let present: BTreeMap<String, bool> = named.iter().map(|n| ((*n).to_owned(), known(n))).collect();
+    let targets = file.contents().drives[drive].targets();
+
+    let verdicts: Vec<Verdict> = rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges)).collect();
+    let open: BTreeSet<&str> = verdicts.iter().filter_map(Verdict::asks).collect();
+    let mut columns = read(file, drive, open)?;
+    let mut out: Vec<Option<Found>> = Vec::with_capacity(rules.len());
+    for (rule, verdict) in rules.iter().zip(verdicts) {
+        let subject = plan.rules[*rule].rule.subject;
+        out.push(match verdict {
+            Verdict::Settled(missing) => Some(Found { episodes: vec![], missing }),
+            // It never holds; all that is open is whether that is known of any object that it asks about.
+            Verdict::SettledIfKnown(signal) => columns.get(&signal).and_then(|column| {
+                let of = targets.iter().filter(|t| subject.is_none_or(|s| s.admits(t.class)));
+                let rows = of.map(|t| t.first_row..t.first_row + t.frames.len());
+                rows.into_iter().any(|rows| column.any_known(rows)).then(Found::default)
+            }),
+            Verdict::Open => None,
+        });
+    }
+    let left: Vec<usize> = rules.iter().zip(&out).filter(|(_, o)| o.is_none()).map(|(r, _)| *r).collect();
+    let wanted: BTreeSet<&str> =
+        left.iter().flat_map(|r| &plan.rules[*r].when_signals).map(String::as_str).collect();
+    let wanted =
+        wanted.into_iter().filter(|s| present.contains_key(*s) && !columns.contains_key(*s)).collect();
+    columns.extend(read(file, drive, wanted)?);
+
+    let signals = Signals::new(file.times(drive)?, targets, present, columns);
+    let search = Search::new(plan, &signals, left);
+    let wanted = search.wanted();
+    signals.supply(read(file, drive, wanted.iter().map(String::as_str).collect())?);
+    let mut found = search.found().into_iter();
+    Ok(out.into_iter().map(|settled| settled.or_else(|| found.next()).unwrap_or_default()).collect())
+}
+
+/// These signals of a drive, as the evaluator reads them.
+pub fn read(file: &SignalFile, drive: usize, signals: BTreeSet<&str>) -> Result<Columns<'static>, LakeError> {
+    let mut out = Columns::new();
+    let of = &file.contents().drives[drive];
+    for (scope, rows) in [(Scope::Frames, of.frames), (Scope::Targets, of.target_rows())] {
+        let names: Vec<&str> = signals.iter().copied().filter(|n| Scope::of(n) == scope).collect();
+        if names.is_empty() {
+            continue;
+        }
+        for (name, column) in names.iter().zip(file.read(drive, scope, &names)?) {
+            out.insert((*name).to_owned(), as_column(column, rows));
+        }
+    }
+    Ok(out)
+}
+
+fn as_column(column: StoredColumn, rows: usize) -> SignalColumn<'static> {
+    match column {
+        StoredColumn::Numbers(values, known) => {
+            let known = known.map_or_else(|| Bits::ones(rows), |words| Bits::of_words(words, rows));
+            SignalColumn::Numbers(Cow::Owned(values), Some(Rc::new(known)))
+        }
+        StoredColumn::Flags(yes, known) => {
+            SignalColumn::Packed(Truth::new(Bits::of_words(yes, rows), Bits::of_words(known, rows)))
+        }
+        StoredColumn::Words(codes, names) => SignalColumn::Words(Cow::Owned(codes), names),
+    }
+}
