@@ -52,6 +52,14 @@ pub fn unresolved<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<Unr
         .collect()
 }
 
+/// The class of decision moments that no class explains (LABELING.md 1); it is in no taxonomy.
+const OTHER: &str = "other";
+
+/// Decision moments that no class explains; `None` when mining did not look for them.
+pub fn unexplained(coverage: &Coverage) -> Option<&LeafCoverage> {
+    coverage.unresolved.iter().find(|l| l.scenario_id.l1 == OTHER)
+}
+
 /// The name of a class for people: `L2 · L3`, or the L2 with the remark that its variant is not known.
 pub fn class_title(taxonomy: &Taxonomy, id: &ScenarioId) -> Bilingual {
     if let Some((_, l2, l3)) = taxonomy.leaf(id) {
@@ -65,6 +73,7 @@ pub fn class_title(taxonomy: &Taxonomy, id: &ScenarioId) -> Bilingual {
             format!("{}（变体未定）", l2.name.zh),
             format!("{} (variant not known)", l2.name.en),
         ),
+        None if id.l1 == OTHER => Bilingual::new("其他（没有类别能解释）", "Other (no class explains it)"),
         None => Bilingual::same(id.to_string()),
     }
 }
@@ -136,7 +145,7 @@ pub fn rows<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<LeafRow<'
 /// Classes in `coverage` that `taxonomy` does not have.
 pub fn unknown_leaves<'a>(taxonomy: &Taxonomy, coverage: &'a Coverage) -> Vec<&'a ScenarioId> {
     let told = coverage.leaves.iter().chain(&coverage.unresolved);
-    told.map(|l| &l.scenario_id).filter(|id| !taxonomy.contains(id)).collect()
+    told.map(|l| &l.scenario_id).filter(|id| id.l1 != OTHER && !taxonomy.contains(id)).collect()
 }
 
 /// Leaves by state.

@@ -4,6 +4,7 @@
 pub mod file;
 pub mod lint;
 pub mod origin;
+pub mod other;
 pub mod query;
 mod roles;
 pub mod set;

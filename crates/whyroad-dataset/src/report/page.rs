@@ -73,6 +73,7 @@ pub(super) fn render(
         "Point at a cell for details; click it for its line in the table and its episodes.",
     );
     m.raw("</p>");
+    unexplained(&mut m, context);
     unknown(&mut m, context);
     m.raw("</section>");
     drives_table(&mut m, drives);
@@ -83,6 +84,22 @@ pub(super) fn render(
     m.piece(&summary::table(rows, &unresolved)).raw("</details></section>");
     m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
     m.into_string()
+}
+
+/// What the taxonomy or its rules do not reach yet.
+fn unexplained(m: &mut Markup, context: &ReportContext<'_>) {
+    let Some(other) = coverage::unexplained(context.coverage) else { return };
+    m.raw("<p class=\"other\">");
+    if other.state == whyroad_model::messages::CoverageState::NotObservable {
+        m.say(
+            "决策时刻不可观测，因此不知道有多少没有类别能解释。",
+            "Decision moments cannot be seen in these drives, so nobody knows how many no class explains.",
+        );
+    } else {
+        m.say("没有类别能解释的决策时刻（other）：", "Decision moments that no class explains (other): ");
+        m.int(other.episodes as usize);
+    }
+    m.raw("</p>");
 }
 
 fn header(

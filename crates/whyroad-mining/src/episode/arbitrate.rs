@@ -2,16 +2,17 @@
 //!
 //! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
 //! already has its keyframe in the neighbourhood. Nothing is dropped but an L2's episode of which a leaf of
-//! the same L2 tells more.
+//! the same L2 tells more, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};
 use crate::evaluate::CLOCK_TOLERANCE;
 use crate::rule::Precedence;
+use crate::rule::other::is_decision_moment;
 use whyroad_model::{Nanos, ScenarioId};
 
 /// Drops what a leaf tells better, orders the rest by keyframe, and ranks it.
 pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
-    let mut episodes = without_resolved(episodes);
+    let mut episodes = without_explained(without_resolved(episodes), times, precedence);
     episodes.sort_by(|a, b| {
         (a.keyframe, &a.scenario, &a.target, a.matched).cmp(&(b.keyframe, &b.scenario, &b.target, b.matched))
     });
@@ -37,6 +38,24 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
         }
     }
     episodes
+}
+
+/// Of the decision moments, those that no episode of a class explains: it has its keyframe near, or its time range
+/// holds the moment. Of several near ones, the first stands for all.
+fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
+    let (mut moments, mut out): (Vec<Episode>, Vec<Episode>) =
+        episodes.into_iter().partition(|e| is_decision_moment(e));
+    moments.sort_by_key(|e| e.keyframe);
+    let explained = |m: &Episode, e: &Episode| {
+        let apart = (times[e.keyframe].0 - times[m.keyframe].0).abs();
+        apart < precedence.neighbourhood.0 || (e.range.contains(m.keyframe) && !is_decision_moment(e))
+    };
+    for moment in moments {
+        if !out.iter().any(|e| explained(&moment, e)) {
+            out.push(moment);
+        }
+    }
+    out
 }
 
 /// An L2's own rule stands for "this L2, variant unknown": where a leaf of it matched the same target at the

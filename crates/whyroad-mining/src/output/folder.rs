@@ -5,6 +5,7 @@ use super::episode_table::{EPISODES_VERSION, episode_batch};
 use super::record::MinedEpisode;
 use super::result::mining_result;
 use crate::engine::MinedLake;
+use crate::rule::OTHER;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
@@ -90,7 +91,8 @@ pub fn write_folder(
     write_lines(&out.join("episodes.jsonl"), episodes.iter().map(|e| &e.record))?;
     write_lines(
         &out.join("pre_labels.jsonl"),
-        episodes.iter().map(|e| ScenarioPreLabelMessage {
+        // What no class explains has no class to propose.
+        episodes.iter().filter(|e| e.record.scenario_id.l1 != OTHER).map(|e| ScenarioPreLabelMessage {
             scenario_pre_label: e.pre_label.clone(),
             episode_id: Some(e.record.episode_id.clone()),
             clip_id: Some(e.record.clip_id.to_string()),
@@ -117,8 +119,10 @@ pub fn write_folder(
 
 /// A clip's pre-label is its best primary episode: the highest score, then the earliest keyframe.
 fn with_pre_labels(clip: &ClipMetadata, episodes: &[MinedEpisode]) -> ClipMetadata {
-    let of_clip =
-        episodes.iter().map(|e| &e.record).filter(|r| r.clip_id.as_str() == clip.clip_id && r.is_primary);
+    let of_clip = episodes
+        .iter()
+        .map(|e| &e.record)
+        .filter(|r| r.clip_id.as_str() == clip.clip_id && r.is_primary && r.scenario_id.l1 != OTHER);
     let best = of_clip.reduce(|a, b| if b.score > a.score { b } else { a });
     let pre_labels = best.map(|r| PreLabels {
         scenario: PreLabelScenario {

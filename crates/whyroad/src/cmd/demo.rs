@@ -17,6 +17,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::engine::{MinedLake, mine_lake};
 use whyroad_mining::output::folder::{Question, Summary};
 use whyroad_mining::output::write_folder;
+use whyroad_mining::rule::OTHER;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
@@ -62,7 +63,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (mined, result) = mine(&mut steps, &framework, &lake, &args.out)?;
     let episodes: Vec<EpisodeRecord> =
         mined.drives.iter().flat_map(|d| d.episodes.iter().map(|e| e.record.clone())).collect();
-    let drafts = drafts::write(&framework, &lake, &mined, &episodes, &args.out, global.lang)?;
+    // What no class explains is for a person to classify: there is nothing to draft.
+    let classified: Vec<EpisodeRecord> =
+        episodes.iter().filter(|e| e.scenario_id.l1 != OTHER).cloned().collect();
+    let drafts = drafts::write(&framework, &lake, &mined, &classified, &args.out, global.lang)?;
     steps.findings(&drafts.lost);
     steps.say(drafts.told(Lang::Zh), drafts.told(Lang::En));
 
@@ -125,6 +129,7 @@ fn mine(
     let (catalogue, mut found) = Catalogue::parse(&framework.signals_yaml);
     let (rules, of_rules) = RuleSet::of_framework(framework, &catalogue);
     found.extend(of_rules);
+    let rules = rules.with_decision_moments(&catalogue);
     steps.findings(&found);
     let mut mined = mine_lake(lake, &rules, steps.lang, |_| ());
     steps.findings(&std::mem::take(&mut mined.diagnostics));

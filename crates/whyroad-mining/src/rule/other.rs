@@ -1,0 +1,51 @@
+//! `other`: decision moments (changes of meta action with an effect) that no class explains. A growing `other` is what
+//! tells a framework's owner that a class is missing or a rule is blind (LABELING.md 1).
+//!
+//! It is a rule like any other, run with the framework's; [`crate::episode::arbitrate`] drops what is explained.
+
+use super::{OTHER, Rule, RuleSet};
+use crate::episode::Episode;
+use crate::language::program::Moment;
+use crate::rule::text::compile_text;
+use whyroad_model::{Bilingual, Nanos, ScenarioId};
+use whyroad_signals::Catalogue;
+
+/// True at a decision moment, whatever made it one.
+const DECISION_MOMENT: &str = "ego.responds";
+
+/// The time range of a moment that no class tells the range of: what led to it, and what came of it (the effect that
+/// makes a moment one is seen within 3 s).
+const BEFORE: Nanos = Nanos(-2_000_000_000);
+const AFTER: Nanos = Nanos(3_000_000_000);
+
+/// The class of what no class explains.
+pub fn other() -> ScenarioId {
+    ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None }
+}
+
+/// True for an episode of the rule for decision moments (a question of the user's own is filed as `other`, too).
+pub(crate) fn is_decision_moment(episode: &Episode) -> bool {
+    episode.scenario.l1 == OTHER && episode.signals == [DECISION_MOMENT]
+}
+
+impl RuleSet {
+    /// The same rules, and the one for decision moments that none of them explains. A catalogue without the signal for
+    /// decision moments leaves the set as it is.
+    #[must_use]
+    pub fn with_decision_moments(mut self, catalogue: &Catalogue) -> Self {
+        self.rules.extend(decision_moments(catalogue));
+        self
+    }
+}
+
+fn decision_moments(catalogue: &Catalogue) -> Option<Rule> {
+    let mut rule = compile_text(DECISION_MOMENT, None, &other(), catalogue, OTHER).ok()?;
+    rule.merge_gap = Nanos::default();
+    rule.timing.at_match_start = Bilingual::new(
+        "自车的动作发生有效果的改变，而没有类别能解释",
+        "the ego changes what it does, with an effect, and no class explains it",
+    );
+    rule.timing.start = vec![Moment::Offset(Box::new(Moment::Keyframe), BEFORE)];
+    rule.timing.end = vec![Moment::Offset(Box::new(Moment::Keyframe), AFTER)];
+    Some(rule)
+}
