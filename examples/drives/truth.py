@@ -125,8 +125,21 @@ def lane_changes(sim):
         yield sim.record(f"reactive_agent.cutin.{leaf}", keyframe - (2 if leaf == "urgent" else 5), keyframe, end, name)
 
 
+def vehicles_on_way(sim, way, k0):
+    """Distance from the ego's way and arc length ahead on it, of all other vehicles when the ego is at its point k0."""
+    t = sim.times[k0]
+    for o in (sim.at.get((t, i)) for i in sim.ids if i != "ego"):
+        if o and not o["person"]:
+            k = min(range(k0, len(way)), key=lambda k: math.hypot(way[k][0] - o["x"], way[k][1] - o["y"]))
+            off = math.hypot(way[k][0] - o["x"], way[k][1] - o["y"])
+            yield off, sum(math.dist(way[i], way[i + 1]) for i in range(k0, k))
+
+
 def crossings(sim):
-    """People who cross the ego's driven way within 50 m in front of it while it slows or stands for them."""
+    """People who cross the ego's driven way within 50 m in front of it while it slows or stands for them.
+
+    Not those before whom another vehicle stands on that way: then that vehicle is the proximate cause (LABELING.md 6).
+    """
     ego = sim.series("ego")
     way = [(o["x"], o["y"]) for _, o in ego]
     for name in (i for i in sim.ids if any(o["person"] for _, o in sim.series(i)[:1])):
@@ -144,7 +157,9 @@ def crossings(sim):
         over = [b for a, b in zip(rows, rows[1:]) if a[1] * b[1] < 0 and abs(b[1]) < 1 and 1 < b[2] < 50]
         if not over or min(o["speed"] for t, o in ego if abs(t - over[0][0]) < 4) > 5:
             continue
-        t0, _, _, person = over[0]
+        t0, _, arc, person = over[0]
+        if any(d < 1.5 and 1 < s < arc for d, s in vehicles_on_way(sim, way, next(k for k, (u, _) in enumerate(ego) if u == t0))):
+            continue
         near = [r for r in rows if r[0] <= t0 and abs(r[1]) < 7 and r[2] < 50]
         start = near[-1][0]
         for r in reversed(near):
@@ -161,7 +176,10 @@ def crossings(sim):
 
 
 def queue(sim):
-    """Stopping behind a standing car in the same lane, and starting after it."""
+    """Stopping behind a standing car in the same lane, and starting after it.
+
+    A car that brakes at 3 m/s2 or more for 0.5 s is lead_sudden_brake whether or not the ego stops (taxonomy): from then on.
+    """
     ego, lead = sim.series("ego"), None
     standing = [t for t, o in ego if o["speed"] < 0.3]
     for t in standing[:1]:
@@ -172,7 +190,12 @@ def queue(sim):
             return
         lead = min(ahead)[1]
         stops = next(u for u, o in sim.series(lead) if u > 5 and o["speed"] < 0.3)
-        yield sim.record("reactive_agent.following.follow_stop", stops - 2, stops, t, lead)
+        speed = {u: o["speed"] for u, o in sim.series(lead)}
+        hard = [u for u in speed if stops - 6 < u < stops and speed[u] - speed.get(round(u + 0.5, 1), speed[u]) >= 3 * 0.5]
+        if hard:
+            yield sim.record("reactive_agent.following.lead_sudden_brake", hard[0] - 2, hard[0], hard[0] + 3, lead)
+        else:
+            yield sim.record("reactive_agent.following.follow_stop", stops - 2, stops, t, lead)
         starts = next(u for u, o in sim.series(lead) if u > t and o["speed"] > 0.3)
         yield sim.record("reactive_agent.following.follow_start", starts - 2, starts, starts + 3, lead)
 
