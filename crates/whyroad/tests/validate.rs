@@ -271,7 +271,7 @@ fn a_broken_line_does_not_stop_the_rest() {
 fn all_errors_of_a_document_are_said_at_once() {
     let broken = label("a")
         .replace("\"yield_to_agent\"", "\"brake\"")
-        .replace("\"frame_idx\":108", "\"frame_idx\":\"x\"")
+        .replace("\"frame_idx\":94", "\"frame_idx\":\"x\"")
         .replace("\"urgent\"", "\"urgnt\"")
         .replace("2026-01-15T10:30:11.200Z", "yesterday");
     let o = validate(&root(), &["-", "--format", "json"], broken.as_bytes());
