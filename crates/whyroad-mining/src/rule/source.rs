@@ -126,13 +126,6 @@ pub fn compile(
         );
         c.report("/mining", "", fault.hint("例如 target: vehicle", "as in `target: vehicle`"));
     }
-    if when.len() == whens.len() {
-        for (id, text) in when.iter().zip(&whens) {
-            if c.checker.program.node(*id).needs_episode {
-                c.report("/mining/when", text, needs_a_match(text));
-            }
-        }
-    }
     let timing = spec.map_or_else(Timing::of_match, |s| c.timing(s, subject));
     let when = match when.as_slice() {
         [one] => *one,
@@ -187,6 +180,9 @@ impl Compiler<'_> {
         };
         let checked = parse::parse(text).and_then(|expr| {
             let id = self.checker.condition(&expr)?;
+            if place == PartPlace::When && self.checker.program.node(id).needs_episode {
+                return Err(needs_a_match(text));
+            }
             self.checker.atoms(&expr, atoms)?;
             parts.extend(Part::of(&mut self.checker, &expr, place)?);
             Ok(id)

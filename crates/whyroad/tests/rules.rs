@@ -1,0 +1,126 @@
+//! `whyroad rules check`, `mine --rule` and `explain` as a user runs them, on the bundled simulated drives. That the
+//! cut-in at 16.9 s is one is told by the simulator (`examples/drives/multilane/truth.jsonl`).
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod session;
+
+use session::{Run, root, whyroad_in};
+use std::path::Path;
+use tempfile::TempDir;
+
+const BROKEN: &str = "\
+version: \"2.0.0\"
+l1: reactive_agent
+l2: animal
+mining:
+  roles: { animal: any, ego: vehicle, third: vru }
+  parameters:
+    near: { value: 20 m, reason: \"as far as it matters\" }
+  define:
+    close: \"animal.gap < nearr\"
+  when:
+    - \"close for 1 s gaps 2 m\"
+    - \"ego.speed > 5 m/s until ego.standstill since ego.brake\"
+    - \"least(target.ttc) < 2 s\"
+  require: [\"count(target.gap < 5 m) > 1.5\"]
+leaves: { crossing: {}, on_road: {} }
+";
+
+fn told(run: &Run) -> String {
+    format!("exit code {}\n--- stdout\n{}\n--- stderr\n{}", run.code, run.out, run.err)
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+#[test]
+fn a_broken_file_is_told_all_that_is_wrong_with_it() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("animal.yaml"), BROKEN).unwrap();
+    insta::assert_snapshot!(told(&whyroad_in(dir.path(), &["rules", "check", "animal.yaml"])));
+    insta::assert_snapshot!(told(&whyroad_in(
+        dir.path(),
+        &["--lang", "zh", "rules", "check", "animal.yaml"]
+    )));
+    let json = whyroad_in(dir.path(), &["rules", "check", "animal.yaml", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&json.out).unwrap();
+    let codes: Vec<&str> =
+        json["diagnostics"].as_array().unwrap().iter().map(|d| d["code"].as_str().unwrap()).collect();
+    assert_eq!(codes.iter().filter(|c| c.starts_with("rule.")).count(), 6, "{codes:?}");
+}
+
+#[test]
+fn a_sound_file_is_run_with_the_cases_beside_it() {
+    let run = whyroad_in(&root(), &["rules", "check", "scenarios/reactive_agent/cutin.yaml"]);
+    assert_eq!((run.code, run.out.as_str()), (0, ""), "{}", run.err);
+    assert!(run.err.contains("scenarios/reactive_agent/cutin.yaml: "), "{}", run.err);
+    // The same file with a threshold moved: some case beside it must notice.
+    let dir = tempfile::tempdir().unwrap();
+    let folder = root().join("scenarios/reactive_agent");
+    let rules = std::fs::read_to_string(folder.join("cutin.yaml")).unwrap();
+    assert!(rules.contains("urgent_ttc: { value: 3 s"));
+    let moved = rules.replace("urgent_ttc: { value: 3 s", "urgent_ttc: { value: 1 s");
+    std::fs::write(dir.path().join("cutin.yaml"), moved).unwrap();
+    std::fs::copy(folder.join("cutin.cases.yaml"), dir.path().join("cutin.cases.yaml")).unwrap();
+    let run = whyroad_in(dir.path(), &["rules", "check", "cutin.yaml"]);
+    assert!(
+        run.code == 1 && run.out.contains("error[rule.case]") && run.out.contains("cutin.cases.yaml:"),
+        "{}",
+        run.out
+    );
+}
+
+#[test]
+fn a_bare_rule_is_checked() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("mine.yaml"), "target: vehicle\nwhen: \"target.gap < 10 m for 1 s\"\n")
+        .unwrap();
+    let run = whyroad_in(dir.path(), &["rules", "check", "mine.yaml"]);
+    assert_eq!((run.code, run.out.as_str()), (0, ""), "{}", run.err);
+}
+
+/// A lake with the drive on the multilane road.
+fn lake() -> TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let run =
+        whyroad_in(&root(), &["ingest", "sumo", "examples/drives/multilane", "--lake", text(dir.path())]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    dir
+}
+
+#[test]
+fn explain_shows_a_match_and_the_nearest_miss() {
+    let lake = lake();
+    let explain = |more: &[&str]| {
+        let mut args = vec!["explain", "cutin.urgent", "--lake", text(lake.path())];
+        args.extend(more);
+        whyroad_in(&root(), &args)
+    };
+    insta::assert_snapshot!(told(&explain(&["--clip", "multilane-ego_000"])));
+    insta::assert_snapshot!(told(&explain(&["--clip", "multilane-ego_001"])));
+    insta::assert_snapshot!(told(&explain(&["--clip", "multilane-ego_001", "--lang", "zh"])));
+    let picture = lake.path().join("why.svg");
+    let run = explain(&["--clip", "multilane-ego_000", "--target", "cutter", "--svg", text(&picture)]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let svg = std::fs::read_to_string(picture).unwrap();
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.contains("target.ttc &lt; 3s"));
+    let unknown = explain(&["--clip", "multilane-ego_000", "--target", "nobody"]);
+    assert!(unknown.code == 1 && unknown.err.contains("no track 'nobody'"), "{}", unknown.err);
+}
+
+#[test]
+fn a_rule_in_one_line_is_mined() {
+    let (lake, out) = (lake(), tempfile::tempdir().unwrap());
+    let mine = |rule: &str| {
+        let args = ["mine", "--lake", text(lake.path()), "--out", text(out.path()), "--rule", rule];
+        whyroad_in(&root(), &[&args[..], &["--target", "vehicle"]].concat())
+    };
+    // The simulated cutter crosses the line some time before the keyframe that the simulator states.
+    let run = mine("target.wheel_over_line and target.ttc < 3 s");
+    assert_eq!(run.code, 0, "{}", run.err);
+    let episodes = std::fs::read_to_string(out.path().join("episodes.jsonl")).unwrap();
+    assert!(episodes.contains("\"target_id\":\"cutter\""), "{episodes}");
+    let wrong = mine("target.whel_over_line");
+    assert!(wrong.code == 1 && wrong.err.contains("did you mean 'target.wheel_over_line'?"), "{}", wrong.err);
+}
