@@ -243,3 +243,21 @@ fn post_encroachment_time_by_hand() {
     }
     assert_eq!(t.num("hits", "target.pet", 20), 0.0);
 }
+
+/// Trap: both stop before the conflict point. Neither has a time of arrival any more, and nothing encroaches.
+#[test]
+fn who_stops_before_the_conflict_never_meets() {
+    // Both would be at (50, 0) after 5 s; the ego stops at x = 30, the other at y = -20, both from 4 s on.
+    let stop = |t: f64| t.min(4.0);
+    let mut d = drive(90, move |t| (-10.0 + 10.0 * stop(t), 0.0, 0.0));
+    car(&mut d, "other", move |t| (50.0, -60.0 + 10.0 * stop(t), FRAC_PI_2));
+    let t = Table::of(&d);
+    for frame in 0..90 {
+        assert_eq!(t.num("other", "target.pet", frame), INF, "{frame}");
+    }
+    for frame in 45..90 {
+        assert_eq!(t.num("other", "target.ttc", frame), INF, "{frame}");
+        assert_eq!(t.num("other", "target.ttc_box", frame), INF, "{frame}");
+        assert_eq!(t.num("other", "target.drac", frame), 0.0, "{frame}");
+    }
+}
