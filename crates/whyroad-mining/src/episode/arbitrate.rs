@@ -44,7 +44,7 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
 /// holds the moment. Of several near ones, the first stands for all.
 fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let (mut moments, mut out): (Vec<Episode>, Vec<Episode>) =
-        episodes.into_iter().partition(|e| is_decision_moment(e));
+        episodes.into_iter().partition(is_decision_moment);
     moments.sort_by_key(|e| e.keyframe);
     let explained = |m: &Episode, e: &Episode| {
         let apart = (times[e.keyframe].0 - times[m.keyframe].0).abs();

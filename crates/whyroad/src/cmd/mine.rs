@@ -122,6 +122,7 @@ type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
 /// All rules are run even when one class is asked for: which episode is primary depends on all of them.
 fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Catalogue) -> Planned {
     let (rules, mut found) = RuleSet::of_framework(framework, catalogue);
+    let rules = rules.with_decision_moments(catalogue);
     let mut classes = Vec::new();
     for text in wanted {
         match framework.taxonomy.resolve(text) {
