@@ -14,6 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("whyroad-signals", &["whyroad-model"]),
     ("whyroad-mining", &["whyroad-model", "whyroad-framework", "whyroad-lake", "whyroad-signals"]),
     ("whyroad-dataset", &["whyroad-model", "whyroad-framework", "whyroad-lake"]),
+    ("whyroad-labeling", &["whyroad-model", "whyroad-framework"]),
     (
         "whyroad",
         &[
@@ -24,6 +25,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "whyroad-signals",
             "whyroad-mining",
             "whyroad-dataset",
+            "whyroad-labeling",
         ],
     ),
 ];
@@ -34,6 +36,9 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("parquet", &["whyroad-lake", "whyroad-mining", "whyroad-ingest"]),
     ("arrow-ipc", &["whyroad-ingest"]),
     ("quick-xml", &["whyroad-ingest"]),
+    ("axum", &["whyroad-labeling"]),
+    ("rusqlite", &["whyroad-labeling"]),
+    ("postgres", &["whyroad-labeling"]),
     ("clap", &["whyroad"]),
     ("anyhow", &["whyroad"]),
     ("indicatif", &["whyroad"]),

@@ -1,0 +1,97 @@
+//! The store: SQLite in a file, or PostgreSQL by URL; one SQL text for both, one test suite over both.
+//!
+//! All writes of one request are one transaction. SQLite has one writer thread that commits many requests together (each
+//! in a savepoint of its own) and answers none of them before the commit is on disk.
+
+mod dump;
+mod migrate;
+mod postgres;
+mod sql;
+mod sqlite;
+
+pub use dump::{backup, restore};
+pub use sql::{Row, Tx, Value};
+
+use crate::problem::{Answer, Problem};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+/// Where a store is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A file of SQLite's; made when it is not there.
+    File(PathBuf),
+    /// A PostgreSQL database (`postgres://user:password@host/name`).
+    Server(String),
+}
+
+impl Place {
+    /// `postgres://...` and `postgresql://...` are servers, everything else (`sqlite:` in front or not) a file.
+    pub fn parse(text: &str) -> Self {
+        if text.starts_with("postgres://") || text.starts_with("postgresql://") {
+            return Self::Server(text.to_owned());
+        }
+        Self::File(text.strip_prefix("sqlite:").unwrap_or(text).into())
+    }
+}
+
+/// An opened store. Clones share it.
+#[derive(Clone)]
+pub struct Store {
+    backend: Arc<dyn Backend>,
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Store")
+    }
+}
+
+/// Work in a transaction. It may be run again when the database asks for it, so it changes nothing but the database
+/// and its own result.
+type Job = Box<dyn FnMut(&mut dyn Tx) -> Answer<()> + Send>;
+
+trait Backend: Send + Sync {
+    /// Runs `job` in a transaction and commits it; an error undoes it.
+    fn write(&self, job: Job) -> Answer<()>;
+    /// Runs `job` on one consistent state.
+    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()>;
+}
+
+impl Store {
+    /// Opens the store and brings its tables up to date; before that, a file is copied aside
+    /// (`<file>.before-<version>`).
+    pub fn open(place: &Place) -> Answer<Self> {
+        let backend: Arc<dyn Backend> = match place {
+            Place::File(path) => Arc::new(sqlite::Sqlite::open(path)?),
+            Place::Server(url) => Arc::new(postgres::Postgres::open(url)?),
+        };
+        Ok(Self { backend })
+    }
+
+    /// Runs `job` in a transaction. What it returns is returned only after the commit.
+    pub fn write<T: Send + 'static>(
+        &self,
+        mut job: impl FnMut(&mut dyn Tx) -> Answer<T> + Send + 'static,
+    ) -> Answer<T> {
+        let slot = Arc::new(Mutex::new(None));
+        let inner = Arc::clone(&slot);
+        self.backend.write(Box::new(move |tx| {
+            let value = job(tx)?;
+            *inner.lock().map_err(Problem::store)? = Some(value);
+            Ok(())
+        }))?;
+        let value = slot.lock().map_err(Problem::store)?.take();
+        value.ok_or_else(|| Problem::store("no result"))
+    }
+
+    /// Runs `job` on one consistent state of the store.
+    pub fn read<T>(&self, mut job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
+        let mut out = None;
+        self.backend.read(&mut |tx| {
+            out = Some(job(tx)?);
+            Ok(())
+        })?;
+        out.ok_or_else(|| Problem::store("no result"))
+    }
+}

@@ -1,0 +1,36 @@
+//! Tables, brought forward one version at a time. A script once shipped is never changed.
+
+use super::sql::Tx;
+use crate::problem::{Answer, Problem};
+use crate::values;
+
+/// One script a version, from 1.
+const SCRIPTS: &[&str] = &[include_str!("../../migrations/0001_tables.sql")];
+
+/// The version of this program.
+pub(super) const LATEST: i64 = SCRIPTS.len() as i64;
+
+/// The version of the store; 0 for an empty one.
+pub(super) fn version(tx: &mut dyn Tx) -> Answer<i64> {
+    tx.script("CREATE TABLE IF NOT EXISTS schema_version (version BIGINT NOT NULL)")?;
+    let row = tx.row("SELECT max(version) FROM schema_version", &[])?;
+    Ok(row.map(|r| r.maybe_int(0)).transpose()?.flatten().unwrap_or(0))
+}
+
+/// Brings the tables to [`LATEST`].
+pub(super) fn migrate(tx: &mut dyn Tx) -> Answer<()> {
+    let now = version(tx)?;
+    if now > LATEST {
+        return Err(Problem::new(
+            503,
+            "store.newer",
+            format!("存储的版本为 {now}，本程序只认识到 {LATEST}"),
+            format!("the store is of version {now}, this program knows up to {LATEST}"),
+        ));
+    }
+    for (number, script) in (1..).zip(SCRIPTS).skip(now as usize) {
+        tx.script(script)?;
+        tx.run("INSERT INTO schema_version (version) VALUES ($1)", values![number])?;
+    }
+    Ok(())
+}

@@ -1,0 +1,212 @@
+//! PostgreSQL: a pool of connections; a transaction that meets a restart or a deadlock before its commit is run again.
+
+use super::sql::{Row, Tx, Value};
+use super::{Backend, Job, migrate};
+use crate::problem::{Answer, Problem};
+use postgres::error::SqlState;
+use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
+use postgres::{Client, Config, NoTls, Transaction};
+use std::sync::{Condvar, Mutex};
+use std::time::{Duration, Instant};
+
+/// Connections at once.
+const CONNECTIONS: usize = 16;
+/// How long a request waits for a database that restarts.
+const PATIENCE: Duration = Duration::from_secs(15);
+/// Key of the advisory lock that keeps two services from migrating at once.
+const MIGRATION_LOCK: i64 = 0x7768_7972;
+
+pub(super) struct Postgres {
+    config: Config,
+    pool: Mutex<Pool>,
+    free: Condvar,
+}
+
+struct Pool {
+    idle: Vec<Client>,
+    out: usize,
+}
+
+impl Postgres {
+    pub(super) fn open(url: &str) -> Answer<Self> {
+        let mut config: Config = url.parse().map_err(Problem::store)?;
+        config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
+        let store =
+            Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
+        store.read(&mut |tx| {
+            tx.script(&format!("SELECT pg_advisory_xact_lock({MIGRATION_LOCK})"))?;
+            migrate::migrate(tx)
+        })?;
+        Ok(store)
+    }
+
+    fn client(&self) -> Answer<Client> {
+        let mut pool = self.pool.lock().map_err(Problem::store)?;
+        while pool.out >= CONNECTIONS {
+            pool = self.free.wait(pool).map_err(Problem::store)?;
+        }
+        pool.out += 1;
+        if let Some(client) = pool.idle.pop().filter(|c| !c.is_closed()) {
+            return Ok(client);
+        }
+        // The others share the fate of a closed one.
+        pool.idle.retain(|c| !c.is_closed());
+        drop(pool);
+        self.config.connect(NoTls).map_err(|e| {
+            self.give_back(None);
+            Problem::store(e)
+        })
+    }
+
+    fn give_back(&self, client: Option<Client>) {
+        if let Ok(mut pool) = self.pool.lock() {
+            pool.out -= 1;
+            pool.idle.extend(client.filter(|c| !c.is_closed()));
+        }
+        self.free.notify_one();
+    }
+
+    fn transact(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+        let start = Instant::now();
+        loop {
+            let outcome = match self.client() {
+                Ok(mut client) => {
+                    let outcome = attempt(&mut client, job);
+                    self.give_back(Some(client));
+                    outcome
+                }
+                Err(e) => Err(Failure::Again(e)),
+            };
+            match outcome {
+                Ok(()) => return Ok(()),
+                Err(Failure::Final(e)) => return Err(e),
+                Err(Failure::Again(e)) if start.elapsed() > PATIENCE => return Err(e),
+                Err(Failure::Again(_)) => std::thread::sleep(Duration::from_millis(50)),
+            }
+        }
+    }
+}
+
+enum Failure {
+    /// Nothing was committed, and trying again may help.
+    Again(Problem),
+    /// A refusal, or it is not known whether it was committed.
+    Final(Problem),
+}
+
+fn attempt(client: &mut Client, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Result<(), Failure> {
+    let transaction = client.transaction().map_err(|e| Failure::Again(problem(&e)))?;
+    let mut tx = Running { transaction, again: false };
+    match job(&mut tx) {
+        Ok(()) => tx.transaction.commit().map_err(|e| {
+            // A server that says no has not committed; a connection that broke may have.
+            if e.code().is_some() && passes(&e) { Failure::Again(problem(&e)) } else { Failure::Final(problem(&e)) }
+        }),
+        Err(e) if tx.again => Err(Failure::Again(e)),
+        Err(e) => Err(Failure::Final(e)),
+    }
+}
+
+/// True for what may pass: a restart, a broken connection, a deadlock.
+fn passes(e: &postgres::Error) -> bool {
+    let by_code = e.code().is_some_and(|c| {
+        [
+            &SqlState::T_R_SERIALIZATION_FAILURE,
+            &SqlState::T_R_DEADLOCK_DETECTED,
+            &SqlState::ADMIN_SHUTDOWN,
+            &SqlState::CRASH_SHUTDOWN,
+            &SqlState::CANNOT_CONNECT_NOW,
+        ]
+        .contains(&c)
+    });
+    by_code || e.is_closed() || e.code().is_none()
+}
+
+impl Backend for Postgres {
+    fn write(&self, mut job: Job) -> Answer<()> {
+        self.transact(&mut *job)
+    }
+
+    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+        self.transact(job)
+    }
+}
+
+struct Running<'c> {
+    transaction: Transaction<'c>,
+    again: bool,
+}
+
+impl Running<'_> {
+    fn noted<T>(&mut self, result: Result<T, postgres::Error>) -> Answer<T> {
+        result.map_err(|e| {
+            self.again |= passes(&e);
+            problem(&e)
+        })
+    }
+}
+
+impl ToSql for Value {
+    fn to_sql(
+        &self,
+        kind: &Type,
+        out: &mut postgres::types::private::BytesMut,
+    ) -> Result<IsNull, Box<dyn std::error::Error + Sync + Send>> {
+        match self {
+            Value::Null => Ok(IsNull::Yes),
+            // A literal beside the parameter makes it an INT4.
+            Value::Int(n) if *kind == Type::INT4 => i32::try_from(*n)?.to_sql(kind, out),
+            Value::Int(n) => n.to_sql(kind, out),
+            Value::Text(t) => t.to_sql(kind, out),
+        }
+    }
+
+    fn accepts(_: &Type) -> bool {
+        true
+    }
+
+    to_sql_checked!();
+}
+
+impl Tx for Running<'_> {
+    fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64> {
+        let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
+        let result = self.transaction.execute(sql, &values);
+        self.noted(result)
+    }
+
+    fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
+        let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
+        let result = self.transaction.query(sql, &values);
+        self.noted(result)?.iter().map(row).collect()
+    }
+
+    fn script(&mut self, sql: &str) -> Answer<()> {
+        let result = self.transaction.batch_execute(sql);
+        self.noted(result)
+    }
+
+    fn lock(&self) -> &'static str {
+        " FOR UPDATE"
+    }
+}
+
+fn row(row: &postgres::Row) -> Answer<Row> {
+    let value = |(i, column): (usize, &postgres::Column)| {
+        let number = |n: Option<i64>| n.map_or(Value::Null, Value::Int);
+        Ok(match *column.type_() {
+            Type::INT8 => number(row.try_get(i).map_err(|e| problem(&e))?),
+            Type::INT4 => number(row.try_get::<_, Option<i32>>(i).map_err(|e| problem(&e))?.map(i64::from)),
+            _ => row.try_get::<_, Option<String>>(i).map_err(|e| problem(&e))?.map_or(Value::Null, Value::Text),
+        })
+    };
+    row.columns().iter().enumerate().map(value).collect::<Answer<Vec<_>>>().map(Row)
+}
+
+fn problem(e: &postgres::Error) -> Problem {
+    match (e.code(), e.as_db_error()) {
+        (Some(code), _) if *code == SqlState::DISK_FULL => Problem::disk_full(),
+        (_, Some(d)) => Problem::store(d.message()),
+        _ => Problem::store(e),
+    }
+}

@@ -1,0 +1,185 @@
+//! SQLite: one writer thread that commits in groups, readers beside it (WAL).
+
+use super::sql::{Row, Tx, Value};
+use super::{Backend, Job, migrate};
+use crate::problem::{Answer, Problem};
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Condvar, Mutex};
+use std::time::Duration;
+
+/// Requests committed together at most.
+const GROUP: usize = 128;
+/// Readers at once.
+const READERS: usize = 4;
+/// How long another process (`whyroad tasks`) may keep the file.
+const BUSY: Duration = Duration::from_secs(10);
+
+pub(super) struct Sqlite {
+    jobs: Mutex<Sender<Waiting>>,
+    readers: Mutex<Vec<Connection>>,
+    free: Condvar,
+}
+
+struct Waiting {
+    job: Job,
+    done: SyncSender<Answer<()>>,
+}
+
+impl Sqlite {
+    pub(super) fn open(path: &Path) -> Answer<Self> {
+        if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
+            std::fs::create_dir_all(dir).map_err(Problem::store)?;
+        }
+        let mut writer = connect(path)?;
+        writer.execute_batch("PRAGMA journal_mode = WAL").map_err(problem)?;
+        let version = migrate::version(&mut Plain(&mut writer))?;
+        if version > 0 && version < migrate::LATEST {
+            let aside = PathBuf::from(format!("{}.before-{}", path.display(), migrate::LATEST));
+            writer.backup("main", &aside, None::<fn(rusqlite::backup::Progress)>).map_err(problem)?;
+        }
+        writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;
+        migrate::migrate(&mut Plain(&mut writer))?;
+        writer.execute_batch("COMMIT").map_err(problem)?;
+        let readers = (0..READERS).map(|_| connect(path)).collect::<Answer<Vec<_>>>()?;
+        let (jobs, queue) = channel();
+        std::thread::Builder::new()
+            .name("whyroad-store".to_owned())
+            .spawn(move || write_loop(writer, &queue))
+            .map_err(Problem::store)?;
+        Ok(Self { jobs: Mutex::new(jobs), readers: Mutex::new(readers), free: Condvar::new() })
+    }
+}
+
+impl Backend for Sqlite {
+    fn write(&self, job: Job) -> Answer<()> {
+        let (done, answer) = sync_channel(1);
+        self.jobs.lock().map_err(Problem::store)?.send(Waiting { job, done }).map_err(Problem::store)?;
+        answer.recv().map_err(Problem::store)?
+    }
+
+    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+        let mut pool = self.readers.lock().map_err(Problem::store)?;
+        let mut connection = loop {
+            match pool.pop() {
+                Some(c) => break c,
+                None => pool = self.free.wait(pool).map_err(Problem::store)?,
+            }
+        };
+        drop(pool);
+        let result = connection.execute_batch("BEGIN").map_err(problem).and_then(|()| job(&mut Plain(&mut connection)));
+        let ended = connection.execute_batch("COMMIT").map_err(problem);
+        self.readers.lock().map_err(Problem::store)?.push(connection);
+        self.free.notify_one();
+        result.and(ended)
+    }
+}
+
+fn connect(path: &Path) -> Answer<Connection> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = Connection::open_with_flags(path, flags).map_err(problem)?;
+    connection.busy_timeout(BUSY).map_err(problem)?;
+    connection.set_prepared_statement_cache_capacity(64);
+    // FULL: what was acknowledged survives a loss of power, not only of the process.
+    connection.execute_batch("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON").map_err(problem)?;
+    Ok(connection)
+}
+
+fn write_loop(mut writer: Connection, queue: &Receiver<Waiting>) {
+    while let Ok(first) = queue.recv() {
+        let mut group = vec![first];
+        group.extend(queue.try_iter().take(GROUP - 1));
+        let answers = commit_group(&mut writer, &mut group);
+        for (waiting, answer) in group.into_iter().zip(answers) {
+            // Who no longer waits needs no answer.
+            let _ = waiting.done.send(answer);
+        }
+    }
+}
+
+/// Runs the jobs in one transaction, a savepoint each. When the whole fails, all fail.
+fn commit_group(writer: &mut Connection, group: &mut [Waiting]) -> Vec<Answer<()>> {
+    let mut answers: Vec<Answer<()>> = Vec::with_capacity(group.len());
+    let whole = (|| {
+        writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;
+        for waiting in group.iter_mut() {
+            writer.execute_batch("SAVEPOINT job").map_err(problem)?;
+            let answer = (waiting.job)(&mut Plain(writer));
+            // A full disk makes SQLite give up the whole transaction.
+            if writer.is_autocommit() {
+                return Err(answer.err().unwrap_or_else(|| Problem::store("transaction lost")));
+            }
+            let end = if answer.is_ok() { "RELEASE job" } else { "ROLLBACK TO job; RELEASE job" };
+            writer.execute_batch(end).map_err(problem)?;
+            answers.push(answer);
+        }
+        writer.execute_batch("COMMIT").map_err(problem)
+    })();
+    if let Err(e) = whole {
+        if !writer.is_autocommit() {
+            let _ = writer.execute_batch("ROLLBACK");
+        }
+        return group.iter().map(|_| Err(e.clone())).collect();
+    }
+    answers
+}
+
+/// A connection inside a transaction.
+struct Plain<'c>(&'c mut Connection);
+
+impl ToSql for Value {
+    fn to_sql(&self) -> rusqlite::Result<rusqlite::types::ToSqlOutput<'_>> {
+        Ok(match self {
+            Value::Null => rusqlite::types::Null.into(),
+            Value::Int(n) => (*n).into(),
+            Value::Text(t) => rusqlite::types::ToSqlOutput::Borrowed(t.as_str().into()),
+        })
+    }
+}
+
+impl Tx for Plain<'_> {
+    fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64> {
+        let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
+        let n = statement.execute(rusqlite::params_from_iter(values)).map_err(problem)?;
+        Ok(n as u64)
+    }
+
+    fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
+        let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
+        let columns = statement.column_count();
+        let rows = statement.query_map(rusqlite::params_from_iter(values), |row| {
+            let value = |i| {
+                Ok(match row.get_ref(i)? {
+                    ValueRef::Null => Value::Null,
+                    ValueRef::Integer(n) => Value::Int(n),
+                    ValueRef::Text(t) => Value::Text(String::from_utf8_lossy(t).into_owned()),
+                    ValueRef::Real(_) | ValueRef::Blob(_) => return Err(rusqlite::Error::InvalidQuery),
+                })
+            };
+            (0..columns).map(value).collect::<rusqlite::Result<Vec<_>>>().map(Row)
+        });
+        rows.map_err(problem)?.collect::<rusqlite::Result<Vec<_>>>().map_err(problem)
+    }
+
+    fn script(&mut self, sql: &str) -> Answer<()> {
+        self.0.execute_batch(sql).map_err(problem)
+    }
+
+    fn lock(&self) -> &'static str {
+        ""
+    }
+}
+
+/// `$1` is a *named* parameter to SQLite; `?1` is the first.
+fn numbered(sql: &str) -> String {
+    sql.replace('$', "?")
+}
+
+fn problem(e: rusqlite::Error) -> Problem {
+    match e.sqlite_error_code() {
+        Some(ErrorCode::DiskFull) => Problem::disk_full(),
+        _ => Problem::store(e),
+    }
+}

@@ -1,0 +1,357 @@
+//! The life of a task as a pure function: who may do what in which state, and what comes of it. No store, no clock.
+//!
+//! ```text
+//!            take            lock_stage1           submit             take             accept
+//!   open ──────────▶ stage1 ────────────▶ stage2 ─────────▶ submitted ─────▶ in_check ───────┬──▶ accepted
+//!    ▲ ◀───release─────┘     release │ ▲ take               ▲                  │             │        ▲
+//!    │                               ▼ │                    │ submit           │ send_back   ▼        │ accept
+//!    │ reopen (lead)          stage1_locked               rework ◀─────────────┘          checked     │
+//!    └── skipped, rejected ◀── skip, reject                 ▲                         take   │        │
+//!                                                           └──────── send_back ──── in_audit ◀───────┘
+//! ```
+//!
+//! What holds on every path, and is tested on random ones: nothing is accepted that was not checked after its last
+//! submission; who checks has not written it; who audits has neither written nor checked it; what shows the future
+//! never becomes `stage1` again for those who saw it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use whyroad_model::Bilingual;
+
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+        pub enum $name { $($(#[$vdoc])* #[serde(rename = $word)] $variant),+ }
+        impl $name {
+            /// All, in the order of the work.
+            pub const ALL: &'static [$name] = &[$($name::$variant),+];
+            /// The word that the store and the API use.
+            pub fn word(self) -> &'static str { match self { $($name::$variant => $word),+ } }
+            /// The one with this word.
+            pub fn from_word(word: &str) -> Option<Self> { match word { $($word => Some($name::$variant),)+ _ => None } }
+        }
+    };
+}
+
+words!(
+    /// Where a task stands.
+    State {
+        /// Nobody works on it.
+        Open = "open",
+        /// Stage I: components, from history only.
+        Stage1 = "stage1",
+        /// Stage I is done and nobody holds it; only its author goes on.
+        Stage1Locked = "stage1_locked",
+        /// Stage II: decision, causes and trace.
+        Stage2 = "stage2",
+        /// Waits for a checker.
+        Submitted = "submitted",
+        /// With a checker.
+        InCheck = "in_check",
+        /// Back at its author with comments.
+        Rework = "rework",
+        /// Checked, drawn for audit, waits for an auditor.
+        Checked = "checked",
+        /// With an auditor.
+        InAudit = "in_audit",
+        /// Done.
+        Accepted = "accepted",
+        /// Left out with a reason.
+        Skipped = "skipped",
+        /// Not fit to be labelled, with a reason.
+        Rejected = "rejected",
+    }
+);
+
+words!(
+    /// What a member may do in a project.
+    Role {
+        /// Makes tasks, assigns, reopens, adjudicates, exports.
+        Lead = "lead",
+        /// Labels.
+        Annotator = "annotator",
+        /// Checks what others labelled.
+        Checker = "checker",
+        /// Audits what others labelled and checked.
+        Auditor = "auditor",
+    }
+);
+
+words!(
+    /// What somebody does to a task.
+    Action {
+        /// Takes the lease: a task to label, to mend, to check or to audit.
+        Take = "take",
+        /// Gives the lease back.
+        Release = "release",
+        /// Ends Stage I.
+        LockStage1 = "lock_stage1",
+        /// Hands the label in.
+        Submit = "submit",
+        /// Leaves the task out.
+        Skip = "skip",
+        /// Says that the clip cannot be labelled.
+        Reject = "reject",
+        /// Finds the label good.
+        Accept = "accept",
+        /// Finds it wanting.
+        SendBack = "send_back",
+        /// Begins it anew; an accepted label goes to rework.
+        Reopen = "reopen",
+    }
+);
+
+/// What the workflow knows of a task. Users by id.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// Where it stands.
+    pub state: State,
+    /// All who wrote in it since it was opened; the last one is its author now.
+    pub authors: Vec<String>,
+    /// Who checks or checked the present submission.
+    pub checker: Option<String>,
+    /// Who audits or audited it.
+    pub auditor: Option<String>,
+    /// Who holds the lease.
+    pub holder: Option<String>,
+    /// The present submission was found good by its checker.
+    pub checked: bool,
+}
+
+/// Who acts.
+#[derive(Clone, Debug)]
+pub struct Actor {
+    /// User id.
+    pub id: String,
+    /// Roles in the task's project.
+    pub roles: Vec<Role>,
+    /// Has seen what lies after this task's keyframe.
+    pub has_seen: Seen,
+}
+
+/// Whether somebody knows the future of a task.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// Only the history, or nothing.
+    History,
+    /// What comes after the keyframe as well.
+    Future,
+}
+
+/// Whether a label that passed its check is audited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draw {
+    /// It is accepted at once.
+    Pass,
+    /// It waits for an auditor.
+    Audit,
+}
+
+/// Why not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Stable code.
+    pub code: &'static str,
+    /// In words.
+    pub text: Bilingual,
+}
+
+impl State {
+    /// True where Stage I is over, so that what comes after the keyframe may be seen.
+    pub fn shows_future(self) -> bool {
+        !matches!(self, State::Open | State::Stage1 | State::Skipped | State::Rejected)
+    }
+
+    /// True where somebody may hold a lease.
+    pub fn is_held(self) -> bool {
+        matches!(self, State::Stage1 | State::Stage2 | State::InCheck | State::Rework | State::InAudit)
+    }
+
+    /// True where the holder may change the draft.
+    pub fn is_editable(self) -> bool {
+        matches!(self, State::Stage1 | State::Stage2 | State::Rework)
+    }
+}
+
+impl Position {
+    /// A new task.
+    pub fn open() -> Self {
+        Self {
+            state: State::Open,
+            authors: vec![],
+            checker: None,
+            auditor: None,
+            holder: None,
+            checked: false,
+        }
+    }
+
+    /// Who labels or labelled it.
+    pub fn author(&self) -> Option<&str> {
+        self.authors.last().map(String::as_str)
+    }
+
+    fn wrote(&self, user: &str) -> bool {
+        self.authors.iter().any(|a| a == user)
+    }
+}
+
+impl Actor {
+    /// True with this role.
+    pub fn is(&self, role: Role) -> bool {
+        self.roles.contains(&role)
+    }
+}
+
+/// What comes of `action`. That no other live lease stands in the way of a `take` is the caller's to see to: it needs a clock.
+pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<Position, Refusal> {
+    let holds = at.holder.as_deref() == Some(actor.id.as_str());
+    let to = |state: State| Position { state, holder: None, ..at.clone() };
+    match (action, at.state) {
+        (Action::Take, _) => take(at, actor),
+        (Action::Release, state) if state.is_held() => {
+            if !(holds || actor.is(Role::Lead)) {
+                return Err(not_yours());
+            }
+            Ok(to(match state {
+                State::Stage1 => State::Open,
+                State::Stage2 => State::Stage1Locked,
+                State::InCheck => State::Submitted,
+                State::InAudit => State::Checked,
+                other => other,
+            }))
+        }
+        (Action::LockStage1, State::Stage1) if holds => Ok(Position { state: State::Stage2, ..at.clone() }),
+        (Action::Submit, State::Stage2 | State::Rework) if holds => {
+            Ok(Position { checker: None, auditor: None, checked: false, ..to(State::Submitted) })
+        }
+        (
+            Action::Skip | Action::Reject,
+            State::Open | State::Stage1 | State::Stage1Locked | State::Stage2 | State::Rework,
+        ) => {
+            if !(holds || actor.is(Role::Lead)) {
+                return Err(not_yours());
+            }
+            Ok(to(if action == Action::Skip { State::Skipped } else { State::Rejected }))
+        }
+        (Action::Accept, State::InCheck) if holds => {
+            judge_allowed(at, actor)?;
+            let next = match draw {
+                Draw::Pass => State::Accepted,
+                Draw::Audit => State::Checked,
+            };
+            Ok(Position { checked: true, ..to(next) })
+        }
+        (Action::Accept, State::InAudit) if holds && at.checked => {
+            audit_allowed(at, actor)?;
+            Ok(to(State::Accepted))
+        }
+        (Action::SendBack, State::InCheck | State::InAudit) if holds => {
+            Ok(Position { checked: false, ..to(State::Rework) })
+        }
+        (Action::Reopen, _) if !actor.is(Role::Lead) => Err(role_missing(Role::Lead)),
+        (Action::Reopen, State::Accepted) => {
+            Ok(Position { checked: false, checker: None, auditor: None, ..to(State::Rework) })
+        }
+        (Action::Reopen, State::Open) => Err(not_now(action, at.state)),
+        (Action::Reopen, _) => Ok(Position::open()),
+        (_, state) if state.is_held() && !holds => Err(not_yours()),
+        (_, state) => Err(not_now(action, state)),
+    }
+}
+
+fn take(at: &Position, actor: &Actor) -> Result<Position, Refusal> {
+    let need = |role: Role| if actor.is(role) { Ok(()) } else { Err(role_missing(role)) };
+    let held = |state: State| Position { state, holder: Some(actor.id.clone()), ..at.clone() };
+    match at.state {
+        State::Open | State::Stage1 => {
+            need(Role::Annotator)?;
+            if actor.has_seen == Seen::Future {
+                return Err(Refusal {
+                    code: "task.future_seen",
+                    text: Bilingual::new(
+                        "您已看过该任务关键帧之后的内容，不能再做阶段一",
+                        "you have seen what comes after this task's keyframe: its Stage I is not for you",
+                    ),
+                });
+            }
+            let mut next = held(State::Stage1);
+            next.authors.retain(|a| *a != actor.id);
+            next.authors.push(actor.id.clone());
+            Ok(next)
+        }
+        State::Stage1Locked | State::Stage2 | State::Rework => {
+            need(Role::Annotator)?;
+            if at.author() != Some(&actor.id) {
+                return Err(Refusal {
+                    code: "task.not_author",
+                    text: Bilingual::new("只有作者可以继续该任务", "only its author goes on with this task"),
+                });
+            }
+            Ok(held(if at.state == State::Rework { State::Rework } else { State::Stage2 }))
+        }
+        State::Submitted | State::InCheck => {
+            need(Role::Checker)?;
+            judge_allowed(at, actor)?;
+            Ok(Position { checker: Some(actor.id.clone()), ..held(State::InCheck) })
+        }
+        State::Checked | State::InAudit => {
+            need(Role::Auditor)?;
+            audit_allowed(at, actor)?;
+            Ok(Position { auditor: Some(actor.id.clone()), ..held(State::InAudit) })
+        }
+        State::Accepted | State::Skipped | State::Rejected => Err(not_now(Action::Take, at.state)),
+    }
+}
+
+fn judge_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
+    if at.wrote(&actor.id) {
+        return Err(Refusal {
+            code: "task.own_work",
+            text: Bilingual::new("不能检查自己写的标注", "nobody checks what they wrote"),
+        });
+    }
+    Ok(())
+}
+
+fn audit_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
+    judge_allowed(at, actor)?;
+    if at.checker.as_deref() == Some(actor.id.as_str()) {
+        return Err(Refusal {
+            code: "task.own_check",
+            text: Bilingual::new("不能审计自己检查过的标注", "nobody audits what they checked"),
+        });
+    }
+    Ok(())
+}
+
+fn role_missing(role: Role) -> Refusal {
+    Refusal {
+        code: "task.role_missing",
+        text: Bilingual::new(
+            format!("需要角色 {}", role.word()),
+            format!("this needs the role {}", role.word()),
+        ),
+    }
+}
+
+fn not_yours() -> Refusal {
+    Refusal {
+        code: "lease.not_yours",
+        text: Bilingual::new("该任务不在您手中", "this task is not in your hands"),
+    }
+}
+
+fn not_now(action: Action, state: State) -> Refusal {
+    Refusal {
+        code: "task.wrong_state",
+        text: Bilingual::new(
+            format!("状态 {} 下不能 {}", state.word(), action.word()),
+            format!("a task in state {} does not allow {}", state.word(), action.word()),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests;
