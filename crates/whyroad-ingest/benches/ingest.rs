@@ -84,8 +84,8 @@ fn main() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let data = std::env::var_os("WHYROAD_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
     let mut inputs = vec![
-        ("sumo", root.join("examples/truth/grid")),
-        ("sumo", root.join("examples/truth/motorway")),
+        ("sumo", root.join("examples/drives/back_street")),
+        ("sumo", root.join("examples/drives/multilane")),
         ("sumo", root.join("examples/drives/signal_junction")),
         ("table", root.join("examples/table/following")),
     ];

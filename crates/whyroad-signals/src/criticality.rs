@@ -38,6 +38,9 @@ fn a_long_req(gap: f64, closing: f64, accel: f64) -> f64 {
         0.0
     } else if gap <= 0.0 {
         f64::NEG_INFINITY
+    } else if accel.is_nan() {
+        // `min` would take the unknown for a zero.
+        f64::NAN
     } else {
         (accel - closing * closing / (2.0 * gap)).min(0.0)
     }
@@ -68,20 +71,20 @@ fn a_lat_req(p: &Placement, ttc: f64, ego_width: f64) -> f64 {
 }
 
 /// Time exposed and time integrated under [`TAU_S`] up to each row, from the TTC of each.
-fn exposure(target: &Target<'_>, ttc: impl Fn(&Placement) -> f64, times: &[f64]) -> Vec<(f64, f64)> {
+fn exposure(target: &Target<'_>, ttc: impl Fn(usize) -> f64, times: &[f64]) -> Vec<(f64, f64)> {
     let (mut exposed, mut integrated) = (0.0, 0.0);
     let mut sums = Vec::with_capacity(target.places.len());
-    for place in &target.places {
-        if let Some(p) = place {
-            let t = ttc(p);
-            if t <= TAU_S {
-                // A frame lasts until the next one; the last as long as the one before.
-                let (now, next) = (times[p.frame], times.get(p.frame + 1));
-                let before = p.frame.checked_sub(1).map_or(0.1, |i| now - times[i]);
-                let lasts = next.map_or(before, |n| n - now).min(LONGEST_FRAME_S);
-                exposed += lasts;
-                integrated += (TAU_S - t) * lasts;
-            }
+    for (row, place) in target.places.iter().enumerate() {
+        let t = ttc(row);
+        if let Some(p) = place
+            && t <= TAU_S
+        {
+            // A frame lasts until the next one; the last as long as the one before.
+            let (now, next) = (times[p.frame], times.get(p.frame + 1));
+            let before = p.frame.checked_sub(1).map_or(0.1, |i| now - times[i]);
+            let lasts = next.map_or(before, |n| n - now).min(LONGEST_FRAME_S);
+            exposed += lasts;
+            integrated += (TAU_S - t) * lasts;
         }
         sums.push((exposed, integrated));
     }
@@ -92,22 +95,26 @@ fn exposure(target: &Target<'_>, ttc: impl Fn(&Placement) -> f64, times: &[f64])
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, around) = (scene.targets, scene.around);
-    let required = |k: usize, r: usize, p: Option<&Placement>| {
-        let pair = p.and_then(|p| Some((p, closing_pair(p, around)?)));
-        pair.map_or(f64::NAN, |(p, (gap, closing))| {
-            a_long_req(gap, closing, accel_along(p, targets[k].accel[r]))
+    // Once a row: whether two meet is the dear part, and all of the measures ask it.
+    let pairs: Vec<Vec<Option<(f64, f64)>>> = targets
+        .iter()
+        .map(|t| t.places.iter().map(|p| p.as_ref().and_then(|p| closing_pair(p, around))).collect())
+        .collect();
+    let of = |value: &dyn Fn(usize, usize, &Placement, f64, f64) -> f64| {
+        rows.spread(targets, f64::NAN, |k, r, p| match (p, pairs[k][r]) {
+            (Some(p), Some((gap, closing))) => value(k, r, p, gap, closing),
+            _ => f64::NAN,
         })
     };
-    let along = rows.spread(targets, f64::NAN, required);
-    table.number("target.btn", along.iter().map(|a| (a / -BRAKE_MPS2).max(0.0)).collect());
+    let along = of(&|k, r, p, gap, closing| a_long_req(gap, closing, accel_along(p, targets[k].accel[r])));
+    table.number("target.btn", along.iter().map(|a| a.abs() / BRAKE_MPS2).collect());
     table.number("target.a_long_req", along);
-    let ttc = |p: &Placement| closing_pair(p, around).map_or(f64::NAN, |(gap, v)| ttc::ttc(gap, v));
-    let steer = |p: &Placement| a_lat_req(p, ttc(p), around.ego.width) / STEER_MPS2;
-    table.number("target.stn", rows.placed(targets, f64::NAN, steer));
-    let safety =
-        |p: &Placement| closing_pair(p, around).map_or(f64::NAN, |(gap, v)| dst(gap, v, ttc::along(p)));
-    table.number("target.dst", rows.placed(targets, f64::NAN, safety));
-    let sums: Vec<Vec<(f64, f64)>> = targets.iter().map(|t| exposure(t, ttc, scene.times)).collect();
+    let steer = |p: &Placement, gap, closing| a_lat_req(p, ttc::ttc(gap, closing), around.ego.width);
+    table.number("target.stn", of(&|_, _, p, gap, closing| steer(p, gap, closing) / STEER_MPS2));
+    table.number("target.dst", of(&|_, _, p, gap, closing| dst(gap, closing, ttc::along(p))));
+    let ttc = |k: usize, r: usize| pairs[k][r].map_or(f64::NAN, |(gap, closing)| ttc::ttc(gap, closing));
+    let sums: Vec<Vec<(f64, f64)>> =
+        targets.iter().enumerate().map(|(k, t)| exposure(t, |r| ttc(k, r), scene.times)).collect();
     table.number("target.tet", rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].0));
     table.number("target.tit", rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].1));
 }

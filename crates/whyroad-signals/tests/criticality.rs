@@ -6,7 +6,7 @@ mod scene;
 
 use scene::{Table, add, area, car, drive, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
-use whyroad_model::ObjectClass::{Bus, Pedestrian};
+use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
 use whyroad_model::Tri::{False, True};
 
 #[test]
@@ -167,4 +167,23 @@ fn time_to_line_by_hand() {
     near(t.ego("ego.time_to_line", 0), (1.75 - 1.0986) / 0.5, 1e-2);
     near(t.num("comes", "target.time_to_line", 0), 3.0, 1e-2);
     assert_eq!(t.num("stays", "target.time_to_line", 0), f64::INFINITY);
+}
+
+#[test]
+fn the_unknown_stays_unknown() {
+    // No size: no gap. A size but no acceleration, on a collision course: no required acceleration.
+    let mut d = drive(10, |t| (20.0 * t, 0.0, 0.0));
+    car(&mut d, "braked", |t| (44.0 + 10.0 * t, 0.0, 0.0));
+    add(&mut d, "point", Car, (f64::NAN, f64::NAN), |t| (44.0 + 10.0 * t, 0.0, 0.0));
+    // One known value, elsewhere, keeps the log's accelerations from being made anew out of the speeds.
+    let lead = d.tracks.iter_mut().find(|t| t.id.as_str() == "braked").unwrap();
+    lead.motion.accel[..9].fill(f64::NAN);
+    let t = Table::of(&d);
+    for name in ["target.btn", "target.a_long_req", "target.ttc_accel", "target.ttc_box_accel"] {
+        assert!(t.num("braked", name, 3).is_nan(), "{name}");
+    }
+    near(t.num("braked", "target.ttc", 0), 4.0, 1e-6);
+    for name in ["target.btn", "target.stn", "target.dst", "target.lateral_gap", "target.time_to_conflict"] {
+        assert!(t.num("point", name, 3).is_nan(), "{name}");
+    }
 }
