@@ -36,7 +36,12 @@ impl Problem {
 
     /// The request cannot be understood.
     pub fn request(why: impl std::fmt::Display) -> Self {
-        Self::new(400, "request.invalid", format!("请求无效：{why}"), format!("the request is invalid: {why}"))
+        Self::new(
+            400,
+            "request.invalid",
+            format!("请求无效：{why}"),
+            format!("the request is invalid: {why}"),
+        )
     }
 
     /// Nobody is signed in.

@@ -74,7 +74,11 @@ pub fn restore(store: &Store, input: &mut dyn BufRead) -> Answer<u64> {
         return Err(broken("not a backup of whyroad"));
     }
     if head["schema_version"] != migrate::LATEST {
-        return Err(broken(format!("tables of version {}, this program has {}", head["schema_version"], migrate::LATEST)));
+        return Err(broken(format!(
+            "tables of version {}, this program has {}",
+            head["schema_version"],
+            migrate::LATEST
+        )));
     }
     if tail["end"] != true || tail["rows"] != (lines.len() - 2) as u64 {
         return Err(broken("it is cut off"));
@@ -128,5 +132,10 @@ fn from_json(value: &Json) -> Answer<Value> {
 }
 
 fn broken(why: impl std::fmt::Display) -> Problem {
-    Problem::new(400, "restore.broken", format!("备份无法使用：{why}"), format!("the backup cannot be used: {why}"))
+    Problem::new(
+        400,
+        "restore.broken",
+        format!("备份无法使用：{why}"),
+        format!("the backup cannot be used: {why}"),
+    )
 }

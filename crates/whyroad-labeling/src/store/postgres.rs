@@ -31,8 +31,7 @@ impl Postgres {
     pub(super) fn open(url: &str) -> Answer<Self> {
         let mut config: Config = url.parse().map_err(Problem::store)?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
-        let store =
-            Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
+        let store = Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
         store.read(&mut |tx| {
             tx.script(&format!("SELECT pg_advisory_xact_lock({MIGRATION_LOCK})"))?;
             migrate::migrate(tx)
@@ -100,7 +99,11 @@ fn attempt(client: &mut Client, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) 
     match job(&mut tx) {
         Ok(()) => tx.transaction.commit().map_err(|e| {
             // A server that says no has not committed; a connection that broke may have.
-            if e.code().is_some() && passes(&e) { Failure::Again(problem(&e)) } else { Failure::Final(problem(&e)) }
+            if e.code().is_some() && passes(&e) {
+                Failure::Again(problem(&e))
+            } else {
+                Failure::Final(problem(&e))
+            }
         }),
         Err(e) if tx.again => Err(Failure::Again(e)),
         Err(e) => Err(Failure::Final(e)),
@@ -197,7 +200,9 @@ fn row(row: &postgres::Row) -> Answer<Row> {
         Ok(match *column.type_() {
             Type::INT8 => number(row.try_get(i).map_err(|e| problem(&e))?),
             Type::INT4 => number(row.try_get::<_, Option<i32>>(i).map_err(|e| problem(&e))?.map(i64::from)),
-            _ => row.try_get::<_, Option<String>>(i).map_err(|e| problem(&e))?.map_or(Value::Null, Value::Text),
+            _ => {
+                row.try_get::<_, Option<String>>(i).map_err(|e| problem(&e))?.map_or(Value::Null, Value::Text)
+            }
         })
     };
     row.columns().iter().enumerate().map(value).collect::<Answer<Vec<_>>>().map(Row)

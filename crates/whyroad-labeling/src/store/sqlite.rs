@@ -69,7 +69,10 @@ impl Backend for Sqlite {
             }
         };
         drop(pool);
-        let result = connection.execute_batch("BEGIN").map_err(problem).and_then(|()| job(&mut Plain(&mut connection)));
+        let result = connection
+            .execute_batch("BEGIN")
+            .map_err(problem)
+            .and_then(|()| job(&mut Plain(&mut connection)));
         let ended = connection.execute_batch("COMMIT").map_err(problem);
         self.readers.lock().map_err(Problem::store)?.push(connection);
         self.free.notify_one();
@@ -78,7 +81,8 @@ impl Backend for Sqlite {
 }
 
 fn connect(path: &Path) -> Answer<Connection> {
-    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let flags =
+        OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags).map_err(problem)?;
     connection.busy_timeout(BUSY).map_err(problem)?;
     connection.set_prepared_statement_cache_capacity(64);

@@ -6,6 +6,7 @@ use std::path::Path;
 use whyroad_dataset::coverage::{class_title, counts, rows};
 use whyroad_framework::Taxonomy;
 use whyroad_lake::Lake;
+use whyroad_mining::rule::other::other;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{DriveId, Lang, Nanos};
 
@@ -23,7 +24,7 @@ pub(super) fn table(
     };
     let mut lines: Vec<[String; 6]> = vec![head.map(str::to_owned)];
     let starts = starts(episodes, lake);
-    for id in taxonomy.ids() {
+    for id in taxonomy.ids().into_iter().chain([other()]) {
         let of_class = || episodes.iter().filter(|e| e.scenario_id == id);
         // The one to look at: primary, then the best score.
         let Some(example) =
