@@ -1,0 +1,62 @@
+// Every route that the page calls, with its types: the one place where a URL and a type meet.
+import { call, query, setCsrf } from "./client.ts";
+import type * as T from "./types.ts";
+
+const id = encodeURIComponent;
+
+async function session(method: "GET" | "POST", path: string, body?: unknown): Promise<T.Session> {
+  const { data } = await call<T.Session>(method, path, body);
+  setCsrf(data.csrf);
+  return data;
+}
+
+export const api = {
+  session: () => session("GET", "/session"),
+  signIn: (name: string, password: string) => session("POST", "/session", { name, password }),
+  setup: (name: string, display: string, password: string, lang: string) =>
+    session("POST", "/setup", { name, display, password, lang }),
+  signOut: () => call("DELETE", "/session"),
+
+  users: async () => (await call<{ items: T.User[] }>("GET", "/users")).data.items,
+  newUser: async (user: { name: string; display: string; password: string; admin: boolean; lang: string }) =>
+    (await call<T.User>("POST", "/users", user)).data,
+
+  projects: async () => (await call<{ items: T.Project[] }>("GET", "/projects")).data.items,
+  newProject: async (p: Partial<T.NewProject> & { name: string }) => (await call<T.Project>("POST", "/projects", p)).data,
+  project: async (p: string) => (await call<T.Project>("GET", `/projects/${id(p)}`)).data,
+  members: async (p: string) => (await call<{ items: T.Member[] }>("GET", `/projects/${id(p)}/members`)).data.items,
+  setMember: async (p: string, m: { user: string; roles: T.Role[]; skills: string[] }) =>
+    (await call<{ items: T.Member[] }>("POST", `/projects/${id(p)}/members`, m)).data.items,
+  dashboard: async (p: string) => (await call<T.Dashboard>("GET", `/projects/${id(p)}/dashboard`)).data,
+
+  tasks: async (p: string, filter: Record<string, string | boolean | undefined>) =>
+    (await call<T.Tasks>("GET", `/projects/${id(p)}/tasks${query(filter)}`)).data,
+  mined: async () => (await call<{ items: T.MinedFolder[] }>("GET", "/mined")).data.items,
+  makeTasks: async (p: string, body: Partial<T.CreateTasks>) =>
+    (await call<T.Created>("POST", `/projects/${id(p)}/tasks:create`, body)).data,
+  /** Null when the queue has nothing. */
+  next: async (p: string, kind: T.Kind): Promise<T.Task | null> => {
+    const { data, status } = await call<T.Task>("POST", `/projects/${id(p)}/tasks:next`, { kind });
+    return status === 204 ? null : data;
+  },
+
+  task: async (t: string) => (await call<T.Task>("GET", `/tasks/${id(t)}`)).data,
+  lease: async (t: string, action: "take" | "heartbeat" | "release", fence?: number | null) =>
+    (await call<T.Lease>("POST", `/tasks/${id(t)}/lease`, { action, fence: fence ?? null })).data,
+  assign: async (t: string, user: string | null) => (await call<T.Task>("POST", `/tasks/${id(t)}/assign`, { user })).data,
+  save: async (t: string, fence: number, base_version: number, changes: T.FieldChange[]) =>
+    (await call<T.DraftSaved>("PATCH", `/tasks/${id(t)}/draft`, { fence, base_version, changes })).data,
+  act: async (
+    t: string,
+    action: { fence: number | null; action: T.ActionName; reason?: string | null; comments?: T.NewComment[] },
+  ) => (await call<T.Task>("POST", `/tasks/${id(t)}/actions`, action)).data,
+  history: async (t: string) => (await call<{ items: T.HistoryEntry[] }>("GET", `/tasks/${id(t)}/history`)).data.items,
+  overlap: async (t: string) => (await call<T.Overlap>("GET", `/tasks/${id(t)}/overlap`)).data.items,
+  comment: async (t: string, c: T.NewComment) => (await call<T.Comment>("POST", `/tasks/${id(t)}/comments`, c)).data,
+  resolve: async (c: string) => (await call<T.Comment>("POST", `/comments/${id(c)}/resolve`, {})).data,
+
+  scene: async (t: string) => (await call<T.SceneView>("GET", `/tasks/${id(t)}/scene`)).data,
+  map: async (t: string) => (await call<T.MapView>("GET", `/tasks/${id(t)}/map`)).data,
+  framework: async () => (await call<T.FrameworkView>("GET", "/framework")).data,
+  exportUrl: (p: string, format: "labels" | "tasks") => `/api/v1/projects/${id(p)}/export?format=${format}`,
+};

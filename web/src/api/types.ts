@@ -1,0 +1,54 @@
+// Short names for the server's types. schema.d.ts is generated from its OpenAPI document (`npm run types`).
+import type { components } from "./schema.d.ts";
+
+type Schemas = components["schemas"];
+
+export type Session = Schemas["Session"];
+export type User = Schemas["User"];
+export type Project = Schemas["Project"];
+export type Member = Schemas["Member"];
+export type Role = Schemas["Role"];
+export type Task = Schemas["Task"];
+export type TaskSummary = Schemas["TaskSummary"];
+export type Tasks = Schemas["Tasks"];
+export type State = Schemas["State"];
+export type Stage = Schemas["Stage"];
+export type Finding = Schemas["Finding"];
+export type Comment = Schemas["Comment"];
+export type NewComment = Schemas["NewComment"];
+export type FieldChange = Schemas["FieldChange"];
+export type DraftSaved = Schemas["DraftSaved"];
+export type Lease = Schemas["Lease"];
+export type ActionName = Schemas["ActionName"];
+export type HistoryEntry = Schemas["HistoryEntry"];
+export type Overlap = Schemas["Overlap"];
+export type OverlapItem = Schemas["OverlapItem"];
+export type Suggestion = Schemas["Suggestion"];
+export type Created = Schemas["Created"];
+export type CreateTasks = Schemas["CreateTasks"];
+export type MinedFolder = Schemas["MinedFolder"];
+export type Dashboard = Schemas["Dashboard"];
+export type SceneView = Schemas["SceneView"];
+export type EgoView = Schemas["EgoView"];
+export type TrackView = Schemas["TrackView"];
+export type LightView = Schemas["LightView"];
+export type CameraView = Schemas["CameraView"];
+export type MapView = Schemas["MapView"];
+export type LaneView = Schemas["LaneView"];
+export type FrameworkView = Schemas["FrameworkView"];
+export type NewProject = Schemas["NewProject"];
+export type Kind = Schemas["Kind"];
+
+/** In `more` of a 409 `draft.conflict`, which the document does not describe (crates/whyroad-labeling/src/api/wire/task.rs). */
+export interface Conflicts {
+  version: number;
+  draft: unknown;
+  conflicts: FieldConflict[];
+}
+
+export interface FieldConflict {
+  /** JSON pointer. */
+  path: string;
+  mine: unknown;
+  theirs: unknown;
+}

@@ -1,0 +1,117 @@
+// What the keyboard can do, by which keys, and when a key must be left alone. Pure: no DOM events, no state.
+import type { Pair } from "../text/screen_words.ts";
+
+/** Where an action works: everywhere, or also while a text field has the focus. */
+type Reach = "page" | "always";
+
+interface Act {
+  name: Pair;
+  key: string;
+  reach: Reach;
+}
+
+const act = (zh: string, en: string, key: string, reach: Reach = "page"): Act => ({ name: [zh, en], key, reach });
+
+/** All actions with their default keys, in the order in which the help shows them. */
+export const actions = {
+  help: act("显示快捷键", "Show the keys", "?"),
+  language: act("切换中文 / 英文", "Switch Chinese / English", "Alt+L", "always"),
+  leave: act("离开输入框，回到画面", "Leave the field, back to the scene", "Escape", "always"),
+  save: act("立即保存", "Save now", "Ctrl+S", "always"),
+  undo: act("撤销", "Undo", "Ctrl+Z"),
+  redo: act("重做", "Redo", "Ctrl+Shift+Z"),
+  advance: act("锁定阶段一 / 提交", "Lock Stage I / submit", "Ctrl+Enter", "always"),
+  play: act("播放 / 暂停", "Play / pause", "Space"),
+  back: act("上一帧", "Frame back", "ArrowLeft"),
+  forward: act("下一帧", "Frame on", "ArrowRight"),
+  back1: act("后退 1 秒", "Back 1 s", "Shift+ArrowLeft"),
+  forward1: act("前进 1 秒", "On 1 s", "Shift+ArrowRight"),
+  first: act("到开头", "To the beginning", "Home"),
+  last: act("到末尾", "To the end", "End"),
+  toKeyframe: act("跳到关键帧", "To the keyframe", "0"),
+  slower: act("放慢", "Slower", "["),
+  faster: act("加快", "Faster", "]"),
+  loop: act("循环区间", "Loop the range", "L"),
+  follow: act("跟随 / 自由视角", "Follow / free view", "F"),
+  zoomIn: act("放大", "Zoom in", "="),
+  zoomOut: act("缩小", "Zoom out", "-"),
+  nextObject: act("选下一个目标", "Pick the next object", "N"),
+  previousObject: act("选上一个目标", "Pick the previous object", "P"),
+  targetObject: act("选规则的目标", "Pick the rule's target", "T"),
+  names: act("显示目标编号", "Show object names", "M"),
+  addComponent: act("把选中的目标加为要素", "Make the picked object a component", "C"),
+  linkObject: act("把选中的目标关联到当前要素", "Link the picked object to the component", "O"),
+  evidence: act("把此刻记为证据时刻", "Add this moment as evidence", "E"),
+  keyframe: act("关键帧设在此刻", "Keyframe here", "K"),
+  rangeStart: act("时间范围起点设在此刻", "Range starts here", "I"),
+  rangeEnd: act("时间范围终点设在此刻", "Range ends here", "U"),
+  toComponents: act("到关键要素", "Go to the components", "1"),
+  toLongitudinal: act("到纵向决策", "Go to the longitudinal decision", "2"),
+  toLateral: act("到横向决策", "Go to the lateral decision", "3"),
+  toCauses: act("到原因", "Go to the causes", "4"),
+  toTrace: act("到因果推理", "Go to the trace", "5"),
+  toRecords: act("到必记项", "Go to the records", "6"),
+  toFindings: act("到检查结果", "Go to the findings", "7"),
+  toComments: act("到意见", "Go to the comments", "8"),
+  spec: act("显示 / 收起标注规范", "Show / hide the specification", "S"),
+} as const satisfies Record<string, Act>;
+
+export type ActionId = keyof typeof actions;
+export const actionIds = Object.keys(actions) as ActionId[];
+export type Bindings = Partial<Record<ActionId, string>>;
+
+export interface Stroke {
+  key: string;
+  ctrlKey: boolean;
+  altKey: boolean;
+  shiftKey: boolean;
+  metaKey: boolean;
+}
+
+/** The name of a key stroke, `Ctrl+Shift+Z`; null for a modifier alone. Command counts as Ctrl. */
+export function strokeName(e: Stroke): string | null {
+  if (["Control", "Shift", "Alt", "Meta", "AltGraph", "Process", "Unidentified", "Dead"].includes(e.key)) return null;
+  const letter = e.key.length === 1;
+  const key = e.key === " " ? "Space" : letter ? e.key.toUpperCase() : e.key;
+  const cased = !letter || e.key.toLowerCase() !== e.key.toUpperCase();
+  const modifiers = [
+    e.ctrlKey || e.metaKey ? "Ctrl+" : "",
+    e.altKey ? "Alt+" : "",
+    // Shift makes `?` out of `/` on one keyboard and something else on another: the sign itself is the name.
+    e.shiftKey && cased ? "Shift+" : "",
+  ];
+  return modifiers.join("") + key;
+}
+
+export function keyOf(action: ActionId, own: Bindings): string {
+  return own[action] ?? actions[action].key;
+}
+
+export function actionOf(stroke: string, own: Bindings): ActionId | null {
+  return actionIds.find((a) => keyOf(a, own) === stroke) ?? null;
+}
+
+/** What has the focus: it decides which strokes are its own. */
+export type Focus = "text" | "choice" | "button" | "slider" | "page";
+
+/** Does the focused thing need this stroke itself? Text needs all that types; choices, buttons and sliders what works them. */
+export function belongsTo(focus: Focus, stroke: string, action: ActionId): boolean {
+  if (focus === "text") return actions[action].reach !== "always";
+  const keys: Record<Exclude<Focus, "text">, readonly string[]> = {
+    page: [],
+    button: ["Space", "Enter"],
+    choice: ["Space", "Enter", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],
+    slider: ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],
+  };
+  return keys[focus].includes(stroke);
+}
+
+export type Refused = { clash: ActionId } | { types: true };
+
+/** Why `stroke` cannot be the key of `action`; null when it can. */
+export function refusal(action: ActionId, stroke: string, own: Bindings): Refused | null {
+  const other = actionIds.find((a) => a !== action && keyOf(a, own) === stroke);
+  if (other) return { clash: other };
+  const types = !stroke.startsWith("Ctrl+") && !stroke.startsWith("Alt+") && stroke !== "Escape" && !/^F\d+$/.test(stroke);
+  return actions[action].reach === "always" && types ? { types: true } : null;
+}

@@ -1,0 +1,68 @@
+// The keyboard at work: own bindings (kept in this browser), and which screen answers an action now.
+import { actionOf, belongsTo, type ActionId, type Bindings, type Focus, keyOf, strokeName } from "./keymap.ts";
+
+const KEY = "whyroad.keys";
+
+function stored(): Bindings {
+  try {
+    const own: unknown = JSON.parse(localStorage.getItem(KEY) ?? "{}");
+    return typeof own === "object" && own !== null ? (own as Bindings) : {};
+  } catch {
+    return {};
+  }
+}
+
+export const keys = $state<{ own: Bindings; help: boolean }>({ own: stored(), help: false });
+
+export function bind(action: ActionId, stroke: string): void {
+  keys.own[action] = stroke;
+  localStorage.setItem(KEY, JSON.stringify(keys.own));
+}
+
+export function resetKeys(): void {
+  keys.own = {};
+  localStorage.removeItem(KEY);
+}
+
+export function keyName(action: ActionId): string {
+  return keyOf(action, keys.own);
+}
+
+export type Handlers = Partial<Record<ActionId, () => void>>;
+const stack: Handlers[] = [];
+
+/** Lets `handlers` answer until the returned function is called; later ones come first. */
+export function answer(handlers: Handlers): () => void {
+  stack.push(handlers);
+  return () => {
+    const at = stack.indexOf(handlers);
+    if (at >= 0) stack.splice(at, 1);
+  };
+}
+
+function focusOf(element: Element | null): Focus {
+  if (element instanceof HTMLTextAreaElement) return "text";
+  if (element instanceof HTMLInputElement) {
+    if (element.type === "radio") return "choice";
+    if (element.type === "range") return "slider";
+    return ["checkbox", "button", "submit", "file"].includes(element.type) ? "button" : "text";
+  }
+  if (element instanceof HTMLSelectElement) return "choice";
+  if (element instanceof HTMLElement && element.isContentEditable) return "text";
+  if (element instanceof HTMLButtonElement || element instanceof HTMLAnchorElement) return "button";
+  if (element?.tagName === "SUMMARY") return "button";
+  return "page";
+}
+
+/** For `<svelte:window onkeydown>`. */
+export function onKeydown(e: KeyboardEvent): void {
+  if (e.defaultPrevented || e.isComposing) return;
+  const stroke = strokeName(e);
+  const action = stroke && actionOf(stroke, keys.own);
+  if (!stroke || !action || document.querySelector("dialog[open]")) return;
+  if (belongsTo(focusOf(document.activeElement), stroke, action)) return;
+  const handler = stack.findLast((h) => h[action])?.[action];
+  if (!handler) return;
+  e.preventDefault();
+  handler();
+}

@@ -1,0 +1,106 @@
+// Colours of the bird's-eye view and the plots, light and dark. Classes differ in lightness too, for those who see no hues.
+
+export interface Palette {
+  ground: string;
+  road: string;
+  junction: string;
+  mark: string;
+  yellowMark: string;
+  centre: string;
+  crosswalk: string;
+  stopLine: string;
+  building: string;
+  facility: string;
+  text: string;
+  faint: string;
+  grid: string;
+  ego: string;
+  egoPath: string;
+  picked: string;
+  linked: string;
+  target: string;
+  cursor: string;
+  line: string;
+  classes: { vehicle: string; large: string; two: string; person: string; thing: string };
+}
+
+const light: Palette = {
+  ground: "#eef0ee",
+  road: "#d4d7d8",
+  junction: "#cbcfd1",
+  mark: "#ffffff",
+  yellowMark: "#b98300",
+  centre: "#b7bcbf",
+  crosswalk: "#ffffff",
+  stopLine: "#5b6165",
+  building: "#a9a39a",
+  facility: "#b9a06a",
+  text: "#16191b",
+  faint: "#565d62",
+  grid: "#d5d9db",
+  ego: "#0b5cad",
+  egoPath: "#0b5cad",
+  picked: "#c2185b",
+  linked: "#7b3fb5",
+  target: "#b34700",
+  cursor: "#c2185b",
+  line: "#0b5cad",
+  classes: { vehicle: "#3c7d4f", large: "#265236", two: "#9a5b00", person: "#b3261e", thing: "#5f666b" },
+};
+
+const dark: Palette = {
+  ground: "#14181a",
+  road: "#2b3135",
+  junction: "#333a3f",
+  mark: "#dfe3e5",
+  yellowMark: "#e5b53b",
+  centre: "#454d52",
+  crosswalk: "#b9c0c4",
+  stopLine: "#dfe3e5",
+  building: "#5b564e",
+  facility: "#77683f",
+  text: "#eceff1",
+  faint: "#a9b1b6",
+  grid: "#343b40",
+  ego: "#58a9ff",
+  egoPath: "#58a9ff",
+  picked: "#ff6fa5",
+  linked: "#c79bff",
+  target: "#ffa057",
+  cursor: "#ff6fa5",
+  line: "#7cbcff",
+  classes: { vehicle: "#6fc488", large: "#a6e0b6", two: "#f0b45a", person: "#ff8a80", thing: "#98a1a7" },
+};
+
+export const palettes = { light, dark };
+
+export function classColour(p: Palette, kind: string): string {
+  switch (kind) {
+    case "car":
+      return p.classes.vehicle;
+    case "truck":
+    case "bus":
+    case "large_vehicle":
+      return p.classes.large;
+    case "motorcycle":
+    case "bicycle":
+    case "bicyclist":
+    case "motorcyclist":
+      return p.classes.two;
+    case "pedestrian":
+    case "wheeled_pedestrian":
+    case "animal":
+      return p.classes.person;
+    default:
+      return p.classes.thing;
+  }
+}
+
+export const lightColours: Record<string, string> = {
+  red: "#e53935",
+  yellow: "#f9a825",
+  red_yellow: "#f57c00",
+  green: "#2e9e44",
+  off: "#757575",
+  unknown: "#757575",
+};

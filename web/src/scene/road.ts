@@ -1,0 +1,94 @@
+// The map as a few paths, made once a task: the road does not move, so a frame only strokes what is here.
+import type { LaneView, MapView } from "../api/types.ts";
+
+type Points = readonly (readonly number[])[];
+
+export interface Road {
+  lanes: Path2D;
+  junctionLanes: Path2D;
+  junctions: Path2D;
+  crosswalks: Path2D;
+  stopLines: Path2D;
+  buildings: Path2D;
+  facilities: Path2D;
+  centres: Path2D;
+  solid: Path2D;
+  dashed: Path2D;
+  unknown: Path2D;
+  /** Where a lane ends and which way it points: where its light is drawn. */
+  ends: Map<string, { x: number; y: number; heading: number }>;
+}
+
+export function buildRoad(map: MapView, origin: readonly [number, number]): Road {
+  const line = (path: Path2D, points: Points, closed = false, shift = 0): void => {
+    points.forEach((p, i) => {
+      const [nx, ny] = shift === 0 ? [0, 0] : normal(points, i);
+      const x = (p[0] ?? 0) - origin[0] + nx * shift;
+      const y = (p[1] ?? 0) - origin[1] + ny * shift;
+      if (i === 0) path.moveTo(x, y);
+      else path.lineTo(x, y);
+    });
+    if (closed) path.closePath();
+  };
+  const road: Road = {
+    lanes: new Path2D(),
+    junctionLanes: new Path2D(),
+    junctions: new Path2D(),
+    crosswalks: new Path2D(),
+    stopLines: new Path2D(),
+    buildings: new Path2D(),
+    facilities: new Path2D(),
+    centres: new Path2D(),
+    solid: new Path2D(),
+    dashed: new Path2D(),
+    unknown: new Path2D(),
+    ends: new Map(),
+  };
+  const edge = (points: Points, mark: string): void => {
+    // Double lines are two strokes 0.24 m apart; each side has its own kind. Normals point left.
+    const sides: Record<string, [Path2D, number][]> = {
+      solid: [[road.solid, 0]],
+      dashed: [[road.dashed, 0]],
+      double_solid: [[road.solid, 0.12], [road.solid, -0.12]],
+      double_dashed: [[road.dashed, 0.12], [road.dashed, -0.12]],
+      solid_dashed: [[road.solid, 0.12], [road.dashed, -0.12]],
+      dashed_solid: [[road.dashed, 0.12], [road.solid, -0.12]],
+      unknown: [[road.unknown, 0]],
+    };
+    for (const [path, shift] of sides[mark] ?? []) line(path, points, false, shift);
+  };
+  for (const lane of map.lanes) {
+    if (lane.left.length > 1 && lane.right.length > 1) {
+      line(lane.in_junction ? road.junctionLanes : road.lanes, [...lane.left, ...[...lane.right].reverse()], true);
+    }
+    edge(lane.left, lane.left_mark);
+    edge(lane.right, lane.right_mark);
+    line(road.centres, lane.centre);
+    const end = laneEnd(lane);
+    if (end) road.ends.set(lane.id, end);
+  }
+  for (const s of map.drivable) line(road.lanes, s.points, true);
+  for (const s of map.junctions) line(road.junctions, s.points, true);
+  for (const s of map.crosswalks) line(road.crosswalks, s.points, true);
+  for (const s of map.stop_lines) line(road.stopLines, s.points);
+  for (const s of map.facilities) {
+    line(s.kind === "building" ? road.buildings : road.facilities, s.points, s.points.length > 2);
+  }
+  return road;
+}
+
+function laneEnd(lane: LaneView): { x: number; y: number; heading: number } | null {
+  const a = lane.centre.at(-2);
+  const b = lane.centre.at(-1);
+  if (!a || !b) return null;
+  return { x: b[0] ?? 0, y: b[1] ?? 0, heading: Math.atan2((b[1] ?? 0) - (a[1] ?? 0), (b[0] ?? 0) - (a[0] ?? 0)) };
+}
+
+function normal(points: Points, i: number): [number, number] {
+  const a = points[Math.max(0, i - 1)] ?? [0, 0];
+  const b = points[Math.min(points.length - 1, i + 1)] ?? [0, 0];
+  const dx = (b[0] ?? 0) - (a[0] ?? 0);
+  const dy = (b[1] ?? 0) - (a[1] ?? 0);
+  const n = Math.hypot(dx, dy) || 1;
+  return [-dy / n, dx / n];
+}
