@@ -1,0 +1,80 @@
+// Which screen the address names. Addresses are plain paths, so that a link to a task can be sent to a colleague.
+
+export type Route =
+  | { screen: "projects" }
+  | { screen: "tasks" | "dashboard" | "members" | "exchange" | "project"; project: string }
+  | { screen: "label"; task: string }
+  | { screen: "users" | "settings" | "unknown" };
+
+const PROJECT_SCREENS = ["tasks", "dashboard", "members", "exchange"] as const;
+
+/** The screen of a path. A project without a further word is its settings; `tasks` is where its people work. */
+export function read(path: string): Route {
+  const parts = path.split("/").filter(Boolean).map(decodeURIComponent);
+  const [head, id, word] = parts;
+  if (head === undefined) return { screen: "projects" };
+  if (head === "tasks" && id && parts.length === 2) return { screen: "label", task: id };
+  if (head === "projects" && parts.length === 1) return { screen: "projects" };
+  if (head === "projects" && id && parts.length <= 3) {
+    if (word === undefined) return { screen: "project", project: id };
+    const screen = PROJECT_SCREENS.find((s) => s === word);
+    if (screen) return { screen, project: id };
+  }
+  if ((head === "users" || head === "settings") && parts.length === 1) return { screen: head };
+  return { screen: "unknown" };
+}
+
+/** The path of a screen: what `read` reads. */
+export function pathOf(to: Route): string {
+  switch (to.screen) {
+    case "projects":
+      return "/";
+    case "label":
+      return `/tasks/${encodeURIComponent(to.task)}`;
+    case "project":
+      return `/projects/${encodeURIComponent(to.project)}`;
+    case "tasks":
+    case "dashboard":
+    case "members":
+    case "exchange":
+      return `/projects/${encodeURIComponent(to.project)}/${to.screen}`;
+    default:
+      return `/${to.screen}`;
+  }
+}
+
+const here = (): { path: string; query: string } => ({ path: location.pathname, query: location.search });
+
+/** Where the page is now; follows the browser's back and forward. */
+export const place = $state(typeof location === "undefined" ? { path: "/", query: "" } : here());
+
+function follow(): void {
+  Object.assign(place, here());
+}
+
+/** Goes to a screen; `query` begins with `?` or is empty. */
+export function go(to: Route | string, query = ""): void {
+  history.pushState(null, "", (typeof to === "string" ? to : pathOf(to)) + query);
+  follow();
+}
+
+/** Changes the query of this screen without a step in the browser's history: what a filter does. */
+export function requery(query: string): void {
+  history.replaceState(null, "", place.path + query);
+  follow();
+}
+
+/** Makes ordinary links change the screen without a reload. Call once. */
+export function start(): void {
+  addEventListener("popstate", follow);
+  document.addEventListener("click", (e) => {
+    const link = e.target instanceof Element ? e.target.closest("a[href]") : null;
+    if (!(link instanceof HTMLAnchorElement) || e.defaultPrevented || e.button !== 0) return;
+    if (e.ctrlKey || e.metaKey || e.shiftKey || e.altKey || link.target || link.hasAttribute("download")) return;
+    // A link within the page, such as the one that skips to the content, stays the browser's.
+    const inside = link.getAttribute("href")?.startsWith("#") ?? true;
+    if (inside || link.origin !== location.origin || link.pathname.startsWith("/api/")) return;
+    e.preventDefault();
+    go(link.pathname, link.search);
+  });
+}

@@ -1,0 +1,14 @@
+// Runs src/**/*.test.ts with node:test; Vite takes the types away, as it does for the page.
+import { readdirSync } from "node:fs";
+import { createServer } from "vite";
+
+const server = await createServer({
+  configFile: false,
+  logLevel: "error",
+  server: { middlewareMode: true, watch: null, ws: false },
+  optimizeDeps: { noDiscovery: true },
+});
+const files = readdirSync("src", { recursive: true }).map(String).filter((f) => f.endsWith(".test.ts")).sort();
+if (files.length === 0) throw new Error("no test was found");
+for (const file of files) await server.ssrLoadModule(`/src/${file.replaceAll("\\", "/")}`);
+await server.close();

@@ -1,0 +1,19 @@
+// Builds the page into the folder that the server embeds. File names carry no hash of the machine or the time: the same
+// sources give the same bytes, so that a test can compare the committed build with a fresh one.
+import { svelte } from "@sveltejs/vite-plugin-svelte";
+import { defineConfig } from "vite";
+
+export default defineConfig({
+  plugins: [svelte()],
+  base: "/",
+  build: {
+    outDir: process.env.WHYROAD_WEB_OUT ?? "../crates/whyroad-labeling/assets",
+    emptyOutDir: true,
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+    rollupOptions: {
+      output: { entryFileNames: "page.js", chunkFileNames: "[name].js", assetFileNames: "page.[ext]" },
+    },
+  },
+  server: { proxy: { "/api": process.env.WHYROAD_SERVER ?? "http://127.0.0.1:8080" } },
+});
