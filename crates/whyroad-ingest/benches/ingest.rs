@@ -102,7 +102,7 @@ fn main() {
         "ingest/", "input", "drives", "MB", "decode ms", "ingest ms", "ratio", "rows/s"
     );
     for (format, input) in inputs {
-        let (sources, _) = find_sources(None, &[input.clone()]);
+        let (sources, _) = find_sources(None, std::slice::from_ref(&input));
         let used: Vec<PathBuf> = files(&input).into_iter().filter(|p| is_read(p)).collect();
         let (mut floor, mut whole, mut rows, mut size, mut drives) = (f64::INFINITY, f64::INFINITY, 0, 0, 0);
         for _ in 0..rounds {

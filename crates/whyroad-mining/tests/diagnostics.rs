@@ -54,7 +54,12 @@ fn a_wrong_rule_is_shown_where_it_stands() {
             "expr: \"rise(target.wheel_over_line)\"",
             "rule.call",
         ),
-        ("scenarios/proactive/lane_change.yaml", "in {left, right}\"", "in {left, right\"", "rule.syntax"),
+        (
+            "scenarios/proactive/lane_change.yaml",
+            "in {left, right} and",
+            "in {left, right and",
+            "rule.syntax",
+        ),
         ("schema/precedence.yaml", "- safety.aeb", "- safety.aebs", "rule.precedence"),
         ("schema/precedence.yaml", "neighbourhood: 1 s", "neighbourhood: soon", "rule.precedence"),
     ];

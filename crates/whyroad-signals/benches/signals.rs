@@ -81,7 +81,7 @@ fn main() {
         }
     }
     for log in if quick { Vec::new() } else { recorded() } {
-        let (sources, _) = find_sources(None, &[log.clone()]);
+        let (sources, _) = find_sources(None, std::slice::from_ref(&log));
         let Some(source) = sources.first() else { continue };
         let Some(drive) = read(source, &Options::default()).0 else { continue };
         let reading = (0..rounds)

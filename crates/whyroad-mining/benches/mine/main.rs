@@ -40,8 +40,10 @@ fn main() {
     let rules = RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0;
     let plan = Plan::of(&rules);
     let of_rules = plan.rules.iter().flat_map(|r| r.when_signals.iter().chain(&r.later_signals));
-    let used: BTreeSet<&str> =
-        of_rules.map(String::as_str).chain(peers::QUESTIONS.iter().flat_map(|q| q.signals.iter().copied())).collect();
+    let used: BTreeSet<&str> = of_rules
+        .map(String::as_str)
+        .chain(peers::QUESTIONS.iter().flat_map(|q| q.signals.iter().copied()))
+        .collect();
     let dir = tempfile::tempdir().expect("a temporary folder");
     let tables = data::bundled(&|name| used.contains(name));
     let (seconds, stored) = timed(|| data::write(dir.path(), &tables, rows));

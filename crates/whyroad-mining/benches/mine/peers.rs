@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use whyroad_lake::SignalFile;
 use whyroad_mining::engine::find_stored;
 use whyroad_mining::fast::Plan;
 use whyroad_mining::rule::text::compile_text;
@@ -98,6 +99,8 @@ impl Drop for Peer {
 
 /// Each question to each engine in turn.
 pub fn run(dir: &Path, stored: &[Stored], total: usize, rounds: usize) {
+    let mut folders: Vec<&Path> = stored.iter().map(|s| s.folder.as_path()).collect();
+    folders.dedup();
     let mut peers: Vec<Peer> = ["duckdb", "polars"].into_iter().filter_map(|n| Peer::start(n, dir)).collect();
     for q in QUESTIONS {
         let class = "proactive.turn.straight".parse().expect("a class");
@@ -105,8 +108,14 @@ pub fn run(dir: &Path, stored: &[Stored], total: usize, rounds: usize) {
         rule.merge_gap = Nanos(0);
         let plan = Plan::of_rules([&rule]);
         let ours = || -> usize {
-            let one =
-                |s: &Stored| find_stored(&plan, &s.file, s.drive, &[0]).expect("readable")[0].episodes.len();
+            // Like the peers, from the closed files on.
+            let opened: Vec<SignalFile> =
+                folders.par_iter().map(|f| SignalFile::open(f).expect("readable").expect("there")).collect();
+            let stored: Vec<(&SignalFile, usize)> =
+                opened.iter().flat_map(|f| (0..f.contents().drives.len()).map(move |d| (f, d))).collect();
+            let one = |(file, drive): &(&SignalFile, usize)| {
+                find_stored(&plan, file, *drive, &[0]).expect("readable")[0].episodes.len()
+            };
             stored.par_iter().with_max_len(1).map(one).sum()
         };
         let mut best = vec![f64::INFINITY; peers.len() + 1];

@@ -8,7 +8,6 @@ use super::signals::Value;
 use super::temporal::reaches;
 use crate::evaluate::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row, compare};
 use crate::language::program::{NodeId, Op, Subject};
-use std::collections::VecDeque;
 use std::ops::Range;
 use std::rc::Rc;
 use whyroad_model::{Nanos, Tri};
@@ -37,9 +36,9 @@ impl Evaluation<'_> {
                 let at = self.keyframe_row(place).map(|k| self.margins(*a, place, k..k + 1)[0]);
                 return vec![at.unwrap_or(f64::NAN); rows.len()];
             }
-            Op::Previously(_, None) | Op::Since(..) | Op::Until(..) => {
-                return self.whole_margins(id, place)[rows].to_vec();
-            }
+            Op::Previously(a, None) => return self.ever_before(id, *a, place)[rows].to_vec(),
+            Op::Since(a, b) => return self.of_since((*a, *b), place, rows),
+            Op::Until(a, b) => return self.of_until((*a, *b), place, rows),
             _ => {}
         }
         let Value::Truth(truth) = self.value(id, place) else { return vec![f64::NAN; rows.len()] };
@@ -73,10 +72,21 @@ impl Evaluation<'_> {
             Op::For(a, d) => self.of_for(*a, place, rows, *d),
             Op::Within(a, d) => {
                 let on = self.rows_of(place);
-                let end = |i: usize| first_after(on, i, on[i].time + *d + CLOCK_TOLERANCE);
-                let reach = rows.start..rows.clone().last().map_or(rows.end, end);
-                let of = self.margins(*a, place, reach.clone());
-                let windows = rows.map(|i| (i - reach.start, end(i) - reach.start));
+                let horizon = |i: usize| on[i].time + *d + CLOCK_TOLERANCE;
+                // Windows only ever move forward, and so does where they end.
+                let mut end = rows.start;
+                let ends: Vec<usize> = rows
+                    .clone()
+                    .map(|i| {
+                        while end < on.len() && on[end].time <= horizon(i) {
+                            end += 1;
+                        }
+                        end
+                    })
+                    .collect();
+                let from = rows.start;
+                let of = self.margins(*a, place, from..ends.last().copied().unwrap_or(rows.end));
+                let windows = rows.zip(ends).map(|(i, end)| (i - from, end - from));
                 sliding(&of, windows, f64::NEG_INFINITY, |x, y| x > y)
             }
             Op::Previously(a, Some(d)) => {
@@ -197,49 +207,96 @@ impl Evaluation<'_> {
         cells.into_iter().map(deciding).collect()
     }
 
-    /// Of operators that look along the whole recording: for all rows at once, and kept.
-    fn whole_margins(&self, id: NodeId, place: Place) -> Rc<Vec<f64>> {
+    /// The best margin of all rows before: for all rows at once, and kept.
+    fn ever_before(&self, id: NodeId, a: NodeId, place: Place) -> Rc<Vec<f64>> {
         if let Some(done) = self.margins.borrow().get(&(id, place)) {
             return done.clone();
         }
         let n = self.places.len(place);
-        let all = |id: NodeId| self.margins(id, place, 0..n);
         let truth = self.truth(id, place);
-        let out = match &self.plan.node(id).op {
-            Op::Previously(a, _) => {
-                let mut best = f64::NEG_INFINITY;
-                let mut out = Vec::with_capacity(n);
-                for (i, m) in all(*a).into_iter().enumerate() {
-                    out.push(settled(truth.at(i), best));
-                    best = best.max(m);
-                }
-                out
-            }
-            Op::Since(a, b) => self.along((*a, *b), place, 0..n),
-            Op::Until(a, b) => self.along((*a, *b), place, (0..n).rev()),
-            _ => vec![f64::NAN; n],
-        };
+        let mut best = f64::NEG_INFINITY;
+        let mut out = Vec::with_capacity(n);
+        for (i, m) in self.margins(a, place, 0..n).into_iter().enumerate() {
+            out.push(settled(truth.at(i), best));
+            best = best.max(m);
+        }
         let out = Rc::new(out);
         self.margins.borrow_mut().insert((id, place), out.clone());
         out
     }
 
-    /// At each row: b, or a and the answer at the row that came before in `order`.
-    fn along(&self, (a, b): (NodeId, NodeId), place: Place, order: impl Iterator<Item = usize>) -> Vec<f64> {
-        let n = self.places.len(place);
-        let (of_a, of_b) = (self.margins(a, place, 0..n), self.margins(b, place, 0..n));
-        let (a, b) = (self.truth(a, place), self.truth(b, place));
-        let mut out = vec![f64::NAN; n];
-        let mut answer = (Tri::Unknown, f64::NAN);
-        for i in order {
-            let truth = a.at(i).and(answer.0);
-            let carried = settled(truth, of_a[i].min(answer.1));
-            let truth = b.at(i).or(truth);
-            answer = (truth, settled(truth, of_b[i].max(carried)));
-            out[i] = answer.1;
+    fn of_since(&self, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
+        let mut parts = vec![self.cells(of, place, rows.clone())];
+        let mut from = rows.start;
+        // Back to a row at which what was before no longer matters; there nearly always is one not far away.
+        let mut settled = parts[0].first().is_none_or(Cell::settles);
+        while from > 0 && !settled {
+            let before = from.saturating_sub(STRIDE);
+            let part = self.cells(of, place, before..from);
+            settled = part.iter().any(Cell::settles);
+            parts.push(part);
+            from = before;
         }
+        let mut out: Vec<f64> = along(parts.iter().rev().flatten());
+        out.split_off(rows.start - from)
+    }
+
+    fn of_until(&self, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
+        let n = self.places.len(place);
+        let mut parts = vec![self.cells(of, place, rows.clone())];
+        let mut to = rows.end;
+        let mut settled = parts[0].last().is_none_or(Cell::settles);
+        while to < n && !settled {
+            let after = (to + STRIDE).min(n);
+            let part = self.cells(of, place, to..after);
+            settled = part.iter().any(Cell::settles);
+            parts.push(part);
+            to = after;
+        }
+        let backwards = parts.iter().rev().flat_map(|p| p.iter().rev());
+        let mut out = along(backwards);
+        out.reverse();
+        out.truncate(rows.len());
         out
     }
+
+    fn cells(&self, (a, b): (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<Cell> {
+        let (of_a, of_b) = (self.margins(a, place, rows.clone()), self.margins(b, place, rows.clone()));
+        let (a, b) = (self.truth(a, place), self.truth(b, place));
+        let margins = of_a.into_iter().zip(of_b);
+        rows.zip(margins).map(|(i, (m, n))| Cell { a: (a.at(i), m), b: (b.at(i), n) }).collect()
+    }
+}
+
+/// How far `since` and `until` look on at a time for a row that settles them.
+const STRIDE: usize = 128;
+
+/// The operands of `since` or `until` in one row.
+struct Cell {
+    a: (Tri, f64),
+    b: (Tri, f64),
+}
+
+impl Cell {
+    /// True where the answer does not depend on any other row: b holds, or a fails, by all that a margin can be.
+    fn settles(&self) -> bool {
+        (self.b.0 == Tri::True && self.b.1 >= MARGIN_LIMIT)
+            || (self.a.0 == Tri::False && self.a.1 <= -MARGIN_LIMIT)
+    }
+}
+
+/// At each row: b, or a and the answer at the row that came before.
+fn along<'c>(cells: impl Iterator<Item = &'c Cell>) -> Vec<f64> {
+    let mut answer = (Tri::Unknown, f64::NAN);
+    cells
+        .map(|Cell { a, b }| {
+            let truth = a.0.and(answer.0);
+            let carried = settled(truth, a.1.min(answer.1));
+            let truth = b.0.or(truth);
+            answer = (truth, settled(truth, b.1.max(carried)));
+            answer.1
+        })
+        .collect()
 }
 
 /// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
@@ -252,11 +309,6 @@ fn settled(truth: Tri, margin: f64) -> f64 {
     }
 }
 
-/// The first row after `i` that begins after `time`.
-fn first_after(rows: &[Row], i: usize, time: Nanos) -> usize {
-    i + rows[i..].partition_point(|r| r.time <= time)
-}
-
 /// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
 fn sliding(
     values: &[f64],
@@ -264,23 +316,24 @@ fn sliding(
     none: f64,
     better: impl Fn(f64, f64) -> bool,
 ) -> Vec<f64> {
-    let mut candidates: VecDeque<usize> = VecDeque::new();
-    let mut taken = 0;
+    // Those that can still become the extreme, the best one first; those before `head` are over.
+    let mut candidates: Vec<usize> = Vec::new();
+    let (mut head, mut taken) = (0, 0);
     windows
         .map(|(start, end)| {
             for (i, x) in values.iter().enumerate().take(end).skip(taken) {
                 if !x.is_nan() {
-                    while candidates.back().is_some_and(|&k| !better(values[k], *x)) {
-                        candidates.pop_back();
+                    while candidates.len() > head && !better(values[candidates[candidates.len() - 1]], *x) {
+                        candidates.pop();
                     }
-                    candidates.push_back(i);
+                    candidates.push(i);
                 }
             }
             taken = taken.max(end);
-            while candidates.front().is_some_and(|&k| k < start) {
-                candidates.pop_front();
+            while candidates.get(head).is_some_and(|&k| k < start) {
+                head += 1;
             }
-            candidates.front().map_or(none, |&k| values[k])
+            candidates.get(head).map_or(none, |&k| values[k])
         })
         .collect()
 }

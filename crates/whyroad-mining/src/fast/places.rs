@@ -55,6 +55,9 @@ pub struct Places {
     gaps: bool,
     /// True when the long column is the table's own: no gap rows in it, objects in the order of their rows.
     dense: bool,
+    /// Objects in the order in which they come into sight.
+    by_start: Vec<usize>,
+    longest: usize,
 }
 
 impl Places {
@@ -83,7 +86,22 @@ impl Places {
         let frames = targets.iter().map(|t| t.frames).collect();
         let first_rows = targets.iter().map(|t| t.first_row).collect();
         let rows = timeline.rows;
-        Self { rows, row_of_frame, objects, object_rows, frames, first_rows, drive, gaps, dense }
+        let mut by_start: Vec<usize> = (0..objects.len()).collect();
+        by_start.sort_by_key(|i| objects[*i].row);
+        let longest = objects.iter().map(|o| o.len).max().unwrap_or(0);
+        Self {
+            by_start,
+            longest,
+            rows,
+            row_of_frame,
+            objects,
+            object_rows,
+            frames,
+            first_rows,
+            drive,
+            gaps,
+            dense,
+        }
     }
 
     /// The stretches of which a column there is made.
@@ -115,6 +133,18 @@ impl Places {
             Place::Objects => self.object_rows,
             _ => self.segment(place).len,
         }
+    }
+
+    /// Objects that are seen while this one is, itself among them, in the order of the targets.
+    pub fn seen_with(&self, object: usize) -> Vec<usize> {
+        let of = self.objects[object];
+        let start = |i: &usize| self.objects[*i].row;
+        let from = self.by_start.partition_point(|i| start(i) + self.longest <= of.row);
+        let to = self.by_start.partition_point(|i| start(i) < of.row + of.len);
+        let near = self.by_start[from.min(to)..to].iter().copied();
+        let mut seen: Vec<usize> = near.filter(|i| start(i) + self.objects[*i].len > of.row).collect();
+        seen.sort_unstable();
+        seen
     }
 
     /// The row of a frame in a place with one segment.

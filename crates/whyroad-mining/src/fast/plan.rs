@@ -27,6 +27,8 @@ pub struct PlanRule<'r> {
     /// What `when` asks of the target alone, or of the drive, as parts that must all hold: for rules that bind two
     /// objects, whose pairs are many.
     pub alone: Vec<NodeId>,
+    /// What it asks of the second object alone, as the same about a target.
+    pub alone_second: Vec<NodeId>,
     /// Signals for lack of which it cannot be said that there is nothing.
     pub needs: BTreeSet<String>,
     /// Signals on which it depends whether there is a match, sorted.
@@ -73,8 +75,18 @@ impl<'r> Plan<'r> {
             let later = later_nodes(rule).into_iter().flat_map(|id| rule.program.signals(id));
             let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
             let mut alone = plan.conjuncts(nodes[rule.when.0]);
+            let alone_second = alone.iter().filter_map(|id| plan.node(*id).as_target).collect();
             alone.retain(|id| matches!(plan.node(*id).scope, Scope::Frame | Scope::Target));
-            plan.rules.push(PlanRule { rule, nodes, alone, needs, signals, when_signals, later_signals });
+            plan.rules.push(PlanRule {
+                rule,
+                nodes,
+                alone,
+                alone_second,
+                needs,
+                signals,
+                when_signals,
+                later_signals,
+            });
         }
         plan
     }

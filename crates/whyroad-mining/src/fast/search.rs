@@ -2,6 +2,7 @@
 
 mod build;
 
+use super::bits::Bits;
 use super::evaluation::Evaluation;
 use super::places::{Place, Segment};
 use super::plan::{Plan, PlanRule};
@@ -106,10 +107,15 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let admitted = |i: usize| subject.admits(evaluation.signals.targets[i].class);
     let rows = &evaluation.places.rows;
     if of.rule.second.is_some() {
-        let alone = evaluation.conjunction(&of.alone, Place::Objects).possible();
+        let pairs = Pairs {
+            evaluation,
+            of,
+            target: evaluation.conjunction(&of.alone, Place::Objects).possible(),
+            second: evaluation.conjunction(&of.alone_second, Place::Objects).possible(),
+        };
         for (i, object) in evaluation.places.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
-            if alone.any_in(object.range()) {
-                out.take_pairs(evaluation, of, i);
+            if pairs.target.any_in(object.range()) {
+                out.take_pairs(&pairs, i);
             } else {
                 // False in every row for the target alone: no pair with it can match.
                 out.decide(object.len > 0, object.len > 0);
@@ -136,19 +142,23 @@ impl Candidates {
     }
 
     /// The matches of all pairs with this target.
-    fn take_pairs(&mut self, evaluation: &Evaluation<'_>, of: &PlanRule<'_>, target: usize) {
+    fn take_pairs(&mut self, pairs: &Pairs<'_, '_>, target: usize) {
+        let Pairs { evaluation, of, .. } = pairs;
         let Some(role) = &of.rule.second else { return };
         let targets = &evaluation.signals.targets;
-        let when = of.node(of.rule.when);
-        let seen_together = |i: &usize| {
-            targets[*i].first_row != targets[target].first_row
-                && role.subject.admits(targets[*i].class)
-                && !targets[*i].frames.intersect(targets[target].frames).is_empty()
-        };
-        for second in (0..targets.len()).filter(seen_together) {
+        for second in evaluation.places.seen_with(target) {
+            if targets[second].first_row == targets[target].first_row
+                || !role.subject.admits(targets[second].class)
+            {
+                continue;
+            }
             let place = Place::Pair(target, second);
-            let truth = evaluation.truth(when, place);
             let segment = evaluation.places.segment(place);
+            if pairs.hopeless(target, second, segment) {
+                self.decide(segment.len > 0, segment.len > 0);
+                continue;
+            }
+            let truth = evaluation.truth(of.node(of.rule.when), place);
             self.take(of.rule, place, &truth, segment, &evaluation.places.rows);
             if self.matches.last().is_none_or(|m| m.place != place) {
                 evaluation.forget_pairs();
@@ -164,6 +174,29 @@ impl Candidates {
         if !found.is_empty() {
             self.matches.push(Matches { place, rows: found });
         }
+    }
+}
+
+/// A rule that binds two objects, and where what it asks of each alone is possible. All pairs of a crowded drive are
+/// many, and nearly all fail for one of the two.
+struct Pairs<'p, 'a> {
+    evaluation: &'p Evaluation<'a>,
+    of: &'p PlanRule<'p>,
+    target: Bits,
+    second: Bits,
+}
+
+impl Pairs<'_, '_> {
+    /// True when in every row of the pair one of the two is known not to do.
+    fn hopeless(&self, target: usize, second: usize, rows: Segment) -> bool {
+        let of_object = |bits: &Bits, i: usize| {
+            let object = self.evaluation.places.objects[i];
+            let start = object.start + rows.row - object.row;
+            bits.slice(start..start + rows.len)
+        };
+        let mut both = of_object(&self.target, target);
+        both.and_with(&of_object(&self.second, second));
+        both.none()
     }
 }
 
