@@ -182,7 +182,7 @@ fn a_store_of_other_content_or_version_is_none() {
     assert!(lake.signals(&id, "v1").unwrap().is_some());
     assert!(lake.signals(&id, "v2").unwrap().is_none());
     // The drive is whole without them, and they are no drive.
-    assert_eq!(lake.drive_ids(), [id.clone()]);
+    assert_eq!(lake.drive_ids(), std::slice::from_ref(&id));
     assert_eq!(lake.read_drive(&id).unwrap().times.len(), 3);
     let outline = lake.outline(&id).unwrap();
     assert_eq!(outline.clips, lake.clips(&lake.read_drive(&id).unwrap()));

@@ -56,6 +56,11 @@ impl<'a> Numbers<'a> {
         }
     }
 
+    /// True when there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The number in a row.
     pub fn at(&self, row: usize) -> f64 {
         match self {
