@@ -1,11 +1,12 @@
 // Every route that the page calls, with its types: the one place where a URL and a type meet.
-import { call, query, setCsrf } from "./client.ts";
+import { call, forget, query, Raw, setCsrf } from "./client.ts";
 import type * as T from "./types.ts";
 
 const id = encodeURIComponent;
 
 async function session(method: "GET" | "POST", path: string, body?: unknown): Promise<T.Session> {
   const { data } = await call<T.Session>(method, path, body);
+  if (method !== "GET") forget();
   setCsrf(data.csrf);
   return data;
 }
@@ -20,10 +21,17 @@ export const api = {
   users: async () => (await call<{ items: T.User[] }>("GET", "/users")).data.items,
   newUser: async (user: { name: string; display: string; password: string; admin: boolean; lang: string }) =>
     (await call<T.User>("POST", "/users", user)).data,
+  changeUser: async (u: string, change: Partial<T.UserChange>) =>
+    (await call<T.User>("PATCH", `/users/${id(u)}`, change)).data,
+  tokens: async () => (await call<{ items: T.Token[] }>("GET", "/tokens")).data.items,
+  newToken: async (name: string) => (await call<T.Token>("POST", "/tokens", { name })).data,
+  dropToken: (token: string) => call("DELETE", `/tokens/${id(token)}`),
 
   projects: async () => (await call<{ items: T.Project[] }>("GET", "/projects")).data.items,
-  newProject: async (p: Partial<T.NewProject> & { name: string }) => (await call<T.Project>("POST", "/projects", p)).data,
+  newProject: async (p: { name: string; guide?: string; quota?: Record<string, number>; settings?: Partial<T.Settings> }) => (await call<T.Project>("POST", "/projects", p)).data,
   project: async (p: string) => (await call<T.Project>("GET", `/projects/${id(p)}`)).data,
+  changeProject: async (p: string, change: Partial<T.ProjectChange>) =>
+    (await call<T.Project>("PATCH", `/projects/${id(p)}`, change)).data,
   members: async (p: string) => (await call<{ items: T.Member[] }>("GET", `/projects/${id(p)}/members`)).data.items,
   setMember: async (p: string, m: { user: string; roles: T.Role[]; skills: string[] }) =>
     (await call<{ items: T.Member[] }>("POST", `/projects/${id(p)}/members`, m)).data.items,
@@ -51,6 +59,9 @@ export const api = {
     action: { fence: number | null; action: T.ActionName; reason?: string | null; comments?: T.NewComment[] },
   ) => (await call<T.Task>("POST", `/tasks/${id(t)}/actions`, action)).data,
   history: async (t: string) => (await call<{ items: T.HistoryEntry[] }>("GET", `/tasks/${id(t)}/history`)).data.items,
+  /** The draft as it was after an entry of the history; 1 is the task's making. */
+  draftAt: async (t: string, seq: number) => (await call<T.DraftAt>("GET", `/tasks/${id(t)}/history/${seq}`)).data.draft,
+  validate: async (t: string, label: unknown) => (await call<{ findings: T.Finding[] }>("POST", `/tasks/${id(t)}/validate`, { label })).data.findings,
   overlap: async (t: string) => (await call<T.Overlap>("GET", `/tasks/${id(t)}/overlap`)).data.items,
   comment: async (t: string, c: T.NewComment) => (await call<T.Comment>("POST", `/tasks/${id(t)}/comments`, c)).data,
   resolve: async (c: string) => (await call<T.Comment>("POST", `/comments/${id(c)}/resolve`, {})).data,
@@ -58,5 +69,12 @@ export const api = {
   scene: async (t: string) => (await call<T.SceneView>("GET", `/tasks/${id(t)}/scene`)).data,
   map: async (t: string) => (await call<T.MapView>("GET", `/tasks/${id(t)}/map`)).data,
   framework: async () => (await call<T.FrameworkView>("GET", "/framework")).data,
-  exportUrl: (p: string, format: "labels" | "tasks") => `/api/v1/projects/${id(p)}/export?format=${format}`,
+
+  exportUrl: (p: string, q: { format: "labels" | "tasks"; version?: string }) => `/api/v1/projects/${id(p)}/export${query(q)}`,
+  importLines: async (p: string, lines: string) =>
+    (await call<T.Imported>("POST", `/projects/${id(p)}/import`, new Raw(lines, "application/x-ndjson"))).data,
+  webhooks: async (p: string) => (await call<{ items: T.Webhook[] }>("GET", `/projects/${id(p)}/webhooks`)).data.items,
+  newWebhook: async (p: string, hook: { url: string; events: string[] }) =>
+    (await call<T.Webhook>("POST", `/projects/${id(p)}/webhooks`, hook)).data,
+  dropWebhook: (w: string) => call("DELETE", `/webhooks/${id(w)}`),
 };

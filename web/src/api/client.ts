@@ -1,6 +1,6 @@
-// Talks HTTP with the server: cookies, the CSRF header, ETags, problem+json. Knows no route; those are in calls.ts.
+// Talks HTTP with the server: cookies, the CSRF header, ETags, retries, problem+json. Knows no route; those are in calls.ts.
 
-/** What the server refused, in its own words. `body` holds extra members, such as the two sides of a conflict. */
+/** What the server refused, in its own words. `more` holds what belongs to it, such as the two sides of a conflict. */
 export class ApiError extends Error {
   constructor(
     readonly status: number,
@@ -10,6 +10,12 @@ export class ApiError extends Error {
     readonly body: Record<string, unknown>,
   ) {
     super(`${status} ${code}: ${en}`);
+  }
+
+  /** Extra members of the problem: `findings`, `retry_after_s`, conflicts. */
+  get more(): Record<string, unknown> {
+    const more = this.body["more"];
+    return typeof more === "object" && more !== null ? (more as Record<string, unknown>) : {};
   }
 }
 
@@ -31,21 +37,89 @@ export interface Reply<T> {
   etag: string | null;
 }
 
+/** Text that goes out as it is, instead of a value that becomes JSON. */
+export class Raw {
+  constructor(
+    readonly text: string,
+    readonly type: string,
+  ) {}
+}
+
+/** Longer than any answer takes, shorter than a person waits before thinking that nothing happens. */
+const PATIENCE_MS = 30_000;
+/** Waits before a read is tried again. Writes are never repeated here: whoever wrote knows whether that is safe. */
+const AGAIN_MS = [300, 1200];
+/** Answers of reads that carried an ETag, the latest ones: an unchanged one is not sent twice. */
+const fresh = new Map<string, Reply<unknown>>();
+const FRESH_MOST = 40;
+
+/** Forgets what was read: for somebody else may sign in next. */
+export function forget(): void {
+  fresh.clear();
+}
+
 export async function call<T>(method: Method, path: string, body?: unknown): Promise<Reply<T>> {
+  const again = method === "GET" ? AGAIN_MS : [];
+  for (let attempt = 0; ; attempt++) {
+    const wait = again[attempt];
+    try {
+      const response = await send(method, path, body);
+      const passing = [502, 503, 504].includes(response.status);
+      if (!passing || wait === undefined) return await answer<T>(method, path, response);
+    } catch (error) {
+      if (!(error instanceof Offline) || wait === undefined) throw error;
+    }
+    await new Promise((done) => setTimeout(done, wait));
+  }
+}
+
+async function send(method: Method, path: string, body: unknown): Promise<Response> {
   const headers: Record<string, string> = { accept: "application/json" };
-  if (method !== "GET") headers["x-csrf-token"] = csrf;
-  if (body !== undefined) headers["content-type"] = "application/json";
-  let response: Response;
+  const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(PATIENCE_MS) };
+  if (method === "GET") {
+    // The browser's own cache would answer for whoever was signed in before.
+    init.cache = "no-store";
+    const etag = fresh.get(path)?.etag;
+    if (etag) headers["if-none-match"] = etag;
+  } else {
+    headers["x-csrf-token"] = csrf;
+  }
+  if (body instanceof Raw) {
+    headers["content-type"] = body.type;
+    init.body = body.text;
+  } else if (body !== undefined) {
+    headers["content-type"] = "application/json";
+    init.body = JSON.stringify(body);
+  }
   try {
-    const init: RequestInit = { method, headers, credentials: "same-origin" };
-    if (body !== undefined) init.body = JSON.stringify(body);
-    response = await fetch(`/api/v1${path}`, init);
+    return await fetch(`/api/v1${path}`, init);
   } catch {
     throw new Offline(path);
   }
-  const text = await response.text();
+}
+
+async function answer<T>(method: Method, path: string, response: Response): Promise<Reply<T>> {
+  if (response.status === 304) {
+    const kept = fresh.get(path);
+    if (kept) return kept as Reply<T>;
+  }
+  let text: string;
+  try {
+    text = await response.text();
+  } catch {
+    throw new Offline(path);
+  }
   if (!response.ok) throw problem(response.status, text);
-  return { data: parse<T>(text), status: response.status, etag: response.headers.get("etag") };
+  const reply = { data: parse<T>(text), status: response.status, etag: response.headers.get("etag") };
+  if (method === "GET" && reply.etag) {
+    fresh.delete(path);
+    fresh.set(path, reply);
+    for (const oldest of fresh.keys()) {
+      if (fresh.size <= FRESH_MOST) break;
+      fresh.delete(oldest);
+    }
+  }
+  return reply;
 }
 
 /** A query string of the members that have a value. */

@@ -18,12 +18,14 @@ export type Comment = Schemas["Comment"];
 export type NewComment = Schemas["NewComment"];
 export type FieldChange = Schemas["FieldChange"];
 export type DraftSaved = Schemas["DraftSaved"];
+export type DraftAt = Schemas["DraftAt"];
 export type Lease = Schemas["Lease"];
 export type ActionName = Schemas["ActionName"];
 export type HistoryEntry = Schemas["HistoryEntry"];
 export type Overlap = Schemas["Overlap"];
 export type OverlapItem = Schemas["OverlapItem"];
 export type Suggestion = Schemas["Suggestion"];
+export type MatchedCondition = Schemas["MatchedCondition"];
 export type Created = Schemas["Created"];
 export type CreateTasks = Schemas["CreateTasks"];
 export type MinedFolder = Schemas["MinedFolder"];
@@ -52,3 +54,11 @@ export interface FieldConflict {
   mine: unknown;
   theirs: unknown;
 }
+export type UserChange = Schemas["UserChange"];
+export type Token = Schemas["Token"];
+export type ProjectChange = Schemas["ProjectChange"];
+export type Imported = Schemas["Imported"];
+export type Webhook = Schemas["Webhook"];
+export type Settings = Schemas["Settings"];
+export type Coverage = Schemas["Coverage"];
+export type Throughput = Schemas["Throughput"];
