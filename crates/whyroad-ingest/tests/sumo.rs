@@ -342,3 +342,21 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
         "what stands before the break"
     );
 }
+
+#[test]
+fn a_type_may_be_an_animal_and_the_ego_may_tell_of_emergency_braking() {
+    let dir = fcd(0.1, 4, |t| {
+        let ego = car("ego", 10.0 * t, 0.0);
+        // Active from 0.2 s on.
+        let ego = ego.replace("/>", &format!(" whyroad.aeb=\"{}\"/>", u8::from(t > 0.15)));
+        let cow = r#"<person id="cow" x="30.00" y="0.00" angle="90.00" type="cow" speed="0.00"/>"#;
+        vec![ego, cow.to_owned(), cow.replace("cow", "walker")]
+    });
+    let types = r#"<additional><vType id="cow" vClass="pedestrian" length="2.2"><param key="whyroad.class" value="animal"/></vType>
+<vType id="walker" vClass="pedestrian"><param key="other.class" value="animal"/></vType></additional>"#;
+    fs::write(dir.path().join("types.add.xml"), types).unwrap();
+    let drive = read(&dir).0.unwrap();
+    assert_eq!(drive.ego.as_ref().unwrap().bus.aeb, [Some(false), Some(false), Some(true), Some(true)]);
+    let class = |id: &str| drive.tracks.iter().find(|t| t.id.as_str() == id).unwrap().class;
+    assert_eq!((class("cow"), class("walker")), (ObjectClass::Animal, ObjectClass::Pedestrian));
+}

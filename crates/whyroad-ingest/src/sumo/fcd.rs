@@ -29,6 +29,8 @@ pub(super) struct Sample {
     pub accel: f64,
     /// Bits of SUMO's `signals`.
     pub signals: Option<u32>,
+    /// The generic parameter `whyroad.aeb` (`--fcd-output.params whyroad.aeb`): emergency braking is active.
+    pub aeb: Option<bool>,
 }
 
 /// Everything of one object.
@@ -137,6 +139,11 @@ impl Fcd {
             speed: number("speed").unwrap_or(f64::NAN),
             accel: number("acceleration").unwrap_or(f64::NAN),
             signals: get("signals").and_then(|s| s.trim().parse().ok()),
+            aeb: get("whyroad.aeb").and_then(|s| match s.trim() {
+                "1" | "true" => Some(true),
+                "0" | "false" => Some(false),
+                _ => None,
+            }),
         };
         let object = self.objects.entry(id).or_insert_with(|| Object {
             is_person: if kind == "person" { IsPerson::Yes } else { IsPerson::No },

@@ -69,6 +69,7 @@ pub(super) fn at(samples: &[Sample], time: i64) -> Option<Sample> {
         speed: mix(a.speed, b.speed),
         accel: mix(a.accel, b.accel),
         signals: a.signals,
+        aeb: a.aeb,
     })
 }
 
@@ -87,6 +88,7 @@ mod tests {
             speed: 10.0,
             accel: 0.0,
             signals: None,
+            aeb: None,
         };
         Object { is_person: IsPerson::No, type_id: String::new(), samples: (0..n).map(sample).collect() }
     }

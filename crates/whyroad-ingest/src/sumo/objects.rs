@@ -118,6 +118,7 @@ pub(super) fn ego_table(rows: &[(u32, Sample)], shape: &VehicleType, notes: &mut
         bus: EgoBus {
             turn_signal: empty_when_never_told(signals(&turn_signal)),
             brake: empty_when_never_told(rows.iter().map(|(_, s)| s.signals.map(|b| b & 8 != 0)).collect()),
+            aeb: empty_when_never_told(rows.iter().map(|(_, s)| s.aeb).collect()),
             ..EgoBus::default()
         },
     }

@@ -21,10 +21,23 @@ pub(super) struct VehicleType {
 pub(super) struct VehicleTypes(BTreeMap<String, VehicleType>);
 
 impl VehicleTypes {
-    /// Adds the types of a route or additional file.
+    /// Adds the types of a route or additional file. SUMO has no class for animals and the like: `<param key="whyroad.class"
+    /// value="animal"/>` inside a type says it in our words.
     pub fn read(&mut self, path: &Path) -> Result<(), String> {
+        let mut inside: Option<String> = None;
         for_each_tag(path, |tag| {
-            let Tag::Open(e) = tag else { return };
+            let e = match tag {
+                Tag::Open(e) => e,
+                Tag::Close("vType") => return inside = None,
+                Tag::Close(_) => return,
+            };
+            if e.name() == "param" && e.get("key").as_deref() == Some("whyroad.class") {
+                let class = e.get("value").and_then(|v| ObjectClass::from_id(&v));
+                if let (Some(class), Some(t)) = (class, inside.as_ref().and_then(|id| self.0.get_mut(id))) {
+                    t.class = class;
+                }
+                return;
+            }
             if e.name() != "vType" {
                 return;
             }
@@ -34,6 +47,7 @@ impl VehicleTypes {
             t.length_m = size("length", t.length_m);
             t.width_m = size("width", t.width_m);
             t.height_m = size("height", t.height_m);
+            inside = Some(id.clone());
             self.0.insert(id, t);
         })
     }
