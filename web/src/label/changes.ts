@@ -11,7 +11,8 @@ export interface Step extends Change {
   before: Json | undefined;
 }
 
-const within = (path: string, parent: string): boolean => path === parent || path.startsWith(`${parent}/`);
+/** Is `path` the field `parent` or in it? */
+export const within = (path: string, parent: string): boolean => path === parent || path.startsWith(`${parent}/`);
 
 /** `changes` with one more. A later write of a field, or of what contains it, makes the earlier one needless. */
 export function join(changes: readonly Change[], next: Change): Change[] {

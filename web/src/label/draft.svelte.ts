@@ -3,7 +3,7 @@
 import { ApiError, Offline } from "../api/client.ts";
 import { api } from "../api/calls.ts";
 import type { Conflicts, FieldConflict, Finding, Task } from "../api/types.ts";
-import { apply, type Change, join, needed, rooted, type Step } from "./changes.ts";
+import { apply, type Change, join, needed, rooted, type Step, within } from "./changes.ts";
 import { keep, kept } from "./local.ts";
 import { type Json, read, same } from "./pointer.ts";
 
@@ -35,9 +35,12 @@ export class Draft {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #retryMs = 500;
   #running: Promise<void> | null = null;
-  #done: Step[] = [];
-  #undone: Step[] = [];
+  /** What one press of undo takes back: the steps of one deed, first to last. */
+  #done: Step[][] = [];
+  #undone: Step[][] = [];
+  #deed: Step[] | null = null;
   #lastAt = 0;
+  #state = "";
   #channel: BroadcastChannel | null = null;
 
   constructor(user: string) {
@@ -46,7 +49,9 @@ export class Draft {
 
   /** Shows `task`. Changes that an earlier visit could not save go on top and are sent. */
   load(task: Task): void {
-    const fresh = task.task.id !== this.#task;
+    // A new stage freezes fields: what was done before it cannot be taken back.
+    const fresh = task.task.id !== this.#task || task.task.state !== this.#state;
+    this.#state = task.task.state;
     this.#task = task.task.id;
     this.#fence = task.fence ?? null;
     this.#version = task.version;
@@ -90,29 +95,61 @@ export class Draft {
     const change = rooted(this.doc, { path, value });
     const before = this.at(change.path);
     if (same(before, change.value)) return;
+    const step: Step = { ...change, before };
     const now = performance.now();
     const top = this.#done.at(-1);
-    if (top && top.path === change.path && typeof change.value === "string" && now - this.#lastAt < TOGETHER_MS) {
-      top.value = change.value;
-    } else this.#done.push({ ...change, before });
+    const last = top?.at(-1);
+    if (this.#deed) this.#deed.push(step);
+    else if (top?.length === 1 && last && last.path === change.path && typeof change.value === "string" && now - this.#lastAt < TOGETHER_MS) {
+      last.value = change.value;
+    } else this.#done.push([step]);
     this.#lastAt = now;
     this.#undone = [];
     this.#write(change);
   }
 
-  undo(): void {
-    const step = this.#done.pop();
-    if (!step) return;
-    this.#undone.push(step);
+  /** Everything that `deed` sets is undone together. */
+  together(deed: () => void): void {
+    if (this.#deed) return deed();
+    const steps: Step[] = [];
+    this.#deed = steps;
+    try {
+      deed();
+    } finally {
+      this.#deed = null;
+    }
+    if (steps.length > 0) this.#done.push(steps);
     this.#lastAt = 0;
-    this.#write({ path: step.path, value: step.before });
+    this.#steps();
+  }
+
+  undo(): void {
+    const steps = this.#done.pop();
+    if (!steps) return;
+    this.#undone.push(steps);
+    this.#lastAt = 0;
+    for (const step of [...steps].reverse()) this.#write({ path: step.path, value: step.before });
   }
 
   redo(): void {
-    const step = this.#undone.pop();
-    if (!step) return;
-    this.#done.push(step);
-    this.#write({ path: step.path, value: step.value });
+    const steps = this.#undone.pop();
+    if (!steps) return;
+    this.#done.push(steps);
+    for (const step of steps) this.#write({ path: step.path, value: step.value });
+  }
+
+  /** The lease was renewed under another token, by this user: writing goes on with it. */
+  renew(fence: number): void {
+    this.#fence = fence;
+    if (this.saving === "lost") this.saving = "waiting";
+    this.#keep();
+    this.#soon(0);
+  }
+
+  /** The lease is gone: nothing is sent any more, what was not sent stays on this machine. */
+  lose(): void {
+    clearTimeout(this.#timer);
+    this.saving = "lost";
   }
 
   /** Sends what is there, and ends when all of it is acknowledged or cannot be sent. */
@@ -133,7 +170,7 @@ export class Draft {
     if (!conflict) return;
     this.conflicts = this.conflicts.filter((c) => c !== conflict);
     if (side === "theirs") {
-      this.#pending = this.#pending.filter((c) => c.path !== path);
+      this.#pending = this.#pending.filter((c) => !within(c.path, path));
       this.doc = apply(this.doc, [{ path, value: (conflict.theirs ?? null) as Json }]);
     }
     this.#keep();

@@ -1,0 +1,125 @@
+// The framework's words as the pickers need them: decisions with their meanings, classes, categories, the leaf's spec. Read
+// from what the server sends as plain JSON; what is missing there is an id shown as it is, never an empty screen.
+import type { FrameworkView } from "../api/types.ts";
+import type { Bilingual } from "../text/text.svelte.ts";
+
+export interface Named {
+  id: string;
+  name: Bilingual;
+}
+
+export interface Decision extends Named {
+  meaning: Bilingual | null;
+  not: Bilingual | null;
+  directions: readonly string[];
+}
+
+export interface Leaf extends Named {
+  /** Names of the L1, the L2 and the leaf. */
+  path: readonly Bilingual[];
+  definition: Bilingual | null;
+  condition: Bilingual | null;
+  typical: { longitudinal: readonly string[]; lateral: readonly string[] };
+}
+
+export type Channel = "longitudinal" | "lateral";
+export const channels: readonly Channel[] = ["longitudinal", "lateral"];
+
+export interface Framework {
+  longitudinal: readonly Decision[];
+  lateral: readonly Decision[];
+  none: Decision;
+  categories: readonly Named[];
+  leaves: ReadonlyMap<string, Leaf>;
+}
+
+type Dict = Record<string, unknown>;
+const dict = (v: unknown): Dict => (typeof v === "object" && v !== null && !Array.isArray(v) ? (v as Dict) : {});
+const list = (v: unknown): unknown[] => (Array.isArray(v) ? v : []);
+const word = (v: unknown): string => (typeof v === "string" ? v : "");
+
+/** `{zh, en}`, or the pair of members `<key>_zh` and `<key>_en`, or one text for both. */
+function both(o: Dict, key: string): Bilingual | null {
+  const v = o[key];
+  if (typeof v === "string" && v !== "") return { zh: v, en: word(o[`${key}_en`]) || v };
+  const pair = typeof v === "object" && v !== null ? (v as Dict) : { zh: o[`${key}_zh`], en: o[`${key}_en`] };
+  const zh = word(pair["zh"]);
+  const en = word(pair["en"]);
+  return zh || en ? { zh: zh || en, en: en || zh } : null;
+}
+
+function named(v: unknown): Named {
+  if (typeof v === "string") return { id: v, name: { zh: v, en: v } };
+  const o = dict(v);
+  const id = word(o["id"]);
+  return { id, name: both(o, "name") ?? { zh: id, en: id } };
+}
+
+function decision(v: unknown): Decision {
+  const o = dict(v);
+  return { ...named(v), meaning: both(o, "meaning"), not: both(o, "not"), directions: list(o["directions"]).map(word).filter(Boolean) };
+}
+
+function typicalOf(o: Dict): Leaf["typical"] {
+  const d = dict(o["typical_decisions"] ?? o["typical"]);
+  return { longitudinal: list(d["longitudinal"]).map(word), lateral: list(d["lateral"]).map(word) };
+}
+
+export function readFramework(view: FrameworkView): Framework {
+  const decisions = dict(view.decisions);
+  const leaves = new Map<string, Leaf>();
+  for (const l1 of list(dict(view.taxonomy)["l1"])) {
+    const a = named(l1);
+    for (const l2 of list(dict(l1)["l2"])) {
+      const b = named(l2);
+      const bo = dict(l2);
+      for (const l3 of list(bo["l3"] ?? bo["leaves"])) {
+        const c = named(l3);
+        const co = dict(l3);
+        const id = c.id.includes(".") ? c.id : `${a.id}.${b.id}.${c.id}`;
+        const own = typicalOf(co);
+        leaves.set(id, {
+          id,
+          name: c.name,
+          path: [a.name, b.name, c.name],
+          definition: both(co, "definition") ?? both(bo, "definition"),
+          condition: both(co, "condition"),
+          typical: own.longitudinal.length + own.lateral.length > 0 ? own : typicalOf(bo),
+        });
+      }
+    }
+  }
+  const none = decision(decisions["null"]);
+  return {
+    longitudinal: list(decisions["longitudinal"]).map(decision),
+    lateral: list(decisions["lateral"]).map(decision),
+    none: { ...none, id: "null" },
+    categories: list(view.categories).map(named),
+    leaves,
+  };
+}
+
+export interface Moment {
+  rule: Bilingual;
+  expr?: string;
+}
+export interface Bound extends Moment {
+  fallback?: Moment;
+}
+export interface RecordSpec {
+  id: string;
+  name: Bilingual;
+  unit?: string;
+}
+/** `spec` of a task: `ResolvedSpec` of the framework. */
+export interface Spec {
+  leaf: string;
+  keyframe: Bound & { type: "reactive" | "proactive" };
+  second_keyframe?: Bound & { type: "reactive" | "proactive" };
+  start: Bound;
+  end: Bound;
+  pack: { before_s: number; after_s: number };
+  records: RecordSpec[];
+  uncertainty_high: boolean;
+  lateral?: string;
+}

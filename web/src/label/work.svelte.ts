@@ -1,0 +1,296 @@
+// One task on the table: what was fetched of it, who holds it, the label in the making, and the moment that is shown. Every
+// part of the labelling screen reads from here. Draws nothing and listens to no key.
+import { ApiError } from "../api/client.ts";
+import { api } from "../api/calls.ts";
+import type { ActionName, Comment, Finding, SceneView, Task, User } from "../api/types.ts";
+import { Attempt } from "../attempt.svelte.ts";
+import { buildRoad, type Road } from "../scene/road.ts";
+import { Player } from "../scene/player.svelte.ts";
+import { within } from "./changes.ts";
+import { Draft } from "./draft.svelte.ts";
+import { type Channel, type Framework, readFramework, type Spec } from "./framework.ts";
+import { type Json, read } from "./pointer.ts";
+import { type Clock, clockOf, frameNear, secondOf } from "./times.ts";
+
+/** Leases last minutes; a third of the shortest usual one leaves room for two lost heartbeats. */
+const HEARTBEAT_MS = 40_000;
+/** Fields of the label that Stage I fills; all others open with Stage II. */
+const FIRST_FIELDS = ["/critical_components", "/keyframe"];
+
+export type KeyframeName = "keyframe" | "second_keyframe";
+
+export class Work {
+  task = $state.raw<Task | null>(null);
+  scene = $state.raw<SceneView | null>(null);
+  road = $state.raw<Road | null>(null);
+  framework = $state.raw<Framework | null>(null);
+  clock = $state.raw<Clock | null>(null);
+  /** The label as it was before anybody changed it; null while it cannot be told. */
+  origin = $state.raw<Json | null>(null);
+  comments = $state.raw<readonly Comment[]>([]);
+  /** Track id of the object that is picked in the view. */
+  picked = $state<string | null>(null);
+  /** Component that evidence and objects go to. */
+  current = $state(0);
+  readonly id: string;
+  readonly draft: Draft;
+  readonly player = new Player();
+  readonly attempt = new Attempt();
+
+  /** World point that drawing is relative to. */
+  origin2d: readonly [number, number] = [0, 0];
+  #fence: number | null = null;
+  #beat: ReturnType<typeof setInterval> | undefined;
+
+  constructor(id: string, user: User) {
+    this.id = id;
+    this.draft = new Draft(user.id);
+  }
+
+  spec = $derived((this.task as { spec?: Spec | null } | null)?.spec ?? null);
+  stage = $derived(this.task?.stage ?? "stage1");
+  state = $derived(this.task?.task.state ?? "open");
+  leaf = $derived(this.framework?.leaves.get(this.task?.task.scenario_id ?? "") ?? null);
+  holds = $derived.by(() => this.task?.fence != null && this.draft.saving !== "lost");
+  edits = $derived(this.holds && this.may("edit"));
+  checks = $derived(this.holds && (this.may("accept") || this.may("send_back")));
+  components = $derived.by(() => {
+    const list = this.draft.at("/critical_components");
+    return Array.isArray(list) ? list.map((c) => c as Record<string, Json>) : [];
+  });
+  linked = $derived(new Set(this.components.flatMap((c) => (Array.isArray(c["linked_objects"]) ? c["linked_objects"].map(String) : []))));
+  target = $derived(this.task?.suggestion.target_id ?? null);
+
+  may(what: string): boolean {
+    return this.task?.permissions.includes(what) ?? false;
+  }
+
+  /** May the reader change the field at `path` now? Stage I fills its own fields, Stage II leaves the components alone. */
+  open(path: string): boolean {
+    if (!this.edits) return false;
+    const first = FIRST_FIELDS.some((f) => within(path, f));
+    if (this.stage === "stage1") return first;
+    return this.state === "rework" || !within(path, "/critical_components");
+  }
+
+  findingsAt(path: string): readonly Finding[] {
+    return this.draft.findings.filter((f) => within(f.pointer, path));
+  }
+
+  commentsAt(path: string): readonly Comment[] {
+    return this.comments.filter((c) => c.path !== "" && within(c.path, path));
+  }
+
+  /** Fetches everything; on a second call only what a change of stage can change. */
+  async load(): Promise<void> {
+    await this.attempt.run(async () => {
+      const [task, framework] = await Promise.all([api.task(this.id), this.framework ?? api.framework().then(readFramework)]);
+      this.framework = framework;
+      await this.show(task);
+    });
+  }
+
+  async show(task: Task): Promise<void> {
+    const shown = this.task;
+    this.#fence = task.fence ?? null;
+    this.task = task;
+    this.comments = task.comments;
+    this.draft.load(task);
+    this.#keepLease();
+    if (!this.scene || shown?.stage !== task.stage) await this.#look();
+    if (task.stage === "stage2" && this.origin === null) void this.#beginning();
+  }
+
+  async #look(): Promise<void> {
+    const [scene, map] = await Promise.all([api.scene(this.id), api.map(this.id)]);
+    const i = scene.keyframe_index;
+    this.origin2d = [scene.ego?.x[i] ?? map.lanes[0]?.centre[0]?.[0] ?? 0, scene.ego?.y[i] ?? map.lanes[0]?.centre[0]?.[1] ?? 0];
+    this.clock = clockOf(scene);
+    this.scene = scene;
+    this.road = buildRoad(map, this.origin2d);
+    this.player.load(scene.t_s);
+  }
+
+  async #beginning(): Promise<void> {
+    try {
+      this.origin = (await api.draftAt(this.id, 1)) as Json;
+    } catch {
+      // Told only to those who may read the history: without it no field shows what it was.
+    }
+  }
+
+  async take(): Promise<void> {
+    await this.attempt.run(async () => {
+      await api.lease(this.id, "take");
+      await this.load();
+    });
+  }
+
+  async release(): Promise<boolean> {
+    if (this.#fence === null || !(await this.draft.flush())) return false;
+    const fence = this.#fence;
+    return (await this.attempt.run(() => api.lease(this.id, "release", fence))) !== undefined;
+  }
+
+  /** Saves what is open, then acts. False when something stood in the way; then `attempt` or the draft says what. */
+  async act(action: ActionName, reason?: string): Promise<boolean> {
+    if (this.holds && !(await this.draft.flush())) return false;
+    const done = await this.attempt.run(async () => {
+      try {
+        const task = await api.act(this.id, { fence: this.#fence, action, reason: reason ?? null });
+        await this.show(task);
+        return true;
+      } catch (error) {
+        const found = error instanceof ApiError ? error.more["findings"] : undefined;
+        if (Array.isArray(found)) this.draft.findings = found as Finding[];
+        throw error;
+      }
+    });
+    return done === true;
+  }
+
+  async comment(path: string, text: string): Promise<boolean> {
+    const made = await this.attempt.run(() => api.comment(this.id, { path, text }));
+    if (made) this.comments = [...this.comments, made];
+    return made !== undefined;
+  }
+
+  async resolve(id: string): Promise<void> {
+    const now = await this.attempt.run(() => api.resolve(id));
+    if (now) this.comments = this.comments.map((c) => (c.id === id ? now : c));
+  }
+
+  #keepLease(): void {
+    clearInterval(this.#beat);
+    if (this.#fence === null) return;
+    this.#beat = setInterval(() => void this.#heartbeat(), HEARTBEAT_MS);
+  }
+
+  async #heartbeat(): Promise<void> {
+    if (this.#fence === null) return;
+    try {
+      await api.lease(this.id, "heartbeat", this.#fence);
+    } catch (error) {
+      // Offline is no loss yet: the next heartbeat or save tells.
+      if (error instanceof ApiError && error.code.startsWith("lease.")) {
+        clearInterval(this.#beat);
+        this.draft.lose();
+      }
+    }
+  }
+
+  close(): void {
+    clearInterval(this.#beat);
+    this.player.pause();
+    this.draft.close();
+  }
+
+  // What the keyboard and the pointer both do.
+
+  second(iso: unknown): number | null {
+    return this.clock ? secondOf(this.clock, iso) : null;
+  }
+
+  /** The frame shown now. */
+  get frame(): number {
+    return this.clock ? frameNear(this.clock, this.player.now) : 0;
+  }
+
+  setKeyframe(name: KeyframeName, frame = this.frame): void {
+    const iso = this.clock?.iso[frame];
+    const idx = this.clock?.frames[frame];
+    if (!iso || idx === undefined || idx < 0 || !this.open(`/${name}`)) return;
+    const before = this.draft.at(`/${name}`);
+    const type = this.spec?.[name]?.type ?? "reactive";
+    const old = typeof before === "object" && before !== null && !Array.isArray(before) ? before : { type };
+    this.draft.set(`/${name}`, { ...old, timestamp: iso, frame_idx: idx });
+  }
+
+  setKeyRange(end: "range_start" | "range_end", frame = this.frame): void {
+    const iso = this.clock?.iso[frame];
+    if (iso && this.open("/keyframe")) this.draft.set(`/keyframe/${end}`, iso);
+  }
+
+  setRange(end: "start" | "end", frame = this.frame): void {
+    const iso = this.clock?.iso[frame];
+    const idx = this.clock?.frames[frame];
+    if (!iso || idx === undefined || !this.open("/time_range")) return;
+    this.draft.together(() => {
+      this.draft.set(`/time_range/${end}_timestamp`, iso);
+      this.draft.set(`/time_range/${end}_frame_idx`, idx < 0 ? undefined : idx);
+    });
+  }
+
+  /** A new component, of the picked object where one is picked; its number. */
+  addComponent(object: string | null): number {
+    const all = this.components;
+    const used = new Set(all.map((c) => c["id"]));
+    let n = all.length + 1;
+    while (used.has(`c${n}`)) n++;
+    const made: Record<string, Json> = { id: `c${n}`, description: "", uncertainty: "low" };
+    if (object !== null) Object.assign(made, { category: this.#objectCategory(), linked_objects: [object] });
+    const iso = this.clock?.iso[Math.min(this.frame, this.scene?.keyframe_index ?? 0)];
+    if (iso) made["evidence_times"] = [iso];
+    this.draft.set("/critical_components", [...all, made]);
+    this.current = all.length;
+    return all.length;
+  }
+
+  #objectCategory(): string {
+    const known = this.framework?.categories ?? [];
+    return (known.find((c) => c.id.includes("object")) ?? known[0])?.id ?? "critical_objects";
+  }
+
+  removeComponent(n: number): void {
+    const gone = this.components[n]?.["id"];
+    this.draft.together(() => {
+      this.draft.set("/critical_components", this.components.filter((_, i) => i !== n));
+      for (const channel of ["longitudinal", "lateral"] as const) {
+        const path = `/causes/${channel}/components`;
+        const named = this.draft.at(path);
+        if (Array.isArray(named) && gone !== undefined && named.includes(gone)) this.draft.set(path, named.filter((c) => c !== gone));
+      }
+    });
+    this.current = Math.max(0, Math.min(this.current, this.components.length - 1));
+  }
+
+  /** Adds to a list of a component, or takes away what is there. */
+  toggleIn(n: number, list: "evidence_times" | "linked_objects", value: string): void {
+    const path = `/critical_components/${n}/${list}`;
+    if (!this.components[n] || !this.open(path)) return;
+    const now = this.draft.at(path);
+    const items = Array.isArray(now) ? now.map(String) : [];
+    const next = items.includes(value) ? items.filter((i) => i !== value) : [...items, value];
+    this.draft.set(path, next.length === 0 ? undefined : list === "evidence_times" ? next.sort() : next);
+  }
+
+  /** Moment of evidence: now, but never after the keyframe. */
+  evidenceNow(): void {
+    const keyframe = this.second(this.draft.at("/keyframe/timestamp")) ?? 0;
+    const iso = this.clock?.iso[this.frame];
+    if (iso && this.player.now <= keyframe + 1e-6) this.toggleIn(this.current, "evidence_times", iso);
+  }
+
+  /** `undefined` is not chosen, null is no change. */
+  decision(channel: Channel): string | null | undefined {
+    const v = this.draft.at(`/driving_decision/${channel}`);
+    return typeof v === "string" || v === null ? v : undefined;
+  }
+
+  decide(channel: Channel, value: string | null): void {
+    this.draft.together(() => {
+      this.draft.set(`/driving_decision/${channel}`, value);
+      if (value === null) this.draft.set(`/causes/${channel}`, undefined);
+      if (channel !== "lateral") return;
+      const allowed = this.framework?.lateral.find((d) => d.id === value)?.directions ?? [];
+      const now = this.draft.at("/driving_decision/lateral_direction");
+      const fits = typeof now === "string" && allowed.includes(now);
+      if (!fits) this.draft.set("/driving_decision/lateral_direction", allowed.length === 1 ? allowed[0] : undefined);
+    });
+  }
+
+  /** What the field at `path` was at first, where that differs from what it is. */
+  was(path: string): Json | undefined {
+    return this.origin === null ? undefined : read(this.origin, path);
+  }
+}

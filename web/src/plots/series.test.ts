@@ -1,0 +1,41 @@
+// Rows of the board: unknown is a gap, never 0; axes end at round numbers. Expected values by hand.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { bounds, columnOf, linePath, percent, roundStep, runs, runSpan, ticks } from "./series.ts";
+
+const span = { from: 0, to: 4 };
+
+test("a line has a gap where the value is unknown", () => {
+  assert.equal(linePath([0, 1, 2, 3, 4], [0, 10, null, 5, 5], span, 0, 10), "M0.0 100.0L250.0 0.0M750.0 50.0L1000.0 50.0");
+  assert.equal(linePath([0, 1, 2], [null, 5, null], span, 0, 10), "M250.0 50.0h1", "a lone value is a dot");
+  assert.equal(linePath([0, 1], [Infinity, null], span, 0, 10), "");
+  assert.equal(percent({ from: 2, to: 2 }, 2), 0);
+});
+
+test("bounds are round, and a flat line is not blown up", () => {
+  assert.deepEqual(bounds([13.2, 47], 20, 0), { low: 0, high: 60 });
+  assert.deepEqual(bounds([0.01, 0.02], 4), { low: -2, high: 3 });
+  assert.deepEqual(bounds([null], 2), { low: -1, high: 1 });
+  assert.deepEqual([roundStep(0.13), roundStep(3), roundStep(70)].map((v) => Math.round(v * 10) / 10), [0.2, 5, 100]);
+});
+
+test("runs end where the value changes or is unknown", () => {
+  const r = runs(["a", "a", null, "a", "b"]);
+  assert.deepEqual(r, [
+    { value: "a", from: 0, to: 2 },
+    { value: "a", from: 3, to: 4 },
+    { value: "b", from: 4, to: 5 },
+  ]);
+  assert.deepEqual(runSpan([0, 1, 2, 3, 4], { from: 0, to: 2 }), { from: 0, to: 2 });
+  assert.deepEqual(runSpan([0, 1, 2, 3, 4], { from: 4, to: 5 }), { from: 4, to: 4.5 });
+});
+
+test("ticks are whole steps inside the span", () => {
+  assert.deepEqual(ticks({ from: -2.2, to: 6 }, 8), [-2, 0, 2, 4, 6]);
+});
+
+test("a column is what its first known value is", () => {
+  assert.equal(columnOf([null, null]), null);
+  assert.deepEqual(columnOf([null, true]), { kind: "flags", values: [null, true] });
+  assert.deepEqual(columnOf([1, "x"]), { kind: "line", values: [1, null] });
+});

@@ -1,0 +1,119 @@
+// What a row of the board shows: numbers as a line, words and truth values as strips. Pure.
+
+/** Width and height of a row's drawing; the browser stretches it. */
+export const WIDTH = 1000;
+export const HEIGHT = 100;
+
+export interface Span {
+  from: number;
+  to: number;
+}
+
+/** Share of the way from `span.from` to `span.to`, in percent. */
+export function percent(span: Span, t: number): number {
+  return span.to > span.from ? ((t - span.from) / (span.to - span.from)) * 100 : 0;
+}
+
+/** The SVG path of a line; a gap where values are unknown or infinite, a dot where one stands alone. */
+export function linePath(t: readonly number[], values: readonly (number | null)[], span: Span, low: number, high: number): string {
+  const scale = high > low ? HEIGHT / (high - low) : 0;
+  const parts: string[] = [];
+  let pen = false;
+  values.forEach((v, i) => {
+    const at = t[i];
+    if (v === null || !Number.isFinite(v) || at === undefined) {
+      pen = false;
+      return;
+    }
+    const x = (percent(span, at) * WIDTH) / 100;
+    const y = HEIGHT - (Math.min(high, Math.max(low, v)) - low) * scale;
+    parts.push(`${pen ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`);
+    const next = values[i + 1];
+    if (!pen && (next === undefined || next === null || !Number.isFinite(next))) parts.push("h1");
+    pen = true;
+  });
+  return parts.join("");
+}
+
+export interface Bounds {
+  low: number;
+  high: number;
+}
+
+/** Least and greatest known value with some room, at least `least` apart, round numbers at both ends. */
+export function bounds(values: readonly (number | null)[], least: number, floor?: number): Bounds {
+  const known = values.filter((v): v is number => v !== null && Number.isFinite(v));
+  let low = known.length > 0 ? Math.min(...known) : 0;
+  let high = known.length > 0 ? Math.max(...known) : 0;
+  if (floor !== undefined) low = Math.min(floor, low);
+  const missing = least - (high - low);
+  if (missing > 0) {
+    high += floor === undefined ? missing / 2 : missing;
+    low -= floor === undefined ? missing / 2 : 0;
+  }
+  const step = roundStep((high - low) / 4);
+  return { low: Math.floor(low / step + 1e-9) * step, high: Math.ceil(high / step - 1e-9) * step };
+}
+
+/** 1, 2 or 5 times a power of ten, at least `step`. */
+export function roundStep(step: number): number {
+  if (!(step > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(step));
+  const digit = step / power;
+  return (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10) * power;
+}
+
+export interface Run<T> {
+  value: T;
+  /** First index. */
+  from: number;
+  /** One past the last. */
+  to: number;
+}
+
+/** Stretches of equal values; null (unknown) makes none. */
+export function runs<T extends string | boolean>(values: readonly (T | null | undefined)[]): Run<T>[] {
+  const out: Run<T>[] = [];
+  values.forEach((value, i) => {
+    if (value === null || value === undefined) return;
+    const last = out.at(-1);
+    if (last && last.value === value && last.to === i) last.to = i + 1;
+    else out.push({ value, from: i, to: i + 1 });
+  });
+  return out;
+}
+
+/** Where the run with this index begins and ends in seconds: to the next frame, or half a frame past the last. */
+export function runSpan(t: readonly number[], run: { from: number; to: number }): Span {
+  const from = t[run.from] ?? 0;
+  const last = t[run.to - 1] ?? from;
+  return { from, to: t[run.to] ?? last + ((t[1] ?? 0.1) - (t[0] ?? 0)) / 2 };
+}
+
+/** Whole seconds (or rounder steps) inside the span, about `count` of them. */
+export function ticks(span: Span, count: number): number[] {
+  const step = Math.max(0.1, roundStep((span.to - span.from) / count));
+  const out: number[] = [];
+  for (let i = Math.ceil(span.from / step - 1e-9); i * step <= span.to + 1e-9; i++) out.push(i * step);
+  return out;
+}
+
+export type Column =
+  | { kind: "line"; values: (number | null)[] }
+  | { kind: "words"; values: (string | null)[] }
+  | { kind: "flags"; values: (boolean | null)[] };
+
+/** A signal's column by the first value that is known; null when none is. */
+export function columnOf(values: readonly unknown[]): Column | null {
+  const first = values.find((v) => v !== null && v !== undefined);
+  switch (typeof first) {
+    case "number":
+      return { kind: "line", values: values.map((v) => (typeof v === "number" ? v : null)) };
+    case "string":
+      return { kind: "words", values: values.map((v) => (typeof v === "string" ? v : null)) };
+    case "boolean":
+      return { kind: "flags", values: values.map((v) => (typeof v === "boolean" ? v : null)) };
+    default:
+      return null;
+  }
+}
