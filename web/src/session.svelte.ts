@@ -43,7 +43,8 @@ export async function signOut(): Promise<void> {
 
 /** A session that ended while the page was open: back to the door, the address kept. */
 export function ended(error: unknown): boolean {
-  if (!(error instanceof ApiError) || error.status !== 401) return false;
+  // At the door a 401 is the answer to a wrong password.
+  if (!(error instanceof ApiError) || error.status !== 401 || session.status !== "in") return false;
   session.user = null;
   session.status = "out";
   return true;

@@ -76,6 +76,7 @@ export const screenWords = {
   "tasks.next_check": ["领取下一个检查任务", "Next task to check"],
   "tasks.next_audit": ["领取下一个审计任务", "Next task to audit"],
   "tasks.no_next": ["现在没有可领取的任务。", "Nothing to take right now."],
+  "tasks.table": ["任务表", "Table of tasks"],
   "tasks.queue": ["任务队列", "Queue"],
   "tasks.overlap": ["盲标", "blind overlap"],
   "tasks.make": ["从挖掘结果建任务", "Make tasks from mined episodes"],
@@ -198,6 +199,7 @@ export const screenWords = {
   "dash.submit": ["提交", "Submitted"],
   "dash.accept": ["通过", "Accepted"],
   "dash.send_back": ["退回", "Sent back"],
+  "dash.coverage.table": ["覆盖表", "Table of coverage"],
   "dash.coverage.none": ["没有目标数，也没有任务。在项目设置里给出目标数：", "No leaf is wanted and no task is there. Say what is wanted in:"],
   "dash.coverage.total": ["{of} 个叶子类中 {n} 个有缺口，共缺 {missing} 条。", "{n} of {of} leaves fall short, by {missing} labels in all."],
   "dash.coverage.hint": [
