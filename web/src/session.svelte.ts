@@ -2,6 +2,7 @@
 import { api } from "./api/calls.ts";
 import { ApiError } from "./api/client.ts";
 import type { Session, User } from "./api/types.ts";
+import { requery } from "./route.svelte.ts";
 import { speak } from "./text/text.svelte.ts";
 
 /** `loading` until the server has answered once; `away` when it could not be reached. */
@@ -32,8 +33,12 @@ export async function signIn(name: string, password: string): Promise<void> {
   }
 }
 
-export async function setup(name: string, display: string, password: string, lang: string): Promise<void> {
-  take(await api.setup(name, display, password, lang));
+/** Makes the first administrator. A service beyond one's own machine wants the token from the address that it printed. */
+export async function setup(first: { name: string; display: string; password: string; lang: string }): Promise<void> {
+  const token = new URLSearchParams(location.search).get("setup");
+  take(await api.setup(token ? { ...first, token } : first));
+  // The token has done its work and is nobody else's business.
+  if (token) requery("");
 }
 
 export async function signOut(): Promise<void> {

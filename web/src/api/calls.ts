@@ -14,8 +14,8 @@ async function session(method: "GET" | "POST", path: string, body?: unknown): Pr
 export const api = {
   session: () => session("GET", "/session"),
   signIn: (name: string, password: string) => session("POST", "/session", { name, password }),
-  setup: (name: string, display: string, password: string, lang: string) =>
-    session("POST", "/setup", { name, display, password, lang }),
+  setup: (first: { name: string; display: string; password: string; lang: string; token?: string }) =>
+    session("POST", "/setup", first),
   signOut: () => call("DELETE", "/session"),
 
   users: async () => (await call<{ items: T.User[] }>("GET", "/users")).data.items,

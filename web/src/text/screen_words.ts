@@ -20,6 +20,7 @@ export const screenWords = {
   "app.people": ["人员", "People"],
   "app.sign_out": ["退出", "Sign out"],
   "app.keys": ["快捷键", "Keys"],
+  "app.label": ["标注", "Label"],
   "app.members": ["成员", "Members"],
   "app.project": ["项目设置", "Project"],
   "app.exchange": ["导入与导出", "Import and export"],
