@@ -110,7 +110,9 @@ fn the_table_agrees_with_the_catalogue() {
                 }
                 _ => panic!("{} has values of another kind than the catalogue says", def.name),
             }
-            if complete {
+            // The way here is shorter than the 500 m over which these look: unknown, as the catalogue says.
+            let far = ["map.bends_around", "map.mean_grade"].contains(&def.name.as_str());
+            if complete && !far {
                 assert!(column.known_count() > 0, "{} is known nowhere", def.name);
             }
         }

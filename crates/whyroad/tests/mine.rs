@@ -145,7 +145,9 @@ fn every_message_is_valid() {
 fn the_files_tell_one_story() {
     let (_, out, output) = &*MINED;
     let episodes = lines(&out.path().join("episodes.jsonl"));
-    assert_eq!(lines(&out.path().join("pre_labels.jsonl")).len(), episodes.len());
+    // What no class explains is for a person to classify: it gets no pre-label.
+    let classified = episodes.iter().filter(|e| e["scenario_id"] != "other").count();
+    assert_eq!(lines(&out.path().join("pre_labels.jsonl")).len(), classified);
     assert_eq!(lines(&out.path().join("keyframe_suggestions.jsonl")).len(), episodes.len());
     // Three drives of 48 to 64 s: three or four clips each.
     let clips = lines(&out.path().join("clip_metadata.jsonl"));
@@ -300,7 +302,33 @@ fn one_class_can_be_asked_for() {
     let unknown = mine(lake.path(), out.path(), &["--scenario", "cutn"]);
     assert_eq!(unknown.status.code(), Some(1));
     assert!(text(&unknown.stderr).contains("reactive_agent.cutin"), "{}", text(&unknown.stderr));
-    let without = mine(lake.path(), out.path(), &["--scenario", "reactive_agent.animal"]);
+}
+
+#[test]
+fn a_class_whose_rules_are_taken_out_has_no_rule() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in whyroad_framework::Framework::bundled_files() {
+        let path = folder.path().join(&name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        // Each `mining:` block ends where something stands as far to the left.
+        let mut block = None;
+        let indent = |l: &str| l.len() - l.trim_start().len();
+        let kept = text.lines().filter(|l| {
+            if block.is_some_and(|b| !l.trim().is_empty() && indent(l) <= b) {
+                block = None;
+            }
+            if name.ends_with("/animal.yaml") && l.trim() == "mining:" {
+                block = Some(indent(l));
+            }
+            block.is_none()
+        });
+        std::fs::write(path, kept.collect::<Vec<_>>().join("\n")).unwrap();
+    }
+    let (lake, _, _) = &*MINED;
+    let out = tempfile::tempdir().unwrap();
+    let framework = folder.path().to_str().unwrap();
+    let args = ["--scenario", "reactive_agent.animal", "--framework", framework];
+    let without = mine(lake.path(), out.path(), &args);
     assert!(text(&without.stderr).contains("mine.scenario.no_rule"), "{}", text(&without.stderr));
 }
 

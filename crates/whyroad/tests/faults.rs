@@ -1,0 +1,254 @@
+//! What may befall the labelling service, done to the real one: after each, every acknowledged change is there and no task
+//! is held twice.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+#[path = "../../whyroad-labeling/tests/support/postgres.rs"]
+mod postgres;
+mod service;
+
+use serde_json::{Value, json};
+use service::http::Client;
+use service::storm::Annotator;
+use service::{Service, annotators, first_project};
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::path::Path;
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Annotators of a storm.
+const PEOPLE: usize = 6;
+
+/// Signs up `PEOPLE` annotators with a task each.
+fn crew(at: SocketAddr) -> (Client, String, Vec<Annotator>) {
+    let mut admin = Client::set_up(at, "admin");
+    let project = first_project(&mut admin);
+    let tokens = annotators(&mut admin, at, &project, PEOPLE);
+    let crew = tokens.iter().map(|t| Annotator::begin(at, t, &project)).collect();
+    (admin, project, crew)
+}
+
+/// All of them save as fast as they can while `fault` runs; a refusal or a broken connection ends one's storm.
+fn storm(crew: &mut [Annotator], fault: impl FnOnce(&AtomicBool)) {
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for annotator in crew.iter_mut() {
+            scope.spawn(|| annotator.save_until(&stop, Duration::ZERO));
+        }
+        fault(&stop);
+        stop.store(true, Ordering::Relaxed);
+    });
+}
+
+/// Each annotator finds what was acknowledged, or the one change that was on its way; each task has one holder.
+#[track_caller]
+fn nothing_is_lost(admin: &mut Client, project: &str, crew: &[Annotator]) {
+    for a in crew {
+        let stored = a.stored(admin);
+        assert!(
+            stored == a.saved || stored == a.sent,
+            "stored {stored}, acknowledged {}, sent {}",
+            a.saved,
+            a.sent
+        );
+        let entries =
+            admin.get(&format!("/tasks/{}/history", a.task)).good()["items"].as_array().unwrap().clone();
+        let takes = entries.iter().filter(|e| e["action"] == "take").count();
+        assert_eq!(takes, 1, "{entries:?}");
+        // Append-only and without a gap: each acknowledged change has its entry.
+        let numbers: Vec<i64> = entries.iter().map(|e| e["seq"].as_i64().unwrap()).collect();
+        assert_eq!(numbers, (1..=entries.len() as i64).collect::<Vec<_>>());
+        assert!(entries.iter().filter(|e| e["action"] == "edit").count() as u64 >= a.saved);
+    }
+    let list = admin.get(&format!("/projects/{project}/tasks?state=stage1&limit=200")).good();
+    let mut holders: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for task in list["items"].as_array().unwrap() {
+        let text = |v: &Value| v.as_str().unwrap().to_owned();
+        holders.entry(text(&task["assigned_to"])).or_default().push(text(&task["id"]));
+    }
+    assert_eq!(holders.len(), crew.len());
+    assert!(holders.values().all(|tasks| tasks.len() == 1), "{holders:?}");
+}
+
+#[test]
+fn kill_9_in_an_autosave_storm_loses_nothing_that_was_acknowledged() {
+    let data = tempfile::tempdir().unwrap();
+    let arguments = ["--data", data.path().to_str().unwrap()];
+    let service = Service::start(&arguments);
+    let (_, project, mut crew) = crew(service.at);
+    let mut service = Some(service);
+    for round in 0..3 {
+        storm(&mut crew, |_| {
+            std::thread::sleep(Duration::from_millis(700 + 137 * round));
+            service.take().unwrap().kill();
+        });
+        assert!(
+            crew.iter().all(|a| a.saved > 0 && a.refused.is_empty()),
+            "each was heard before the service died"
+        );
+        let again = Service::start(&arguments);
+        let mut admin = Client::sign_in(again.at, "admin");
+        nothing_is_lost(&mut admin, &project, &crew);
+        // They go on where they were: same token, same lease, the draft as it is now.
+        for a in &mut crew {
+            a.client.move_to(again.at);
+            let task = a.client.get(&format!("/tasks/{}", a.task)).good();
+            assert_eq!(task["fence"].as_i64(), Some(a.fence), "the lease outlives the service");
+            a.version = task["version"].as_i64().unwrap();
+            assert!(a.save());
+        }
+        service = Some(again);
+    }
+}
+
+#[test]
+fn a_full_disk_is_told_and_what_was_saved_before_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(disk) = SmallDisk::mount(dir.path()) else {
+        println!("skipped: a small disk can be mounted only as root");
+        return;
+    };
+    let service = Service::start(&["--data", disk.0.to_str().unwrap()]);
+    let (mut admin, project, mut crew) = crew(service.at);
+    storm(&mut crew, |_| std::thread::sleep(Duration::from_millis(300)));
+    // Fill what is left.
+    let filler = disk.0.join("filler");
+    let mut file = std::fs::File::create(&filler).unwrap();
+    while file.write_all(&[0; 4096]).is_ok() {}
+    while file.write_all(&[0; 1]).is_ok() {}
+    storm(&mut crew, |_| std::thread::sleep(Duration::from_secs(3)));
+    for a in &crew {
+        let told = a.refused.last().expect("a full disk is told");
+        assert!(told.starts_with("507 ") && told.contains("store.full"), "{told}");
+    }
+    nothing_is_lost(&mut admin, &project, &crew);
+    drop(file);
+    std::fs::remove_file(&filler).unwrap();
+    assert!(crew.iter_mut().all(Annotator::save), "it goes on as soon as there is room");
+    nothing_is_lost(&mut admin, &project, &crew);
+}
+
+/// A file system of a few megabytes in memory.
+struct SmallDisk(std::path::PathBuf);
+
+impl SmallDisk {
+    fn mount(at: &Path) -> Option<Self> {
+        let done =
+            Command::new("mount").args(["-t", "tmpfs", "-o", "size=6m", "none"]).arg(at).output().ok()?;
+        done.status.success().then(|| Self(at.to_owned()))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(&self.0).output();
+    }
+}
+
+#[test]
+fn a_database_that_restarts_is_waited_for() {
+    let Some(mut server) = postgres::Server::start() else { return };
+    let service = Service::start(&["--store", &server.database()]);
+    let (mut admin, project, mut crew) = crew(service.at);
+    for _ in 0..2 {
+        storm(&mut crew, |_| {
+            std::thread::sleep(Duration::from_millis(400));
+            server.restart(Duration::from_millis(800));
+            std::thread::sleep(Duration::from_millis(800));
+        });
+        nothing_is_lost(&mut admin, &project, &crew);
+        // Who was cut off in the middle of a commit was told so, and goes on after one look.
+        for a in &mut crew {
+            let unsure = a.refused.drain(..).all(|r| r.starts_with("503 "));
+            assert!(unsure);
+            let task = a.client.get(&format!("/tasks/{}", a.task)).good();
+            a.version = task["version"].as_i64().unwrap();
+            assert!(a.save(), "{:?}", a.refused);
+        }
+    }
+}
+
+#[test]
+fn slow_clients_do_not_hold_up_the_others() {
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(&["--data", data.path().to_str().unwrap()]);
+    let (_, _, mut crew) = crew(service.at);
+    let at = service.at;
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        // Two hundred who send a request byte by byte and never come to its end, and as many who never read the answer.
+        scope.spawn(|| {
+            let mut slow: Vec<TcpStream> = (0..400).map(|_| TcpStream::connect(at).unwrap()).collect();
+            let head = b"POST /api/v1/session HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\ncontent-length: 4000\r\n\r\n{";
+            for deaf in &mut slow[200..] {
+                let _ = deaf.write_all(b"GET /api/v1/openapi.json HTTP/1.1\r\nhost: x\r\n\r\n".repeat(50).as_slice());
+            }
+            for i in 0.. {
+                if stop.load(Ordering::Relaxed) {
+                    break;
+                }
+                for stream in &mut slow[..200] {
+                    let _ = stream.write_all(&[head.get(i).copied().unwrap_or(b' ')]);
+                }
+                std::thread::sleep(Duration::from_millis(20));
+            }
+        });
+        std::thread::sleep(Duration::from_millis(500));
+        for a in &mut crew {
+            for _ in 0..20 {
+                assert!(a.save(), "{:?}", a.refused);
+            }
+        }
+        stop.store(true, Ordering::Relaxed);
+    });
+    let slowest = crew.iter().flat_map(|a| &a.seconds).copied().fold(0.0, f64::max);
+    assert!(slowest < 2.0, "the slowest of {} saves took {slowest} s", PEOPLE * 20);
+}
+
+#[test]
+fn a_service_told_to_stop_finishes_what_it_has_begun() {
+    let data = tempfile::tempdir().unwrap();
+    let arguments = ["--data", data.path().to_str().unwrap()];
+    let service = Service::start(&arguments);
+    let (_, project, mut crew) = crew(service.at);
+    let pid = service.pid().to_string();
+    let mut service = Some(service);
+    storm(&mut crew, |_| {
+        std::thread::sleep(Duration::from_millis(500));
+        assert!(Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+        let ended = service.take().unwrap().wait();
+        assert!(ended.success(), "{ended}");
+    });
+    let again = Service::start(&arguments);
+    let mut admin = Client::sign_in(again.at, "admin");
+    nothing_is_lost(&mut admin, &project, &crew);
+}
+
+#[test]
+fn two_services_on_one_address_are_told_apart() {
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(&["--data", data.path().to_str().unwrap()]);
+    let second = Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        .args(["serve", "--listen", &service.at.to_string(), "--lake"])
+        .arg(service::demo().join("lake"))
+        .arg("--data")
+        .arg(data.path())
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&second.stderr);
+    assert_eq!(second.status.code(), Some(1));
+    assert!(told.contains("cannot listen on 127.0.0.1:"), "{told}");
+    // The first one is none the worse for it.
+    let mut stream = TcpStream::connect(service.at).unwrap();
+    stream.write_all(b"GET /api/v1/healthz HTTP/1.1\r\nhost: x\r\nconnection: close\r\n\r\n").unwrap();
+    let mut text = String::new();
+    stream.read_to_string(&mut text).unwrap();
+    assert!(text.starts_with("HTTP/1.1 200"), "{text}");
+    assert_eq!(
+        serde_json::from_str::<Value>(text.split("\r\n\r\n").nth(1).unwrap()).unwrap(),
+        json!({"done": true})
+    );
+}

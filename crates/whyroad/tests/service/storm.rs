@@ -1,0 +1,97 @@
+//! Annotators who save at every change: what each of them was told is saved, to be held against what is there afterwards.
+
+use super::http::Client;
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// One annotator with a task in Stage I.
+pub struct Annotator {
+    pub client: Client,
+    pub task: String,
+    pub fence: i64,
+    pub version: i64,
+    /// Last change that the service said is saved.
+    pub saved: u64,
+    /// Last change that was sent.
+    pub sent: u64,
+    /// Time of each answer of 200, s.
+    pub seconds: Vec<f64>,
+    /// Answers other than 200, as text.
+    pub refused: Vec<String>,
+}
+
+impl Annotator {
+    /// Takes the next task of the queue.
+    pub fn begin(at: SocketAddr, token: &str, project: &str) -> Self {
+        let mut client = Client::with_token(at, token);
+        let next = client.post(&format!("/projects/{project}/tasks:next"), &json!({"kind": "label"}));
+        assert_eq!(
+            next.status,
+            200,
+            "there is a task for everybody: {}",
+            String::from_utf8_lossy(&next.body)
+        );
+        let task = next.json();
+        Self {
+            client,
+            task: task["task"]["id"].as_str().unwrap().to_owned(),
+            fence: task["fence"].as_i64().unwrap(),
+            version: task["version"].as_i64().unwrap(),
+            saved: 0,
+            sent: 0,
+            seconds: vec![],
+            refused: vec![],
+        }
+    }
+
+    /// Saves one more change; false when the connection broke or the service is away.
+    pub fn save(&mut self) -> bool {
+        if self.sent == self.saved {
+            self.sent += 1;
+        }
+        let change = json!({
+            "fence": self.fence, "base_version": self.version,
+            "changes": [{"path": "/critical_components", "value": [component(self.sent)]}],
+        });
+        let start = Instant::now();
+        match self.client.send("PATCH", &format!("/tasks/{}/draft", self.task), Some(&change)) {
+            Ok(answer) if answer.status == 200 => {
+                self.seconds.push(start.elapsed().as_secs_f64());
+                self.version = answer.json()["version"].as_i64().unwrap();
+                self.saved = self.sent;
+                true
+            }
+            Ok(answer) => {
+                self.refused.push(format!("{} {}", answer.status, String::from_utf8_lossy(&answer.body)));
+                false
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Saves one change each `every`, counted from `start`, until `stop`; or until the service is gone.
+    pub fn save_until(&mut self, stop: &AtomicBool, every: Duration) {
+        let mut due = Instant::now();
+        while !stop.load(Ordering::Relaxed) && self.save() {
+            due += every;
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        }
+    }
+
+    /// Number of the change that the service has, seen by `client`.
+    pub fn stored(&self, client: &mut Client) -> u64 {
+        let task = client.get(&format!("/tasks/{}", self.task)).good();
+        number(&task["draft"])
+    }
+}
+
+fn component(number: u64) -> Value {
+    json!({"id": "c1", "category": "agent", "description": format!("change {number}"), "evidence_times": []})
+}
+
+fn number(draft: &Value) -> u64 {
+    let text = draft["critical_components"][0]["description"].as_str().unwrap_or_default();
+    text.strip_prefix("change ").map_or(0, |n| n.parse().unwrap())
+}
