@@ -1,0 +1,115 @@
+//! How far people agree beyond chance. Pure functions over categories; they know no task and no label.
+//!
+//! Sources: J. Cohen, "A coefficient of agreement for nominal scales", Educational and Psychological Measurement 20
+//! (1960); J. L. Fleiss, "Measuring nominal scale agreement among many raters", Psychological Bulletin 76 (1971).
+
+use std::collections::BTreeMap;
+
+/// Cohen's kappa of pairs (first rater, second rater). `None` without pairs, and where chance alone would agree always
+/// (both raters gave everything one and the same category): agreement beyond chance then means nothing.
+pub fn cohen<C: Ord>(pairs: &[(C, C)]) -> Option<f64> {
+    let n = pairs.len() as f64;
+    let mut margins: BTreeMap<&C, (f64, f64)> = BTreeMap::new();
+    for (a, b) in pairs {
+        margins.entry(a).or_default().0 += 1.0;
+        margins.entry(b).or_default().1 += 1.0;
+    }
+    let seen = pairs.iter().filter(|(a, b)| a == b).count() as f64 / n;
+    let chance: f64 = margins.values().map(|(a, b)| a * b / (n * n)).sum();
+    beyond_chance(seen, chance)
+}
+
+/// Fleiss' kappa of items that were each put into a category by two or more raters, who may differ from item to item.
+/// Items may have different numbers of raters; an item counts by its number of ratings. `None` as for [`cohen`].
+pub fn fleiss<C: Ord>(items: &[Vec<C>]) -> Option<f64> {
+    let (mut total, mut agreed) = (0.0, 0.0);
+    let mut shares: BTreeMap<&C, f64> = BTreeMap::new();
+    for item in items.iter().filter(|i| i.len() > 1) {
+        let n = item.len() as f64;
+        let mut own: BTreeMap<&C, f64> = BTreeMap::new();
+        for category in item {
+            *own.entry(category).or_default() += 1.0;
+            *shares.entry(category).or_default() += 1.0;
+        }
+        let pairs: f64 = own.values().map(|k| k * (k - 1.0)).sum();
+        agreed += n * pairs / (n * (n - 1.0));
+        total += n;
+    }
+    let chance: f64 = shares.values().map(|k| (k / total) * (k / total)).sum();
+    beyond_chance(agreed / total, chance)
+}
+
+fn beyond_chance(seen: f64, chance: f64) -> Option<f64> {
+    let room = 1.0 - chance;
+    (seen.is_finite() && room > 1e-12).then(|| (seen - chance) / room)
+}
+
+/// The middle value; between the two middle ones of an even number. `None` of nothing.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        n if n % 2 == 1 => Some(values[middle]),
+        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(cells: [((&'static str, &'static str), usize); 4]) -> Vec<(&'static str, &'static str)> {
+        cells.iter().flat_map(|(pair, n)| std::iter::repeat_n(*pair, *n)).collect()
+    }
+
+    #[test]
+    fn cohen_is_that_of_the_textbook_tables() {
+        // Wikipedia, "Cohen's kappa", simple example (20, 5, 10, 15: 0.4) and the two tables of "same percentage but
+        // different numbers" (0.1304 and 0.2593).
+        let yes_no = |yy, yn, ny, nn| {
+            cohen(&table([(("y", "y"), yy), (("y", "n"), yn), (("n", "y"), ny), (("n", "n"), nn)])).unwrap()
+        };
+        assert!((yes_no(20, 5, 10, 15) - 0.4).abs() < 1e-12);
+        assert!((yes_no(45, 15, 25, 15) - 0.1304).abs() < 5e-5);
+        assert!((yes_no(25, 35, 5, 35) - 0.2593).abs() < 5e-5);
+    }
+
+    #[test]
+    fn fleiss_is_that_of_the_worked_example() {
+        // Wikipedia, "Fleiss' kappa", worked example: ten subjects, fourteen raters, five categories: 0.210.
+        const COUNTS: [[usize; 5]; 10] = [
+            [0, 0, 0, 0, 14],
+            [0, 2, 6, 4, 2],
+            [0, 0, 3, 5, 6],
+            [0, 3, 9, 2, 0],
+            [2, 2, 8, 1, 1],
+            [7, 7, 0, 0, 0],
+            [3, 2, 6, 3, 0],
+            [2, 5, 3, 2, 2],
+            [6, 5, 2, 1, 0],
+            [0, 2, 2, 3, 7],
+        ];
+        let item = |row: &[usize; 5]| -> Vec<usize> {
+            row.iter().enumerate().flat_map(|(category, n)| std::iter::repeat_n(category, *n)).collect()
+        };
+        let items: Vec<Vec<usize>> = COUNTS.iter().map(item).collect();
+        assert!((fleiss(&items).unwrap() - 0.210).abs() < 5e-4);
+    }
+
+    #[test]
+    fn agreement_that_chance_explains_has_no_kappa() {
+        assert_eq!(cohen::<u8>(&[]), None);
+        assert_eq!(cohen(&[("a", "a"), ("a", "a")]), None);
+        assert_eq!(fleiss(&[vec!["a", "a"], vec!["b"]]), None);
+        assert_eq!(cohen(&[("a", "a"), ("b", "b")]), Some(1.0));
+        assert_eq!(cohen(&[("a", "b"), ("b", "a")]), Some(-1.0));
+    }
+
+    #[test]
+    fn the_median_is_the_middle() {
+        assert_eq!(median(vec![]), None);
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), Some(2.5));
+    }
+}

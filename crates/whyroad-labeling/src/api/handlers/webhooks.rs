@@ -1,0 +1,30 @@
+//! Webhooks of a project.
+
+use crate::api::call::Call;
+use crate::api::reply::Reply;
+use crate::api::wire::people::Done;
+use crate::api::wire::project::{NewWebhook, Webhooks};
+use crate::problem::Answer;
+use crate::service::webhooks;
+
+/// `GET /projects/{p}/webhooks`
+pub fn list(call: &Call<'_>) -> Answer<Reply> {
+    let project = call.grant.project()?;
+    Reply::json(&Webhooks { items: call.app.store.read(|tx| webhooks::list(tx, project))? })
+}
+
+/// `POST /projects/{p}/webhooks`
+pub fn create(call: &Call<'_>) -> Answer<Reply> {
+    let wanted: NewWebhook = call.body()?;
+    let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
+    let hook =
+        call.app.store.write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, now))?;
+    Reply::json(&hook)
+}
+
+/// `DELETE /webhooks/{w}`
+pub fn remove(call: &Call<'_>) -> Answer<Reply> {
+    let id = call.param("w").to_owned();
+    call.app.store.write(move |tx| webhooks::remove(tx, &id))?;
+    Reply::json(&Done { done: true })
+}

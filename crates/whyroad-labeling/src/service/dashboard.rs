@@ -1,0 +1,238 @@
+//! How a project goes: what stands where, who did what, how far people agree, what is missing, what audits found.
+//! Read only; all of it from the tasks and their history.
+
+use crate::agreement::{cohen, fleiss, median};
+use crate::api::wire::project::{
+    Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
+};
+use crate::problem::Answer;
+use crate::service::{drafts, tasks};
+use crate::store::Tx;
+use crate::values;
+use serde_json::Value;
+use std::collections::{BTreeMap, HashMap};
+use whyroad_model::Nanos;
+
+/// Milliseconds of a day.
+const DAY_MS: i64 = 86_400_000;
+/// Days of throughput shown.
+const DAYS: i64 = 60;
+/// Tasks shown that have not moved for longest.
+const OLDEST: i64 = 20;
+
+/// Audits that count.
+const RECENT_AUDITS: i64 = 50;
+/// Audits that make a record; before that an author counts as unknown and is audited most.
+const RECORD_LENGTH: i64 = 10;
+/// Share of failed audits at which an author's audit share is the greatest.
+const POOR_RECORD: f64 = 0.2;
+
+type Names = HashMap<String, String>;
+
+/// The dashboard of `project` at `now` (ms since 1970).
+pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
+    let names = tasks::names(tx)?;
+    let by_state = tx.rows(
+        "SELECT state, count(*) FROM tasks WHERE project_id = $1 GROUP BY state",
+        values![&project.id],
+    )?;
+    Ok(Dashboard {
+        by_state: by_state.iter().map(|r| Ok((r.text(0)?, r.int(1)?))).collect::<Answer<_>>()?,
+        throughput: throughput(tx, &project.id, &names, now)?,
+        ageing: ageing(tx, &project.id, &names, now)?,
+        agreement: agreement(tx, &project.id, &names)?,
+        coverage: coverage(tx, project)?,
+        audit: audit_outcomes(tx, project, &names)?,
+    })
+}
+
+fn display(names: &Names, id: Option<String>) -> Option<String> {
+    id.map(|id| names.get(&id).cloned().unwrap_or(id))
+}
+
+fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Throughput>> {
+    let rows = tx.rows(
+        "SELECT h.at / 86400000, h.actor, h.action, count(*) FROM history h JOIN tasks t ON t.id = h.task_id
+         WHERE t.project_id = $1 AND h.at >= $2 AND h.action IN ('submit', 'accept', 'send_back')
+         GROUP BY h.at / 86400000, h.actor, h.action",
+        values![project, (now / DAY_MS - DAYS) * DAY_MS],
+    )?;
+    let mut out = Vec::new();
+    for r in rows {
+        let midnight = Nanos(r.int(0)? * DAY_MS * 1_000_000);
+        let day = midnight.to_string().chars().take(10).collect();
+        let user = display(names, r.maybe_text(1)?).unwrap_or_default();
+        out.push(Throughput { day, user, action: r.text(2)?, count: r.int(3)? });
+    }
+    out.sort_by(|a, b| (&b.day, &a.user, &a.action).cmp(&(&a.day, &b.user, &b.action)));
+    Ok(out)
+}
+
+fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Ageing>> {
+    let rows = tx.rows(
+        "SELECT id, scenario_id, state, coalesce(holder, assigned, author), updated FROM tasks
+         WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected')
+         ORDER BY updated, id LIMIT $2",
+        values![project, OLDEST],
+    )?;
+    let one = |r: &crate::store::Row| {
+        Ok(Ageing {
+            task: r.text(0)?,
+            scenario_id: r.text(1)?,
+            state: r.text(2)?,
+            user: display(names, r.maybe_text(3)?),
+            // A clock that was set back makes nothing younger than new.
+            hours: (now - r.int(4)?).max(0) as f64 / 3_600_000.0,
+        })
+    };
+    rows.iter().map(one).collect()
+}
+
+/// What one person decided about an episode.
+struct Rated {
+    author: String,
+    longitudinal: String,
+    lateral: String,
+    keyframe: Option<Nanos>,
+}
+
+impl Rated {
+    fn of(author: String, label: &Value) -> Self {
+        let word =
+            |pointer: &str| label.pointer(pointer).and_then(Value::as_str).unwrap_or("null").to_owned();
+        let direction = label.pointer("/driving_decision/lateral_direction").and_then(Value::as_str);
+        let lateral = word("/driving_decision/lateral");
+        let keyframe = label.pointer("/keyframe/timestamp").and_then(Value::as_str);
+        Self {
+            author,
+            longitudinal: word("/driving_decision/longitudinal"),
+            lateral: direction.map_or(lateral.clone(), |d| format!("{lateral} {d}")),
+            keyframe: keyframe.and_then(|t| Nanos::parse_iso(t).ok()),
+        }
+    }
+}
+
+/// Labels of overlap groups, by episode: as first submitted, before any check could bring them together.
+fn overlaps(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Vec<Rated>>> {
+    let rows = tx.rows(
+        "SELECT t.id, min(h.seq) FROM tasks t JOIN history h ON h.task_id = t.id
+         WHERE t.project_id = $1 AND t.overlap_count > 1 AND t.author IS NOT NULL AND h.action = 'submit' GROUP BY t.id",
+        values![project],
+    )?;
+    let mut groups: BTreeMap<String, Vec<Rated>> = BTreeMap::new();
+    for r in rows {
+        let t = tasks::get(tx, &r.text(0)?)?;
+        let label = drafts::at(tx, &t, r.int(1)?)?;
+        let author = t.at.author().unwrap_or_default().to_owned();
+        groups.entry(t.episode.episode_id).or_default().push(Rated::of(author, &label));
+    }
+    let mut groups: Vec<Vec<Rated>> = groups.into_values().filter(|g| g.len() > 1).collect();
+    groups.iter_mut().for_each(|g| g.sort_by(|a, b| a.author.cmp(&b.author)));
+    Ok(groups)
+}
+
+fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement> {
+    let groups = overlaps(tx, project)?;
+    let mut by_pair: BTreeMap<(&str, &str), Vec<(&Rated, &Rated)>> = BTreeMap::new();
+    for group in &groups {
+        for (i, a) in group.iter().enumerate() {
+            for b in &group[i + 1..] {
+                by_pair.entry((&a.author, &b.author)).or_default().push((a, b));
+            }
+        }
+    }
+    let all: Vec<(&Rated, &Rated)> = by_pair.values().flatten().copied().collect();
+    let away: Vec<f64> =
+        all.iter().filter_map(|(a, b)| Some(a.keyframe?.seconds_since(b.keyframe?).abs())).collect();
+    let kappa = |pairs: &[(&Rated, &Rated)], of: fn(&Rated) -> &str| {
+        cohen(&pairs.iter().map(|(a, b)| (of(a), of(b))).collect::<Vec<_>>())
+    };
+    let group_kappa = |of: fn(&Rated) -> &str| {
+        fleiss(&groups.iter().map(|g| g.iter().map(of).collect::<Vec<_>>()).collect::<Vec<_>>())
+    };
+    let name = |id: &str| names.get(id).cloned().unwrap_or_else(|| id.to_owned());
+    Ok(Agreement {
+        pairs: all.len() as u32,
+        longitudinal_kappa: kappa(&all, |r| &r.longitudinal),
+        lateral_kappa: kappa(&all, |r| &r.lateral),
+        groups: groups.len() as u32,
+        longitudinal_fleiss: group_kappa(|r| &r.longitudinal),
+        lateral_fleiss: group_kappa(|r| &r.lateral),
+        keyframe_median_s: median(away.clone()),
+        keyframe_worst_s: away.into_iter().reduce(f64::max),
+        by_pair: by_pair
+            .iter()
+            .map(|((a, b), pairs)| PairAgreement {
+                users: [name(a), name(b)],
+                labels: pairs.len() as u32,
+                longitudinal_kappa: kappa(pairs, |r| &r.longitudinal),
+                lateral_kappa: kappa(pairs, |r| &r.lateral),
+            })
+            .collect(),
+    })
+}
+
+/// Episodes count once, however many people label them.
+fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
+    let rows = tx.rows(
+        "SELECT scenario_id, count(DISTINCT episode_id),
+           count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END)
+         FROM tasks WHERE project_id = $1 GROUP BY scenario_id",
+        values![&project.id],
+    )?;
+    let mut leaves: BTreeMap<String, (i64, i64)> = BTreeMap::new();
+    for r in rows {
+        leaves.insert(r.text(0)?, (r.int(1)?, r.int(2)?));
+    }
+    for leaf in project.quota.keys() {
+        leaves.entry(leaf.clone()).or_default();
+    }
+    let one = |(leaf, (mined, have)): (String, (i64, i64))| {
+        let quota = project.quota.get(&leaf).map_or(0, |n| i64::from(*n));
+        Coverage { leaf, have, quota, mined, shortfall: (quota - mined).max(0) }
+    };
+    Ok(leaves.into_iter().map(one).collect())
+}
+
+fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<Vec<AuditRecord>> {
+    let authors = tx.rows(
+        "SELECT DISTINCT author FROM tasks WHERE project_id = $1 AND author IS NOT NULL",
+        values![&project.id],
+    )?;
+    let mut out = Vec::new();
+    for r in authors {
+        let id = r.text(0)?;
+        let (audited, failed) = audit_record(tx, &project.id, &id)?;
+        let share_percent = audit_share(&project.settings, audited, failed);
+        let author = display(names, Some(id)).unwrap_or_default();
+        out.push(AuditRecord { author, audited, failed, share_percent });
+    }
+    out.sort_by(|a, b| a.author.cmp(&b.author));
+    Ok(out)
+}
+
+/// How many of `author`'s labels in `project` were audited, and how many of these were sent back; of the newest
+/// [`RECENT_AUDITS`], so that who has improved is not audited for old faults.
+pub fn audit_record(tx: &mut dyn Tx, project: &str, author: &str) -> Answer<(i64, i64)> {
+    let rows = tx.rows(
+        "SELECT h.action FROM history h JOIN tasks t ON t.id = h.task_id
+         WHERE t.project_id = $1 AND t.author = $2 AND h.from_state = 'in_audit' AND h.action IN ('accept', 'send_back')
+         ORDER BY h.at DESC, h.task_id, h.seq DESC LIMIT $3",
+        values![project, author, RECENT_AUDITS],
+    )?;
+    let actions = rows.iter().map(|r| r.text(0)).collect::<Answer<Vec<_>>>()?;
+    Ok((actions.len() as i64, actions.iter().filter(|a| *a == "send_back").count() as i64))
+}
+
+/// Share of an author's labels to be audited, in percent (LABELING.md 6: 10 to 20 by the author's record): the greatest
+/// until there is a record, then from the least to the greatest as failed audits go from none to [`POOR_RECORD`].
+pub fn audit_share(settings: &Settings, audited: i64, failed: i64) -> f64 {
+    let (least, most) = (f64::from(settings.audit_min_percent), f64::from(settings.audit_max_percent));
+    if audited < RECORD_LENGTH {
+        return most;
+    }
+    least + (most - least) * (failed as f64 / audited as f64 / POOR_RECORD).min(1.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! Tasks and histories written by hand; expected values counted by hand.
+
+use super::*;
+use crate::service::fixtures::{self, episode};
+use crate::values;
+use serde_json::json;
+
+const NOW: i64 = 1_790_000_000_000;
+
+fn project(quota: &[(&str, u32)]) -> Project {
+    Project {
+        id: "p".into(),
+        name: "p".into(),
+        guide: String::new(),
+        quota: quota.iter().map(|(k, n)| ((*k).to_owned(), *n)).collect(),
+        settings: Settings::default(),
+        roles: vec![],
+    }
+}
+
+struct Made<'a> {
+    id: &'a str,
+    episode: &'a str,
+    leaf: &'a str,
+    state: &'a str,
+    author: Option<&'a str>,
+    updated: i64,
+    overlap: i64,
+}
+
+fn task(tx: &mut dyn Tx, m: &Made<'_>, draft: &Value) {
+    tx.run(
+        "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
+           keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, author, checked,
+           audited, fence, seq, created, updated)
+         VALUES ($1, 'p', $2, $3, $4, 'd', 'd_000', $5, 0, 0, 0, $6, '{}', $7, 0, 0, $8, $9, $10, 0, 0, 0, 0, 0, $11)",
+        values![
+            m.id, m.episode, m.id.len() as i64, m.overlap, m.leaf, episode(m.episode).to_string(), draft.to_string(),
+            m.state, json!(m.author.into_iter().collect::<Vec<_>>()).to_string(), m.author, m.updated
+        ],
+    )
+    .unwrap();
+}
+
+fn history(
+    tx: &mut dyn Tx,
+    task: &str,
+    seq: i64,
+    at: i64,
+    actor: &str,
+    (from, action): (&str, &str),
+    draft: Option<&Value>,
+) {
+    tx.run(
+        "INSERT INTO history (task_id, seq, at, actor, action, from_state, snapshot, version) VALUES ($1, $2, $3, $4, $5, $6, $7, 0)",
+        values![task, seq, at, actor, action, from, draft.map(Value::to_string)],
+    )
+    .unwrap();
+}
+
+/// A store with a project and the users `a`, `b`, `c`, shown as `Ann`, `Bo`, `Cy`.
+fn on_store<T: Send + 'static>(job: impl Fn(&mut dyn Tx) -> T + Send + 'static) -> T {
+    let (app, _dir) = fixtures::app();
+    app.store
+        .write(move |tx| {
+            for (id, display) in [("a", "Ann"), ("b", "Bo"), ("c", "Cy")] {
+                tx.run(
+                    "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+                     VALUES ($1, $2, $3, 0, 'en', '', 0, 0)",
+                    values![id, id, display],
+                )?;
+            }
+            Ok(job(tx))
+        })
+        .unwrap()
+}
+
+fn made<'a>(id: &'a str, episode: &'a str, state: &'a str) -> Made<'a> {
+    Made { id, episode, leaf: "x.y.z", state, author: Some("a"), updated: NOW, overlap: 1 }
+}
+
+fn label(longitudinal: &str, lateral: &str, keyframe: &str) -> Value {
+    json!({ "driving_decision": { "longitudinal": longitudinal, "lateral": lateral }, "keyframe": { "timestamp": keyframe } })
+}
+
+#[test]
+fn coverage_counts_episodes_once_and_tells_what_was_not_even_mined() {
+    let rows = on_store(|tx| {
+        task(tx, &Made { overlap: 2, ..made("1", "e1", "accepted") }, &json!({}));
+        task(tx, &Made { overlap: 2, ..made("22", "e1", "accepted") }, &json!({}));
+        task(tx, &made("333", "e2", "open"), &json!({}));
+        task(tx, &Made { leaf: "x.y.other", ..made("4444", "e3", "stage2") }, &json!({}));
+        coverage(tx, &project(&[("x.y.z", 5), ("x.never", 3)])).unwrap()
+    });
+    let rows: Vec<_> =
+        rows.iter().map(|c| (c.leaf.as_str(), c.have, c.quota, c.mined, c.shortfall)).collect();
+    assert_eq!(rows, [("x.never", 0, 3, 0, 3), ("x.y.other", 0, 0, 1, 0), ("x.y.z", 1, 5, 2, 3)]);
+}
+
+#[test]
+fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
+    let board = on_store(|tx| {
+        task(tx, &Made { updated: NOW - 7_200_000, ..made("1", "e1", "stage2") }, &json!({}));
+        task(tx, &Made { updated: NOW - 3_600_000, author: None, ..made("22", "e2", "open") }, &json!({}));
+        task(tx, &made("333", "e3", "accepted"), &json!({}));
+        // 2026-09-21 UTC began at 1 789 948 800 s (`date -u -d 2026-09-21 +%s`).
+        let midnight = 1_789_948_800_000;
+        history(tx, "1", 1, midnight - 1, "a", ("stage2", "submit"), None);
+        history(tx, "1", 2, midnight, "a", ("stage2", "submit"), None);
+        history(tx, "1", 3, midnight + 5, "a", ("rework", "submit"), None);
+        history(tx, "1", 4, midnight + 6, "b", ("in_check", "accept"), None);
+        history(tx, "1", 5, midnight + 7, "b", ("stage1", "edit"), None);
+        history(tx, "1", 6, NOW - 70 * DAY_MS, "a", ("stage2", "submit"), None);
+        of(tx, &project(&[]), NOW).unwrap()
+    });
+    let rows: Vec<_> = board
+        .throughput
+        .iter()
+        .map(|t| (t.day.as_str(), t.user.as_str(), t.action.as_str(), t.count))
+        .collect();
+    assert_eq!(
+        rows,
+        [
+            ("2026-09-21", "Ann", "submit", 2),
+            ("2026-09-21", "Bo", "accept", 1),
+            ("2026-09-20", "Ann", "submit", 1)
+        ]
+    );
+    let rows: Vec<_> = board.ageing.iter().map(|a| (a.task.as_str(), a.user.as_deref(), a.hours)).collect();
+    assert_eq!(rows, [("1", Some("Ann"), 2.0), ("22", None, 1.0)]);
+    assert_eq!(board.by_state.get("accepted"), Some(&1));
+}
+
+#[test]
+fn agreement_is_that_of_the_first_submissions() {
+    let found = on_store(|tx| {
+        let t = |s: &str| format!("2026-01-01T00:00:{s}Z");
+        let pairs = [
+            ("e1", label("stop", "null", &t("10.000")), label("stop", "null", &t("10.500"))),
+            ("e2", label("yield", "null", &t("10.000")), label("yield", "null", &t("10.000"))),
+            ("e3", label("stop", "null", &t("10.000")), label("yield", "null", &t("12.000"))),
+            ("e4", label("yield", "null", &t("10.000")), label("yield", "null", &t("10.100"))),
+        ];
+        let names = ["1", "22", "333", "4444", "55555", "666666", "7777777", "88888888"];
+        for (i, (episode, ours, theirs)) in pairs.iter().enumerate() {
+            for (id, author, first) in [(names[2 * i], "a", ours), (names[2 * i + 1], "b", theirs)] {
+                // After the check both say the same; only the first submission counts.
+                let now = label("cruise", "null", &t("00.000"));
+                task(tx, &Made { overlap: 2, author: Some(author), ..made(id, episode, "accepted") }, &now);
+                history(tx, id, 1, 1, author, ("stage2", "submit"), Some(first));
+                history(tx, id, 2, 2, author, ("rework", "submit"), Some(&now));
+            }
+        }
+        // Alone in its group: nothing to compare.
+        task(tx, &Made { overlap: 2, ..made("999999999", "e5", "submitted") }, &label("stop", "null", "-"));
+        history(tx, "999999999", 1, 1, "a", ("stage2", "submit"), None);
+        let names = tasks::names(tx).unwrap();
+        agreement(tx, "p", &names).unwrap()
+    });
+    assert_eq!((found.pairs, found.groups), (4, 4));
+    // By hand: a says stop 2, yield 2; b stop 1, yield 3; agree 3 of 4. pe = (2*1 + 2*3)/16 = 0.5; (0.75-0.5)/0.5.
+    assert!((found.longitudinal_kappa.unwrap() - 0.5).abs() < 1e-12);
+    // Fleiss: stop 3/8, yield 5/8; pe = 34/64; P = 3/4; (0.75 - 0.53125)/(1 - 0.53125).
+    assert!((found.longitudinal_fleiss.unwrap() - 0.218_75 / 0.468_75).abs() < 1e-12);
+    assert_eq!((found.lateral_kappa, found.lateral_fleiss), (None, None));
+    assert!((found.keyframe_median_s.unwrap() - 0.3).abs() < 1e-9);
+    assert!((found.keyframe_worst_s.unwrap() - 2.0).abs() < 1e-9);
+    assert_eq!(found.by_pair.len(), 1);
+    assert_eq!((found.by_pair[0].users.join(" "), found.by_pair[0].labels), ("Ann Bo".to_owned(), 4));
+}
+
+#[test]
+fn audits_are_counted_by_author() {
+    let rows = on_store(|tx| {
+        task(tx, &made("1", "e1", "accepted"), &json!({}));
+        task(tx, &Made { author: Some("b"), ..made("22", "e2", "rework") }, &json!({}));
+        for seq in 1..=20 {
+            let action = if seq == 3 { "send_back" } else { "accept" };
+            history(tx, "1", seq, 1, "c", ("in_audit", action), None);
+        }
+        history(tx, "1", 21, 1, "c", ("in_check", "send_back"), None);
+        history(tx, "22", 1, 1, "c", ("in_audit", "send_back"), None);
+        let names = tasks::names(tx).unwrap();
+        audit_outcomes(tx, &project(&[]), &names).unwrap()
+    });
+    let rows: Vec<_> =
+        rows.iter().map(|a| (a.author.as_str(), a.audited, a.failed, a.share_percent)).collect();
+    // One failure in twenty is a quarter of a poor record (0.2); Bo has no record yet.
+    assert_eq!(rows, [("Ann", 20, 1, 12.5), ("Bo", 1, 1, 20.0)]);
+    let share = |audited, failed| audit_share(&Settings::default(), audited, failed);
+    // LABELING.md 6: 10 to 20 %.
+    assert_eq!(
+        [share(0, 0), share(50, 0), share(50, 5), share(50, 10), share(50, 50)],
+        [20.0, 10.0, 15.0, 20.0, 20.0]
+    );
+}

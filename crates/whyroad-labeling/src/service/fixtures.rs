@@ -1,0 +1,89 @@
+//! For tests of single parts: a service on an empty SQLite store with the project `p` and no drives, and a task of it.
+
+use crate::app::App;
+use crate::recordings::Recordings;
+use crate::service::tasks::TaskRow;
+use crate::store::{Place, Store};
+use crate::workflow::{Position, State};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::Arc;
+use whyroad_framework::Framework;
+use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+
+/// Nothing is asked of it here.
+struct NoDrives;
+
+impl Recordings for NoDrives {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+        Err(format!("no drive {id}"))
+    }
+    fn signals(&self, _: &Drive) -> SignalTable {
+        unreachable!("no drive was given")
+    }
+    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
+        unreachable!("no drive was given")
+    }
+    fn mined(&self) -> Vec<String> {
+        vec![]
+    }
+    fn episodes(&self, _: &str) -> Option<Vec<EpisodeRecord>> {
+        None
+    }
+    fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
+        None
+    }
+}
+
+/// The service, and the folder that its store is in.
+pub fn app() -> (App, tempfile::TempDir) {
+    let dir = tempfile::tempdir().unwrap();
+    let store = Store::open(&Place::File(dir.path().join("s.db"))).unwrap();
+    let app = App::new(store, Framework::bundled(), Arc::new(NoDrives)).unwrap();
+    let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)";
+    app.store.write(move |tx| tx.run(insert, &[])).unwrap();
+    (app, dir)
+}
+
+/// An episode as mining writes it.
+pub fn episode(id: &str) -> Value {
+    json!({
+        "episode_id": id, "scenario_id": "a.b.c", "drive_id": "d", "clip_id": "d_000",
+        "time_range": {"start_timestamp": "2026-01-01T00:00:00Z", "end_timestamp": "2026-01-01T00:00:09Z"},
+        "keyframe": {"timestamp": "2026-01-01T00:00:05Z", "frame_idx": 50, "type": "reactive"}, "score": 1.0,
+        "is_primary": true, "keyframe_rule": {"zh": "", "en": ""}, "conditions_matched": [], "signals": [],
+    })
+}
+
+/// A submitted task of the project `p`.
+pub fn task() -> TaskRow {
+    TaskRow {
+        id: "t".into(),
+        project: "p".into(),
+        overlap_index: 0,
+        overlap_count: 1,
+        drive_id: "d".into(),
+        clip_id: "d_000".into(),
+        scenario_id: "a.b.c".into(),
+        keyframe_ns: 0,
+        from_ns: 0,
+        to_ns: 0,
+        episode: serde_json::from_value(episode("e")).unwrap(),
+        initial: json!({}),
+        draft: json!({ "coc_trace": "nobody else's business" }),
+        version: 3,
+        priority: 0,
+        at: Position { state: State::Submitted, ..Position::open() },
+        audited: false,
+        adjudication: None,
+        assigned: None,
+        fence: 0,
+        lease_until: None,
+        seq: 1,
+        created: 0,
+        updated: 0,
+        lang: String::new(),
+    }
+}

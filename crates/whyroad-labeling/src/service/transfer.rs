@@ -1,0 +1,208 @@
+//! Labels and tasks out and in, as JSON lines, at any time.
+//!
+//! Out: labels in the exchange format (DATA_FORMAT.md 4), 2.1 or 2.0; or whole tasks with their history and comments. In:
+//! episodes and tasks become open tasks, labels become drafts of open tasks. What comes in never skips the work flow: an
+//! imported label is a proposal that somebody labels through, checks and accepts like any other.
+
+mod read;
+
+use crate::api::wire::project::Project;
+use crate::api::wire::task::Imported;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::projects::parse;
+use crate::service::tasks::{self, TaskRow};
+use crate::service::{create, projects};
+use crate::store::Tx;
+use crate::values;
+use crate::workflow::State;
+use read::{Incoming, read_line};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, HashMap};
+use whyroad_model::messages::CocLabel;
+
+/// Most lines of one import.
+pub const MOST_LINES: usize = 20_000;
+/// Reasons told of lines that could not be read; the rest is counted.
+const MOST_REASONS: usize = 100;
+
+/// What to export.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Labels of tasks in these states, in this format version.
+    Labels(Vec<State>, Version),
+    /// All tasks, with history and comments.
+    Tasks,
+}
+
+/// Format of exported labels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// 2.0.0.
+    V2_0,
+    /// 2.1.0.
+    V2_1,
+}
+
+impl Format {
+    /// From the words of a request: `labels` or `tasks`; `2.0` or `2.1`; states separated by commas.
+    pub fn from_words(format: Option<&str>, version: Option<&str>, states: Option<&str>) -> Answer<Self> {
+        let version = match version {
+            None | Some("2.1" | "2.1.0") => Version::V2_1,
+            Some("2.0" | "2.0.0") => Version::V2_0,
+            Some(other) => {
+                return Err(Problem::request(format!("'{other}' is no format version: 2.0 or 2.1")));
+            }
+        };
+        let state = |word: &str| {
+            State::from_word(word).ok_or_else(|| Problem::request(format!("'{word}' is no state")))
+        };
+        let states = match states {
+            None | Some("") => vec![State::Accepted],
+            Some(words) => words.split(',').map(state).collect::<Answer<_>>()?,
+        };
+        match format {
+            None | Some("labels") => Ok(Self::Labels(states, version)),
+            Some("tasks") => Ok(Self::Tasks),
+            Some(other) => Err(Problem::request(format!("'{other}' is no export: labels or tasks"))),
+        }
+    }
+}
+
+/// The lines of an export, by clip, then class, then number in the overlap group.
+pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String> {
+    let names = user_names(tx)?;
+    let condition = "project_id = $1 ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index";
+    let mut out = String::new();
+    for t in tasks::select(tx, condition, values![project])? {
+        let line = match format {
+            Format::Tasks => task_line(tx, &t, &names)?,
+            Format::Labels(states, version) => {
+                // Of an overlap group only what was not overruled.
+                if !states.contains(&t.at.state) || t.adjudication.as_deref() == Some("superseded") {
+                    continue;
+                }
+                label_line(&t, *version)?
+            }
+        };
+        out.push_str(&line.to_string());
+        out.push('\n');
+    }
+    Ok(out)
+}
+
+/// Login names by id: what another system knows people by.
+fn user_names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
+    tx.rows("SELECT id, name FROM users", &[])?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+}
+
+/// The label; its provenance was written when it was handed in. An unfinished draft, which need not be a whole label,
+/// goes out as it is.
+fn label_line(t: &TaskRow, version: Version) -> Answer<Value> {
+    match serde_json::from_value::<CocLabel>(t.draft.clone()) {
+        Ok(label) if version == Version::V2_0 => serde_json::to_value(label.to_2_0()).map_err(Problem::store),
+        _ => Ok(t.draft.clone()),
+    }
+}
+
+fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> Answer<Value> {
+    let name = |id: Option<&str>| id.map(|id| names.get(id).map_or(id, String::as_str).to_owned());
+    let history = tx.rows(
+        "SELECT seq, at, actor, action, from_state, to_state, changes, snapshot, note, version
+         FROM history WHERE task_id = $1 ORDER BY seq",
+        values![&t.id],
+    )?;
+    let json_text = |text: Option<String>| text.map_or(Ok(Value::Null), |text| parse::<Value>(&text));
+    let history = history.iter().map(|r| {
+        Ok(json!({
+            "seq": r.int(0)?, "at": r.int(1)?, "actor": name(r.maybe_text(2)?.as_deref()), "action": r.text(3)?,
+            "from_state": r.maybe_text(4)?, "to_state": r.maybe_text(5)?, "changes": json_text(r.maybe_text(6)?)?,
+            "draft": json_text(r.maybe_text(7)?)?, "note": r.maybe_text(8)?, "version": r.int(9)?,
+        }))
+    });
+    let comments = tx.rows(
+        "SELECT path, author, body, at, resolved FROM comments WHERE task_id = $1 ORDER BY at, id",
+        values![&t.id],
+    )?;
+    let comments = comments.iter().map(|r| {
+        Ok(json!({
+            "path": r.text(0)?, "author": name(Some(&r.text(1)?)), "text": r.text(2)?, "at": r.int(3)?,
+            "resolved": r.int(4)? != 0,
+        }))
+    });
+    Ok(json!({ "task": {
+        "id": t.id, "episode": t.episode, "overlap_index": t.overlap_index, "overlap_count": t.overlap_count,
+        "priority": t.priority, "state": t.at.state, "author": name(t.at.author()),
+        "checker": name(t.at.checker.as_deref()), "auditor": name(t.at.auditor.as_deref()),
+        "adjudication": t.adjudication, "initial": t.initial, "draft": t.draft, "version": t.version,
+        "created": t.created, "updated": t.updated,
+        "history": history.collect::<Answer<Vec<Value>>>()?, "comments": comments.collect::<Answer<Vec<Value>>>()?,
+    }}))
+}
+
+/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. All that is
+/// good comes in together or, when the store fails, not at all.
+pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answer<Imported> {
+    let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).collect();
+    if lines.len() > MOST_LINES {
+        return Err(Problem::request(format!("more than {MOST_LINES} lines; bring them in parts")));
+    }
+    let project = app.store.read(|tx| projects::get(tx, project))?;
+    let now = app.now();
+    let (mut good, mut lost) = (Vec::new(), Vec::new());
+    for (number, line) in lines {
+        let made =
+            read_line(line).and_then(|incoming| prepare(app, &project, incoming).map_err(|p| p.text.en));
+        match made {
+            Ok(row) => good.push(row),
+            Err(why) => lost.push(format!("line {}: {why}", number + 1)),
+        }
+    }
+    if lost.len() > MOST_REASONS {
+        let more = lost.len() - MOST_REASONS;
+        lost.truncate(MOST_REASONS);
+        lost.push(format!("and {more} more"));
+    }
+    let actor = actor.map(str::to_owned);
+    let (tasks, known) = app.store.write(move |tx| {
+        let (mut made, mut known) = (0, 0);
+        for row in &good {
+            if create::store(tx, row.clone(), actor.as_deref(), now)? {
+                made += 1;
+            } else {
+                known += 1;
+            }
+        }
+        Ok((made, known))
+    })?;
+    Ok(Imported { tasks, known, lost })
+}
+
+fn prepare(app: &App, project: &Project, incoming: Incoming) -> Answer<TaskRow> {
+    let Incoming { episode, draft, priority, overlap } = incoming;
+    let mut row = create::prepare(app, project, &episode, priority, overlap.0, overlap.1)?;
+    if let Some(draft) = draft {
+        row.initial = draft.clone();
+        row.draft = draft;
+    }
+    Ok(row)
+}
+
+/// Counts by state, for `whyroad tasks list`.
+pub fn counts(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
+    let sql = "SELECT state, count(*) FROM tasks WHERE project_id = $1 GROUP BY state";
+    tx.rows(sql, values![project])?.iter().map(|r| Ok((r.text(0)?, r.int(1)?))).collect()
+}
+
+/// Tasks of a project, by class and clip; only of `state`, where one is given.
+pub fn tasks_of(tx: &mut dyn Tx, project: &str, state: Option<&str>) -> Answer<Vec<TaskRow>> {
+    if let Some(word) = state.filter(|w| State::from_word(w).is_none()) {
+        let words: Vec<&str> = State::ALL.iter().map(|s| s.word()).collect();
+        return Err(Problem::request(format!("'{word}' is no state: {}", words.join(", "))));
+    }
+    let condition = "project_id = $1 AND ($2 = '' OR state = $3) ORDER BY scenario_id, clip_id, keyframe_ns, overlap_index";
+    tasks::select(tx, condition, values![project, state.unwrap_or_default(), state.unwrap_or_default()])
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,132 @@
+//! One line of an import: an episode as `whyroad mine` writes it, a task as the export writes it, or a label.
+
+use crate::fields::MAX_DRAFT;
+use crate::secret;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::{Bilingual, ClipId, DriveId, ScenarioId};
+
+/// A task to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Incoming {
+    /// What it is about.
+    pub episode: EpisodeRecord,
+    /// The draft that it begins with; none for the rule's own.
+    pub draft: Option<Value>,
+    /// Greater is sooner.
+    pub priority: i64,
+    /// Number in its overlap group, and the group's size.
+    pub overlap: (i64, i64),
+}
+
+/// Reads a line; in words why it cannot be.
+pub(super) fn read_line(line: &str) -> Result<Incoming, String> {
+    if line.len() > 16 * MAX_DRAFT {
+        return Err("it is too long".to_owned());
+    }
+    let value: Value = serde_json::from_str(line).map_err(|e| format!("it is no JSON: {e}"))?;
+    if value.get("task").is_some() {
+        return of_task(&value["task"]);
+    }
+    if value.get("episode_id").is_some() {
+        let episode = serde_json::from_value(value).map_err(|e| format!("it is no episode: {e}"))?;
+        return Ok(Incoming { episode, draft: None, priority: 0, overlap: (0, 1) });
+    }
+    if value.get("clip_id").is_some() {
+        return of_label(&value);
+    }
+    Err("it is neither a task, an episode nor a label".to_owned())
+}
+
+fn of_task(task: &Value) -> Result<Incoming, String> {
+    let episode = serde_json::from_value(task["episode"].clone()).map_err(|e| format!("its episode: {e}"))?;
+    let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
+    let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
+    if draft.as_ref().is_some_and(|d| d.to_string().len() > MAX_DRAFT) {
+        return Err("its draft is too long".to_owned());
+    }
+    let count = number("overlap_count", 1).clamp(1, 10);
+    let index = number("overlap_index", 0).clamp(0, count - 1);
+    Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
+}
+
+/// A label names no episode: one is made from what it says, under an id that is the same each time.
+fn of_label(value: &Value) -> Result<Incoming, String> {
+    let text = value.to_string();
+    if text.len() > MAX_DRAFT {
+        return Err("it is too long".to_owned());
+    }
+    let label: CocLabel =
+        serde_json::from_value(value.clone()).map_err(|e| format!("it is no label: {e}"))?;
+    let (drive, number) = label.clip_id.rsplit_once('_').unwrap_or_default();
+    if drive.is_empty() || number.parse::<u32>().is_err() {
+        return Err(format!("clip '{}' names no drive", label.clip_id));
+    }
+    let episode = EpisodeRecord {
+        episode_id: format!("label-{}", &secret::hash(&text)[..20]),
+        scenario_id: ScenarioId {
+            l1: label.scenario.l1.clone(),
+            l2: Some(label.scenario.l2.clone()),
+            l3: label.scenario.l3.clone(),
+        },
+        drive_id: DriveId(drive.to_owned()),
+        clip_id: ClipId(label.clip_id.clone()),
+        target_id: None,
+        roles: BTreeMap::new(),
+        time_range: label.time_range.clone(),
+        keyframe: label.keyframe.clone(),
+        second_keyframe: label.second_keyframe.clone(),
+        score: 1.0,
+        is_primary: true,
+        primary_episode_id: None,
+        keyframe_rule: Bilingual::new("取自导入的标注", "taken from an imported label"),
+        conditions_matched: vec![],
+        signals: vec![],
+    };
+    Ok(Incoming { episode, draft: Some(value.clone()), priority: 0, overlap: (0, 1) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn label() -> Value {
+        json!({
+            "version": "2.1.0", "clip_id": "drive_a_002",
+            "scenario": {"l1": "reactive_agent", "l2": "cutin", "l3": "normal"},
+            "time_range": {"start_timestamp": "2026-01-01T00:00:01.000Z", "end_timestamp": "2026-01-01T00:00:05.000Z"},
+            "keyframe": {"timestamp": "2026-01-01T00:00:02.000Z", "frame_idx": 10, "type": "reactive"},
+            "driving_decision": {"longitudinal": null, "lateral": null},
+            "critical_components": [], "coc_trace": "t",
+        })
+    }
+
+    #[test]
+    fn a_label_tells_its_drive_and_class_and_keeps_its_id() {
+        let read = read_line(&label().to_string()).unwrap();
+        assert_eq!(read.episode.drive_id.as_str(), "drive_a");
+        assert_eq!(read.episode.scenario_id.to_string(), "reactive_agent.cutin.normal");
+        assert_eq!(read.episode.keyframe.frame_idx, 10);
+        assert_eq!(read.draft, Some(label()));
+        assert_eq!(read, read_line(&label().to_string()).unwrap());
+    }
+
+    #[test]
+    fn what_is_none_of_the_three_is_refused_in_words() {
+        for (line, why) in [
+            ("{", "no JSON"),
+            ("[1]", "neither"),
+            (r#"{"clip_id": "x"}"#, "no label"),
+            (r#"{"episode_id": 1}"#, "no episode"),
+            (r#"{"task": {}}"#, "episode"),
+        ] {
+            let told = read_line(line).unwrap_err();
+            assert!(told.contains(why), "{line}: {told}");
+        }
+        let mut odd = label();
+        odd["clip_id"] = json!("nodrive");
+        assert!(read_line(&odd.to_string()).unwrap_err().contains("names no drive"));
+    }
+}

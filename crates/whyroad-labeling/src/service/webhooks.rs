@@ -1,0 +1,230 @@
+//! Webhooks: what happens to a task is written into an outbox in the same transaction as the change itself, and sent
+//! from there until the receiver takes it. So nothing is told that did not happen, and nothing that happened is lost
+//! because a receiver was away. A receiver may get a message twice (the delivery id tells); never is one out of thin air.
+//!
+//! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` under the
+//! webhook's secret. Only `http://`: a service in a cluster reaches others through its own network, and TLS to the outside
+//! is a proxy's job.
+
+mod post;
+
+pub use post::{Receiver, post};
+
+use crate::api::wire::project::Webhook;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::projects::{json, parse};
+use crate::service::tasks::{Entry, TaskRow};
+use crate::store::Tx;
+use crate::{secret, values};
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+/// What is never told: it happens every second and changes no state.
+const QUIET: &[&str] = &["edit", "heartbeat"];
+/// Wait after the first failure, ms; doubles with each further one.
+const FIRST_WAIT_MS: i64 = 5_000;
+/// Longest wait, ms.
+const LONGEST_WAIT_MS: i64 = 3_600_000;
+/// Failures after which a message is given up: about a day.
+const MOST_TRIES: i64 = 32;
+/// For how long a sender keeps others off a message that it is sending, ms.
+const CLAIM_MS: i64 = 60_000;
+/// Messages sent in one pass.
+const PASS: i64 = 50;
+/// Between two looks into the outbox.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Webhooks of one project.
+const MOST_HOOKS: i64 = 20;
+
+/// Puts what `entry` says of `t` into the outbox of each webhook of its project that wants it.
+pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
+    if QUIET.contains(&entry.action) {
+        return Ok(());
+    }
+    let hooks = tx.rows("SELECT id, events FROM webhooks WHERE project_id = $1", values![&t.project])?;
+    for hook in hooks {
+        let wanted: Vec<String> = parse(&hook.text(1)?)?;
+        if !(wanted.is_empty() || wanted.iter().any(|w| w == entry.action)) {
+            continue;
+        }
+        let id = secret::id()?;
+        // No label and no text of people: the receiver asks the API, which knows what it may see.
+        let body = json!({
+            "delivery": id, "event": entry.action, "at": now, "project": t.project, "task": t.id,
+            "clip_id": t.clip_id, "scenario_id": t.scenario_id, "actor": entry.actor,
+            "from_state": entry.from, "to_state": t.at.state, "version": t.version,
+        });
+        tx.run(
+            "INSERT INTO outbox (id, webhook_id, body, tries, due, created) VALUES ($1, $2, $3, 0, $4, $5)",
+            values![&id, hook.text(0)?, body.to_string(), now, now],
+        )?;
+    }
+    Ok(())
+}
+
+/// Webhooks of a project, by URL.
+pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
+    let rows = tx.rows(
+        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id)
+         FROM webhooks w WHERE w.project_id = $1 ORDER BY w.url, w.id",
+        values![project],
+    )?;
+    rows.iter()
+        .map(|r| {
+            Ok(Webhook {
+                id: r.text(0)?,
+                url: r.text(1)?,
+                events: parse(&r.text(2)?)?,
+                last_error: r.maybe_text(3)?,
+                pending: r.int(4)?,
+                secret: None,
+            })
+        })
+        .collect()
+}
+
+/// Adds a webhook; its secret is in the answer and nowhere else.
+pub fn create(tx: &mut dyn Tx, project: &str, url: &str, events: &[String], now: i64) -> Answer<Webhook> {
+    if url.len() > 500 || events.len() > 30 || events.iter().any(|e| e.len() > 30) {
+        return Err(Problem::request("a webhook's address or events are too long"));
+    }
+    Receiver::parse(url).map_err(|why| {
+        Problem::new(
+            422,
+            "webhook.url",
+            format!("网址无效：{why}；须为 http://主机[:端口]/路径"),
+            format!("the address is invalid: {why}; it must be http://host[:port]/path"),
+        )
+    })?;
+    let count = tx.row("SELECT count(*) FROM webhooks WHERE project_id = $1", values![project])?;
+    if count.map_or(Ok(0), |r| r.int(0))? >= MOST_HOOKS {
+        return Err(Problem::request(format!("a project has at most {MOST_HOOKS} webhooks")));
+    }
+    let (id, key) = (secret::id()?, secret::random(32)?);
+    tx.run(
+        "INSERT INTO webhooks (id, project_id, url, events, secret, created) VALUES ($1, $2, $3, $4, $5, $6)",
+        values![&id, project, url, json(&events)?, &key, now],
+    )?;
+    Ok(Webhook {
+        id,
+        url: url.to_owned(),
+        events: events.to_vec(),
+        pending: 0,
+        last_error: None,
+        secret: Some(key),
+    })
+}
+
+/// Removes a webhook with what it still had to send.
+pub fn remove(tx: &mut dyn Tx, id: &str) -> Answer<()> {
+    tx.run("DELETE FROM outbox WHERE webhook_id = $1", values![id])?;
+    tx.run("DELETE FROM webhooks WHERE id = $1", values![id])?;
+    Ok(())
+}
+
+/// The signature of `body` sent at `at`.
+pub fn signature(secret: &str, at: i64, body: &str) -> String {
+    format!("t={at},v1={}", secret::sign(secret, format!("{at}.{body}").as_bytes()))
+}
+
+/// How long to wait after so many failures, ms.
+pub fn wait_ms(failures: i64) -> i64 {
+    FIRST_WAIT_MS
+        .checked_shl((failures - 1).clamp(0, 20) as u32)
+        .map_or(LONGEST_WAIT_MS, |w| w.min(LONGEST_WAIT_MS))
+}
+
+/// A message to be sent.
+struct Message {
+    id: String,
+    webhook: String,
+    url: String,
+    body: String,
+    tries: i64,
+}
+
+/// Sends what is due, oldest first; the number of messages that were taken. A receiver that fails once is left alone for
+/// the rest of the pass, so that one which hangs does not keep the others waiting.
+pub fn deliver_due(app: &App) -> Answer<usize> {
+    let now = app.now();
+    let due = app.store.read(|tx| {
+        tx.rows(
+            "SELECT o.id, o.due, o.webhook_id, w.url, w.secret, o.body, o.tries
+             FROM outbox o JOIN webhooks w ON w.id = o.webhook_id WHERE o.due <= $1 ORDER BY o.due, o.id LIMIT $2",
+            values![now, PASS],
+        )
+    })?;
+    let (mut taken, mut failing) = (0, BTreeSet::new());
+    for row in due {
+        let (webhook, secret) = (row.text(2)?, row.text(4)?);
+        let message =
+            Message { id: row.text(0)?, webhook, url: row.text(3)?, body: row.text(5)?, tries: row.int(6)? };
+        if failing.contains(&message.webhook) || !claim(app, &message.id, row.int(1)?)? {
+            continue;
+        }
+        let sent_at = app.now();
+        let signature = signature(&secret, sent_at, &message.body);
+        let headers = [("x-whyroad-signature", signature.as_str()), ("x-whyroad-delivery", &message.id)];
+        let outcome =
+            Receiver::parse(&message.url).and_then(|to| post(&to, &headers, message.body.as_bytes()));
+        if outcome.is_ok() {
+            taken += 1;
+        } else {
+            failing.insert(message.webhook.clone());
+        }
+        settle(app, message, outcome, app.now())?;
+    }
+    Ok(taken)
+}
+
+/// Takes a message for this sender alone: two services on one database do not send the same one.
+fn claim(app: &App, id: &str, was_due: i64) -> Answer<bool> {
+    let (id, until) = (id.to_owned(), app.now() + CLAIM_MS);
+    app.store.write(move |tx| {
+        let sql = "UPDATE outbox SET due = $1 WHERE id = $2 AND due = $3";
+        Ok(tx.run(sql, values![until, &id, was_due])? == 1)
+    })
+}
+
+fn settle(app: &App, message: Message, outcome: Result<(), String>, now: i64) -> Answer<()> {
+    app.store.write(move |tx| {
+        let failures = message.tries + 1;
+        let error = match &outcome {
+            Ok(()) => None,
+            Err(why) if failures >= MOST_TRIES => {
+                Some(format!("message {} given up after {failures} tries: {why}", message.id))
+            }
+            Err(why) => Some(why.clone()),
+        };
+        if error.is_none() || failures >= MOST_TRIES {
+            tx.run("DELETE FROM outbox WHERE id = $1", values![&message.id])?;
+        } else {
+            tx.run(
+                "UPDATE outbox SET tries = $1, due = $2 WHERE id = $3",
+                values![failures, now + wait_ms(failures), &message.id],
+            )?;
+        }
+        tx.run("UPDATE webhooks SET last_error = $1 WHERE id = $2", values![error, &message.webhook])?;
+        Ok(())
+    })
+}
+
+/// Sends on a thread of its own, looking once a second, for as long as the service is there. A store that is away for a
+/// while is asked again: what could not be sent or noted stays in the outbox.
+pub fn spawn(app: Arc<App>) -> JoinHandle<()> {
+    let service = Arc::downgrade(&app);
+    std::thread::spawn(move || {
+        while let Some(app) = service.upgrade() {
+            let _ = deliver_due(&app);
+            drop(app);
+            std::thread::sleep(LOOK_EVERY);
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,147 @@
+//! A receiver of our own on the loopback; the signature is checked as a receiver would, with RFC 2104's HMAC.
+
+use super::*;
+use crate::service::fixtures::{self, task};
+use crate::workflow::State;
+use std::io::{Read, Write};
+use std::net::TcpListener;
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::mpsc::{Receiver as Inbox, channel};
+
+struct Scene {
+    app: App,
+    clock: Arc<AtomicI64>,
+    _dir: tempfile::TempDir,
+}
+
+fn scene() -> Scene {
+    let (mut app, dir) = fixtures::app();
+    let clock = Arc::new(AtomicI64::new(1_000_000));
+    let hand = Arc::clone(&clock);
+    app.clock = Arc::new(move || hand.load(Ordering::SeqCst));
+    Scene { app, clock, _dir: dir }
+}
+
+/// Answers each request with the next status and passes on what was sent.
+fn receiver(statuses: &'static [u16]) -> (String, Inbox<String>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}/hook", listener.local_addr().unwrap());
+    let (tell, told) = channel();
+    std::thread::spawn(move || {
+        for status in statuses {
+            let (mut stream, _) = listener.accept().unwrap();
+            let (mut text, mut part) = (String::new(), [0; 4096]);
+            // Bodies here are JSON objects: the last brace ends the request.
+            while !text.ends_with('}') {
+                let n = stream.read(&mut part).unwrap();
+                text.push_str(std::str::from_utf8(&part[..n]).unwrap());
+            }
+            write!(stream, "HTTP/1.1 {status} x\r\ncontent-length: 0\r\n\r\n").unwrap();
+            tell.send(text).unwrap();
+        }
+    });
+    (url, told)
+}
+
+fn tell(app: &App, action: &'static str) {
+    let now = app.now();
+    let job = move |tx: &mut dyn Tx| {
+        announce(tx, &task(), &Entry { action, from: Some(State::Stage2), ..Entry::default() }, now)
+    };
+    app.store.write(job).unwrap();
+}
+
+fn hook(app: &App, url: &str, events: &[&str]) -> Webhook {
+    let (url, events) = (url.to_owned(), events.iter().map(|e| (*e).to_owned()).collect::<Vec<_>>());
+    app.store.write(move |tx| create(tx, "p", &url, &events, 0)).unwrap()
+}
+
+fn pending(app: &App) -> (i64, Option<String>) {
+    let hooks = app.store.read(|tx| list(tx, "p")).unwrap();
+    (hooks[0].pending, hooks[0].last_error.clone())
+}
+
+#[test]
+fn a_message_is_signed_and_says_what_happened_but_no_label() {
+    let s = scene();
+    let (url, told) = receiver(&[204]);
+    let made = hook(&s.app, &url, &[]);
+    tell(&s.app, "submit");
+    tell(&s.app, "edit");
+    assert_eq!(deliver_due(&s.app).unwrap(), 1);
+    let request = told.recv().unwrap();
+    let (head, body) = request.split_once("\r\n\r\n").unwrap();
+    assert!(head.starts_with("POST /hook HTTP/1.1\r\n"));
+    let signature = head.lines().find_map(|l| l.strip_prefix("x-whyroad-signature: ")).unwrap();
+    let (at, mac) = signature.strip_prefix("t=").unwrap().split_once(",v1=").unwrap();
+    let expected = secret::sign(&made.secret.unwrap(), format!("{at}.{body}").as_bytes());
+    assert_eq!((at, mac), ("1000000", expected.as_str()));
+    let message: serde_json::Value = serde_json::from_str(body).unwrap();
+    assert_eq!(message["event"], "submit");
+    assert_eq!((&message["from_state"], &message["to_state"]), (&json!("stage2"), &json!("submitted")));
+    assert!(!body.contains("nobody else"));
+    assert_eq!(pending(&s.app), (0, None));
+}
+
+#[test]
+fn what_was_not_taken_is_sent_again_later_and_later() {
+    let s = scene();
+    let (url, told) = receiver(&[500, 302, 200]);
+    hook(&s.app, &url, &["submit"]);
+    tell(&s.app, "accept");
+    tell(&s.app, "submit");
+    let turn = |ms: i64| s.clock.fetch_add(ms, Ordering::SeqCst);
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    assert_eq!(pending(&s.app), (1, Some("the receiver answered with status 500".into())));
+    turn(4_999);
+    assert_eq!((deliver_due(&s.app).unwrap(), told.try_iter().count()), (0, 1));
+    turn(1);
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    turn(9_999);
+    assert_eq!((deliver_due(&s.app).unwrap(), told.try_iter().count()), (0, 1));
+    turn(1);
+    assert_eq!(deliver_due(&s.app).unwrap(), 1);
+    assert_eq!(pending(&s.app), (0, None));
+}
+
+#[test]
+fn waits_double_up_to_an_hour() {
+    assert_eq!([1, 2, 3, 40].map(wait_ms), [5_000, 10_000, 20_000, 3_600_000]);
+}
+
+#[test]
+fn a_receiver_that_is_away_keeps_its_messages_and_a_removed_one_loses_them() {
+    let s = scene();
+    let made = hook(&s.app, "http://127.0.0.1:1/", &[]);
+    for _ in 0..3 {
+        tell(&s.app, "submit");
+    }
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    let (left, error) = pending(&s.app);
+    assert_eq!(left, 3);
+    assert!(error.unwrap().starts_with("no connection"));
+    s.app.store.write(move |tx| remove(tx, &made.id)).unwrap();
+    let rest = s.app.store.read(|tx| tx.row("SELECT count(*) FROM outbox", &[])).unwrap();
+    assert_eq!(rest.unwrap().int(0).unwrap(), 0);
+}
+
+#[test]
+fn two_senders_do_not_send_one_message_twice() {
+    let s = scene();
+    hook(&s.app, "http://127.0.0.1:1/", &[]);
+    tell(&s.app, "submit");
+    let row = s.app.store.read(|tx| tx.row("SELECT id, due FROM outbox", &[])).unwrap().unwrap();
+    let (id, due) = (row.text(0).unwrap(), row.int(1).unwrap());
+    assert!(claim(&s.app, &id, due).unwrap());
+    assert!(!claim(&s.app, &id, due).unwrap());
+}
+
+#[test]
+fn only_plain_addresses_are_taken() {
+    let s = scene();
+    for bad in ["https://a/", "file:///etc/passwd", "http://a\r\nx"] {
+        let url = bad.to_owned();
+        let refused = s.app.store.write(move |tx| create(tx, "p", &url, &[], 0)).unwrap_err();
+        assert_eq!(refused.code, "webhook.url", "{bad}");
+    }
+}
