@@ -31,23 +31,25 @@ pub const LEAST_IOU: f64 = 0.3;
 ///
 /// An entry that names an L2 (its variant is not told) is matched by every episode of that L2, after the entries that name a leaf.
 /// Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its class and drive are
-/// declared complete, and else counts neither way.
+/// declared complete, and else counts neither way. Nor does one that only an optional entry matches; optional entries come last.
 pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
     let mut entries: Vec<&truth::TruthEntry> = truth.entries.iter().collect();
     // Leaves first, so that an L2's entry takes what no leaf's entry claims.
     entries.sort_by_key(|e| {
-        (!e.scenario_id.is_leaf(), e.keyframe_ns, e.scenario_id.clone(), e.target_id.clone())
+        (e.optional, !e.scenario_id.is_leaf(), e.keyframe_ns, e.scenario_id.clone(), e.target_id.clone())
     });
+    let required = entries.iter().filter(|e| !e.optional).count();
     let mut by_drive: BTreeMap<&DriveId, Vec<usize>> = BTreeMap::new();
     for (i, e) in episodes.iter().enumerate() {
         by_drive.entry(&e.drive_id).or_default().push(i);
     }
     let mut taken = vec![false; episodes.len()];
     let mut partner = vec![None; entries.len()];
-    for leaves in [true, false] {
+    for (optional, leaves) in [(false, true), (false, false), (true, true), (true, false)] {
         for (drive, of_drive) in &by_drive {
             let wanted: Vec<usize> = (0..entries.len())
-                .filter(|&i| entries[i].scenario_id.is_leaf() == leaves && &entries[i].drive_id == *drive)
+                .filter(|&i| entries[i].optional == optional && entries[i].scenario_id.is_leaf() == leaves)
+                .filter(|&i| &entries[i].drive_id == *drive)
                 .collect();
             let free: Vec<usize> = of_drive.iter().copied().filter(|&e| !taken[e]).collect();
             let fits = |w: usize, f: usize| {
@@ -63,7 +65,12 @@ pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
             }
         }
     }
-    figures::collect(truth, &entries, &partner, episodes, &taken)
+    let mut open = vec![false; episodes.len()];
+    for e in partner.drain(required..).flatten() {
+        open[e] = true;
+    }
+    entries.truncate(required);
+    figures::collect(truth, &entries, &partner, &figures::Outcome { episodes, taken: &taken, open: &open })
 }
 
 /// True unless both name a target and they differ.

@@ -19,7 +19,7 @@ pub struct ClassFigures {
     pub missed: usize,
     /// Episodes beyond the truth on drives where the class is declared complete.
     pub spurious: usize,
-    /// Episodes beyond the truth elsewhere: neither right nor wrong.
+    /// Episodes beyond the truth elsewhere, and those that only an optional entry matches: neither right nor wrong.
     pub unjudged: usize,
     /// matched / (matched + spurious), both where the class is declared complete; `None` where the class is nowhere declared complete, or nothing could be counted.
     pub precision: Option<f64>,
@@ -143,13 +143,22 @@ fn quantile(values: &[f64], q: f64) -> Option<f64> {
     sorted.get(rank - 1).copied()
 }
 
-/// `partner[i]` is the episode paired with `entries[i]`; `taken` marks the paired episodes.
+/// The episodes, and what became of each.
+pub(super) struct Outcome<'a> {
+    /// All of them.
+    pub episodes: &'a [EpisodeRecord],
+    /// Paired with an entry.
+    pub taken: &'a [bool],
+    /// Paired with an optional entry, which counts neither way.
+    pub open: &'a [bool],
+}
+
+/// `partner[i]` is the episode paired with `entries[i]`; optional entries are not among them.
 pub(super) fn collect(
     truth: &TruthSet,
     entries: &[&TruthEntry],
     partner: &[Option<usize>],
-    episodes: &[EpisodeRecord],
-    taken: &[bool],
+    Outcome { episodes, taken, open }: &Outcome,
 ) -> Evaluation {
     let drives: BTreeSet<&DriveId> = truth
         .complete
@@ -190,11 +199,12 @@ pub(super) fn collect(
             found_instead: instead.iter().map(|(_, e)| e.scenario_id.clone()).collect(),
         });
     }
-    for (episode, _) in
-        episodes.iter().zip(taken).filter(|(e, taken)| !**taken && drives.contains(&e.drive_id))
-    {
+    for (i, episode) in episodes.iter().enumerate() {
+        if (taken[i] && !open[i]) || !drives.contains(&episode.drive_id) {
+            continue;
+        }
         let tally = tallies.entry(episode.scenario_id.clone()).or_default();
-        if is_complete(truth, &episode.scenario_id, &episode.drive_id) {
+        if !open[i] && is_complete(truth, &episode.scenario_id, &episode.drive_id) {
             tally.judged = true;
             tally.figures.spurious += 1;
             out.spurious.push(SpuriousEpisode {

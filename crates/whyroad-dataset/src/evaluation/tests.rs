@@ -40,6 +40,28 @@ fn truth(complete: &[&str], lines: &[String]) -> TruthSet {
 }
 
 #[test]
+fn an_optional_entry_counts_neither_way() {
+    let optional = |at| line(URGENT, Some("a"), at).replace('}', r#","optional":true}"#);
+    let t = truth(
+        &[URGENT],
+        &[
+            optional([4.0, 5.0, 6.0]),
+            optional([24.0, 25.0, 26.0]),
+            line(URGENT, Some("a"), [14.0, 15.0, 16.0]),
+        ],
+    );
+    // One at the first optional entry, none at the second, one at the plain entry, one where nothing is.
+    let found = [5.0, 15.0, 35.0].map(|k| episode(URGENT, Some("a"), [k - 1.0, k, k + 1.0]));
+    let e = evaluate(&t, &found);
+    let c = &e.classes[&URGENT.parse().unwrap()];
+    assert_eq!((c.truth, c.matched, c.missed, c.spurious, c.unjudged), (1, 1, 0, 1, 1));
+    // A plain entry is paired before an optional one takes its episode.
+    let both = truth(&[URGENT], &[optional([14.0, 15.0, 16.0]), line(URGENT, None, [14.0, 15.4, 16.0])]);
+    let c = evaluate(&both, &found[1..2]).classes[&URGENT.parse().unwrap()].clone();
+    assert_eq!((c.truth, c.matched, c.spurious), (1, 1, 0));
+}
+
+#[test]
 fn each_is_used_once_and_the_rest_is_missed_or_false() {
     let t = truth(
         &[URGENT],

@@ -53,8 +53,8 @@ pub fn render(evaluation: &Evaluation, lang: Lang) -> String {
             out,
             "{unjudged} {}",
             pick(
-                "个片段的类别在真值中未声明完整，未作评判",
-                "episodes of classes for which the truth is not declared complete: not judged"
+                "个片段的类别在真值中未声明完整，或只对应可选的真值，未作评判",
+                "episodes not judged: the truth is not declared complete for their class, or only an optional entry matches"
             ),
         );
     }

@@ -1,6 +1,6 @@
 //! Truth files: JSON Lines. The first line may say for which classes and drives the truth is complete,
 //! `{"complete": [class ids], "drives": [drive ids]}`; every other line is one entry,
-//! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "reason"?}`, with times in
+//! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?, "reason"?}`, with times in
 //! nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
 
 use serde::Deserialize;
@@ -27,6 +27,9 @@ pub struct TruthEntry {
     /// End of the time range, not included.
     #[serde(deserialize_with = "nanos")]
     pub end_ns: Nanos,
+    /// The definition leaves it open (a threshold is just met or just missed): found or not, it counts neither way.
+    #[serde(default)]
+    pub optional: bool,
     /// Why somebody holds it to be so; for people.
     #[serde(default)]
     pub reason: Option<String>,
@@ -78,8 +81,8 @@ impl TruthSet {
                 problems.push(
                     Diagnostic::error("evaluate.truth.line", why)
                         .with_hint(Bilingual::new(
-                            r#"每行一条：{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns"}"#,
-                            r#"one entry a line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns"}"#,
+                            r#"每行一条：{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
+                            r#"one entry a line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
                         ))
                         .at(Place { column, ..place.clone() })
                         .in_file(file),
