@@ -26,6 +26,11 @@ export class Attempt {
     this.#error = text;
   }
 
+  /** Forgets what went wrong. */
+  clear(): void {
+    this.#error = null;
+  }
+
   /** Runs `work`; undefined when it failed. A session that ended goes back to the door. */
   async run<T>(work: () => Promise<T>): Promise<T | undefined> {
     this.busy = true;

@@ -56,7 +56,7 @@ export const api = {
     (await call<T.DraftSaved>("PATCH", `/tasks/${id(t)}/draft`, { fence, base_version, changes })).data,
   act: async (
     t: string,
-    action: { fence: number | null; action: T.ActionName; reason?: string | null; comments?: T.NewComment[] },
+    action: { fence: number | null; action: T.ActionName; reason?: string | null; comments?: T.NewComment[]; seq?: number },
   ) => (await call<T.Task>("POST", `/tasks/${id(t)}/actions`, action)).data,
   history: async (t: string) => (await call<{ items: T.HistoryEntry[] }>("GET", `/tasks/${id(t)}/history`)).data.items,
   /** The draft as it was after an entry of the history; 1 is the task's making. */

@@ -28,7 +28,7 @@ export function keyName(action: ActionId): string {
   return keyOf(action, keys.own);
 }
 
-export type Handlers = Partial<Record<ActionId, () => void>>;
+export type Handlers = Partial<Record<ActionId, () => unknown>>;
 const stack: Handlers[] = [];
 
 /** Lets `handlers` answer until the returned function is called; later ones come first. */

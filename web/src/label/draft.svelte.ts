@@ -177,6 +177,16 @@ export class Draft {
     if (this.conflicts.length === 0) this.#soon(0);
   }
 
+  /** Throws away what was not saved: the reader says so. */
+  drop(): void {
+    clearTimeout(this.#timer);
+    this.#pending = [];
+    this.#sending = [];
+    this.conflicts = [];
+    this.refused = null;
+    this.#keep();
+  }
+
   close(): void {
     clearTimeout(this.#timer);
     this.#channel?.close();

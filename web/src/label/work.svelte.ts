@@ -9,13 +9,16 @@ import { Player } from "../scene/player.svelte.ts";
 import { within } from "./changes.ts";
 import { Draft } from "./draft.svelte.ts";
 import { type Channel, type Framework, readFramework, type Spec } from "./framework.ts";
-import { type Json, read } from "./pointer.ts";
+import { type Json, read, same } from "./pointer.ts";
 import { type Clock, clockOf, frameNear, secondOf } from "./times.ts";
 
 /** Leases last minutes; a third of the shortest usual one leaves room for two lost heartbeats. */
 const HEARTBEAT_MS = 40_000;
 /** Fields of the label that Stage I fills; all others open with Stage II. */
 const FIRST_FIELDS = ["/critical_components", "/keyframe"];
+
+/** Fields that the reader must have looked at when a draft filled them in. */
+const DRAFTED = ["/driving_decision/longitudinal", "/driving_decision/lateral", "/causes/longitudinal", "/causes/lateral", "/coc_trace"];
 
 export type KeyframeName = "keyframe" | "second_keyframe";
 
@@ -54,6 +57,12 @@ export class Work {
   holds = $derived.by(() => this.task?.fence != null && this.draft.saving !== "lost");
   edits = $derived(this.holds && this.may("edit"));
   checks = $derived(this.holds && (this.may("accept") || this.may("send_back")));
+  /** A model or an import filled the label in before a person did. */
+  drafted = $derived.by(() => this.origin !== null && ["model", "person"].includes(String(read(this.origin, "/provenance/source"))));
+  /** Drafted fields that the reader has found good as they are. */
+  accepted = $state.raw<ReadonlySet<string>>(new Set());
+  /** The reader has said that what is driven is legal and safe. */
+  safe = $state(false);
   components = $derived.by(() => {
     const list = this.draft.at("/critical_components");
     return Array.isArray(list) ? list.map((c) => c as Record<string, Json>) : [];
@@ -73,6 +82,48 @@ export class Work {
     return this.state === "rework" || !within(path, "/critical_components");
   }
 
+  /** Fields that a draft filled in and that the reader has neither changed nor found good. */
+  unaccepted = $derived.by(() =>
+    this.drafted && this.stage === "stage2"
+      ? DRAFTED.filter((p) => {
+          const before = this.was(p);
+          const filled = before !== undefined && before !== null && before !== "";
+          return filled && same(before, this.draft.at(p)) && !this.accepted.has(p);
+        })
+      : [],
+  );
+
+  accept(path: string): void {
+    this.accepted = new Set([...this.accepted, path]);
+    localStorage.setItem(this.#key("accepted"), JSON.stringify([...this.accepted]));
+  }
+
+  setSafe(safe: boolean): void {
+    this.safe = safe;
+    if (safe) localStorage.setItem(this.#key("safe"), "yes");
+    else localStorage.removeItem(this.#key("safe"));
+  }
+
+  /** What this browser remembers of the work on this task, beside the draft. */
+  #key(what: string): string {
+    return `whyroad.${what}.${this.id}`;
+  }
+
+  #remember(): void {
+    this.safe = localStorage.getItem(this.#key("safe")) !== null;
+    try {
+      const paths: unknown = JSON.parse(localStorage.getItem(this.#key("accepted")) ?? "[]");
+      if (Array.isArray(paths)) this.accepted = new Set(paths.map(String));
+    } catch {
+      // Written by an older page: nothing is accepted yet.
+    }
+  }
+
+  /** Forgets what was only of use until the label was handed in. */
+  #forget(): void {
+    for (const what of ["safe", "accepted"]) localStorage.removeItem(this.#key(what));
+  }
+
   findingsAt(path: string): readonly Finding[] {
     return this.draft.findings.filter((f) => within(f.pointer, path));
   }
@@ -86,6 +137,7 @@ export class Work {
     await this.attempt.run(async () => {
       const [task, framework] = await Promise.all([api.task(this.id), this.framework ?? api.framework().then(readFramework)]);
       this.framework = framework;
+      this.#remember();
       await this.show(task);
     });
   }
@@ -138,6 +190,7 @@ export class Work {
     const done = await this.attempt.run(async () => {
       try {
         const task = await api.act(this.id, { fence: this.#fence, action, reason: reason ?? null });
+        if (action === "submit") this.#forget();
         await this.show(task);
         return true;
       } catch (error) {
@@ -145,6 +198,15 @@ export class Work {
         if (Array.isArray(found)) this.draft.findings = found as Finding[];
         throw error;
       }
+    });
+    return done === true;
+  }
+
+  /** Puts an earlier draft back, for those who may. */
+  async restore(seq: number): Promise<boolean> {
+    const done = await this.attempt.run(async () => {
+      await this.show(await api.act(this.id, { fence: this.#fence, action: "restore", seq }));
+      return true;
     });
     return done === true;
   }

@@ -20,6 +20,8 @@ export interface Palette {
   linked: string;
   target: string;
   cursor: string;
+  /** Over what the ego cannot see. */
+  veil: string;
   line: string;
   classes: { vehicle: string; large: string; two: string; person: string; thing: string };
 }
@@ -44,6 +46,7 @@ const light: Palette = {
   linked: "#7b3fb5",
   target: "#b34700",
   cursor: "#c2185b",
+  veil: "rgb(40 44 48 / 13%)",
   line: "#0b5cad",
   classes: { vehicle: "#3c7d4f", large: "#265236", two: "#9a5b00", person: "#b3261e", thing: "#5f666b" },
 };
@@ -68,6 +71,7 @@ const dark: Palette = {
   linked: "#c79bff",
   target: "#ffa057",
   cursor: "#ff6fa5",
+  veil: "rgb(0 0 0 / 38%)",
   line: "#7cbcff",
   classes: { vehicle: "#6fc488", large: "#a6e0b6", two: "#f0b45a", person: "#ff8a80", thing: "#98a1a7" },
 };

@@ -3,6 +3,7 @@ import type { SceneView, TrackView } from "../api/types.ts";
 import { classColour, lightColours, type Palette } from "./colours.ts";
 import { egoPose, lightsAt, trackPose, trackValue, type Pose } from "./motion.ts";
 import type { Road } from "./road.ts";
+import { shadows } from "./shadow.ts";
 import { matrix, toScreen, type Size, type View } from "./view.ts";
 
 export interface Picture {
@@ -21,6 +22,7 @@ export interface Picture {
   target: string | null;
   history: boolean;
   names: boolean;
+  occlusion: boolean;
 }
 
 /** Under this share the ego does not see an object (docs/signals.md, `target.emerges`). */
@@ -39,6 +41,7 @@ export function draw(ctx: CanvasRenderingContext2D, p: Picture): void {
   };
   world();
   if (p.road) drawRoad(ctx, p, p.road);
+  if (p.occlusion) drawShadows(ctx, p);
   drawEgoPath(ctx, p);
   if (p.history) for (const track of p.scene.tracks) drawTail(ctx, p, track);
   for (const track of p.scene.tracks) drawTrack(ctx, p, track);
@@ -85,6 +88,19 @@ function drawRoad(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {
   stroke(c.centre, px, road.unknown);
   stroke(c.stopLine, Math.max(0.35, 2 * px), road.stopLines);
   ctx.setLineDash([]);
+}
+
+/** Areas that the ego does not see into, as one veil. */
+function drawShadows(ctx: CanvasRenderingContext2D, p: Picture): void {
+  const ego = egoPose(p.scene.ego, p.index, p.share);
+  if (!ego) return;
+  ctx.beginPath();
+  for (const wedge of shadows([ego.x, ego.y], p.scene.tracks, p.road?.walls ?? [], p.index, p.share)) {
+    wedge.forEach(([x, y], i) => (i === 0 ? ctx.moveTo(x - p.origin[0], y - p.origin[1]) : ctx.lineTo(x - p.origin[0], y - p.origin[1])));
+    ctx.closePath();
+  }
+  ctx.fillStyle = p.palette.veil;
+  ctx.fill("nonzero");
 }
 
 function drawEgoPath(ctx: CanvasRenderingContext2D, p: Picture): void {

@@ -2,6 +2,7 @@
 import type { LaneView, MapView } from "../api/types.ts";
 
 type Points = readonly (readonly number[])[];
+type Point = readonly [number, number];
 
 export interface Road {
   lanes: Path2D;
@@ -17,6 +18,8 @@ export interface Road {
   unknown: Path2D;
   /** Where a lane ends and which way it points: where its light is drawn. */
   ends: Map<string, { x: number; y: number; heading: number }>;
+  /** Walls of buildings, in world metres: what hides and does not move. */
+  walls: [Point, Point][];
 }
 
 export function buildRoad(map: MapView, origin: readonly [number, number]): Road {
@@ -43,6 +46,7 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
     dashed: new Path2D(),
     unknown: new Path2D(),
     ends: new Map(),
+    walls: [],
   };
   const edge = (points: Points, mark: string): void => {
     // Double lines are two strokes 0.24 m apart; each side has its own kind. Normals point left.
@@ -72,6 +76,12 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
   for (const s of map.crosswalks) line(road.crosswalks, s.points, true);
   for (const s of map.stop_lines) line(road.stopLines, s.points);
   for (const s of map.facilities) {
+    if (s.kind === "building") {
+      s.points.forEach((p, i) => {
+        const q = s.points[(i + 1) % s.points.length] ?? p;
+        road.walls.push([[p[0] ?? 0, p[1] ?? 0], [q[0] ?? 0, q[1] ?? 0]]);
+      });
+    }
     line(s.kind === "building" ? road.buildings : road.facilities, s.points, s.points.length > 2);
   }
   return road;

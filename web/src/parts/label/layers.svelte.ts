@@ -1,4 +1,4 @@
-// What the bird's-eye view shows: kept in this browser, because people set it once and not for each task.
+// What the labelling screen shows and how its panes are divided: kept in this browser, because people set it once and not for each task.
 
 const KEY = "whyroad.layers";
 
@@ -7,6 +7,8 @@ interface Layers {
   history: boolean;
   names: boolean;
   occlusion: boolean;
+  /** The class's specification is shown above the form. */
+  spec: boolean;
   /** Zooms the view that is there now, about its middle. */
   zoom: ((factor: number) => void) | null;
 }
@@ -27,9 +29,16 @@ export const layers = $state<Layers>({
   history: own.history !== false,
   names: own.names === true,
   occlusion: own.occlusion !== false,
+  spec: own.spec !== false,
   zoom: null,
 });
 
 export function keepLayers(): void {
-  localStorage.setItem(KEY, JSON.stringify({ history: layers.history, names: layers.names, occlusion: layers.occlusion }));
+  localStorage.setItem(KEY, JSON.stringify({ history: layers.history, names: layers.names, occlusion: layers.occlusion, spec: layers.spec }));
+}
+
+/** Where a splitter stands in this browser, in percent. */
+export function split(name: string, otherwise: number): number {
+  const kept = Number(localStorage.getItem(`whyroad.split.${name}`) ?? Number.NaN);
+  return Number.isFinite(kept) && kept > 0 ? kept : otherwise;
 }

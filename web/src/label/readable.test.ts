@@ -1,0 +1,26 @@
+// A conflict is read by people: no JSON, no frame numbers, no time stamps.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { readable, type Words } from "./readable.ts";
+
+const words: Words = {
+  framework: {
+    longitudinal: [{ id: "resume", name: { zh: "起步", en: "Resume" }, meaning: null, not: null, directions: [] }],
+    lateral: [],
+    none: { id: "null", name: { zh: "无", en: "none" }, meaning: null, not: null, directions: [] },
+    categories: [{ id: "critical_objects", name: { zh: "关键目标", en: "critical objects" } }],
+    leaves: new Map(),
+  },
+  second: (iso) => (iso === "2026-01-15T10:30:09.400Z" ? -0.3 : null),
+};
+
+test("values become words in both languages", () => {
+  assert.equal(readable("resume", words, "zh"), "起步");
+  assert.equal(readable({ longitudinal: "resume", lateral: null }, words, "en"), "longitudinal Resume; lateral null");
+  assert.equal(readable({ timestamp: "2026-01-15T10:30:09.400Z", frame_idx: 94, type: "reactive" }, words, "zh"), "时刻 −0.3 s");
+  const component = { id: "c1", category: "critical_objects", description: "lead", uncertainty: "low" };
+  assert.equal(readable([component], words, "en"), "c1: category critical objects; description lead; uncertainty low");
+  assert.equal(readable(["c1", "c2"], words, "zh"), "c1、c2");
+  assert.equal(readable(undefined, words, "en"), "(nothing)");
+  assert.equal(readable("前车刹车", words, "en"), "前车刹车", "free text stays as it was written");
+});

@@ -1,0 +1,74 @@
+// Values of a label in words, for conflicts, comparisons and what a field was before.
+import type { Lang } from "../text/text.svelte.ts";
+import { type Framework } from "./framework.ts";
+import type { Json } from "./pointer.ts";
+import { signed } from "./times.ts";
+
+/** What turning a value into words needs to know of the task. */
+export interface Words {
+  framework: Framework | null;
+  second(iso: unknown): number | null;
+}
+
+const MOMENT = /^\d{4}-\d\d-\d\dT/;
+
+/** Names of the fields inside objects; what is not here is shown by its key. */
+const KEYS: Record<string, readonly [string, string]> = {
+  description: ["描述", "description"],
+  category: ["类别", "category"],
+  uncertainty: ["不确定性", "uncertainty"],
+  evidence_times: ["证据", "evidence"],
+  linked_objects: ["目标", "objects"],
+  timestamp: ["时刻", "at"],
+  range_start: ["范围起点", "range from"],
+  range_end: ["范围终点", "range to"],
+  start_timestamp: ["起", "from"],
+  end_timestamp: ["止", "to"],
+  longitudinal: ["纵向", "longitudinal"],
+  lateral: ["横向", "lateral"],
+  lateral_direction: ["方向", "direction"],
+  components: ["要素", "components"],
+  unobserved: ["未观测到", "UNOBSERVED"],
+};
+
+/** Frame numbers and types follow from the moments beside them: they only make the text longer. */
+const LEFT_OUT = new Set(["frame_idx", "start_frame_idx", "end_frame_idx", "type", "id"]);
+
+const FIXED: Record<string, readonly [string, string]> = {
+  low: ["低", "low"],
+  high: ["高", "high"],
+  left: ["左", "left"],
+  right: ["右", "right"],
+  uturn: ["掉头", "U-turn"],
+};
+
+export function readable(value: Json | undefined, words: Words, lang: Lang): string {
+  const zh = lang === "zh";
+  if (value === undefined) return zh ? "（无）" : "(nothing)";
+  if (value === null) return zh ? "空" : "null";
+  if (typeof value === "boolean") return zh ? (value ? "是" : "否") : value ? "yes" : "no";
+  if (typeof value === "number") return String(value);
+  if (typeof value === "string") return text(value, words, lang);
+  if (Array.isArray(value)) {
+    const items = value.map((v) => readable(v, words, lang));
+    if (items.length === 0) return zh ? "（无）" : "(none)";
+    return items.join(value.some((v) => typeof v === "object") ? "\n" : zh ? "、" : ", ");
+  }
+  const id = typeof value["id"] === "string" ? `${value["id"]}${zh ? "：" : ": "}` : "";
+  const parts = Object.entries(value)
+    .filter(([key]) => !LEFT_OUT.has(key))
+    .map(([key, v]) => `${KEYS[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
+  return id + parts.join(zh ? "；" : "; ");
+}
+
+function text(value: string, words: Words, lang: Lang): string {
+  if (MOMENT.test(value)) {
+    const s = words.second(value);
+    if (s !== null) return `${signed(s, 1)} s`;
+  }
+  const fixed = FIXED[value];
+  if (fixed) return fixed[lang === "zh" ? 0 : 1];
+  const f = words.framework;
+  const named = f ? [...f.longitudinal, ...f.lateral, ...f.categories].find((d) => d.id === value) : undefined;
+  return named ? named.name[lang] : (f?.leaves.get(value)?.name[lang] ?? value);
+}

@@ -1,0 +1,38 @@
+// Leads the keyboard to a place of the form.
+
+const CONTROL = "textarea:not([readonly]), input:not(:disabled, [readonly]), select:not(:disabled), button:not(:disabled)";
+
+function enter(place: Element | null | undefined): boolean {
+  if (!place) return false;
+  place.scrollIntoView({ block: "nearest" });
+  // Of radios the chosen one; else the first thing that takes something.
+  const chosen = place.querySelector<HTMLElement>("input[type=radio]:checked:not(:disabled)");
+  const target = chosen ?? place.querySelector<HTMLElement>(CONTROL) ?? place.querySelector<HTMLElement>("h2");
+  target?.focus();
+  return target !== null;
+}
+
+/** To the section with this id; `within` names a part of it by selector. */
+export function toSection(id: string, within?: string): void {
+  const section = document.querySelector(`[data-section="${id}"]`);
+  const header = section?.querySelector("h2");
+  header?.scrollIntoView({ block: "nearest" });
+  if (!enter(within ? section?.querySelector(within) : section)) header?.focus();
+}
+
+/** To the field that a JSON pointer means: its own, else the nearest one around it. */
+export function toField(pointer: string): void {
+  for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {
+    if (enter(document.querySelector(`[data-field="${CSS.escape(at)}"]`))) return;
+  }
+  const sections: Record<string, string> = {
+    critical_components: "components",
+    driving_decision: "decisions",
+    causes: "causes",
+    coc_trace: "trace",
+    records: "records",
+    secondary_scenarios: "records",
+  };
+  const id = sections[pointer.split("/")[1] ?? ""];
+  if (id) toSection(id);
+}

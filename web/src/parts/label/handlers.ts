@@ -1,0 +1,90 @@
+// What each action of the keyboard does on the labelling screen.
+import type { Handlers } from "../../keys/keys.svelte.ts";
+import type { Work } from "../../label/work.svelte.ts";
+import { objectsAt } from "../../scene/objects.ts";
+import { tick } from "svelte";
+import { toSection } from "./focus.ts";
+import { keepLayers, layers } from "./layers.svelte.ts";
+
+/** What the screen itself answers for. */
+interface Deeds {
+  advance: () => void;
+  reject: () => void;
+}
+
+export function handlers(work: Work, deeds: Deeds): Handlers {
+  const player = work.player;
+
+  function pickNext(by: 1 | -1): void {
+    if (!work.scene) return;
+    const ids = objectsAt(work.scene, player.index).map((o) => o.id);
+    if (ids.length === 0) return;
+    const at = work.picked === null ? -1 : ids.indexOf(work.picked);
+    const next = at < 0 ? (by > 0 ? 0 : ids.length - 1) : (at + by + ids.length) % ids.length;
+    work.picked = ids[next] ?? null;
+  }
+
+  async function addComponent(): Promise<void> {
+    if (!work.open("/critical_components")) return;
+    const n = work.addComponent(work.picked);
+    await tick();
+    document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
+  }
+
+  function flip(layer: "names" | "occlusion" | "spec"): void {
+    layers[layer] = !layers[layer];
+    keepLayers();
+  }
+
+  function acceptField(): void {
+    const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
+    if (field !== undefined && work.unaccepted.includes(field)) work.accept(field);
+  }
+
+  return {
+    leave: () => (document.activeElement instanceof HTMLElement ? document.activeElement.blur() : undefined),
+    save: () => void work.draft.flush(),
+    undo: () => work.edits && work.draft.undo(),
+    redo: () => work.edits && work.draft.redo(),
+    acceptField,
+    advance: deeds.advance,
+    play: () => player.toggle(),
+    back: () => player.step(-1),
+    forward: () => player.step(1),
+    back1: () => player.step(-Math.round(work.scene?.frame_rate ?? 10)),
+    forward1: () => player.step(Math.round(work.scene?.frame_rate ?? 10)),
+    first: () => player.seek(player.first),
+    last: () => player.seek(player.end),
+    toKeyframe: () => player.seek(work.second(work.draft.at("/keyframe/timestamp")) ?? 0),
+    slower: () => player.faster(-1),
+    faster: () => player.faster(1),
+    loop: () => (player.loop = !player.loop),
+    follow: () => (layers.follow = !layers.follow),
+    zoomIn: () => layers.zoom?.(1.3),
+    zoomOut: () => layers.zoom?.(1 / 1.3),
+    nextObject: () => pickNext(1),
+    previousObject: () => pickNext(-1),
+    targetObject: () => (work.picked = work.target),
+    names: () => flip("names"),
+    occlusion: () => flip("occlusion"),
+    addComponent: () => void addComponent(),
+    linkObject: () => work.picked !== null && work.toggleIn(work.current, "linked_objects", work.picked),
+    evidence: () => work.evidenceNow(),
+    keyframe: () => work.setKeyframe("keyframe"),
+    keyframe2: () => work.setKeyframe("second_keyframe"),
+    keyStart: () => work.setKeyRange("range_start"),
+    keyEnd: () => work.setKeyRange("range_end"),
+    rangeStart: () => work.setRange("start"),
+    rangeEnd: () => work.setRange("end"),
+    safe: () => work.edits && work.stage === "stage2" && work.setSafe(!work.safe),
+    toComponents: () => toSection("components"),
+    toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
+    toLateral: () => toSection("decisions", "[data-choices=lateral]"),
+    toCauses: () => toSection("causes"),
+    toTrace: () => toSection("trace"),
+    toRecords: () => toSection("records"),
+    toFindings: () => toSection("findings"),
+    toComments: () => toSection("comments"),
+    spec: () => flip("spec"),
+  };
+}

@@ -1,0 +1,66 @@
+// The view's geometry. Expected values by hand.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { hits, lightsAt, trackPose } from "./motion.ts";
+import { frameAt } from "./player.svelte.ts";
+import { corners, REACH, wedge } from "./shadow.ts";
+import { toScreen, toWorld, type View, zoomed } from "./view.ts";
+import type { LightView, TrackView } from "../api/types.ts";
+
+const near = (a: number, b: number, eps = 1e-9): void => assert.ok(Math.abs(a - b) < eps, `${a} is not ${b}`);
+
+test("screen and world are inverse, ahead is up, and zooming keeps the point under the pointer", () => {
+  const view: View = { x: 100, y: 50, scale: 8, turn: Math.PI / 2 - Math.PI / 3 };
+  const size = { width: 800, height: 600 };
+  const [x, y] = toWorld(view, size, 123, 456);
+  const [px, py] = toScreen(view, size, x, y);
+  near(px, 123);
+  near(py, 456);
+  const ahead = toScreen(view, size, 100 + 10 * Math.cos(Math.PI / 3), 50 + 10 * Math.sin(Math.PI / 3));
+  const here = toScreen(view, size, 100, 50);
+  near(ahead[0], here[0]);
+  near(here[1] - ahead[1], 80);
+  const closer = zoomed(view, size, 2, 123, 456);
+  const [qx, qy] = toScreen(closer, size, x, y);
+  near(qx, 123);
+  near(qy, 456);
+});
+
+test("headings turn the short way round between two frames", () => {
+  const track = { first: 2, x: [0, 1], y: [0, 0], heading: [3.1, -3.1] } as unknown as TrackView;
+  assert.equal(trackPose(track, 1), null, "not there yet");
+  const half = trackPose(track, 2, 0.5);
+  near(half?.x ?? 9, 0.5);
+  near(Math.cos(half?.heading ?? 0), -1, 1e-3);
+});
+
+test("a light holds until its next state", () => {
+  const lights = [
+    { lane_id: "a", t_index: 0, colour: "red" },
+    { lane_id: "a", t_index: 5, colour: "green" },
+    { lane_id: "b", t_index: 7, colour: "red" },
+  ] as LightView[];
+  assert.deepEqual(lightsAt(lights, 4).map((l) => l.colour), ["red"]);
+  assert.deepEqual(lightsAt(lights, 7).map((l) => l.colour), ["green", "red"]);
+});
+
+test("a click hits a turned box and not the corner beside it", () => {
+  const pose = { x: 0, y: 0, heading: Math.PI / 2 };
+  assert.ok(hits(pose, 4, 2, 0, 1.9, 0));
+  assert.ok(!hits(pose, 4, 2, 1.9, 0, 0));
+});
+
+test("a shadow lies behind what hides, as wide as it is seen", () => {
+  // A wall 2 m wide, 10 m ahead of an eye at the origin.
+  const w = wedge([0, 0], corners({ x: 11, y: 0, heading: 0 }, 2, 2));
+  assert.ok(w);
+  const angles = w.map(([x, y]) => Math.abs(Math.atan2(y, x)));
+  for (const a of angles) near(a, Math.atan2(1, 10), 1e-9);
+  assert.ok(Math.hypot(...(w[1] ?? [0, 0])) >= REACH);
+  assert.equal(wedge([11, 0], corners({ x: 11, y: 0, heading: 0 }, 2, 2)), null, "from within nothing is hidden");
+  assert.equal(wedge([0, 0], corners({ x: 500, y: 0, heading: 0 }, 2, 2)), null);
+});
+
+test("the frame shown is the last one at or before now", () => {
+  assert.deepEqual([-9, 0, 0.05, 0.1, 9].map((s) => frameAt([0, 0.1, 0.2], s)), [0, 0, 0, 1, 2]);
+});

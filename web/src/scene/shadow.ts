@@ -1,0 +1,78 @@
+// What the ego cannot see, over the ground plan: behind each thing that hides, a wedge away from the ego. Pure.
+import type { TrackView } from "../api/types.ts";
+import { type Pose, trackPose } from "./motion.ts";
+
+/** How far wedges reach from the ego, m: farther away nobody looks for what is hidden. */
+export const REACH = 90;
+
+type Point = readonly [number, number];
+
+/** Classes that hide what is behind them; people, cones and two-wheelers hide too little to be drawn. */
+const HIDING = new Set(["car", "truck", "bus", "large_vehicle"]);
+
+export function hides(track: TrackView): boolean {
+  return HIDING.has(track.class) && (track.length ?? 0) > 2;
+}
+
+export function corners(pose: Pose, length: number, width: number): Point[] {
+  const cos = Math.cos(pose.heading);
+  const sin = Math.sin(pose.heading);
+  return ([[1, 1], [-1, 1], [-1, -1], [1, -1]] as const).map(([a, b]) => [
+    pose.x + (a * length * cos) / 2 - (b * width * sin) / 2,
+    pose.y + (a * length * sin) / 2 + (b * width * cos) / 2,
+  ]);
+}
+
+/**
+ * The wedge behind a convex shape seen from `eye`: near corner, far, far, near. Counter-clockwise or clockwise alike for all
+ * shapes, so that a non-zero fill of many is their union. Null when the eye is in the shape or it is out of reach.
+ */
+export function wedge(eye: Point, shape: readonly Point[]): Point[] | null {
+  const first = shape[0];
+  if (!first) return null;
+  const base = Math.atan2(first[1] - eye[1], first[0] - eye[0]);
+  let least = 0;
+  let most = 0;
+  let from = first;
+  let to = first;
+  let nearest = Infinity;
+  for (const p of shape) {
+    const raw = Math.atan2(p[1] - eye[1], p[0] - eye[0]) - base;
+    const turn = Math.atan2(Math.sin(raw), Math.cos(raw));
+    if (turn < least) {
+      least = turn;
+      from = p;
+    }
+    if (turn > most) {
+      most = turn;
+      to = p;
+    }
+    nearest = Math.min(nearest, Math.hypot(p[0] - eye[0], p[1] - eye[1]));
+  }
+  if (nearest > REACH || most - least < 1e-4 || most - least > Math.PI) return null;
+  const far = (p: Point): Point => {
+    const d = Math.hypot(p[0] - eye[0], p[1] - eye[1]) || 1;
+    // The chord between two far points comes nearer than REACH: reach farther by as much.
+    const r = REACH / Math.cos(Math.min(1.4, (most - least) / 2));
+    return [eye[0] + ((p[0] - eye[0]) / d) * r, eye[1] + ((p[1] - eye[1]) / d) * r];
+  };
+  return [from, far(from), far(to), to];
+}
+
+/** Wedges of all that hides at frame `i`: tracks, then the walls of buildings. */
+export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonly (readonly Point[])[], i: number, share: number): Point[][] {
+  const out: Point[][] = [];
+  const add = (shape: readonly Point[]): void => {
+    const w = wedge(eye, shape);
+    if (w) out.push(w);
+  };
+  for (const track of tracks) {
+    if (!hides(track)) continue;
+    const pose = trackPose(track, i, share);
+    if (pose && Math.abs(pose.x - eye[0]) < REACH && Math.abs(pose.y - eye[1]) < REACH) {
+      add(corners(pose, track.length ?? 4.5, track.width ?? 1.9));
+    }
+  }
+  for (const wall of walls) add(wall);
+  return out;
+}
