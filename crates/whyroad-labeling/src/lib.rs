@@ -3,6 +3,17 @@
 //! `workflow` says who may do what; `store` keeps it; `service` does it; `api` puts it on the wire. Recordings are handed
 //! in by the caller: this crate reads no lake and derives no signal.
 
+pub mod agreement;
+pub mod api;
+pub mod app;
+pub mod fields;
+pub mod limits;
 pub mod problem;
+pub mod recordings;
+pub mod secret;
+pub mod service;
 pub mod store;
 pub mod workflow;
+
+pub use api::server::serve;
+pub use app::App;

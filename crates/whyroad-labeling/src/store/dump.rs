@@ -18,7 +18,7 @@ pub(super) const TABLES: &[(&str, &str)] = &[
         "tasks",
         "id,project_id,episode_id,overlap_index,overlap_count,drive_id,clip_id,scenario_id,keyframe_ns,from_ns,to_ns,\
          episode,initial,draft,version,priority,state,authors,author,checker,auditor,checked,audited,adjudication,\
-         assigned,holder,fence,lease_until,seq,created,updated",
+         assigned,holder,fence,lease_until,seq,created,updated,lang",
     ),
     ("history", "task_id,seq,at,actor,action,from_state,to_state,changes,snapshot,note,version"),
     ("comments", "id,task_id,path,author,body,at,resolved"),

@@ -1,0 +1,16 @@
+//! HTTP: what goes over the wire, who may call what, and the server. Nothing here decides about labels: handlers read a
+//! request, call `service`, and answer.
+
+pub mod access;
+pub mod call;
+pub mod handlers;
+pub mod openapi;
+pub mod pages;
+pub mod reply;
+pub mod route;
+pub mod server;
+pub mod table;
+pub mod wire;
+
+mod deliver;
+mod patience;

@@ -1,0 +1,145 @@
+//! The gate in front of every handler: who calls, and whether the route is for them. One place for all routes, so that
+//! none can forget it.
+
+use super::call::Request;
+use super::route::{Access, Route, Verb};
+use super::wire::people::User;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::{people, projects, tasks};
+use crate::store::Tx;
+use crate::workflow::Role;
+use crate::{secret, values};
+
+/// What the gate found out on its way. A handler that writes reads again inside its own transaction.
+#[derive(Clone, Debug, Default)]
+pub struct Grant {
+    /// Id of the project that the call is about.
+    pub project: Option<String>,
+    /// The caller's roles there; an admin is lead everywhere.
+    pub roles: Vec<Role>,
+}
+
+impl Grant {
+    /// The project's id.
+    pub fn project(&self) -> Answer<&str> {
+        self.project.as_deref().ok_or_else(Problem::missing)
+    }
+
+    /// True for leads, checkers and auditors.
+    pub fn is_staff(&self) -> bool {
+        is_staff(&self.roles)
+    }
+}
+
+/// True for leads, checkers and auditors.
+pub fn is_staff(roles: &[Role]) -> bool {
+    roles.iter().any(|r| matches!(r, Role::Lead | Role::Checker | Role::Auditor))
+}
+
+/// The value of `x-csrf-token` that goes with a session cookie.
+pub fn csrf_of(app: &App, cookie: &str) -> String {
+    secret::sign(&app.csrf_key, cookie.as_bytes())
+}
+
+/// Lets the request through, or says why not.
+pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>, Grant)> {
+    if route.verb != Verb::Get && request.token.is_none() {
+        let wanted = request.cookie.as_deref().map(|c| csrf_of(app, c));
+        let given = request.csrf.as_deref().unwrap_or_default();
+        if !wanted.is_some_and(|w| secret::same(&w, given)) {
+            return Err(Problem::new(
+                403,
+                "session.csrf",
+                "缺少或错误的 x-csrf-token",
+                "x-csrf-token is missing or wrong; GET /session tells it",
+            ));
+        }
+    }
+    let now = app.now();
+    app.store.read(|tx| {
+        let user = match (&request.token, &request.cookie) {
+            (Some(token), _) => Some(people::by_token(tx, token)?.ok_or_else(Problem::sign_in)?),
+            (None, Some(cookie)) => people::by_cookie(tx, cookie, now)?,
+            (None, None) => None,
+        };
+        if route.access == Access::Anyone {
+            return Ok((user, Grant::default()));
+        }
+        let user = user.ok_or_else(Problem::sign_in)?;
+        let grant = grant(tx, route, request, &user)?;
+        Ok((Some(user), grant))
+    })
+}
+
+fn grant(tx: &mut dyn Tx, route: &Route, request: &Request, user: &User) -> Answer<Grant> {
+    let param = |name: &str| request.params.get(name).map_or("", String::as_str);
+    let allowed = |fine: bool| if fine { Ok(()) } else { Err(Problem::forbidden()) };
+    match route.access {
+        Access::Anyone | Access::SignedIn => Ok(Grant::default()),
+        Access::Admin => allowed(user.admin).map(|()| Grant::default()),
+        Access::Member | Access::Staff | Access::Lead if route.path.starts_with("/projects/") => {
+            let grant = in_project(tx, param("p"), user)?;
+            allowed(match route.access {
+                Access::Staff => grant.is_staff(),
+                Access::Lead => grant.roles.contains(&Role::Lead),
+                _ => true,
+            })?;
+            Ok(grant)
+        }
+        // A member may take what the queue or a link gives; the workflow decides about the rest.
+        Access::Member | Access::Staff | Access::Lead => {
+            of_task(tx, param("t"), user).map(|(grant, _)| grant)
+        }
+        Access::TaskReader | Access::TaskWorker => readable(tx, param("t"), user),
+        Access::TaskLead => {
+            let grant = readable(tx, param("t"), user)?;
+            allowed(grant.roles.contains(&Role::Lead))?;
+            Ok(grant)
+        }
+        Access::CommentReader => {
+            let task = owner(tx, "SELECT task_id FROM comments WHERE id = $1", param("c"))?;
+            readable(tx, &task, user)
+        }
+        Access::WebhookLead => {
+            let project = owner(tx, "SELECT project_id FROM webhooks WHERE id = $1", param("w"))?;
+            let grant = in_project(tx, &project, user)?;
+            allowed(grant.roles.contains(&Role::Lead))?;
+            Ok(grant)
+        }
+    }
+}
+
+fn owner(tx: &mut dyn Tx, sql: &str, id: &str) -> Answer<String> {
+    tx.row(sql, values![id])?.ok_or_else(Problem::missing)?.text(0)
+}
+
+/// Roles in a project; to who is not in it, it does not exist.
+fn in_project(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Grant> {
+    let project = projects::get(tx, project)?.id;
+    let roles = roles(tx, &project, user)?;
+    if roles.is_empty() {
+        return Err(Problem::missing());
+    }
+    Ok(Grant { project: Some(project), roles })
+}
+
+/// Roles of a user in a project; an admin is lead everywhere.
+pub fn roles(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Vec<Role>> {
+    let mut roles = projects::roles(tx, project, &user.id)?;
+    if user.admin && !roles.contains(&Role::Lead) {
+        roles.push(Role::Lead);
+    }
+    Ok(roles)
+}
+
+fn of_task(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<(Grant, tasks::TaskRow)> {
+    let task = tasks::get(tx, task)?;
+    Ok((in_project(tx, &task.project, user)?, task))
+}
+
+/// Staff read all tasks of their project, others what they hold, write or were given.
+fn readable(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<Grant> {
+    let (grant, task) = of_task(tx, task, user)?;
+    if grant.is_staff() || task.is_of(&user.id) { Ok(grant) } else { Err(Problem::missing()) }
+}

@@ -1,0 +1,62 @@
+//! A request as a handler sees it: who calls, which thing it is about, what was sent.
+
+use super::access::Grant;
+use super::wire::people::User;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A request whose caller has passed the gate.
+pub struct Call<'a> {
+    /// The service. Shared, because jobs of the store outlive the call.
+    pub app: &'a Arc<App>,
+    /// What was sent.
+    pub request: &'a Request,
+    /// Who calls; none only on routes for anyone.
+    pub caller: Option<User>,
+    /// What the gate found out: project, roles, task.
+    pub grant: Grant,
+}
+
+/// What was sent, before anybody looked at who sent it.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Values of the path's parameters.
+    pub params: BTreeMap<String, String>,
+    /// Values of the query.
+    pub query: BTreeMap<String, String>,
+    /// Body.
+    pub body: Vec<u8>,
+    /// Value of the session cookie.
+    pub cookie: Option<String>,
+    /// Bearer token.
+    pub token: Option<String>,
+    /// Value of `x-csrf-token`.
+    pub csrf: Option<String>,
+    /// Where it came from.
+    pub address: String,
+}
+
+impl Call<'_> {
+    /// Who calls.
+    pub fn user(&self) -> Answer<&User> {
+        self.caller.as_ref().ok_or_else(Problem::sign_in)
+    }
+
+    /// A parameter of the path.
+    pub fn param(&self, name: &str) -> &str {
+        self.request.params.get(name).map_or("", String::as_str)
+    }
+
+    /// A parameter of the query; an empty one is none.
+    pub fn query(&self, name: &str) -> Option<&str> {
+        self.request.query.get(name).map(String::as_str).filter(|v| !v.is_empty())
+    }
+
+    /// The body as JSON.
+    pub fn body<T: DeserializeOwned>(&self) -> Answer<T> {
+        serde_json::from_slice(&self.request.body).map_err(Problem::request)
+    }
+}

@@ -1,0 +1,150 @@
+//! Answers on the wire: headers, ETags, compression, problems as problem+json.
+
+use super::pages::Keep;
+use super::reply::Reply;
+use super::wire::people::ProblemBody;
+use crate::problem::Problem;
+use axum::body::Body;
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Response, StatusCode, header};
+use flate2::{Compression, write::GzEncoder};
+use std::io::Write;
+
+/// Bodies smaller than this are not compressed.
+const SMALL: usize = 1400;
+/// What the page may load and do.
+const PAGE_POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; media-src 'self' blob:; \
+    style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
+/// What an answer of the API may, if a browser is led to show it.
+const API_POLICY: &str = "default-src 'none'; frame-ancestors 'none'; sandbox";
+
+/// What the request says of the answer it can take.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wishes {
+    /// `if-none-match`.
+    known: Option<String>,
+    /// Takes gzip.
+    gzip: bool,
+    /// Wants no body.
+    head: bool,
+}
+
+impl Wishes {
+    pub(super) fn of(headers: &HeaderMap, head: bool) -> Self {
+        let text = |name: HeaderName| headers.get(name).and_then(|v| v.to_str().ok()).map(str::to_owned);
+        let encodings = text(header::ACCEPT_ENCODING).unwrap_or_default();
+        let gzip = encodings
+            .split(',')
+            .map(str::trim)
+            .any(|e| e == "gzip" || (e.starts_with("gzip;") && !e.ends_with("q=0")));
+        Self { known: text(header::IF_NONE_MATCH), gzip, head }
+    }
+}
+
+/// The kind of thing that is answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A reading call of the API: has an ETag.
+    Read,
+    /// Any other call of the API.
+    Done,
+    /// A file of the page.
+    Page(Keep),
+}
+
+/// The answer with all its headers.
+pub(super) fn deliver(reply: Reply, kind: Kind, wishes: &Wishes) -> Response<Body> {
+    let mut headers = HeaderMap::new();
+    let mut put = |name: HeaderName, value: &str| {
+        if let Ok(value) = HeaderValue::from_str(value) {
+            headers.append(name, value);
+        }
+    };
+    put(header::X_CONTENT_TYPE_OPTIONS, "nosniff");
+    put(header::REFERRER_POLICY, "same-origin");
+    put(header::X_FRAME_OPTIONS, "DENY");
+    put(HeaderName::from_static("cross-origin-opener-policy"), "same-origin");
+    put(HeaderName::from_static("cross-origin-resource-policy"), "same-origin");
+    let page = matches!(kind, Kind::Page(_));
+    put(header::CONTENT_SECURITY_POLICY, if page { PAGE_POLICY } else { API_POLICY });
+    put(
+        header::CACHE_CONTROL,
+        match kind {
+            Kind::Page(Keep::Forever) => "public, max-age=31536000, immutable",
+            Kind::Page(Keep::Ask) => "no-cache",
+            Kind::Read => "private, no-cache",
+            Kind::Done => "no-store",
+        },
+    );
+    if !page {
+        put(header::VARY, "cookie, authorization");
+    }
+    for cookie in &reply.cookies {
+        put(header::SET_COOKIE, cookie);
+    }
+    if let Some(name) = &reply.file_name {
+        put(header::CONTENT_DISPOSITION, &format!("attachment; filename=\"{name}\""));
+    }
+    let mut status = StatusCode::from_u16(reply.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+    let mut body = reply.body;
+    if status == StatusCode::OK && kind != Kind::Done {
+        let tag = format!("\"{}\"", crate::secret::hash_bytes(&body).get(..32).unwrap_or_default());
+        put(header::ETAG, &tag);
+        if wishes.known.as_deref().is_some_and(|known| matches(known, &tag)) {
+            status = StatusCode::NOT_MODIFIED;
+            body.clear();
+        }
+    }
+    if !body.is_empty() {
+        put(header::CONTENT_TYPE, &reply.media);
+        let smaller =
+            if wishes.gzip && body.len() >= SMALL && compresses(&reply.media) { gzip(&body) } else { None };
+        if let Some(smaller) = smaller {
+            put(header::CONTENT_ENCODING, "gzip");
+            put(header::VARY, "accept-encoding");
+            body = smaller;
+        }
+    }
+    if wishes.head {
+        put(header::CONTENT_LENGTH, &body.len().to_string());
+        body.clear();
+    }
+    let mut response = Response::new(Body::from(body));
+    *response.status_mut() = status;
+    *response.headers_mut() = headers;
+    response
+}
+
+/// True when one of the tags in `if-none-match` is this one. Weak ones are as good for reading.
+fn matches(known: &str, tag: &str) -> bool {
+    known.split(',').map(|k| k.trim().trim_start_matches("W/")).any(|k| k == tag || k == "*")
+}
+
+fn compresses(media: &str) -> bool {
+    media.starts_with("text/") || media.contains("json") || media.contains("svg")
+}
+
+fn gzip(body: &[u8]) -> Option<Vec<u8>> {
+    let mut out = GzEncoder::new(Vec::with_capacity(body.len() / 4), Compression::fast());
+    out.write_all(body).ok()?;
+    out.finish().ok()
+}
+
+/// A refusal as problem+json (RFC 9457).
+pub(super) fn problem(p: &Problem) -> Reply {
+    let title = p.text.en.split([':', '；']).next().unwrap_or_default().to_owned();
+    let body = ProblemBody {
+        kind: format!("/problems/{}", p.code),
+        title,
+        status: p.status,
+        code: p.code.to_owned(),
+        detail_zh: p.text.zh.clone(),
+        detail_en: p.text.en.clone(),
+        more: p.more.as_deref().cloned(),
+    };
+    Reply {
+        status: p.status,
+        media: "application/problem+json".to_owned(),
+        body: serde_json::to_vec(&body).unwrap_or_default(),
+        ..Reply::default()
+    }
+}

@@ -1,0 +1,11 @@
+//! One function a route: read the request, call the service, answer.
+
+pub mod accounts;
+pub mod drafts;
+pub mod projects;
+pub mod scenes;
+pub mod session;
+pub mod talk;
+pub mod tasks;
+pub mod transfer;
+pub mod webhooks;

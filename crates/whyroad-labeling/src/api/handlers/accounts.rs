@@ -1,0 +1,127 @@
+//! Users and API tokens.
+
+use crate::api::call::Call;
+use crate::api::reply::Reply;
+use crate::api::wire::people::{Done, NewToken, NewUser, Token, Tokens, User, UserChange, Users};
+use crate::problem::{Answer, Problem};
+use crate::service::people;
+use crate::{secret, values};
+
+/// API tokens of one user.
+const MOST_TOKENS: usize = 50;
+
+/// `GET /users`
+pub fn list(call: &Call<'_>) -> Answer<Reply> {
+    Reply::json(&Users { items: call.app.store.read(people::all)? })
+}
+
+/// `POST /users`
+pub fn create(call: &Call<'_>) -> Answer<Reply> {
+    let wanted: NewUser = call.body()?;
+    let hash = call.app.limits.one_at_a_time(|| secret::hash_password(&wanted.password))?;
+    let user = User {
+        id: secret::id()?,
+        display: wanted.display.unwrap_or_else(|| wanted.name.clone()),
+        name: wanted.name,
+        admin: wanted.admin,
+        lang: wanted.lang.unwrap_or_else(|| "zh".to_owned()),
+        disabled: false,
+    };
+    let (new, now) = (user.clone(), call.app.now());
+    call.app.store.write(move |tx| people::create(tx, &new, &hash, now))?;
+    Reply::json(&user)
+}
+
+/// `PATCH /users/{u}`
+pub fn change(call: &Call<'_>) -> Answer<Reply> {
+    let (caller, change) = (call.user()?, call.body::<UserChange>()?);
+    let target = call.app.store.read(|tx| people::find(tx, call.param("u")))?;
+    let own = target.as_ref().is_some_and(|t| t.id == caller.id);
+    let rights = change.admin.is_some() || change.disabled.is_some();
+    if !caller.admin && (!own || rights) {
+        return Err(Problem::forbidden());
+    }
+    let mut user = target.ok_or_else(Problem::missing)?;
+    let hash = new_password(call, &user, &change)?;
+    user.display = change.display.unwrap_or(user.display);
+    user.lang = change.lang.unwrap_or(user.lang);
+    user.admin = change.admin.unwrap_or(user.admin);
+    user.disabled = change.disabled.unwrap_or(user.disabled);
+    let new = user.clone();
+    call.app.store.write(move |tx| {
+        people::update(tx, &new)?;
+        hash.as_ref().map_or(Ok(()), |hash| people::set_password(tx, &new.id, hash))
+    })?;
+    Reply::json(&user)
+}
+
+/// The hash of a new password, where one is wanted. Who changes their own shows the present one.
+fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Option<String>> {
+    let Some(new) = &change.password else { return Ok(None) };
+    if call.user()?.id == user.id {
+        let now = call.app.now();
+        call.app.limits.admit(&user.name, &call.request.address, now)?;
+        let present = call.app.store.read(|tx| people::password_hash(tx, &user.id))?;
+        let given = change.present_password.as_deref().unwrap_or_default();
+        if !call.app.limits.one_at_a_time(|| secret::is_password(given, &present)) {
+            call.app.limits.failed(&user.name, &call.request.address, now);
+            return Err(Problem::new(
+                403,
+                "password.present",
+                "当前密码不正确",
+                "the present password is wrong",
+            ));
+        }
+    }
+    call.app.limits.one_at_a_time(|| secret::hash_password(new)).map(Some)
+}
+
+/// `GET /tokens`
+pub fn tokens(call: &Call<'_>) -> Answer<Reply> {
+    let user = &call.user()?.id;
+    let items = call.app.store.read(|tx| {
+        let sql = "SELECT id, name, created FROM api_tokens WHERE user_id = $1 ORDER BY created, id";
+        let token = |r: &crate::store::Row| {
+            Ok(Token { id: r.text(0)?, name: r.text(1)?, created: r.int(2)?, token: None })
+        };
+        tx.rows(sql, values![user])?.iter().map(token).collect()
+    })?;
+    Reply::json(&Tokens { items })
+}
+
+/// `POST /tokens`
+pub fn make_token(call: &Call<'_>) -> Answer<Reply> {
+    let NewToken { name } = call.body()?;
+    if name.trim().is_empty() || name.chars().count() > 100 {
+        return Err(Problem::request("name has 1 to 100 characters"));
+    }
+    let text = format!("wr_{}", secret::random(24)?);
+    let token = Token { id: secret::id()?, name, created: call.app.now(), token: Some(text.clone()) };
+    let (new, user, hash) = (token.clone(), call.user()?.id.clone(), secret::hash(&text));
+    call.app.store.write(move |tx| {
+        let have = tx.rows("SELECT 1 FROM api_tokens WHERE user_id = $1", values![&user])?.len();
+        if have >= MOST_TOKENS {
+            return Err(Problem::new(
+                409,
+                "token.too_many",
+                "令牌过多，请先删除",
+                "too many tokens: revoke some first",
+            ));
+        }
+        tx.run(
+            "INSERT INTO api_tokens (id, hash, user_id, name, created) VALUES ($1, $2, $3, $4, $5)",
+            values![&new.id, &hash, &user, &new.name, new.created],
+        )?;
+        Ok(())
+    })?;
+    Reply::json(&token)
+}
+
+/// `DELETE /tokens/{id}`
+pub fn revoke_token(call: &Call<'_>) -> Answer<Reply> {
+    let (id, user) = (call.param("id").to_owned(), call.user()?.id.clone());
+    let n = call.app.store.write(move |tx| {
+        tx.run("DELETE FROM api_tokens WHERE id = $1 AND user_id = $2", values![&id, &user])
+    })?;
+    if n == 0 { Err(Problem::missing()) } else { Reply::json(&Done { done: true }) }
+}

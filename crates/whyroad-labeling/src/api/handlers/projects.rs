@@ -1,0 +1,109 @@
+//! Projects, members, dashboard.
+
+use crate::api::access;
+use crate::api::call::Call;
+use crate::api::reply::Reply;
+use crate::api::wire::project::{MemberChange, Members, NewProject, Project, ProjectChange, Projects};
+use crate::problem::{Answer, Problem};
+use crate::secret;
+use crate::service::{dashboard, people, projects};
+use crate::workflow::Role;
+
+/// `GET /projects`
+pub fn list(call: &Call<'_>) -> Answer<Reply> {
+    let user = call.user()?;
+    let items = call.app.store.read(|tx| {
+        let mut items = Vec::new();
+        for mut project in projects::all(tx)? {
+            project.roles = access::roles(tx, &project.id, user)?;
+            if !project.roles.is_empty() {
+                items.push(project);
+            }
+        }
+        Ok(items)
+    })?;
+    Reply::json(&Projects { items })
+}
+
+/// `POST /projects`
+pub fn create(call: &Call<'_>) -> Answer<Reply> {
+    let wanted: NewProject = call.body()?;
+    let project = Project {
+        id: secret::id()?,
+        name: wanted.name,
+        guide: wanted.guide,
+        quota: wanted.quota,
+        settings: wanted.settings,
+        roles: Role::ALL.to_vec(),
+    };
+    let (new, user, now) = (project.clone(), call.user()?.id.clone(), call.app.now());
+    call.app.store.write(move |tx| {
+        projects::create(tx, &new, now)?;
+        projects::set_member(tx, &new.id, &user, Role::ALL, &[])
+    })?;
+    Reply::json(&project)
+}
+
+/// `GET /projects/{p}`
+pub fn show(call: &Call<'_>) -> Answer<Reply> {
+    let mut project = call.app.store.read(|tx| projects::get(tx, call.grant.project()?))?;
+    project.roles.clone_from(&call.grant.roles);
+    Reply::json(&project)
+}
+
+/// `PATCH /projects/{p}`
+pub fn change(call: &Call<'_>) -> Answer<Reply> {
+    let change: ProjectChange = call.body()?;
+    let (id, roles) = (call.grant.project()?.to_owned(), call.grant.roles.clone());
+    let project = call.app.store.write(move |tx| {
+        let mut project = projects::get(tx, &id)?;
+        if let Some(name) = &change.name {
+            if projects::find(tx, name)?.is_some_and(|other| other.id != id) {
+                return Err(Problem::new(
+                    409,
+                    "project.exists",
+                    "项目名已存在",
+                    "there is a project of this name",
+                ));
+            }
+            project.name.clone_from(name);
+        }
+        project.guide = change.guide.clone().unwrap_or(project.guide);
+        project.quota = change.quota.clone().unwrap_or(project.quota);
+        project.settings = change.settings.clone().unwrap_or(project.settings);
+        projects::update(tx, &project)?;
+        Ok(Project { roles: roles.clone(), ..project })
+    })?;
+    Reply::json(&project)
+}
+
+/// `GET /projects/{p}/members`
+pub fn members(call: &Call<'_>) -> Answer<Reply> {
+    let project = call.grant.project()?;
+    Reply::json(&Members { items: call.app.store.read(|tx| projects::members(tx, project))? })
+}
+
+/// `POST /projects/{p}/members`
+pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
+    let change: MemberChange = call.body()?;
+    if change.skills.len() > 200 || change.skills.iter().any(|s| s.len() > 100) {
+        return Err(Problem::request("at most 200 skills of 100 characters"));
+    }
+    let project = call.grant.project()?.to_owned();
+    let items = call.app.store.write(move |tx| {
+        let user = people::find(tx, &change.user)?.ok_or_else(Problem::missing)?;
+        projects::set_member(tx, &project, &user.id, &change.roles, &change.skills)?;
+        projects::members(tx, &project)
+    })?;
+    Reply::json(&Members { items })
+}
+
+/// `GET /projects/{p}/dashboard`
+pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
+    let now = call.app.now();
+    let dashboard = call.app.store.read(|tx| {
+        let project = projects::get(tx, call.grant.project()?)?;
+        dashboard::of(tx, &project, now)
+    })?;
+    Reply::json(&dashboard)
+}

@@ -1,0 +1,146 @@
+//! Signing in and out, the first admin, and what the service says of itself.
+
+use crate::api::access::csrf_of;
+use crate::api::call::Call;
+use crate::api::openapi;
+use crate::api::reply::Reply;
+use crate::api::wire::people::{Done, Session, Setup, SignIn, User};
+use crate::app::{App, Cookies};
+use crate::problem::{Answer, Problem};
+use crate::service::people;
+use crate::{secret, values};
+use serde_json::json;
+use std::sync::OnceLock;
+
+/// Name of the session cookie.
+pub const COOKIE: &str = "whyroad_session";
+
+/// `set-cookie` for a session; an empty one takes it away.
+fn cookie(app: &App, value: &str) -> String {
+    let age = if value.is_empty() { 0 } else { people::SESSION_MS / 1000 };
+    let secure = if app.cookies == Cookies::Secure { "; Secure" } else { "" };
+    format!("{COOKIE}={value}; Path=/; HttpOnly; SameSite=Lax; Max-Age={age}{secure}")
+}
+
+/// The answer to who is signed in, with a cookie to go with its CSRF value where the caller has none.
+fn answer(call: &Call<'_>, user: Option<User>, fresh: Option<String>) -> Answer<Reply> {
+    let first_run = call.app.store.read(people::is_first_run)?;
+    let (value, cookies) = match (fresh, &call.request.cookie) {
+        (Some(fresh), _) => (fresh.clone(), vec![cookie(call.app, &fresh)]),
+        (None, Some(old)) => (old.clone(), vec![]),
+        (None, None) => {
+            let fresh = secret::random(32)?;
+            (fresh.clone(), vec![cookie(call.app, &fresh)])
+        }
+    };
+    let session = Session { user, csrf: csrf_of(call.app, &value), first_run };
+    Ok(Reply { cookies, ..Reply::json(&session)? })
+}
+
+/// `GET /session`
+pub fn show(call: &Call<'_>) -> Answer<Reply> {
+    answer(call, call.caller.clone(), None)
+}
+
+/// `POST /session`
+pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
+    let SignIn { name, password } = call.body()?;
+    let (app, now) = (call.app, call.app.now());
+    app.limits.admit(&name, &call.request.address, now)?;
+    let known = app.store.read(|tx| people::credentials(tx, &name))?;
+    // Somebody who is not there costs as much time as a wrong password.
+    let hash = known.as_ref().map_or_else(nobody, |(_, hash)| Ok(hash.clone()))?;
+    let right = app.limits.one_at_a_time(|| secret::is_password(&password, &hash));
+    let Some((id, _)) = known.filter(|_| right) else {
+        app.limits.failed(&name, &call.request.address, now);
+        return Err(Problem::new(401, "session.wrong", "用户名或密码错误", "wrong name or password"));
+    };
+    app.limits.succeeded(&name);
+    begin(call, id)
+}
+
+/// Starts a session under a new cookie and answers with it.
+fn begin(call: &Call<'_>, user: String) -> Answer<Reply> {
+    let (fresh, now) = (secret::random(32)?, call.app.now());
+    let value = fresh.clone();
+    let user = call.app.store.write(move |tx| {
+        people::start_session(tx, &value, &user, now)?;
+        people::find(tx, &user)
+    })?;
+    answer(call, user, Some(fresh))
+}
+
+/// A hash that no password fits.
+fn nobody() -> Answer<String> {
+    static HASH: OnceLock<String> = OnceLock::new();
+    if let Some(hash) = HASH.get() {
+        return Ok(hash.clone());
+    }
+    let hash = secret::hash_password(&secret::random(16)?)?;
+    Ok(HASH.get_or_init(|| hash).clone())
+}
+
+/// `DELETE /session`
+pub fn sign_out(call: &Call<'_>) -> Answer<Reply> {
+    if let Some(value) = call.request.cookie.clone() {
+        call.app.store.write(move |tx| people::end_session(tx, &value))?;
+    }
+    Ok(Reply { cookies: vec![cookie(call.app, "")], ..Reply::json(&Done { done: true })? })
+}
+
+/// `POST /setup`
+pub fn setup(call: &Call<'_>) -> Answer<Reply> {
+    let Setup { name, display, password, lang, token } = call.body()?;
+    let shown = token.as_deref().unwrap_or_default();
+    if call.app.setup_token.as_deref().is_some_and(|wanted| !secret::same(wanted, shown)) {
+        return Err(Problem::new(
+            403,
+            "setup.token",
+            "需要服务启动时显示的设置口令",
+            "this needs the setup token that the service printed when it started",
+        ));
+    }
+    if !call.app.store.read(people::is_first_run)? {
+        return Err(over());
+    }
+    let hash = call.app.limits.one_at_a_time(|| secret::hash_password(&password))?;
+    let lang = lang.unwrap_or_else(|| "zh".to_owned());
+    let user = User { id: secret::id()?, name, display, admin: true, lang, disabled: false };
+    let (id, now) = (user.id.clone(), call.app.now());
+    call.app.store.write(move |tx| {
+        // Two at once: one of them is too late.
+        if !people::is_first_run(tx)? {
+            return Err(over());
+        }
+        people::create(tx, &user, &hash, now)?;
+        // Projects from the command line have nobody yet.
+        tx.run(
+            "INSERT INTO members (project_id, user_id, roles, skills)
+             SELECT id, $1, '[\"lead\",\"annotator\",\"checker\",\"auditor\"]', '[]' FROM projects
+             WHERE NOT EXISTS (SELECT 1 FROM members m WHERE m.project_id = projects.id)",
+            values![&user.id],
+        )?;
+        Ok(())
+    })?;
+    begin(call, id)
+}
+
+fn over() -> Problem {
+    Problem::new(
+        409,
+        "setup.done",
+        "已有用户，首次设置已结束",
+        "there are users already: the first run is over",
+    )
+}
+
+/// `GET /openapi.json`
+pub fn openapi(_: &Call<'_>) -> Answer<Reply> {
+    Ok(Reply::bytes("application/json", openapi::text().into_bytes()))
+}
+
+/// `GET /healthz`
+pub fn health(call: &Call<'_>) -> Answer<Reply> {
+    call.app.store.read(|tx| tx.row("SELECT 1", &[]))?;
+    Reply::json(&json!({ "done": true }))
+}

@@ -1,0 +1,92 @@
+//! History, overlap, remarks.
+
+use super::tasks::look;
+use crate::api::call::Call;
+use crate::api::reply::Reply;
+use crate::api::wire::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
+use crate::problem::{Answer, Problem};
+use crate::service::{actions, drafts, tasks, visible};
+use crate::store::Tx;
+use crate::values;
+
+/// `GET /tasks/{t}/history`
+pub fn history(call: &Call<'_>) -> Answer<Reply> {
+    let (t, user) = (look(call)?, call.user()?);
+    Reply::json(&History { items: call.app.store.read(|tx| visible::history(tx, &t, &user.id))? })
+}
+
+/// `GET /tasks/{t}/history/{seq}`
+pub fn draft_at(call: &Call<'_>) -> Answer<Reply> {
+    let (t, user) = (look(call)?, call.user()?);
+    let seq = call.param("seq").parse().map_err(|_| Problem::missing())?;
+    let draft = call.app.store.read(|tx| drafts::at_for(tx, &t, &user.id, seq))?;
+    Reply::json(&DraftAt { seq, draft })
+}
+
+/// `GET /tasks/{t}/overlap`
+pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
+    if !call.grant.is_staff() {
+        return Err(Problem::forbidden());
+    }
+    let t = look(call)?;
+    let items = call.app.store.read(|tx| {
+        if t.overlap_count < 2 || !actions::group_is_ready(tx, &t)? {
+            return Err(Problem::new(
+                409,
+                "overlap.not_ready",
+                "重叠标注尚未全部提交",
+                "not all labels of the overlap group are handed in",
+            ));
+        }
+        let names = tasks::names(tx)?;
+        let item = |o: &tasks::TaskRow| OverlapItem {
+            task: tasks::summary(o, &names),
+            label: visible::label(&o.draft, visible::stage(o.at.state)),
+        };
+        Ok(actions::group(tx, &t)?.iter().map(item).collect())
+    })?;
+    Reply::json(&Overlap { items })
+}
+
+/// `POST /tasks/{t}/comments`
+pub fn comment(call: &Call<'_>) -> Answer<Reply> {
+    let (t, new) = (look(call)?, call.body::<NewComment>()?);
+    let user = call.user()?.id.clone();
+    let now = call.app.now();
+    let comment = call.app.store.write(move |tx| {
+        let id = actions::remark(tx, &t, &user, &new, now)?;
+        read(tx, &id)
+    })?;
+    Reply::json(&comment)
+}
+
+/// `POST /comments/{c}/resolve`
+pub fn resolve(call: &Call<'_>) -> Answer<Reply> {
+    let (id, user) = (call.param("c").to_owned(), call.user()?.id.clone());
+    let comment = call.app.store.write(move |tx| {
+        let row = tx.row("SELECT task_id, author FROM comments WHERE id = $1", values![&id])?;
+        let row = row.ok_or_else(Problem::missing)?;
+        let t = tasks::get(tx, &row.text(0)?)?;
+        // In Stage I other people's remarks are not there.
+        if !t.at.state.shows_future() && row.text(1)? != user {
+            return Err(Problem::missing());
+        }
+        tx.run("UPDATE comments SET resolved = 1 WHERE id = $1", values![&id])?;
+        read(tx, &id)
+    })?;
+    Reply::json(&comment)
+}
+
+fn read(tx: &mut dyn Tx, id: &str) -> Answer<Comment> {
+    let sql = "SELECT c.id, c.path, u.display, c.body, c.at, c.resolved FROM comments c JOIN users u ON u.id = c.author
+               WHERE c.id = $1";
+    let row = tx.row(sql, values![id])?.ok_or_else(Problem::missing)?;
+    Ok(Comment {
+        id: row.text(0)?,
+        path: row.text(1)?,
+        author: row.text(2)?,
+        text: row.text(3)?,
+        at: row.int(4)?,
+        resolved: row.int(5)? != 0,
+    })
+}

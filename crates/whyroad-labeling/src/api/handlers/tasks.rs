@@ -1,0 +1,160 @@
+//! Lists, making, the queue, leases, assignment.
+
+use crate::api::access;
+use crate::api::call::Call;
+use crate::api::reply::Reply;
+use crate::api::wire::people::User;
+use crate::api::wire::task::{
+    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, Task,
+};
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::tasks::{Entry, TaskRow};
+use crate::service::{create, leases, list as listing, people, projects, tasks, visible};
+use crate::store::Tx;
+use crate::workflow::{Actor, Role};
+
+/// `GET /projects/{p}/tasks`
+pub fn list(call: &Call<'_>) -> Answer<Reply> {
+    let filter = listing::Filter {
+        states: call.query("state"),
+        scenario: call.query("scenario"),
+        assignee: call.query("assignee"),
+        part: call.query("q"),
+        cursor: call.query("cursor"),
+        limit: call.query("limit"),
+        only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
+            .then_some(call.user()?.id.as_str()),
+    };
+    let project = call.grant.project()?;
+    Reply::json(&call.app.store.read(|tx| listing::page(tx, project, &filter))?)
+}
+
+/// `GET /mined`
+pub fn mined(call: &Call<'_>) -> Answer<Reply> {
+    let user = call.user()?;
+    let leads = user.admin || call.app.store.read(|tx| projects::leads_any(tx, &user.id))?;
+    if !leads {
+        return Err(Problem::forbidden());
+    }
+    let folder = |name: String| {
+        let episodes = call.app.recordings.episodes(&name).map_or(0, |e| e.len() as u32);
+        MinedFolder { name, episodes }
+    };
+    Reply::json(&MinedFolders { items: call.app.recordings.mined().into_iter().map(folder).collect() })
+}
+
+/// `POST /projects/{p}/tasks:create`
+pub fn create(call: &Call<'_>) -> Answer<Reply> {
+    let request: CreateTasks = call.body()?;
+    Reply::json(&create::create(call.app, call.grant.project()?, &request, Some(&call.user()?.id))?)
+}
+
+/// `POST /projects/{p}/tasks:next`
+pub fn next(call: &Call<'_>) -> Answer<Reply> {
+    let NextTask { kind } = call.body()?;
+    let (app, user, roles) = (call.app.clone(), call.user()?.clone(), call.grant.roles.clone());
+    let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
+    let found = call.app.store.write(move |tx| {
+        let project = projects::get(tx, &project)?;
+        let Some(t) = leases::next(tx, &project, &user, &roles, kind, now)? else { return Ok(None) };
+        answer(&app, tx, &t, &user).map(Some)
+    })?;
+    found.map_or_else(|| Ok(Reply::nothing()), |task| Reply::json(&task))
+}
+
+/// Reads a task for showing it. Who is shown the time after the keyframe is noted as one who knows it.
+pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
+    let (id, user) = (call.param("t"), call.user()?);
+    let t = call.app.store.read(|tx| tasks::get(tx, id))?;
+    if t.at.state.shows_future() && !call.app.store.read(|tx| tasks::was_shown(tx, &t, &user.id))? {
+        let (row, user) = (t.clone(), user.id.clone());
+        call.app.store.write(move |tx| tasks::show_future(tx, &row, &user))?;
+    }
+    Ok(t)
+}
+
+/// The answer about a task, to `user`.
+pub fn answer(app: &App, tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Task> {
+    let actor = actor(tx, t, user)?;
+    visible::task(app, tx, t, &actor)
+}
+
+/// The user as an actor on the task.
+pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Actor> {
+    let roles = access::roles(tx, &t.project, user)?;
+    let history = projects::get(tx, &t.project)?.settings.history;
+    tasks::actor(tx, t, &user.id, &roles, history)
+}
+
+/// `GET /tasks/{t}`
+pub fn show(call: &Call<'_>) -> Answer<Reply> {
+    let t = look(call)?;
+    let user = call.user()?;
+    Reply::json(&call.app.store.read(|tx| answer(call.app, tx, &t, user))?)
+}
+
+/// `POST /tasks/{t}/lease`
+pub fn lease(call: &Call<'_>) -> Answer<Reply> {
+    let request: LeaseRequest = call.body()?;
+    let (id, user, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
+    let lease = call.app.store.write(move |tx| {
+        let mut t = tasks::get_for_change(tx, &id)?;
+        let settings = projects::get(tx, &t.project)?.settings;
+        let actor = actor(tx, &t, &user)?;
+        let holds = t.at.holder.as_deref() == Some(user.id.as_str());
+        match request.action {
+            LeaseAction::Take => leases::take(tx, &mut t, &actor, &settings, now)?,
+            LeaseAction::Heartbeat => {
+                leases::held(&t, &user.id, request.fence)?;
+                leases::keep(tx, &mut t, &settings, now)?;
+            }
+            LeaseAction::Release => {
+                // A lead takes a task out of another's hands; the holder shows the token.
+                if holds || !actor.is(Role::Lead) {
+                    leases::held(&t, &user.id, request.fence)?;
+                }
+                leases::release(tx, &mut t, &actor, now)?;
+            }
+        }
+        Ok(leases::lease(&t))
+    })?;
+    Reply::json(&lease)
+}
+
+/// `POST /tasks/{t}/assign`
+pub fn assign(call: &Call<'_>) -> Answer<Reply> {
+    let Assign { user: wanted } = call.body()?;
+    let (id, caller, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
+    let app = call.app.clone();
+    let task = call.app.store.write(move |tx| {
+        let mut t = tasks::get_for_change(tx, &id)?;
+        t.assigned = match &wanted {
+            None => None,
+            Some(name) => {
+                let user = people::find(tx, name)?.ok_or_else(Problem::missing)?;
+                if !projects::roles(tx, &t.project, &user.id)?.contains(&Role::Annotator) {
+                    return Err(Problem::new(
+                        422,
+                        "assign.not_annotator",
+                        "该用户不是本项目的标注员",
+                        "this user is not an annotator of the project",
+                    ));
+                }
+                Some(user.id)
+            }
+        };
+        let (from, note) = (Some(t.at.state), t.assigned.clone());
+        let entry = Entry {
+            action: "assign",
+            actor: Some(&caller.id),
+            from,
+            note: note.as_deref(),
+            ..Entry::default()
+        };
+        tasks::record(tx, &mut t, &entry, now)?;
+        tasks::update(tx, &t)?;
+        answer(&app, tx, &t, &caller)
+    })?;
+    Reply::json(&task)
+}

@@ -1,0 +1,145 @@
+//! What a route is: verb, path, who may call it, what goes in and comes out. The router, the gate in front of every
+//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]).
+
+use super::call::Call;
+use super::reply::Reply;
+use crate::problem::Answer;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+
+/// HTTP verb.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Verb {
+    /// Reads.
+    Get,
+    /// Makes or does.
+    Post,
+    /// Changes.
+    Patch,
+    /// Takes away.
+    Delete,
+}
+
+/// Who may call a route. The gate checks it before the handler runs; a handler can only be stricter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Everybody.
+    Anyone,
+    /// Who is signed in.
+    SignedIn,
+    /// Admins.
+    Admin,
+    /// Members of project `{p}` and admins.
+    Member,
+    /// Leads, checkers and auditors of project `{p}`, and admins.
+    Staff,
+    /// Leads of project `{p}`, and admins.
+    Lead,
+    /// Those who may see task `{t}`: staff of its project, and who holds, has or wrote it. Others get 404.
+    TaskReader,
+    /// The same, for writing; the workflow and the lease decide the rest.
+    TaskWorker,
+    /// Leads of the project of task `{t}`.
+    TaskLead,
+    /// As [`Access::TaskReader`], of the task that comment `{c}` belongs to.
+    CommentReader,
+    /// Leads of the project that webhook `{w}` belongs to.
+    WebhookLead,
+}
+
+impl Access {
+    /// The word for it in the OpenAPI document (`x-access`).
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Anyone => "anyone",
+            Self::SignedIn => "signed_in",
+            Self::Admin => "admin",
+            Self::Member => "member",
+            Self::Staff => "staff",
+            Self::Lead => "lead",
+            Self::TaskReader => "task_reader",
+            Self::TaskWorker => "task_worker",
+            Self::TaskLead => "task_lead",
+            Self::CommentReader => "comment_reader",
+            Self::WebhookLead => "webhook_lead",
+        }
+    }
+}
+
+/// A handler. It runs on a thread that may block.
+pub type Handler = fn(&Call<'_>) -> Answer<Reply>;
+
+/// Makes a schema.
+pub type Shape = fn(&mut SchemaGenerator) -> Schema;
+
+/// One route.
+#[derive(Clone, Copy)]
+pub struct Route {
+    /// Verb.
+    pub verb: Verb,
+    /// Path below `/api/v1`, parameters in braces.
+    pub path: &'static str,
+    /// Who may call it.
+    pub access: Access,
+    /// What it does, in a sentence.
+    pub about: &'static str,
+    /// Query parameters with their meaning.
+    pub query: &'static [(&'static str, &'static str)],
+    /// Schema of the body.
+    pub body: Option<Shape>,
+    /// Schema of the answer; none for what is not JSON.
+    pub reply: Option<Shape>,
+    /// Media type of an answer that is not JSON.
+    pub media: Option<&'static str>,
+    /// What runs.
+    pub run: Handler,
+}
+
+fn shape_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    generator.subschema_for::<T>()
+}
+
+impl Route {
+    const fn new(verb: Verb, path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
+        Self { verb, path, access, about, query: &[], body: None, reply: None, media: None, run }
+    }
+    /// A route that reads.
+    pub const fn get(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
+        Self::new(Verb::Get, path, access, about, run)
+    }
+    /// A route that makes or does.
+    pub const fn post(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
+        Self::new(Verb::Post, path, access, about, run)
+    }
+    /// A route that changes.
+    pub const fn patch(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
+        Self::new(Verb::Patch, path, access, about, run)
+    }
+    /// A route that takes away.
+    pub const fn delete(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
+        Self::new(Verb::Delete, path, access, about, run)
+    }
+    /// With these query parameters.
+    #[must_use]
+    pub const fn query(mut self, query: &'static [(&'static str, &'static str)]) -> Self {
+        self.query = query;
+        self
+    }
+    /// Takes a `T` as JSON.
+    #[must_use]
+    pub const fn takes<T: JsonSchema>(mut self) -> Self {
+        self.body = Some(shape_of::<T>);
+        self
+    }
+    /// Answers with a `T` as JSON.
+    #[must_use]
+    pub const fn gives<T: JsonSchema>(mut self) -> Self {
+        self.reply = Some(shape_of::<T>);
+        self
+    }
+    /// Answers with something else.
+    #[must_use]
+    pub const fn gives_media(mut self, media: &'static str) -> Self {
+        self.media = Some(media);
+        self
+    }
+}

@@ -1,0 +1,219 @@
+//! The server: from bytes to a call of a handler and back. Handlers block, so each runs on a thread that may.
+
+use super::access;
+use super::call::{Call, Request};
+use super::deliver::{Kind, Wishes, deliver, problem};
+use super::handlers::session::COOKIE;
+use super::pages;
+use super::patience::{Patient, Peer};
+use super::reply::Reply;
+use super::route::{Route, Verb};
+use super::table::ROUTES;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::webhooks;
+use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::extract::{ConnectInfo, Query};
+use axum::http::{HeaderMap, Method, Response, Uri, header};
+use std::collections::BTreeMap;
+use std::future::Future;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::Semaphore;
+
+/// Everything of the API is below this.
+const ROOT: &str = "/api/v1";
+/// Largest body, and largest of the routes that take many tasks at once.
+const BODY: usize = 1024 * 1024;
+const BULK: usize = 64 * 1024 * 1024;
+/// How long a body may take to come in.
+const BODY_TIME: Duration = Duration::from_secs(120);
+/// Requests worked on at once; others wait their turn.
+const AT_ONCE: usize = 256;
+/// How long requests that are being worked on may take when the service ends.
+const LAST_WORDS: Duration = Duration::from_secs(20);
+
+/// Serves until `shutdown` comes, then finishes what was begun.
+pub async fn serve(
+    app: Arc<App>,
+    listener: tokio::net::TcpListener,
+    shutdown: impl Future<Output = ()> + Send + 'static,
+) -> std::io::Result<()> {
+    let deliveries = webhooks::spawn(Arc::clone(&app));
+    let service = router(app).into_make_service_with_connect_info::<Peer>();
+    let (told, ends) = tokio::sync::oneshot::channel::<()>();
+    let signal = async move {
+        shutdown.await;
+        let _ = told.send(());
+    };
+    let server = axum::serve(Patient(listener), service).with_graceful_shutdown(signal);
+    // An open connection that says nothing must not keep the service from ending.
+    let late = async move {
+        if ends.await.is_ok() {
+            tokio::time::sleep(LAST_WORDS).await;
+        } else {
+            std::future::pending::<()>().await;
+        }
+    };
+    let result = tokio::select! {
+        result = async { server.await } => result,
+        () = late => Ok(()),
+    };
+    drop(deliveries);
+    result
+}
+
+/// The service as a router, for [`serve`] and for tests without a socket.
+pub fn router(app: Arc<App>) -> Router {
+    let turns = Arc::new(Semaphore::new(AT_ONCE));
+    Router::new().fallback(move |request: axum::extract::Request| {
+        let (app, turns) = (Arc::clone(&app), Arc::clone(&turns));
+        async move { answer(app, turns, request).await }
+    })
+}
+
+async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Request) -> Response<Body> {
+    let (parts, body) = request.into_parts();
+    let head = parts.method == Method::HEAD;
+    let wishes = Wishes::of(&parts.headers, head);
+    let path = parts.uri.path();
+    let Some(path) = path.strip_prefix(ROOT).filter(|p| p.is_empty() || p.starts_with('/')) else {
+        return outside(&parts.method, path, &wishes);
+    };
+    let refuse = |p: &Problem| deliver(problem(p), Kind::Done, &wishes);
+    let (route, params) = match find(&parts.method, path) {
+        Ok(found) => found,
+        Err(p) => return refuse(&p),
+    };
+    let address = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.0.ip().to_string());
+    let mut request = request_of(&parts.headers, &parts.uri, params, address.unwrap_or_default());
+    match read(route, body).await {
+        Ok(bytes) => request.body = bytes,
+        Err(p) => return refuse(&p),
+    }
+    // The semaphore is never closed.
+    let turn = turns.acquire_owned().await;
+    let work = tokio::task::spawn_blocking(move || {
+        let _turn = turn;
+        run(&app, route, &request)
+    });
+    match work.await {
+        Ok(Ok(reply)) => {
+            deliver(reply, if route.verb == Verb::Get { Kind::Read } else { Kind::Done }, &wishes)
+        }
+        Ok(Err(p)) => refuse(&p),
+        Err(_) => refuse(&Problem::new(500, "internal", "内部错误", "an internal error")),
+    }
+}
+
+/// What is not the API: the page.
+fn outside(method: &Method, path: &str, wishes: &Wishes) -> Response<Body> {
+    if path == "/api" || path.starts_with("/api/") {
+        return deliver(problem(&Problem::missing()), Kind::Done, wishes);
+    }
+    if method != Method::GET && method != Method::HEAD {
+        return deliver(problem(&wrong_method()), Kind::Done, wishes);
+    }
+    let (reply, keep) = pages::page(path);
+    deliver(reply, Kind::Page(keep), wishes)
+}
+
+fn run(app: &Arc<App>, route: &Route, request: &Request) -> Answer<Reply> {
+    let (caller, grant) = access::pass(app, route, request)?;
+    (route.run)(&Call { app, request, caller, grant })
+}
+
+async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
+    let bulk = route.path.ends_with("/import") || route.path.ends_with("tasks:create");
+    let limit = if bulk { BULK } else { BODY };
+    match tokio::time::timeout(BODY_TIME, to_bytes(body, limit)).await {
+        Ok(Ok(bytes)) => Ok(bytes.to_vec()),
+        Ok(Err(_)) => Err(Problem::new(
+            413,
+            "request.too_large",
+            format!("请求不完整或超过 {limit} 字节"),
+            format!("the request is not whole or is larger than {limit} bytes"),
+        )),
+        Err(_) => Err(Problem::new(408, "request.slow", "请求太慢", "the request came in too slowly")),
+    }
+}
+
+fn request_of(headers: &HeaderMap, uri: &Uri, params: BTreeMap<String, String>, address: String) -> Request {
+    let text = |name: &str| headers.get(name).and_then(|v| v.to_str().ok());
+    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
+    let cookie = cookies
+        .flat_map(|c| c.split(';'))
+        .filter_map(|c| c.trim().split_once('='))
+        .find(|(name, value)| *name == COOKIE && !value.is_empty())
+        .map(|(_, value)| value.to_owned());
+    let token = text("authorization").and_then(|v| v.split_once(' '));
+    let token =
+        token.filter(|(kind, _)| kind.eq_ignore_ascii_case("bearer")).map(|(_, t)| t.trim().to_owned());
+    Request {
+        params,
+        query: Query::try_from_uri(uri).map(|Query(q)| q).unwrap_or_default(),
+        body: vec![],
+        cookie,
+        token,
+        csrf: text("x-csrf-token").map(str::to_owned),
+        address,
+    }
+}
+
+fn wrong_method() -> Problem {
+    Problem::new(405, "request.method", "不支持该方法", "this path does not take that method")
+}
+
+/// The route of a path below [`ROOT`], and the values of its parameters.
+fn find(method: &Method, path: &str) -> Answer<(&'static Route, BTreeMap<String, String>)> {
+    let verb = match method.as_str() {
+        "GET" | "HEAD" => Verb::Get,
+        "POST" => Verb::Post,
+        "PATCH" => Verb::Patch,
+        "DELETE" => Verb::Delete,
+        _ => return Err(wrong_method()),
+    };
+    let mut there = false;
+    for route in ROUTES {
+        let Some(params) = fit(route.path, path) else { continue };
+        if route.verb == verb {
+            return Ok((route, params));
+        }
+        there = true;
+    }
+    Err(if there { wrong_method() } else { Problem::missing() })
+}
+
+fn fit(pattern: &str, path: &str) -> Option<BTreeMap<String, String>> {
+    let mut params = BTreeMap::new();
+    let (mut wanted, mut given) = (pattern.split('/'), path.split('/'));
+    loop {
+        match (wanted.next(), given.next()) {
+            (None, None) => return Some(params),
+            (Some(w), Some(g)) => match w.strip_prefix('{').and_then(|w| w.strip_suffix('}')) {
+                Some(name) if !g.is_empty() => {
+                    params.insert(name.to_owned(), decoded(g)?);
+                }
+                None if w == g => {}
+                _ => return None,
+            },
+            _ => return None,
+        }
+    }
+}
+
+/// A part of a path without its percent signs; none when it is not UTF-8.
+fn decoded(part: &str) -> Option<String> {
+    let mut out = Vec::with_capacity(part.len());
+    let mut bytes = part.bytes();
+    while let Some(b) = bytes.next() {
+        if b == b'%' {
+            let digits = [bytes.next()?, bytes.next()?];
+            out.push(u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?);
+        } else {
+            out.push(b);
+        }
+    }
+    String::from_utf8(out).ok()
+}

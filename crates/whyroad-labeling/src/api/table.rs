@@ -1,0 +1,205 @@
+//! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
+
+use super::handlers::{accounts, drafts, projects, scenes, session, talk, tasks, transfer, webhooks};
+use super::route::{Access, Route};
+use super::wire::{people::*, project::*, scene::*, task::*};
+use serde_json::Value;
+
+/// The table.
+pub const ROUTES: &[Route] = &[
+    // Who.
+    Route::get("/session", Access::Anyone, "Who is signed in, and the CSRF value", session::show)
+        .gives::<Session>(),
+    Route::post("/session", Access::Anyone, "Sign in", session::sign_in).takes::<SignIn>().gives::<Session>(),
+    Route::delete("/session", Access::Anyone, "Sign out", session::sign_out).gives::<Done>(),
+    Route::post(
+        "/setup",
+        Access::Anyone,
+        "Make the first admin; only while there is no user",
+        session::setup,
+    )
+    .takes::<Setup>()
+    .gives::<Session>(),
+    Route::get("/users", Access::SignedIn, "All users", accounts::list).gives::<Users>(),
+    Route::post("/users", Access::Admin, "Make a user", accounts::create).takes::<NewUser>().gives::<User>(),
+    Route::patch(
+        "/users/{u}",
+        Access::SignedIn,
+        "Change a user: oneself, or as admin anybody",
+        accounts::change,
+    )
+    .takes::<UserChange>()
+    .gives::<User>(),
+    Route::get("/tokens", Access::SignedIn, "One's own API tokens", accounts::tokens).gives::<Tokens>(),
+    Route::post("/tokens", Access::SignedIn, "Make an API token", accounts::make_token)
+        .takes::<NewToken>()
+        .gives::<Token>(),
+    Route::delete(
+        "/tokens/{id}",
+        Access::SignedIn,
+        "Revoke one of one's own API tokens",
+        accounts::revoke_token,
+    )
+    .gives::<Done>(),
+    // Projects.
+    Route::get(
+        "/projects",
+        Access::SignedIn,
+        "Projects that one is a member of; all for admins",
+        projects::list,
+    )
+    .gives::<Projects>(),
+    Route::post(
+        "/projects",
+        Access::Admin,
+        "Make a project; its maker gets all roles in it",
+        projects::create,
+    )
+    .takes::<NewProject>()
+    .gives::<Project>(),
+    Route::get("/projects/{p}", Access::Member, "One project", projects::show).gives::<Project>(),
+    Route::patch("/projects/{p}", Access::Lead, "Change a project", projects::change)
+        .takes::<ProjectChange>()
+        .gives::<Project>(),
+    Route::get("/projects/{p}/members", Access::Staff, "Members", projects::members).gives::<Members>(),
+    Route::post(
+        "/projects/{p}/members",
+        Access::Lead,
+        "Add, change or (without roles) remove a member",
+        projects::set_member,
+    )
+    .takes::<MemberChange>()
+    .gives::<Members>(),
+    Route::get("/projects/{p}/dashboard", Access::Staff, "How the project goes", projects::dashboard)
+        .gives::<Dashboard>(),
+    // Tasks.
+    Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
+        .query(&[
+            ("state", "only these states, separated by commas"),
+            ("scenario", "only this class: L1, L2 or leaf"),
+            ("assignee", "only those held or written by this user (name or id)"),
+            ("mine", "`true`: only one's own"),
+            ("q", "part of the clip's or task's id"),
+            ("cursor", "from the page before"),
+            ("limit", "at most so many, 50 when not given, 200 at most"),
+        ])
+        .gives::<Tasks>(),
+    Route::get("/mined", Access::SignedIn, "Folders of mining results to make tasks from", tasks::mined)
+        .gives::<MinedFolders>(),
+    Route::post("/projects/{p}/tasks:create", Access::Lead, "Make tasks from episodes", tasks::create)
+        .takes::<CreateTasks>()
+        .gives::<Created>(),
+    Route::post(
+        "/projects/{p}/tasks:next",
+        Access::Member,
+        "Take the next task of the queue; 204 when there is none",
+        tasks::next,
+    )
+    .takes::<NextTask>()
+    .gives::<Task>(),
+    Route::get("/tasks/{t}", Access::TaskReader, "One task as far as it may be seen", tasks::show)
+        .gives::<Task>(),
+    Route::post("/tasks/{t}/lease", Access::Member, "Take, keep or give back a lease", tasks::lease)
+        .takes::<LeaseRequest>()
+        .gives::<Lease>(),
+    Route::post(
+        "/tasks/{t}/assign",
+        Access::TaskLead,
+        "Give the task to somebody, or to the queue",
+        tasks::assign,
+    )
+    .takes::<Assign>()
+    .gives::<Task>(),
+    Route::patch("/tasks/{t}/draft", Access::TaskWorker, "Save changed fields of the draft", drafts::save)
+        .takes::<DraftChange>()
+        .gives::<DraftSaved>(),
+    Route::post(
+        "/tasks/{t}/actions",
+        Access::TaskWorker,
+        "Lock, submit, accept, send back, skip, reject, reopen, adjudicate, restore",
+        drafts::act,
+    )
+    .takes::<TaskAction>()
+    .gives::<Task>(),
+    Route::post(
+        "/tasks/{t}/validate",
+        Access::TaskReader,
+        "What the checker finds in a label",
+        drafts::validate,
+    )
+    .takes::<Validate>()
+    .gives::<Findings>(),
+    Route::get("/tasks/{t}/history", Access::TaskReader, "Who did what", talk::history).gives::<History>(),
+    Route::get(
+        "/tasks/{t}/history/{seq}",
+        Access::TaskReader,
+        "The draft as it was after an entry",
+        talk::draft_at,
+    )
+    .gives::<DraftAt>(),
+    Route::get(
+        "/tasks/{t}/overlap",
+        Access::TaskReader,
+        "The labels of the overlap group; for staff, once all are submitted",
+        talk::overlap,
+    )
+    .gives::<Overlap>(),
+    Route::post("/tasks/{t}/comments", Access::TaskWorker, "Remark on a field", talk::comment)
+        .takes::<NewComment>()
+        .gives::<Comment>(),
+    Route::post(
+        "/comments/{c}/resolve",
+        Access::CommentReader,
+        "Say that a remark is seen to",
+        talk::resolve,
+    )
+    .gives::<Comment>(),
+    // What is seen.
+    Route::get(
+        "/tasks/{t}/scene",
+        Access::TaskReader,
+        "The drive around the keyframe, in Stage I only up to it",
+        scenes::scene,
+    )
+    .gives::<SceneView>(),
+    Route::get("/tasks/{t}/map", Access::TaskReader, "The road there", scenes::map).gives::<MapView>(),
+    Route::get("/tasks/{t}/media/{camera}/{index}", Access::TaskReader, "A camera frame", scenes::media)
+        .gives_media("image/*"),
+    Route::get(
+        "/framework",
+        Access::SignedIn,
+        "Classes, decisions, categories and records for pickers",
+        scenes::framework,
+    )
+    .gives::<FrameworkView>(),
+    // In and out.
+    Route::get(
+        "/projects/{p}/export",
+        Access::Lead,
+        "Accepted labels, or all tasks with their history, as JSONL",
+        transfer::export,
+    )
+    .query(&[
+        ("format", "`labels` or `tasks`"),
+        ("version", "`2.0` for labels without what format 2.1 added"),
+        ("state", "labels of these states instead of the accepted ones"),
+    ])
+    .gives_media("application/x-ndjson"),
+    Route::post(
+        "/projects/{p}/import",
+        Access::Lead,
+        "Tasks or labels as JSONL; labels become drafts",
+        transfer::import,
+    )
+    .takes::<Value>()
+    .gives::<Imported>(),
+    Route::get("/projects/{p}/webhooks", Access::Lead, "Webhooks", webhooks::list).gives::<Webhooks>(),
+    Route::post("/projects/{p}/webhooks", Access::Lead, "Add a webhook", webhooks::create)
+        .takes::<NewWebhook>()
+        .gives::<Webhook>(),
+    Route::delete("/webhooks/{w}", Access::WebhookLead, "Remove a webhook", webhooks::remove).gives::<Done>(),
+    // About.
+    Route::get("/openapi.json", Access::Anyone, "This document", session::openapi).gives::<Value>(),
+    Route::get("/healthz", Access::Anyone, "Whether the service and its store answer", session::health)
+        .gives::<Done>(),
+];

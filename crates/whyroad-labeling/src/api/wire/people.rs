@@ -1,0 +1,168 @@
+//! Sessions, users, tokens.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Answer of `GET /session`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Session {
+    /// Who is signed in; null for nobody.
+    pub user: Option<User>,
+    /// Value for the header `x-csrf-token` of everything but GET.
+    pub csrf: String,
+    /// True while there is no user at all: `POST /setup` makes the first one.
+    pub first_run: bool,
+}
+
+/// A person with an account.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct User {
+    /// Id.
+    pub id: String,
+    /// Name to sign in with.
+    pub name: String,
+    /// Name to show.
+    pub display: String,
+    /// May make projects and users, and is lead everywhere.
+    pub admin: bool,
+    /// `zh` or `en`.
+    pub lang: String,
+    /// May no longer sign in.
+    pub disabled: bool,
+}
+
+/// Body of `POST /session`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SignIn {
+    /// Name to sign in with.
+    pub name: String,
+    /// Password.
+    pub password: String,
+}
+
+/// Body of `POST /setup`: the first admin.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// Name to sign in with.
+    pub name: String,
+    /// Name to show.
+    pub display: String,
+    /// Password, at least 10 characters.
+    pub password: String,
+    /// `zh` or `en`.
+    #[serde(default)]
+    pub lang: Option<String>,
+    /// The token that the service printed when it started, where it listens beyond its own machine.
+    #[serde(default)]
+    pub token: Option<String>,
+}
+
+/// Body of `POST /users`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewUser {
+    /// Name to sign in with.
+    pub name: String,
+    /// Name to show.
+    #[serde(default)]
+    pub display: Option<String>,
+    /// Password, at least 10 characters.
+    pub password: String,
+    /// May make projects and users.
+    #[serde(default)]
+    pub admin: bool,
+    /// `zh` or `en`.
+    #[serde(default)]
+    pub lang: Option<String>,
+}
+
+/// Body of `PATCH /users/{u}`: what is given is changed. Everybody may change their own display name, language and, with
+/// the present one, their password.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UserChange {
+    /// Name to show.
+    #[serde(default)]
+    pub display: Option<String>,
+    /// `zh` or `en`.
+    #[serde(default)]
+    pub lang: Option<String>,
+    /// New password; ends all sessions of the user.
+    #[serde(default)]
+    pub password: Option<String>,
+    /// Present password, where the user changes their own.
+    #[serde(default)]
+    pub present_password: Option<String>,
+    /// Admin only.
+    #[serde(default)]
+    pub admin: Option<bool>,
+    /// Admin only.
+    #[serde(default)]
+    pub disabled: Option<bool>,
+}
+
+/// Many users.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Users {
+    /// By name.
+    pub items: Vec<User>,
+}
+
+/// Body of `POST /tokens`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewToken {
+    /// What it is for.
+    pub name: String,
+}
+
+/// An API token; its text is only in the answer to its making.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Token {
+    /// Id.
+    pub id: String,
+    /// What it is for.
+    pub name: String,
+    /// When it was made.
+    pub created: i64,
+    /// For `authorization: Bearer`; shown once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub token: Option<String>,
+}
+
+/// Many tokens.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Tokens {
+    /// The caller's own.
+    pub items: Vec<Token>,
+}
+
+/// Nothing else to say.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Done {
+    /// Always true.
+    pub done: bool,
+}
+
+/// An error (RFC 9457), `application/problem+json`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ProblemBody {
+    /// `/problems/<code>`.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// In English, short.
+    pub title: String,
+    /// HTTP status.
+    pub status: u16,
+    /// Stable code.
+    pub code: String,
+    /// In Chinese.
+    pub detail_zh: String,
+    /// In English.
+    pub detail_en: String,
+    /// More that belongs to it: findings, conflicts, seconds to wait.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub more: Option<serde_json::Value>,
+}

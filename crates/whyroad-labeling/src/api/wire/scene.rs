@@ -1,0 +1,185 @@
+//! What a drive looks like from the labelling screen. Columns have one value a frame of `times`; null is unknown.
+
+use super::task::Stage;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Numbers of one column; null is unknown.
+pub type Numbers = Vec<Option<f64>>;
+
+/// The scene of a task as far as it may be seen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SceneView {
+    /// How much is shown.
+    pub stage: Stage,
+    /// Nominal frames a second.
+    pub frame_rate: f64,
+    /// Moments, ISO 8601, only up to what may be seen.
+    pub times: Vec<String>,
+    /// The same in seconds from the suggested keyframe.
+    pub t_s: Vec<f64>,
+    /// Frame number in the clip of each moment; negative before the clip.
+    pub clip_frames: Vec<i64>,
+    /// Index into `times` of the suggested keyframe.
+    pub keyframe_index: usize,
+    /// The ego; null when the log has no pose.
+    pub ego: Option<EgoView>,
+    /// Everything else, by id.
+    pub tracks: Vec<TrackView>,
+    /// States of traffic lights from their index on; ordered by lane, then index.
+    pub lights: Vec<LightView>,
+    /// Meta actions.
+    pub meta: MetaView,
+    /// Camera frames.
+    pub cameras: Vec<CameraView>,
+    /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or words.
+    pub signals: BTreeMap<String, Vec<Value>>,
+    /// `stage2` while the future is withheld.
+    pub hidden_until: Option<String>,
+}
+
+/// The ego, a value a moment in each column.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EgoView {
+    /// Box length and width, m.
+    pub size: [f64; 2],
+    /// m.
+    pub x: Numbers,
+    /// m.
+    pub y: Numbers,
+    /// rad.
+    pub heading: Numbers,
+    /// m/s, negative backwards.
+    pub speed: Numbers,
+    /// m/s2 along the heading.
+    pub accel: Numbers,
+    /// rad/s.
+    pub yaw_rate: Numbers,
+    /// Steering wheel, rad, left positive.
+    pub steering: Numbers,
+    /// `off`, `left`, `right`, `hazard`.
+    pub turn_signal: Vec<Option<String>>,
+}
+
+/// One object; columns start at `first`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TrackView {
+    /// Track id.
+    pub id: String,
+    /// Class.
+    pub class: String,
+    /// m, as last seen.
+    pub length: Option<f64>,
+    /// m, as last seen.
+    pub width: Option<f64>,
+    /// Index into `times` of the first value.
+    pub first: usize,
+    /// m.
+    pub x: Numbers,
+    /// m.
+    pub y: Numbers,
+    /// rad.
+    pub heading: Numbers,
+    /// m/s over ground.
+    pub speed: Numbers,
+    /// Share of it that the ego sees, 0 to 1.
+    pub visible: Numbers,
+}
+
+/// A light from a moment on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LightView {
+    /// Lane that it controls.
+    pub lane_id: String,
+    /// Lane behind it, where movements are told apart.
+    pub to_lane_id: Option<String>,
+    /// Index into `times` from which it is so; 0 for what began before.
+    pub t_index: usize,
+    /// `red`, `yellow`, `green`, ...
+    pub colour: String,
+}
+
+/// Meta actions, a word a moment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MetaView {
+    /// Along the path.
+    pub longitudinal: Vec<Option<String>>,
+    /// Across it.
+    pub lateral: Vec<Option<String>>,
+}
+
+/// One camera.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CameraView {
+    /// Name.
+    pub camera: String,
+    /// Frames, in time order.
+    pub frames: Vec<CameraFrame>,
+}
+
+/// One picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CameraFrame {
+    /// Number for `/media/{camera}/{index}`, from 0 at the first picture that is shown.
+    pub index: usize,
+    /// Index into `times` of the last moment not after it; 0 before the first.
+    pub t_index: usize,
+    /// Seconds from the suggested keyframe.
+    pub t_s: f64,
+    /// Where to get it.
+    pub url: String,
+}
+
+/// The road around the keyframe (in Stage I) or around the shown drive.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MapView {
+    /// Lanes, by id.
+    pub lanes: Vec<LaneView>,
+    /// Pedestrian crossings, as polygons.
+    pub crosswalks: Vec<Shape>,
+    /// Stop lines.
+    pub stop_lines: Vec<Shape>,
+    /// Junction areas.
+    pub junctions: Vec<Shape>,
+    /// Where vehicles may drive.
+    pub drivable: Vec<Shape>,
+    /// Buildings, tunnels and the like, with their kind.
+    pub facilities: Vec<Shape>,
+    /// Signs, one point each, with their kind.
+    pub signs: Vec<Shape>,
+}
+
+/// One lane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LaneView {
+    /// Id.
+    pub id: String,
+    /// Left edge, [x, y] in m.
+    pub left: Vec<[f64; 2]>,
+    /// Right edge.
+    pub right: Vec<[f64; 2]>,
+    /// Centre line.
+    pub centre: Vec<[f64; 2]>,
+    /// Mark on the left edge.
+    pub left_mark: String,
+    /// Mark on the right edge.
+    pub right_mark: String,
+    /// Who it is for.
+    pub kind: String,
+    /// Inside a junction.
+    pub in_junction: bool,
+}
+
+/// A line or polygon of the map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Shape {
+    /// Id.
+    pub id: String,
+    /// What it is, where that is not plain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<String>,
+    /// [x, y] in m.
+    pub points: Vec<[f64; 2]>,
+}

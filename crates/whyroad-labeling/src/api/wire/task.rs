@@ -1,0 +1,492 @@
+//! Tasks, drafts, actions, history, comments.
+
+use crate::workflow::{Action, State};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use whyroad_framework::ResolvedSpec;
+use whyroad_model::messages::{EpisodeRecord, Keyframe, MatchedCondition};
+
+/// How much of a task may be seen now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// History only.
+    Stage1,
+    /// All of it.
+    Stage2,
+}
+
+/// A task in a list. Says nothing of what comes after its keyframe.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct TaskSummary {
+    /// Id.
+    pub id: String,
+    /// Project.
+    pub project: String,
+    /// Clip.
+    pub clip_id: String,
+    /// Drive.
+    pub drive_id: String,
+    /// Class.
+    pub scenario_id: String,
+    /// Where it stands.
+    pub state: State,
+    /// How much may be seen.
+    pub stage: Stage,
+    /// Greater is sooner.
+    pub priority: i64,
+    /// Display name of who holds or is to have it.
+    pub assigned_to: Option<String>,
+    /// Display name of its author.
+    pub author: Option<String>,
+    /// Display name of its checker.
+    pub checker: Option<String>,
+    /// End of the lease, where one holds it.
+    pub lease_until: Option<i64>,
+    /// Several people label the same episode, each for themselves.
+    pub overlap: bool,
+    /// Outcome of adjudication: `chosen` or `superseded`.
+    pub adjudication: Option<String>,
+    /// When it last moved.
+    pub updated: i64,
+}
+
+/// A page of tasks.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Tasks {
+    /// By priority, then age.
+    pub items: Vec<TaskSummary>,
+    /// Value for `cursor`, where there are more.
+    pub next: Option<String>,
+}
+
+/// One task with all that may be seen of it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Task {
+    /// In short.
+    pub task: TaskSummary,
+    /// The label in the making (`CocLabel`); in Stage I only the fields of Stage I.
+    pub draft: Value,
+    /// Raised by each change of the draft: `base_version` of the next one.
+    pub version: i64,
+    /// How much may be seen.
+    pub stage: Stage,
+    /// The caller's fencing token, where the caller holds the lease.
+    pub fence: Option<i64>,
+    /// End of the caller's lease.
+    pub lease_until: Option<i64>,
+    /// What is to be done for this class; null for a class without a spec.
+    #[schemars(with = "Option<Value>")]
+    #[serde(skip_deserializing)]
+    pub spec: Option<ResolvedSpec>,
+    /// What the rule proposes.
+    pub suggestion: Suggestion,
+    /// Remarks; other people's only after Stage I.
+    pub comments: Vec<Comment>,
+    /// Entries of the history that the caller may see.
+    pub history_count: i64,
+    /// What the checker finds in the draft as it may be seen.
+    pub findings: Vec<Finding>,
+    /// What the caller may do now: actions, `edit`, `comment`, `assign`, `adjudicate`.
+    pub permissions: Vec<String>,
+    /// In rework and check: fields that differ from what was first suggested.
+    pub changed_from_suggestion: Vec<String>,
+}
+
+/// Keyframe and range by the rule.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Suggestion {
+    /// The keyframe; in Stage I without the end of its range.
+    pub keyframe: Keyframe,
+    /// Start of the range.
+    pub range_start: String,
+    /// End of the range; withheld in Stage I.
+    pub range_end: Option<String>,
+    /// The target of the rule.
+    pub target_id: Option<String>,
+    /// Conditions with their values; withheld in Stage I (signals may look ahead).
+    pub conditions: Vec<MatchedCondition>,
+    /// Signals that the rule reads.
+    pub signals: Vec<String>,
+}
+
+/// A finding of the checker.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Finding {
+    /// Stable code; `docs/diagnostics/<code>.md`.
+    pub code: String,
+    /// `error`, `warning` or `note`.
+    pub severity: String,
+    /// In Chinese.
+    pub message_zh: String,
+    /// In English.
+    pub message_en: String,
+    /// JSON pointer into the label.
+    pub pointer: String,
+    /// How to mend it, in Chinese.
+    pub hint_zh: Option<String>,
+    /// How to mend it, in English.
+    pub hint_en: Option<String>,
+}
+
+/// Body of `POST /projects/{p}/tasks:create`. One of `episodes` and `mined`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct CreateTasks {
+    /// Episodes as `whyroad mine` writes them.
+    #[schemars(with = "Vec<Value>")]
+    pub episodes: Vec<EpisodeRecord>,
+    /// Name of a mined folder that the service was started with (`GET /mined`).
+    pub mined: Option<String>,
+    /// At most so many tasks.
+    pub limit: Option<u32>,
+    /// At most so many a leaf.
+    pub per_leaf: Option<u32>,
+    /// People who label each episode, each for themselves; 1 when not given.
+    pub overlap: Option<u32>,
+    /// Greater is sooner.
+    pub priority: i64,
+    /// Secondary episodes too.
+    pub secondary: bool,
+    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody when
+    /// not given.
+    pub lang: Option<String>,
+}
+
+/// What was made.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Created {
+    /// Ids of the new tasks.
+    pub tasks: Vec<String>,
+    /// Episodes that were there already.
+    pub known: u32,
+    /// Episodes beyond a limit or not primary.
+    pub left_out: u32,
+    /// Episodes whose drive is not in the lake, with the reason.
+    pub lost: Vec<String>,
+}
+
+/// Folders of mining results that the service was started with.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MinedFolders {
+    /// By name.
+    pub items: Vec<MinedFolder>,
+}
+
+/// A folder of mining results.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MinedFolder {
+    /// Value for `mined`.
+    pub name: String,
+    /// Episodes in it.
+    pub episodes: u32,
+}
+
+/// Body of `POST /projects/{p}/tasks:next`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NextTask {
+    /// `label` (own unfinished and returned ones first), `check` or `audit`.
+    pub kind: Kind,
+}
+
+/// Kind of work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Stage I, II or rework.
+    Label,
+    /// Check.
+    Check,
+    /// Audit.
+    Audit,
+}
+
+/// Body of `POST /tasks/{t}/lease`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LeaseRequest {
+    /// What about it.
+    pub action: LeaseAction,
+    /// For heartbeat and release.
+    #[serde(default)]
+    pub fence: Option<i64>,
+}
+
+/// What about a lease.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum LeaseAction {
+    /// Have it.
+    Take,
+    /// Keep it.
+    Heartbeat,
+    /// Give it back.
+    Release,
+}
+
+/// A lease.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Lease {
+    /// Goes with every write; a newer lease makes older ones void.
+    pub fence: i64,
+    /// When it ends; null when given back.
+    pub lease_until: Option<i64>,
+    /// Where the task stands now.
+    pub state: State,
+}
+
+/// Body of `POST /tasks/{t}/assign`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Assign {
+    /// Name or id of the user; null for the queue.
+    pub user: Option<String>,
+}
+
+/// Body of `PATCH /tasks/{t}/draft`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DraftChange {
+    /// Fencing token of the lease.
+    pub fence: i64,
+    /// Version of the draft that the changes were made on.
+    pub base_version: i64,
+    /// In order; at most 100.
+    pub changes: Vec<FieldChange>,
+}
+
+/// One field set, added or removed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FieldChange {
+    /// JSON pointer into the label: `/coc_trace`, `/critical_components/0/description`; `-` as the last part appends.
+    pub path: String,
+    /// New value.
+    #[serde(default)]
+    pub value: Value,
+    /// Takes the field away instead.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub remove: bool,
+}
+
+/// Answer of `PATCH /tasks/{t}/draft`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct DraftSaved {
+    /// The draft's version now.
+    pub version: i64,
+    /// What the checker finds now.
+    pub findings: Vec<Finding>,
+    /// The whole draft, where others' changes came between.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub merged: Option<Value>,
+    /// End of the lease, renewed.
+    pub lease_until: i64,
+}
+
+/// In `more` of a 409 `draft.conflict`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Conflicts {
+    /// The draft's version now.
+    pub version: i64,
+    /// The draft now.
+    pub draft: Value,
+    /// Fields that both changed.
+    pub conflicts: Vec<FieldConflict>,
+}
+
+/// A field that two changed.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FieldConflict {
+    /// JSON pointer.
+    pub path: String,
+    /// What the caller wanted.
+    pub mine: Value,
+    /// What stands there now.
+    pub theirs: Value,
+}
+
+/// Body of `POST /tasks/{t}/actions`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TaskAction {
+    /// Fencing token; not needed by a lead who reopens, skips, rejects or adjudicates.
+    #[serde(default)]
+    pub fence: Option<i64>,
+    /// What to do.
+    pub action: ActionName,
+    /// Why; skip, reject, send_back and reopen need it.
+    #[serde(default)]
+    pub reason: Option<String>,
+    /// Remarks anchored to fields.
+    #[serde(default)]
+    pub comments: Vec<NewComment>,
+    /// For restore: entry of the history whose draft is to come back.
+    #[serde(default)]
+    pub seq: Option<i64>,
+}
+
+/// Actions of `POST /tasks/{t}/actions`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ActionName {
+    /// Ends Stage I.
+    LockStage1,
+    /// Hands in.
+    Submit,
+    /// Leaves out.
+    Skip,
+    /// Says that it cannot be labelled.
+    Reject,
+    /// Finds it good.
+    Accept,
+    /// Finds it wanting.
+    SendBack,
+    /// Begins anew.
+    Reopen,
+    /// Of an overlap group, takes this label.
+    Adjudicate,
+    /// Brings an earlier draft back.
+    Restore,
+}
+
+impl ActionName {
+    /// The workflow's action, where it is one.
+    pub fn in_workflow(self) -> Option<Action> {
+        Some(match self {
+            Self::LockStage1 => Action::LockStage1,
+            Self::Submit => Action::Submit,
+            Self::Skip => Action::Skip,
+            Self::Reject => Action::Reject,
+            Self::Accept => Action::Accept,
+            Self::SendBack => Action::SendBack,
+            Self::Reopen => Action::Reopen,
+            Self::Adjudicate | Self::Restore => return None,
+        })
+    }
+}
+
+/// The history of a task.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct History {
+    /// Oldest first. In Stage I only the caller's own.
+    pub items: Vec<HistoryEntry>,
+}
+
+/// One entry of the history.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct HistoryEntry {
+    /// From 1.
+    pub seq: i64,
+    /// When.
+    pub at: i64,
+    /// Display name of who did it.
+    pub actor: String,
+    /// `create`, `take`, `edit`, `submit`, ...
+    pub action: String,
+    /// State before.
+    pub from_state: Option<State>,
+    /// State after.
+    pub to_state: Option<State>,
+    /// The changed fields of an edit.
+    pub changes: Vec<FieldChange>,
+    /// Reason given.
+    pub comment: Option<String>,
+    /// The draft's version after it.
+    pub version: i64,
+}
+
+/// The draft as it was.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct DraftAt {
+    /// Entry of the history.
+    pub seq: i64,
+    /// The draft after it.
+    pub draft: Value,
+}
+
+/// A remark.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Comment {
+    /// Id.
+    pub id: String,
+    /// JSON pointer of the field; empty for the whole label.
+    pub path: String,
+    /// Display name of who wrote it.
+    pub author: String,
+    /// Plain text.
+    pub text: String,
+    /// When.
+    pub at: i64,
+    /// Seen to.
+    pub resolved: bool,
+}
+
+/// Body of `POST /tasks/{t}/comments`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewComment {
+    /// JSON pointer of the field; empty for the whole label.
+    pub path: String,
+    /// Plain text.
+    pub text: String,
+}
+
+/// Body of `POST /tasks/{t}/validate`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Validate {
+    /// A label.
+    pub label: Value,
+}
+
+/// What the checker finds.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Findings {
+    /// By place.
+    pub findings: Vec<Finding>,
+}
+
+/// The labels of one overlap group, side by side; only when all of them are submitted.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Overlap {
+    /// In the order of making.
+    pub items: Vec<OverlapItem>,
+}
+
+/// One label of an overlap group.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct OverlapItem {
+    /// The task.
+    pub task: TaskSummary,
+    /// Its label.
+    pub label: Value,
+}
+
+/// Answer of `POST /projects/{p}/import`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Imported {
+    /// Tasks made.
+    pub tasks: u32,
+    /// Tasks that were there already.
+    pub known: u32,
+    /// Lines that could not be read, with the reason.
+    pub lost: Vec<String>,
+}
+
+/// Classes, decisions and reference words for pickers.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FrameworkView {
+    /// `{l1: [{id, name, definition, l2: [..]}]}` in tree order.
+    pub taxonomy: Value,
+    /// `{longitudinal: [{id, name, meaning, not}], lateral: [{.., directions}], null: {..}}`.
+    pub decisions: Value,
+    /// Reference categories of components (LABELING.md 3).
+    pub categories: Vec<Value>,
+    /// Records that specs ask for, by id.
+    pub records: BTreeMap<String, Value>,
+    /// Versions of taxonomy and format.
+    pub versions: BTreeMap<String, String>,
+}

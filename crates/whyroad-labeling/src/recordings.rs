@@ -1,0 +1,30 @@
+//! What the service needs of the rest of the program: drives, signals, drafts, mined folders. Handed in by the caller,
+//! so that this crate reads no lake and derives no signal.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+
+/// Recorded drives and what is derived from them.
+pub trait Recordings: Send + Sync {
+    /// A drive; an error in words when it is not to be had.
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String>;
+
+    /// Signals of `drive`. The service hands in drives that were cut at the keyframe, so the result must depend on
+    /// nothing but the drive that is given.
+    fn signals(&self, drive: &Drive) -> SignalTable;
+
+    /// A label skeleton for an episode of `drive`.
+    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel;
+
+    /// Names of the folders of mining results that tasks can be made from.
+    fn mined(&self) -> Vec<String>;
+
+    /// Episodes of a mined folder; `None` for an unknown name.
+    fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>>;
+
+    /// The file of a camera frame, where it is on this machine.
+    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;
+}

@@ -1,0 +1,99 @@
+//! Random names, keyed hashes, passwords.
+
+use crate::problem::{Answer, Problem};
+use argon2::Argon2;
+use argon2::password_hash::{PasswordHasher, PasswordVerifier, phc::PasswordHash};
+use hmac::{Hmac, KeyInit, Mac};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+
+/// Least length of a password in characters.
+pub const PASSWORD_LENGTH: usize = 10;
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut out, b| {
+        let _ = write!(out, "{b:02x}");
+        out
+    })
+}
+
+/// `bytes` random bytes in hexadecimal.
+pub fn random(bytes: usize) -> Answer<String> {
+    let mut out = vec![0; bytes];
+    getrandom::fill(&mut out).map_err(Problem::store)?;
+    Ok(hex(&out))
+}
+
+/// An id: 80 random bits, so that none can be guessed and none tells how many there are.
+pub fn id() -> Answer<String> {
+    random(10)
+}
+
+/// SHA-256 in hexadecimal.
+pub fn hash(text: &str) -> String {
+    hash_bytes(text.as_bytes())
+}
+
+/// SHA-256 of bytes in hexadecimal.
+pub fn hash_bytes(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+/// HMAC-SHA256 in hexadecimal.
+pub fn sign(key: &str, message: &[u8]) -> String {
+    // HMAC takes keys of any length.
+    Hmac::<Sha256>::new_from_slice(key.as_bytes()).map_or_else(
+        |_| String::new(),
+        |mut mac| {
+            mac.update(message);
+            hex(&mac.finalize().into_bytes())
+        },
+    )
+}
+
+/// Compares in a time that does not tell where the difference is.
+pub fn same(a: &str, b: &str) -> bool {
+    a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |d, (x, y)| d | (x ^ y)) == 0
+}
+
+/// The hash of a new password (argon2id).
+pub fn hash_password(password: &str) -> Answer<String> {
+    if password.chars().count() < PASSWORD_LENGTH || password.len() > 1024 {
+        return Err(Problem::new(
+            422,
+            "password.length",
+            format!("密码至少 {PASSWORD_LENGTH} 个字符"),
+            format!("a password has at least {PASSWORD_LENGTH} characters"),
+        ));
+    }
+    let hash: PasswordHash = Argon2::default().hash_password(password.as_bytes()).map_err(Problem::store)?;
+    Ok(hash.to_string())
+}
+
+/// True when `password` is the one of `hash`.
+pub fn is_password(password: &str, hash: &str) -> bool {
+    PasswordHash::new(hash).is_ok_and(|h| Argon2::default().verify_password(password.as_bytes(), &h).is_ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hmac_is_that_of_rfc_4231() {
+        // RFC 4231, test case 2.
+        assert_eq!(
+            sign("Jefe", b"what do ya want for nothing?"),
+            "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
+        );
+    }
+
+    #[test]
+    fn passwords_are_told_apart_and_short_ones_refused() {
+        let hash = hash_password("correct horse").unwrap();
+        assert!(hash.starts_with("$argon2id$"));
+        assert!(is_password("correct horse", &hash));
+        assert!(!is_password("correct horsf", &hash));
+        assert_eq!(hash_password("short").unwrap_err().code, "password.length");
+    }
+}

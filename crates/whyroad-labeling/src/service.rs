@@ -1,0 +1,21 @@
+//! What the service does, one part a file. Functions take a transaction where several of them make one change.
+
+pub mod actions;
+pub mod audits;
+pub mod create;
+pub mod dashboard;
+pub mod drafts;
+pub mod findings;
+#[cfg(test)]
+mod fixtures;
+pub mod leases;
+pub mod list;
+pub mod people;
+pub mod permissions;
+pub mod pickers;
+pub mod projects;
+pub mod scene;
+pub mod tasks;
+pub mod transfer;
+pub mod visible;
+pub mod webhooks;

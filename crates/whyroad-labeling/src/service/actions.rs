@@ -1,0 +1,290 @@
+//! What is done to a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap group,
+//! and bringing an earlier draft back.
+
+use crate::api::wire::project::Project;
+use crate::api::wire::task::{ActionName, FieldChange, NewComment, Stage, TaskAction};
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::tasks::{self, Entry, TaskRow};
+use crate::service::{audits, dashboard, drafts, findings, leases};
+use crate::store::Tx;
+use crate::values;
+use crate::workflow::{self, Action, Actor, Draw, Role, State};
+use crate::{fields, secret};
+use serde_json::{Value, json};
+use whyroad_model::messages::{Provenance, ProvenanceSource};
+use whyroad_model::{FORMAT_VERSION, Nanos};
+
+/// Greatest length of a remark or reason in characters.
+const TEXT: usize = 4000;
+
+/// Does `request` to the task `id`. `name` is the actor's name to sign in with: it goes into the label.
+pub fn act(
+    app: &App,
+    tx: &mut dyn Tx,
+    id: &str,
+    (actor, name): (&Actor, &str),
+    project: &Project,
+    request: &TaskAction,
+) -> Answer<TaskRow> {
+    let mut t = tasks::get_for_change(tx, id)?;
+    let now = app.now();
+    let reason = request.reason.as_deref().map(str::trim).filter(|r| !r.is_empty());
+    check_texts(reason, &request.comments)?;
+    let Some(action) = request.action.in_workflow() else {
+        match request.action {
+            ActionName::Restore => restore(tx, &mut t, actor, project, request, now)?,
+            _ => adjudicate(tx, &mut t, actor, reason, now)?,
+        }
+        return Ok(t);
+    };
+    // A lead may end or reopen what others hold; whoever acts as holder shows the token.
+    let as_lead = actor.is(Role::Lead) && matches!(action, Action::Skip | Action::Reject | Action::Reopen);
+    if t.at.state.is_held() && !(as_lead && t.at.holder.as_deref() != Some(actor.id.as_str())) {
+        leases::held(&t, &actor.id, request.fence)?;
+    }
+    let draw = match action {
+        Action::Accept if t.at.state == State::InCheck => draw(app, tx, &t, project)?,
+        _ => Draw::Pass,
+    };
+    let next = workflow::step(&t.at, actor, action, draw)?;
+    need_reason(action, reason, &request.comments)?;
+    let from = t.at.state;
+    let mut changes = Vec::new();
+    let mut snapshot = None;
+    match action {
+        Action::LockStage1 => lockable(app, &t)?,
+        Action::Submit => {
+            changes = finish(app, &mut t, name, now)?;
+            // Whole, so that what was handed in can be compared without putting it together.
+            snapshot = Some(t.draft.clone());
+        }
+        Action::Accept | Action::SendBack if from == State::InAudit => t.audited = true,
+        Action::Reopen if next.state == State::Open => {
+            t.draft = t.initial.clone();
+            t.version += 1;
+            snapshot = Some(t.draft.clone());
+            t.audited = false;
+            reopen_group(tx, &mut t)?;
+        }
+        _ => {}
+    }
+    t.at = next;
+    if t.at.holder.is_none() {
+        t.lease_until = None;
+    } else {
+        leases::extend(&mut t, &project.settings, now);
+    }
+    if t.at.state.shows_future() {
+        tasks::show_future(tx, &t, &actor.id)?;
+    }
+    let entry = Entry {
+        action: action.word(),
+        actor: Some(&actor.id),
+        from: Some(from),
+        changes: &changes,
+        snapshot: snapshot.as_ref(),
+        note: reason,
+    };
+    tasks::record(tx, &mut t, &entry, now)?;
+    for comment in &request.comments {
+        remark(tx, &t, &actor.id, comment, now)?;
+    }
+    tasks::update(tx, &t)?;
+    Ok(t)
+}
+
+/// Writes a remark on a field; its id.
+pub fn remark(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, now: i64) -> Answer<String> {
+    check_texts(None, std::slice::from_ref(comment))?;
+    let id = secret::id()?;
+    tx.run(
+        "INSERT INTO comments (id, task_id, path, author, body, at, resolved) VALUES ($1, $2, $3, $4, $5, $6, 0)",
+        values![&id, &t.id, &comment.path, author, &comment.text, now],
+    )?;
+    Ok(id)
+}
+
+fn check_texts(reason: Option<&str>, comments: &[NewComment]) -> Answer<()> {
+    let long = |text: &str| text.chars().count() > TEXT;
+    let bad = |c: &NewComment| {
+        c.text.trim().is_empty() || long(&c.text) || c.path.len() > 200 || !is_pointer(&c.path)
+    };
+    if reason.is_some_and(long) || comments.len() > 100 || comments.iter().any(bad) {
+        return Err(Problem::request(format!("texts of 1 to {TEXT} characters, paths as JSON pointers")));
+    }
+    Ok(())
+}
+
+fn is_pointer(path: &str) -> bool {
+    path.is_empty() || path.starts_with('/')
+}
+
+fn need_reason(action: Action, reason: Option<&str>, comments: &[NewComment]) -> Answer<()> {
+    let given = match action {
+        Action::Skip | Action::Reject | Action::Reopen => reason.is_some(),
+        Action::SendBack => reason.is_some() || !comments.is_empty(),
+        _ => true,
+    };
+    if given {
+        return Ok(());
+    }
+    Err(Problem::new(422, "action.reason", "需要说明原因", "this needs a reason"))
+}
+
+/// Stage I locks only with a component and without errors in what will stay as it is.
+fn lockable(app: &App, t: &TaskRow) -> Answer<()> {
+    let described = |c: &Value| c["description"].as_str().is_some_and(|d| !d.trim().is_empty());
+    let any = t.draft.get("critical_components").and_then(Value::as_array);
+    if !any.is_some_and(|list| list.iter().any(described)) {
+        return Err(Problem::new(
+            422,
+            "stage1.empty",
+            "阶段一至少需要一个关键要素",
+            "Stage I needs at least one critical component",
+        ));
+    }
+    refuse_errors(findings::of(app, &t.draft, Stage::Stage1))
+}
+
+fn refuse_errors(found: Vec<crate::api::wire::task::Finding>) -> Answer<()> {
+    if !findings::has_error(&found) {
+        return Ok(());
+    }
+    Err(Problem::new(422, "label.findings", "标注还有错误", "the label still has errors")
+        .with(json!({ "findings": found })))
+}
+
+/// Notes who made the label, and refuses one with errors. What was changed.
+fn finish(app: &App, t: &mut TaskRow, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
+    let made = Provenance {
+        source: ProvenanceSource::Person,
+        by: Some(name.to_owned()),
+        at: Some(Nanos(now * 1_000_000)),
+        tool: Some(concat!("whyroad ", env!("CARGO_PKG_VERSION")).to_owned()),
+        versions: [("taxonomy".to_owned(), app.framework.taxonomy.version.clone())].into(),
+    };
+    let set = |path: &str, value: Value| FieldChange { path: path.to_owned(), value, remove: false };
+    let made = serde_json::to_value(made).map_err(Problem::store)?;
+    let changes = vec![set("/provenance", made), set("/version", json!(FORMAT_VERSION))];
+    for c in &changes {
+        fields::apply(&mut t.draft, c)?;
+    }
+    refuse_errors(findings::of(app, &t.draft, Stage::Stage2))?;
+    t.version += 1;
+    Ok(changes)
+}
+
+fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {
+    let (audited, failed) = dashboard::audit_record(tx, &project.id, t.at.author().unwrap_or_default())?;
+    Ok(audits::draw(&app.csrf_key, t, dashboard::audit_share(&project.settings, audited, failed)))
+}
+
+fn restore(
+    tx: &mut dyn Tx,
+    t: &mut TaskRow,
+    actor: &Actor,
+    project: &Project,
+    request: &TaskAction,
+    now: i64,
+) -> Answer<()> {
+    leases::held(t, &actor.id, request.fence)?;
+    if !t.at.state.is_editable() {
+        return Err(Problem::new(
+            409,
+            "task.wrong_state",
+            "当前状态下不能修改",
+            "it cannot be changed in this state",
+        ));
+    }
+    let seq = request.seq.ok_or_else(|| Problem::request("seq is missing"))?;
+    // Only what may be seen may come back.
+    drafts::at_for(tx, t, &actor.id, seq)?;
+    let old = drafts::at(tx, t, seq)?;
+    t.draft = drafts::restored(t, &old);
+    t.version += 1;
+    leases::extend(t, &project.settings, now);
+    let snapshot = t.draft.clone();
+    let note = seq.to_string();
+    let entry = Entry {
+        action: "restore",
+        actor: Some(&actor.id),
+        from: Some(t.at.state),
+        snapshot: Some(&snapshot),
+        note: Some(&note),
+        ..Entry::default()
+    };
+    tasks::record(tx, t, &entry, now)?;
+    tasks::update(tx, t)
+}
+
+/// The tasks of the overlap group of `t`, in the order of making.
+pub fn group(tx: &mut dyn Tx, t: &TaskRow) -> Answer<Vec<TaskRow>> {
+    let values = values![&t.project, &t.episode.episode_id];
+    tasks::select(tx, "project_id = $1 AND episode_id = $2 ORDER BY overlap_index", values)
+}
+
+/// True when every label of the group has been handed in: until then nobody sees another's.
+pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
+    let handed_in = |s: State| {
+        matches!(
+            s,
+            State::Submitted
+                | State::InCheck
+                | State::Rework
+                | State::Checked
+                | State::InAudit
+                | State::Accepted
+        )
+    };
+    let group = group(tx, t)?;
+    let left_out = |s: State| matches!(s, State::Skipped | State::Rejected);
+    Ok(group.iter().all(|o| handed_in(o.at.state) || left_out(o.at.state)))
+}
+
+/// Chooses this label of its overlap group. Who wrote one of them does not choose.
+fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&str>, now: i64) -> Answer<()> {
+    if !actor.is(Role::Lead) {
+        return Err(Problem::forbidden());
+    }
+    let group = group(tx, t)?;
+    if group.len() < 2 || !group_is_ready(tx, t)? || !t.at.state.shows_future() {
+        return Err(Problem::new(
+            409,
+            "overlap.not_ready",
+            "重叠标注尚未全部提交",
+            "not all labels of the overlap group are handed in",
+        ));
+    }
+    if group.iter().any(|o| o.at.authors.contains(&actor.id)) {
+        return Err(Problem::new(
+            403,
+            "task.own_work",
+            "不能裁决自己参与的标注",
+            "nobody chooses between their own label and others'",
+        ));
+    }
+    for other in group {
+        let mut o = if other.id == t.id { t.clone() } else { tasks::get_for_change(tx, &other.id)? };
+        o.adjudication = Some(if o.id == t.id { "chosen" } else { "superseded" }.to_owned());
+        let from = Some(o.at.state);
+        let entry =
+            Entry { action: "adjudicate", actor: Some(&actor.id), from, note: reason, ..Entry::default() };
+        tasks::record(tx, &mut o, &entry, now)?;
+        tasks::update(tx, &o)?;
+        if o.id == t.id {
+            *t = o;
+        }
+    }
+    Ok(())
+}
+
+/// A task that begins anew opens the choice again.
+fn reopen_group(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
+    t.adjudication = None;
+    tx.run(
+        "UPDATE tasks SET adjudication = NULL WHERE project_id = $1 AND episode_id = $2",
+        values![&t.project, &t.episode.episode_id],
+    )?;
+    Ok(())
+}

@@ -1,0 +1,245 @@
+//! Tasks from episodes. The draft comes in two parts: critical components from the drive cut at the keyframe, so that
+//! Stage I is not fed with the future; decision and trace from all of it.
+
+use crate::api::wire::project::Project;
+use crate::api::wire::task::{CreateTasks, Created};
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::tasks::{self, Entry, TaskRow};
+use crate::service::{projects, scene};
+use crate::store::Tx;
+use crate::workflow::Position;
+use crate::{secret, values};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use whyroad_framework::spec::PackSpec;
+use whyroad_model::messages::{Causes, CocLabel, EpisodeRecord};
+use whyroad_model::{Drive, Lang, Nanos, SignalTable};
+
+/// Most people on one episode.
+const MOST_OVERLAP: u32 = 10;
+/// Most episodes of one request.
+const MOST_EPISODES: usize = 20_000;
+/// Seconds of history that Stage I shows at least, and of future that Stage II does (LABELING.md 4 and 6).
+const HISTORY_S: f64 = 2.0;
+const FUTURE_S: f64 = 6.0;
+
+/// Makes tasks from episodes. `actor` is none for the command line.
+pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&str>) -> Answer<Created> {
+    let project = app.store.read(|tx| projects::get(tx, project))?;
+    let episodes = episodes(app, request)?;
+    let overlap = i64::from(request.overlap.unwrap_or(1));
+    if !(1..=i64::from(MOST_OVERLAP)).contains(&overlap) {
+        return Err(Problem::request(format!("overlap is 1 to {MOST_OVERLAP}")));
+    }
+    if request.lang.as_deref().is_some_and(|l| l.parse::<Lang>().is_err()) {
+        return Err(Problem::request("lang is zh or en"));
+    }
+    let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![] };
+    let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
+    let mut rows = Vec::new();
+    let mut chosen = 0;
+    let mut drive = None;
+    for episode in &episodes {
+        let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
+        let beyond =
+            request.limit.is_some_and(|l| chosen >= l) || request.per_leaf.is_some_and(|l| *leaf >= l);
+        if beyond || !(episode.is_primary || request.secondary) {
+            out.left_out += 1;
+            continue;
+        }
+        if is_known(app, &project.id, &episode.episode_id)? {
+            out.known += 1;
+            continue;
+        }
+        match Source::of(app, episode, &mut drive) {
+            Ok(source) => {
+                let lang = request.lang.clone().unwrap_or_default();
+                let first = row(app, &project, &source, episode, lang)?;
+                for index in 0..overlap {
+                    let (id, priority) = (secret::id()?, request.priority);
+                    rows.push(TaskRow {
+                        id,
+                        priority,
+                        overlap_index: index,
+                        overlap_count: overlap,
+                        ..first.clone()
+                    });
+                }
+                *leaf += 1;
+                chosen += 1;
+            }
+            Err(why) => out.lost.push(format!("{}: {why}", episode.episode_id)),
+        }
+    }
+    let (actor, now) = (actor.map(str::to_owned), app.now());
+    // A few at a time: somebody else's autosave does not wait for thousands of tasks.
+    for part in rows.chunks(50) {
+        let part = part.to_vec();
+        let actor = actor.clone();
+        let made = app.store.write(move |tx| {
+            let mut made = Vec::new();
+            for t in &part {
+                if store(tx, t.clone(), actor.as_deref(), now)? {
+                    made.push(t.id.clone());
+                }
+            }
+            Ok(made)
+        })?;
+        out.tasks.extend(made);
+    }
+    Ok(out)
+}
+
+fn episodes(app: &App, request: &CreateTasks) -> Answer<Vec<EpisodeRecord>> {
+    let mut all = match (&request.mined, request.episodes.is_empty()) {
+        (Some(name), true) => app.recordings.episodes(name).ok_or_else(Problem::missing)?,
+        (None, false) => request.episodes.clone(),
+        _ => return Err(Problem::request("either episodes or mined")),
+    };
+    if all.len() > MOST_EPISODES {
+        return Err(Problem::request(format!("at most {MOST_EPISODES} episodes")));
+    }
+    // Drive by drive, each in time: a drive is read once, and the queue shows nobody what comes before what they saw.
+    all.sort_by(|a, b| (&a.drive_id, a.keyframe.timestamp).cmp(&(&b.drive_id, b.keyframe.timestamp)));
+    Ok(all)
+}
+
+fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
+    let sql = "SELECT 1 FROM tasks WHERE project_id = $1 AND episode_id = $2 LIMIT 1";
+    app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
+}
+
+/// A drive with its signals, kept from one episode to the next.
+#[derive(Clone)]
+struct Source {
+    drive: std::sync::Arc<Drive>,
+    signals: std::sync::Arc<SignalTable>,
+}
+
+impl Source {
+    fn of(app: &App, episode: &EpisodeRecord, last: &mut Option<Source>) -> Result<Source, String> {
+        if let Some(source) = last.as_ref().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
+            return Ok(source.clone());
+        }
+        let drive = app.recordings.drive(&episode.drive_id)?;
+        let signals = std::sync::Arc::new(app.recordings.signals(&drive));
+        let source = Source { drive, signals };
+        *last = Some(source.clone());
+        Ok(source)
+    }
+}
+
+/// A task for an episode, not yet stored.
+pub fn prepare(
+    app: &App,
+    project: &Project,
+    episode: &EpisodeRecord,
+    priority: i64,
+    overlap_index: i64,
+    overlap_count: i64,
+) -> Answer<TaskRow> {
+    let source = Source::of(app, episode, &mut None).map_err(|why| {
+        Problem::new(
+            422,
+            "drive.missing",
+            format!("行程不可用：{why}"),
+            format!("the drive is not to be had: {why}"),
+        )
+    })?;
+    let row = row(app, project, &source, episode, String::new())?;
+    Ok(TaskRow { priority, overlap_index, overlap_count, ..row })
+}
+
+fn row(
+    app: &App,
+    project: &Project,
+    source: &Source,
+    episode: &EpisodeRecord,
+    lang: String,
+) -> Answer<TaskRow> {
+    let words = if lang.is_empty() { &project.settings.lang } else { &lang };
+    let initial = draft(app, source, episode, words.parse().unwrap_or_default())?;
+    let keyframe = episode.keyframe.timestamp;
+    let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
+    let PackSpec { before_s, after_s, .. } = pack.unwrap_or_default();
+    let range = &episode.time_range;
+    let from = range.start_timestamp.plus_secs(-before_s).min(keyframe.plus_secs(-HISTORY_S));
+    let to = range.end_timestamp.plus_secs(after_s).max(keyframe.plus_secs(FUTURE_S));
+    let now = app.now();
+    Ok(TaskRow {
+        id: secret::id()?,
+        project: project.id.clone(),
+        overlap_index: 0,
+        overlap_count: 1,
+        drive_id: episode.drive_id.to_string(),
+        clip_id: episode.clip_id.to_string(),
+        scenario_id: episode.scenario_id.to_string(),
+        keyframe_ns: keyframe.0,
+        from_ns: from.0,
+        to_ns: to.0,
+        episode: episode.clone(),
+        draft: initial.clone(),
+        initial,
+        version: 1,
+        priority: 0,
+        at: Position::open(),
+        audited: false,
+        adjudication: None,
+        assigned: None,
+        fence: 0,
+        lease_until: None,
+        seq: 0,
+        created: now,
+        updated: now,
+        lang,
+    })
+}
+
+fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang) -> Answer<Value> {
+    let whole = app.recordings.draft(&source.drive, &source.signals, episode, lang);
+    let keyframe = episode.keyframe.timestamp;
+    let history = scene::cut(&source.drive, keyframe);
+    let signals = app.recordings.signals(&history);
+    let before = app.recordings.draft(&history, &signals, &until(episode, keyframe), lang);
+    serde_json::to_value(join(whole, before, keyframe)).map_err(Problem::store)
+}
+
+/// The episode as it was known at the keyframe.
+fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
+    let mut e = episode.clone();
+    e.time_range.end_timestamp = keyframe;
+    e.time_range.end_frame_idx = None;
+    e.keyframe.range_end = None;
+    e.second_keyframe = None;
+    e.conditions_matched.clear();
+    e
+}
+
+/// `whole` with the components of `before`; causes that name a component which is gone go with it.
+fn join(mut whole: CocLabel, before: CocLabel, keyframe: Nanos) -> CocLabel {
+    whole.critical_components = before.critical_components;
+    for c in &mut whole.critical_components {
+        for at in &mut c.evidence_times {
+            *at = (*at).min(keyframe);
+        }
+    }
+    let ids: Vec<&str> = whole.critical_components.iter().filter_map(|c| c.id.as_deref()).collect();
+    let stands =
+        |cause: &whyroad_model::messages::Cause| cause.components.iter().all(|c| ids.contains(&c.as_str()));
+    whole.causes = whole
+        .causes
+        .map(|c| Causes { longitudinal: c.longitudinal.filter(stands), lateral: c.lateral.filter(stands) });
+    whole
+}
+
+/// Stores a task and the first entry of its history; false when its episode is there already.
+pub fn store(tx: &mut dyn Tx, mut t: TaskRow, actor: Option<&str>, now: i64) -> Answer<bool> {
+    if !tasks::insert(tx, &t)? {
+        return Ok(false);
+    }
+    let entry = Entry { action: "create", actor, ..Entry::default() };
+    tasks::record(tx, &mut t, &entry, now)?;
+    tasks::update(tx, &t)?;
+    Ok(true)
+}

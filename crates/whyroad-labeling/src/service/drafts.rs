@@ -1,0 +1,186 @@
+//! Saving the fields of a draft as they are changed, and putting an earlier draft together again from the history.
+
+use crate::api::wire::project::Settings;
+use crate::api::wire::task::{Conflicts, DraftChange, FieldChange, Stage};
+use crate::fields;
+use crate::problem::{Answer, Problem};
+use crate::service::projects::parse;
+use crate::service::tasks::{self, Entry, TaskRow};
+use crate::service::{leases, visible};
+use crate::store::Tx;
+use crate::values;
+use crate::workflow::State;
+use serde_json::Value;
+use whyroad_model::Nanos;
+
+/// What came of saving.
+#[derive(Clone, Debug)]
+pub struct Saved {
+    /// The task with its new draft.
+    pub task: TaskRow,
+    /// Others' changes came between and were kept.
+    pub merged: Merged,
+}
+
+/// Whether others' changes came between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Merged {
+    /// No.
+    No,
+    /// Yes: the caller does not have the draft as it is now.
+    Yes,
+}
+
+/// Saves changed fields, in one transaction with their entry in the history. Changes that were made on an older version
+/// are merged field by field.
+pub fn save(
+    tx: &mut dyn Tx,
+    task: &str,
+    user: &str,
+    settings: &Settings,
+    change: &DraftChange,
+    now: i64,
+) -> Answer<Saved> {
+    let mut t = tasks::get_for_change(tx, task)?;
+    leases::held(&t, user, Some(change.fence))?;
+    if !t.at.state.is_editable() {
+        return Err(Problem::new(
+            409,
+            "task.wrong_state",
+            "当前状态下不能修改",
+            "it cannot be changed in this state",
+        ));
+    }
+    if change.changes.is_empty() || change.changes.len() > fields::MAX_CHANGES {
+        return Err(Problem::request(format!("1 to {} changes", fields::MAX_CHANGES)));
+    }
+    for c in &change.changes {
+        visible::may_change(t.at.state, &c.path, &c.value, Nanos(t.keyframe_ns))?;
+    }
+    let changes = by_field(t.at.state, &change.changes);
+    let merged = if change.base_version == t.version { Merged::No } else { Merged::Yes };
+    if merged == Merged::Yes {
+        clash(tx, &t, change.base_version, &changes)?;
+    }
+    let mut draft = t.draft.clone();
+    for c in &changes {
+        fields::apply(&mut draft, c)?;
+    }
+    if draft.to_string().len() > fields::MAX_DRAFT {
+        return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
+    }
+    t.draft = draft;
+    t.version += 1;
+    leases::extend(&mut t, settings, now);
+    let from = Some(t.at.state);
+    let entry = Entry { action: "edit", actor: Some(user), from, changes: &changes, ..Entry::default() };
+    tasks::record(tx, &mut t, &entry, now)?;
+    tasks::update(tx, &t)?;
+    Ok(Saved { task: t, merged })
+}
+
+/// In Stage I a keyframe is set part by part, so that the end of its range, which is not shown, stays.
+fn by_field(state: State, changes: &[FieldChange]) -> Vec<FieldChange> {
+    let mut out = Vec::new();
+    for c in changes {
+        match c.value.as_object().filter(|_| state == State::Stage1 && c.path == "/keyframe") {
+            Some(parts) => out.extend(parts.iter().map(|(k, v)| FieldChange {
+                path: format!("/keyframe/{}", k.replace('~', "~0").replace('/', "~1")),
+                value: v.clone(),
+                remove: false,
+            })),
+            None => out.push(c.clone()),
+        }
+    }
+    out
+}
+
+/// Refuses when the fields of `mine` were changed by others since version `base`.
+fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answer<()> {
+    if base > t.version {
+        return Err(Problem::request(format!("base_version {base} is not there yet")));
+    }
+    let theirs = since(tx, t, base)?;
+    let conflicts = fields::conflicts(&t.draft, mine, &theirs);
+    if conflicts.is_empty() {
+        return Ok(());
+    }
+    let stage = visible::stage(t.at.state);
+    let more = Conflicts { version: t.version, draft: visible::label(&t.draft, stage), conflicts };
+    let more = serde_json::to_value(more).map_err(Problem::store)?;
+    Err(Problem::new(
+        409,
+        "draft.conflict",
+        "这些字段同时被另一处修改",
+        "these fields were changed elsewhere at the same time",
+    )
+    .with(more))
+}
+
+/// All changes after `version`; an entry that brought a whole draft counts as a change of each of its fields.
+fn since(tx: &mut dyn Tx, t: &TaskRow, version: i64) -> Answer<Vec<FieldChange>> {
+    let rows = tx.rows(
+        "SELECT changes, snapshot FROM history WHERE task_id = $1 AND version > $2 ORDER BY seq",
+        values![&t.id, version],
+    )?;
+    let mut out = Vec::new();
+    for row in rows {
+        if let Some(changes) = row.maybe_text(0)? {
+            out.extend(parse::<Vec<FieldChange>>(&changes)?);
+        }
+        if let Some(snapshot) = row.maybe_text(1)? {
+            let whole: Value = parse(&snapshot)?;
+            let fields = whole.as_object().into_iter().flatten();
+            out.extend(fields.map(|(k, v)| FieldChange {
+                path: format!("/{k}"),
+                value: v.clone(),
+                remove: false,
+            }));
+        }
+    }
+    Ok(out)
+}
+
+/// The draft as it was after entry `seq` of the history.
+pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
+    let rows = tx.rows(
+        "SELECT seq, changes, snapshot FROM history WHERE task_id = $1 AND seq <= $2 ORDER BY seq",
+        values![&t.id, seq],
+    )?;
+    if rows.last().map(|r| r.int(0)).transpose()? != Some(seq) {
+        return Err(Problem::missing());
+    }
+    let mut draft = t.initial.clone();
+    for row in rows {
+        if let Some(snapshot) = row.maybe_text(2)? {
+            draft = parse(&snapshot)?;
+        }
+        if let Some(changes) = row.maybe_text(1)? {
+            for c in parse::<Vec<FieldChange>>(&changes)? {
+                fields::apply(&mut draft, &c)?;
+            }
+        }
+    }
+    Ok(draft)
+}
+
+/// What of `old` comes back over `now` in this state: only what may be changed in it.
+pub fn restored(t: &TaskRow, old: &Value) -> Value {
+    let open = |field: &str| {
+        visible::may_change(t.at.state, &format!("/{field}"), &Value::Null, Nanos(t.keyframe_ns)).is_ok()
+    };
+    let mut out = t.draft.as_object().cloned().unwrap_or_default();
+    out.retain(|field, _| !open(field));
+    let back = old.as_object().into_iter().flatten().filter(|(field, _)| open(field));
+    out.extend(back.map(|(k, v)| (k.clone(), v.clone())));
+    Value::Object(out)
+}
+
+/// The draft after `seq` as `user` may see it now.
+pub fn at_for(tx: &mut dyn Tx, t: &TaskRow, user: &str, seq: i64) -> Answer<Value> {
+    let stage = visible::stage(t.at.state);
+    if stage == Stage::Stage1 && !visible::history(tx, t, user)?.iter().any(|e| e.seq == seq) {
+        return Err(Problem::missing());
+    }
+    Ok(visible::label(&at(tx, t, seq)?, stage))
+}

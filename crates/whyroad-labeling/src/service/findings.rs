@@ -1,0 +1,90 @@
+//! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what is
+//! the same for every task, so that no finding tells of hidden fields.
+
+use crate::api::wire::task::{Finding, Stage};
+use crate::app::App;
+use crate::service::visible;
+use serde_json::{Value, json};
+use whyroad_model::{Diagnostic, Nanos, Severity};
+
+/// Marks with which drafts open (whyroad-dataset `draft`); a trace that has one was not written by a person.
+const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
+
+/// Findings of this crate, beside those of whyroad-framework.
+pub const CODES: &[&str] = &["label.trace.draft"];
+
+/// The findings in `draft` as far as `stage` shows it, by place.
+pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
+    match stage {
+        Stage::Stage1 => {
+            let probe = probe(draft);
+            let mut found = check(app, &probe);
+            found.retain(|f| {
+                f.pointer.starts_with("/critical_components") || f.pointer.starts_with("/keyframe/timestamp")
+            });
+            found
+        }
+        Stage::Stage2 => {
+            let mut found = check(app, draft);
+            let trace = draft.get("coc_trace").and_then(Value::as_str).unwrap_or_default();
+            if DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
+                found.push(marked());
+            }
+            found
+        }
+    }
+}
+
+/// True when one of them is an error.
+pub fn has_error(findings: &[Finding]) -> bool {
+    findings.iter().any(|f| f.severity == "error")
+}
+
+/// What the checker says of any label.
+pub fn check(app: &App, label: &Value) -> Vec<Finding> {
+    app.checker.check_text(&label.to_string()).iter().map(finding).collect()
+}
+
+/// The visible part of a draft with neutral fields in place of the hidden ones.
+fn probe(draft: &Value) -> Value {
+    let mut label = visible::label(draft, Stage::Stage1);
+    let moment = |pointer: &str| label.pointer(pointer).and_then(Value::as_str).map(str::to_owned);
+    let keyframe = moment("/keyframe/timestamp").unwrap_or_default();
+    let start = moment("/time_range/start_timestamp").unwrap_or_else(|| keyframe.clone());
+    let end = Nanos::parse_iso(&keyframe).map(|k| k.plus_secs(1.0).to_string()).unwrap_or_default();
+    label["time_range"] = json!({ "start_timestamp": start, "end_timestamp": end });
+    label["driving_decision"] = json!({ "longitudinal": null, "lateral": null });
+    label["coc_trace"] = json!("");
+    label
+}
+
+fn finding(d: &Diagnostic) -> Finding {
+    let severity = match d.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    };
+    Finding {
+        code: d.code.to_owned(),
+        severity: severity.to_owned(),
+        message_zh: d.message.zh.clone(),
+        message_en: d.message.en.clone(),
+        pointer: d.place.pointer.clone().unwrap_or_default(),
+        hint_zh: d.hint.as_ref().map(|h| h.zh.clone()),
+        hint_en: d.hint.as_ref().map(|h| h.en.clone()),
+    }
+}
+
+fn marked() -> Finding {
+    Finding {
+        code: CODES[0].to_owned(),
+        severity: "error".to_owned(),
+        message_zh: "推理文本仍是程序的草稿".to_owned(),
+        message_en: "the trace is still the program's draft".to_owned(),
+        pointer: "/coc_trace".to_owned(),
+        hint_zh: Some("改写为：状态、原因、决策，并删去草稿标记".to_owned()),
+        hint_en: Some(
+            "write the state, why it calls for the decision, the decision; and take the mark away".to_owned(),
+        ),
+    }
+}

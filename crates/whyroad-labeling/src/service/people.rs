@@ -1,0 +1,138 @@
+//! Users, sessions, tokens.
+
+use crate::api::wire::people::User;
+use crate::problem::{Answer, Problem};
+use crate::store::{Row, Tx};
+use crate::{secret, values};
+
+/// How long a session lasts, ms.
+pub const SESSION_MS: i64 = 14 * 24 * 3_600_000;
+const COLUMNS: &str = "id, name, display, admin, lang, disabled";
+
+fn user(row: &Row) -> Answer<User> {
+    Ok(User {
+        id: row.text(0)?,
+        name: row.text(1)?,
+        display: row.text(2)?,
+        admin: row.int(3)? != 0,
+        lang: row.text(4)?,
+        disabled: row.int(5)? != 0,
+    })
+}
+
+/// All users by name.
+pub fn all(tx: &mut dyn Tx) -> Answer<Vec<User>> {
+    tx.rows(&format!("SELECT {COLUMNS} FROM users ORDER BY name"), &[])?.iter().map(user).collect()
+}
+
+/// The user with this id or name.
+pub fn find(tx: &mut dyn Tx, id_or_name: &str) -> Answer<Option<User>> {
+    let sql = format!("SELECT {COLUMNS} FROM users WHERE id = $1 OR name = $2");
+    tx.row(&sql, values![id_or_name, id_or_name])?.as_ref().map(user).transpose()
+}
+
+/// True while there is no user.
+pub fn is_first_run(tx: &mut dyn Tx) -> Answer<bool> {
+    Ok(tx.row("SELECT 1 FROM users LIMIT 1", &[])?.is_none())
+}
+
+/// Makes a user. `password_hash` comes from [`secret::hash_password`].
+pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> Answer<()> {
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '.' | '_' | '-' | '@');
+    if user.name.is_empty() || user.name.chars().count() > 64 || !user.name.chars().all(plain) {
+        return Err(Problem::new(
+            422,
+            "user.name",
+            "用户名只能含字母、数字和 . _ - @，至多 64 个字符",
+            "a user's name has letters, digits and . _ - @ only, at most 64",
+        ));
+    }
+    check_texts(user)?;
+    if find(tx, &user.name)?.is_some() {
+        return Err(Problem::new(409, "user.exists", "用户名已存在", "there is a user of this name"));
+    }
+    tx.run(
+        "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+         VALUES ($1, $2, $3, $4, $5, $6, 0, $7)",
+        values![&user.id, &user.name, &user.display, i64::from(user.admin), &user.lang, password_hash, now],
+    )?;
+    Ok(())
+}
+
+fn check_texts(user: &User) -> Answer<()> {
+    if !matches!(user.lang.as_str(), "zh" | "en") || user.display.chars().count() > 100 {
+        return Err(Problem::request("lang is zh or en, display at most 100 characters"));
+    }
+    Ok(())
+}
+
+/// Writes a user's display name, language, rights.
+pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
+    check_texts(user)?;
+    tx.run(
+        "UPDATE users SET display = $1, lang = $2, admin = $3, disabled = $4 WHERE id = $5",
+        values![&user.display, &user.lang, i64::from(user.admin), i64::from(user.disabled), &user.id],
+    )?;
+    if user.disabled {
+        end_sessions(tx, &user.id)?;
+    }
+    let admins = tx.row("SELECT 1 FROM users WHERE admin = 1 AND disabled = 0 LIMIT 1", &[])?;
+    if admins.is_none() {
+        return Err(Problem::new(409, "user.last_admin", "至少要有一个管理员", "there must be an admin"));
+    }
+    Ok(())
+}
+
+/// Sets a password and ends all sessions.
+pub fn set_password(tx: &mut dyn Tx, user: &str, hash: &str) -> Answer<()> {
+    tx.run("UPDATE users SET password_hash = $1 WHERE id = $2", values![hash, user])?;
+    end_sessions(tx, user)
+}
+
+fn end_sessions(tx: &mut dyn Tx, user: &str) -> Answer<()> {
+    tx.run("DELETE FROM sessions WHERE user_id = $1", values![user])?;
+    Ok(())
+}
+
+/// Id and password hash of the user of this name who may sign in.
+pub fn credentials(tx: &mut dyn Tx, name: &str) -> Answer<Option<(String, String)>> {
+    let row =
+        tx.row("SELECT id, password_hash FROM users WHERE name = $1 AND disabled = 0", values![name])?;
+    row.map(|r| Ok((r.text(0)?, r.text(1)?))).transpose()
+}
+
+/// The password hash of a user.
+pub fn password_hash(tx: &mut dyn Tx, user: &str) -> Answer<String> {
+    let row = tx.row("SELECT password_hash FROM users WHERE id = $1", values![user])?;
+    row.ok_or_else(Problem::missing)?.text(0)
+}
+
+/// Starts a session whose cookie is `cookie`, and forgets those that ended.
+pub fn start_session(tx: &mut dyn Tx, cookie: &str, user: &str, now: i64) -> Answer<()> {
+    tx.run("DELETE FROM sessions WHERE expires < $1", values![now])?;
+    tx.run(
+        "INSERT INTO sessions (hash, user_id, expires) VALUES ($1, $2, $3)",
+        values![secret::hash(cookie), user, now + SESSION_MS],
+    )?;
+    Ok(())
+}
+
+/// Ends a session.
+pub fn end_session(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
+    tx.run("DELETE FROM sessions WHERE hash = $1", values![secret::hash(cookie)])?;
+    Ok(())
+}
+
+/// Whose session this cookie is.
+pub fn by_cookie(tx: &mut dyn Tx, cookie: &str, now: i64) -> Answer<Option<User>> {
+    let sql = "SELECT u.id, u.name, u.display, u.admin, u.lang, u.disabled FROM sessions s JOIN users u ON u.id = s.user_id
+               WHERE s.hash = $1 AND s.expires >= $2 AND u.disabled = 0";
+    tx.row(sql, values![secret::hash(cookie), now])?.as_ref().map(user).transpose()
+}
+
+/// Whose API token this is.
+pub fn by_token(tx: &mut dyn Tx, token: &str) -> Answer<Option<User>> {
+    let sql = "SELECT u.id, u.name, u.display, u.admin, u.lang, u.disabled FROM api_tokens t JOIN users u ON u.id = t.user_id
+               WHERE t.hash = $1 AND u.disabled = 0";
+    tx.row(sql, values![secret::hash(token)])?.as_ref().map(user).transpose()
+}

@@ -1,0 +1,31 @@
+//! What somebody may do with a task now, in words that the page shows buttons by. Found by asking the workflow itself.
+
+use crate::problem::Answer;
+use crate::service::tasks::TaskRow;
+use crate::service::{actions, visible};
+use crate::store::Tx;
+use crate::workflow::{self, Action, Actor, Draw, Role, State};
+
+/// Actions that the workflow allows, and `edit`, `comment`, `assign`, `adjudicate`.
+pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
+    let mut out: Vec<String> = Action::ALL
+        .iter()
+        .filter(|a| workflow::step(&t.at, actor, **a, Draw::Pass).is_ok())
+        .map(|a| a.word().to_owned())
+        .collect();
+    let mut add = |word: &str, allowed: bool| {
+        if allowed {
+            out.push(word.to_owned());
+        }
+    };
+    let holds = t.at.holder.as_deref() == Some(actor.id.as_str());
+    let lead = actor.is(Role::Lead);
+    add("edit", holds && t.at.state.is_editable());
+    add("restore", holds && t.at.state.is_editable());
+    add("comment", holds || t.at.state.shows_future());
+    add("assign", lead && !matches!(t.at.state, State::Accepted));
+    let may_choose =
+        lead && t.overlap_count > 1 && visible::stage(t.at.state) == crate::api::wire::task::Stage::Stage2;
+    add("adjudicate", may_choose && actions::group_is_ready(tx, t)?);
+    Ok(out)
+}

@@ -1,0 +1,86 @@
+//! The framework as the page's pickers need it: names, meanings, closed sets, in both languages.
+
+use crate::api::wire::task::FrameworkView;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use whyroad_framework::decisions::DecisionText;
+use whyroad_framework::taxonomy::{Decides, L1, L2, L3};
+use whyroad_framework::{DecisionSets, Framework, Taxonomy};
+use whyroad_model::Bilingual;
+
+/// Reference categories of critical components (LABELING.md 3, AR1 table 2): word in the label, Chinese, English.
+const CATEGORIES: [(&str, &str, &str); 7] = [
+    ("critical_objects", "关键目标", "critical objects"),
+    ("traffic_lights", "交通信号灯", "traffic lights"),
+    ("yield_stop_control", "让行/停车控制", "yield or stop control"),
+    ("road_events", "道路事件", "road events"),
+    ("lane_and_lane_lines", "车道与车道线", "lane and lane lines"),
+    ("routing_intent", "导航意图", "routing intent"),
+    ("odd_constraints", "运行设计域约束", "ODD constraints"),
+];
+
+/// All of it.
+pub fn of(framework: &Framework) -> FrameworkView {
+    let category = |(id, zh, en): &(&str, &str, &str)| json!({ "id": id, "name": Bilingual::new(*zh, *en) });
+    let versions = [
+        ("format", whyroad_model::FORMAT_VERSION),
+        ("taxonomy", framework.taxonomy.version.as_str()),
+        ("decisions", framework.decisions.version.as_str()),
+        ("whyroad", env!("CARGO_PKG_VERSION")),
+    ];
+    FrameworkView {
+        taxonomy: taxonomy(&framework.taxonomy),
+        decisions: decisions(&framework.decisions),
+        categories: CATEGORIES.iter().map(category).collect(),
+        records: records(framework),
+        versions: versions.map(|(k, v)| (k.to_owned(), v.to_owned())).into(),
+    }
+}
+
+fn taxonomy(t: &Taxonomy) -> Value {
+    json!(t.l1.iter().map(l1).collect::<Vec<_>>())
+}
+
+fn l1(a: &L1) -> Value {
+    let below: Vec<Value> = a.l2.iter().map(|b| l2(a, b)).collect();
+    json!({ "id": a.id, "name": a.name, "definition": a.definition, "l2": below })
+}
+
+fn l2(a: &L1, b: &L2) -> Value {
+    let below: Vec<Value> = b.l3.iter().map(|c| l3(a, b, c)).collect();
+    json!({
+        "id": b.id, "full_id": format!("{}.{}", a.id, b.id), "name": b.name, "definition": b.definition,
+        "condition": b.condition, "typical_decisions": b.typical_decisions, "decides": decides(&b.decides), "l3": below,
+    })
+}
+
+fn l3(a: &L1, b: &L2, c: &L3) -> Value {
+    json!({
+        "id": c.id, "full_id": format!("{}.{}.{}", a.id, b.id, c.id), "name": c.name, "definition": c.definition,
+        "condition": c.condition, "typical_decisions": c.typical_decisions, "decides": decides(&c.decides),
+    })
+}
+
+fn decides(list: &[Decides]) -> Vec<Value> {
+    list.iter().map(|d| json!({ "against": d.against.to_string(), "rule": d.rule })).collect()
+}
+
+fn decisions(sets: &DecisionSets) -> Value {
+    let text = |t: &DecisionText| json!({ "name": t.name, "meaning": t.meaning, "not": t.not });
+    let with = |id: Value, t: &DecisionText, directions: Value| {
+        let mut out = text(t);
+        out["id"] = id;
+        out["directions"] = directions;
+        out
+    };
+    let longitudinal: Vec<Value> =
+        sets.longitudinal.iter().map(|d| with(json!(d.id), &d.text, json!([]))).collect();
+    let lateral: Vec<Value> =
+        sets.lateral.iter().map(|d| with(json!(d.id), &d.text, json!(d.directions))).collect();
+    json!({ "longitudinal": longitudinal, "lateral": lateral, "null": text(&sets.null_decision) })
+}
+
+fn records(framework: &Framework) -> BTreeMap<String, Value> {
+    let all = framework.specs.values().flat_map(|s| &s.records);
+    all.map(|r| (r.id.clone(), json!({ "name": r.name, "unit": r.unit }))).collect()
+}

@@ -1,0 +1,155 @@
+//! Projects and members.
+
+use crate::api::wire::project::{Member, Project, Settings};
+use crate::problem::{Answer, Problem};
+use crate::service::people;
+use crate::store::{Row, Tx};
+use crate::values;
+use crate::workflow::Role;
+
+const COLUMNS: &str = "id, name, guide, quota, settings";
+
+fn project(row: &Row) -> Answer<Project> {
+    Ok(Project {
+        id: row.text(0)?,
+        name: row.text(1)?,
+        guide: row.text(2)?,
+        quota: parse(&row.text(3)?)?,
+        settings: parse(&row.text(4)?)?,
+        roles: vec![],
+    })
+}
+
+/// A value that the store holds as JSON.
+pub fn parse<T: serde::de::DeserializeOwned>(text: &str) -> Answer<T> {
+    serde_json::from_str(text).map_err(Problem::store)
+}
+
+/// JSON for the store.
+pub fn json<T: serde::Serialize>(value: &T) -> Answer<String> {
+    serde_json::to_string(value).map_err(Problem::store)
+}
+
+/// All projects by name.
+pub fn all(tx: &mut dyn Tx) -> Answer<Vec<Project>> {
+    tx.rows(&format!("SELECT {COLUMNS} FROM projects ORDER BY name"), &[])?.iter().map(project).collect()
+}
+
+/// The project with this id or name.
+pub fn find(tx: &mut dyn Tx, id_or_name: &str) -> Answer<Option<Project>> {
+    let sql = format!("SELECT {COLUMNS} FROM projects WHERE id = $1 OR name = $2");
+    tx.row(&sql, values![id_or_name, id_or_name])?.as_ref().map(project).transpose()
+}
+
+/// The project with this id.
+pub fn get(tx: &mut dyn Tx, id: &str) -> Answer<Project> {
+    let row = tx.row(&format!("SELECT {COLUMNS} FROM projects WHERE id = $1"), values![id])?;
+    project(&row.ok_or_else(Problem::missing)?)
+}
+
+fn check(project: &Project) -> Answer<()> {
+    let Settings { lease_s, audit_min_percent, audit_max_percent, lang, history: _ } = &project.settings;
+    let sound = !project.name.trim().is_empty()
+        && project.name.chars().count() <= 100
+        && project.guide.len() <= 200_000
+        && (30..=3600).contains(lease_s)
+        && audit_min_percent <= audit_max_percent
+        && *audit_max_percent <= 100
+        && matches!(lang.as_str(), "zh" | "en");
+    if sound {
+        Ok(())
+    } else {
+        Err(Problem::new(
+            422,
+            "project.invalid",
+            "项目设置无效：名称 1–100 字符，租约 30–3600 秒，审计比例 0–100 且最小不大于最大",
+            "a project has a name of 1 to 100 characters, leases of 30 to 3600 s, audit shares of 0 to 100 in order",
+        ))
+    }
+}
+
+/// Stores a new project.
+pub fn create(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<()> {
+    check(project)?;
+    if find(tx, &project.name)?.is_some() {
+        return Err(Problem::new(409, "project.exists", "项目名已存在", "there is a project of this name"));
+    }
+    tx.run(
+        "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ($1, $2, $3, $4, $5, $6)",
+        values![
+            &project.id,
+            &project.name,
+            &project.guide,
+            json(&project.quota)?,
+            json(&project.settings)?,
+            now
+        ],
+    )?;
+    Ok(())
+}
+
+/// Stores a changed project.
+pub fn update(tx: &mut dyn Tx, project: &Project) -> Answer<()> {
+    check(project)?;
+    tx.run(
+        "UPDATE projects SET name = $1, guide = $2, quota = $3, settings = $4 WHERE id = $5",
+        values![&project.name, &project.guide, json(&project.quota)?, json(&project.settings)?, &project.id],
+    )?;
+    Ok(())
+}
+
+/// Roles of a user in a project.
+pub fn roles(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<Role>> {
+    let row =
+        tx.row("SELECT roles FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
+    row.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+}
+
+/// Classes that the queue gives a member; empty for all.
+pub fn skills(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
+    let row =
+        tx.row("SELECT skills FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
+    row.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+}
+
+/// Members by name.
+pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
+    let rows = tx.rows(
+        "SELECT m.user_id, m.roles, m.skills FROM members m JOIN users u ON u.id = m.user_id
+         WHERE m.project_id = $1 ORDER BY u.name",
+        values![project],
+    )?;
+    let mut out = Vec::new();
+    for row in rows {
+        let Some(user) = people::find(tx, &row.text(0)?)? else { continue };
+        out.push(Member { user, roles: parse(&row.text(1)?)?, skills: parse(&row.text(2)?)? });
+    }
+    Ok(out)
+}
+
+/// Adds, changes or (without roles) removes a member.
+pub fn set_member(
+    tx: &mut dyn Tx,
+    project: &str,
+    user: &str,
+    roles: &[Role],
+    skills: &[String],
+) -> Answer<()> {
+    if roles.is_empty() {
+        tx.run("DELETE FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
+        return Ok(());
+    }
+    tx.run(
+        "INSERT INTO members (project_id, user_id, roles, skills) VALUES ($1, $2, $3, $4)
+         ON CONFLICT (project_id, user_id) DO UPDATE SET roles = excluded.roles, skills = excluded.skills",
+        values![project, user, json(&roles)?, json(&skills)?],
+    )?;
+    Ok(())
+}
+
+/// True for who leads some project.
+pub fn leads_any(tx: &mut dyn Tx, user: &str) -> Answer<bool> {
+    let row = tx
+        .row("SELECT 1 FROM members WHERE user_id = $1 AND roles LIKE '%\"lead\"%' LIMIT 1", values![user])?;
+    Ok(row.is_some())
+}

@@ -1,0 +1,224 @@
+//! What of a drive is shown with a task. In Stage I everything is made from the drive *cut at the keyframe*: what is not
+//! in the cut drive cannot be in what is made from it, whatever the code below does.
+
+mod columns;
+mod cut;
+mod map;
+
+pub use cut::cut;
+pub use map::map;
+
+use crate::api::wire::scene::{CameraFrame, CameraView, EgoView, LightView, MetaView, SceneView};
+use crate::api::wire::task::Stage;
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::tasks::TaskRow;
+use crate::service::visible;
+use columns::{number, tracks, word};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
+use whyroad_model::{ClipId, Column, Drive, FrameRange, Nanos, SignalTable};
+
+/// Scenes kept.
+const KEPT: usize = 64;
+/// Signals that the plots show beside those of the rule.
+const PLOTTED: [&str; 2] = ["ego.lane_offset", "ego.jerk"];
+
+/// Scenes that were asked for last, so that a reload does not derive all signals again.
+#[derive(Debug, Default)]
+pub struct SceneCache {
+    scenes: Mutex<VecDeque<(String, Stage, Arc<SceneView>)>>,
+}
+
+impl SceneCache {
+    fn get(&self, task: &str, stage: Stage) -> Option<Arc<SceneView>> {
+        let scenes = self.scenes.lock().ok()?;
+        scenes.iter().find(|(t, s, _)| t == task && *s == stage).map(|(_, _, scene)| Arc::clone(scene))
+    }
+
+    fn put(&self, task: &str, stage: Stage, scene: &Arc<SceneView>) {
+        if let Ok(mut scenes) = self.scenes.lock() {
+            scenes.push_front((task.to_owned(), stage, Arc::clone(scene)));
+            scenes.truncate(KEPT);
+        }
+    }
+}
+
+/// The drive of a task as far as it may be seen, and the frames that are shown.
+pub struct Shown {
+    /// Whole, or cut at the keyframe.
+    pub drive: Arc<Drive>,
+    /// Frames that are shown.
+    pub frames: FrameRange,
+}
+
+/// What of the drive may be seen now.
+pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
+    let whole = app.recordings.drive(&t.drive_id.as_str().into()).map_err(|why| {
+        Problem::new(
+            503,
+            "drive.missing",
+            format!("行程不可用：{why}"),
+            format!("the drive is not to be had: {why}"),
+        )
+    })?;
+    let (drive, last) = match visible::stage(t.at.state) {
+        Stage::Stage1 => (Arc::new(cut(&whole, Nanos(t.keyframe_ns))), t.keyframe_ns),
+        Stage::Stage2 => (whole, t.to_ns),
+    };
+    let start = drive.times.partition_point(|at| at.0 < t.from_ns);
+    let end = drive.times.partition_point(|at| at.0 <= last);
+    Ok(Shown { drive, frames: FrameRange::new(start, end) })
+}
+
+/// The scene of a task.
+pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
+    let stage = visible::stage(t.at.state);
+    if let Some(scene) = app.scenes.get(&t.id, stage) {
+        return Ok(scene);
+    }
+    let Shown { drive, frames } = shown(app, t)?;
+    let signals = app.recordings.signals(&drive);
+    let view = Arc::new(view(t, stage, &drive, frames, &signals));
+    app.scenes.put(&t.id, stage, &view);
+    Ok(view)
+}
+
+fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {
+    let keyframe = Nanos(t.keyframe_ns);
+    let times = &drive.times[frames.start..frames.end];
+    let clip = drive
+        .clips()
+        .iter()
+        .enumerate()
+        .find(|(i, _)| ClipId::of(&drive.meta.drive_id, *i).as_str() == t.clip_id)
+        .map_or(0, |(_, c)| c.start);
+    SceneView {
+        stage,
+        frame_rate: FRAME_RATE_HZ,
+        times: times.iter().map(ToString::to_string).collect(),
+        t_s: times.iter().map(|at| columns::rounded(at.seconds_since(keyframe))).collect(),
+        clip_frames: (frames.start..frames.end).map(|f| f as i64 - clip as i64).collect(),
+        keyframe_index: times.partition_point(|at| *at <= keyframe).saturating_sub(1),
+        ego: ego(drive, frames, signals),
+        tracks: tracks(drive, frames),
+        lights: lights(drive, times),
+        meta: MetaView {
+            longitudinal: words(signals.frame_columns.get("ego.meta_longitudinal"), frames),
+            lateral: words(signals.frame_columns.get("ego.meta_lateral"), frames),
+        },
+        cameras: cameras(t, drive, times),
+        signals: columns::signals(t, &PLOTTED, signals, frames),
+        hidden_until: (stage == Stage::Stage1).then(|| "stage2".to_owned()),
+    }
+}
+
+fn words(column: Option<&Column>, frames: FrameRange) -> Vec<Option<String>> {
+    (frames.start..frames.end).map(|f| column.and_then(|c| c.category(f)).map(str::to_owned)).collect()
+}
+
+fn ego(drive: &Drive, frames: FrameRange, signals: &SignalTable) -> Option<EgoView> {
+    let ego = drive.ego.as_ref()?;
+    let m = &ego.motion;
+    let column =
+        |values: &[f64]| (frames.start..frames.end).map(|f| number(values.get(f).copied())).collect();
+    let from_signal = |name: &str| {
+        let column = signals.frame_columns.get(name);
+        (frames.start..frames.end).map(|f| number(column.and_then(|c| c.number(f)))).collect()
+    };
+    Some(EgoView {
+        size: [ego.length_m, ego.width_m],
+        x: column(&m.x),
+        y: column(&m.y),
+        heading: column(&m.heading),
+        speed: from_signal("ego.forward_speed"),
+        accel: from_signal("ego.accel"),
+        yaw_rate: from_signal("ego.yaw_rate"),
+        steering: column(&ego.bus.steering),
+        turn_signal: (frames.start..frames.end)
+            .map(|f| ego.bus.turn_signal.get(f).copied().flatten().map(indicator))
+            .collect(),
+    })
+}
+
+fn indicator(state: TurnSignal) -> String {
+    word(&state)
+}
+
+/// States from the last one before the shown frames on, by lane, then time.
+fn lights(drive: &Drive, times: &[Nanos]) -> Vec<LightView> {
+    let (Some(states), Some(first), Some(last)) = (&drive.lights, times.first(), times.last()) else {
+        return vec![];
+    };
+    let mut out: Vec<LightView> = Vec::new();
+    for state in states.iter().filter(|s| s.time <= *last) {
+        let view = LightView {
+            lane_id: state.lane_id.clone(),
+            to_lane_id: state.to_lane_id.clone(),
+            t_index: times.partition_point(|at| *at < state.time),
+            colour: word(&state.colour),
+        };
+        // Of those before the first frame only the newest holds.
+        let older = out.last().is_some_and(|o| {
+            o.t_index == 0
+                && view.t_index == 0
+                && state.time <= *first
+                && (&o.lane_id, &o.to_lane_id) == (&view.lane_id, &view.to_lane_id)
+        });
+        if older {
+            out.pop();
+        }
+        let same = out.last().is_some_and(|o| {
+            (&o.lane_id, &o.to_lane_id, &o.colour) == (&view.lane_id, &view.to_lane_id, &view.colour)
+        });
+        if !same {
+            out.push(view);
+        }
+    }
+    out
+}
+
+/// Pictures of the shown time, by camera.
+fn pictures<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaFrame>)> {
+    let (Some(media), Some(first), Some(last)) = (&drive.media, times.first(), times.last()) else {
+        return vec![];
+    };
+    let mut out: Vec<(&str, Vec<&MediaFrame>)> = Vec::new();
+    for frame in media.iter().filter(|m| m.time >= *first && m.time <= *last) {
+        match out.last_mut().filter(|(camera, _)| *camera == frame.camera) {
+            Some((_, frames)) => frames.push(frame),
+            None => out.push((&frame.camera, vec![frame])),
+        }
+    }
+    out
+}
+
+fn cameras(t: &TaskRow, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
+    let keyframe = Nanos(t.keyframe_ns);
+    let camera = |(camera, frames): (&str, Vec<&MediaFrame>)| CameraView {
+        camera: camera.to_owned(),
+        frames: frames
+            .iter()
+            .enumerate()
+            .map(|(index, frame)| CameraFrame {
+                index,
+                t_index: times.partition_point(|at| *at <= frame.time).saturating_sub(1),
+                t_s: columns::rounded(frame.time.seconds_since(keyframe)),
+                url: format!("/api/v1/tasks/{}/media/{}/{index}", t.id, columns::escaped(camera)),
+            })
+            .collect(),
+    };
+    pictures(drive, times).into_iter().map(camera).collect()
+}
+
+/// The file of picture `index` of `camera` among those that may be seen.
+pub fn picture(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<PathBuf> {
+    let Shown { drive, frames } = shown(app, t)?;
+    let all = pictures(&drive, &drive.times[frames.start..frames.end]);
+    let found =
+        all.iter().find(|(name, _)| *name == camera).and_then(|(_, frames)| frames.get(index).copied());
+    let frame = found.ok_or_else(Problem::missing)?;
+    app.recordings.media(&drive.meta.drive_id, frame).ok_or_else(Problem::missing)
+}

@@ -1,0 +1,94 @@
+//! Columns of a scene as the wire has them: rounded numbers, words, null for what is unknown.
+
+use crate::api::wire::scene::{Numbers, TrackView};
+use crate::service::tasks::TaskRow;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use whyroad_model::scene::Track;
+use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
+
+/// To a thousandth: a millimetre, a millisecond, a twentieth of a degree. A scene is half as large so.
+pub(super) fn rounded(x: f64) -> f64 {
+    let r = (x * 1000.0).round() / 1000.0;
+    // No -0: it would be written as such.
+    if r == 0.0 { 0.0 } else { r }
+}
+
+/// A number for the wire: unknown and endless ones are null.
+pub(super) fn number(x: Option<f64>) -> Option<f64> {
+    x.filter(|x| x.is_finite()).map(rounded)
+}
+
+/// A unit variant as its word.
+pub(super) fn word<T: serde::Serialize>(value: &T) -> String {
+    serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// A camera's name inside a URL.
+pub(super) fn escaped(name: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.' | b'~');
+    name.bytes().map(|b| if plain(b) { (b as char).to_string() } else { format!("%{b:02X}") }).collect()
+}
+
+/// Tracks that were seen in the shown frames.
+pub(super) fn tracks(drive: &Drive, frames: FrameRange) -> Vec<TrackView> {
+    drive.tracks.iter().filter_map(|t| track(t, frames)).collect()
+}
+
+fn track(t: &Track, shown: FrameRange) -> Option<TrackView> {
+    let rows = t.frames.partition_point(|f| (*f as usize) < shown.start)
+        ..t.frames.partition_point(|f| (*f as usize) < shown.end);
+    let (first, last) =
+        (*t.frames.get(rows.clone())?.first()? as usize, *t.frames.get(rows.end - 1)? as usize);
+    let mut row_of: Vec<Option<usize>> = vec![None; last + 1 - first];
+    for row in rows.clone() {
+        row_of[t.frames[row] as usize - first] = Some(row);
+    }
+    let column = |value: &dyn Fn(usize) -> f64| -> Numbers {
+        row_of.iter().map(|row| number(row.map(value))).collect()
+    };
+    let newest = |sizes: &[f64]| rows.clone().rev().find_map(|row| number(sizes.get(row).copied()));
+    let m = &t.motion;
+    Some(TrackView {
+        id: t.id.to_string(),
+        class: word(&t.class),
+        length: newest(&t.length_m),
+        width: newest(&t.width_m),
+        first: first - shown.start,
+        x: column(&|row| m.x[row]),
+        y: column(&|row| m.y[row]),
+        heading: column(&|row| m.heading[row]),
+        speed: column(&|row| m.speed(row)),
+        visible: column(&|row| t.visible_share.get(row).copied().unwrap_or(f64::NAN)),
+    })
+}
+
+/// Signals of the rule and `plotted`, by name: of the ego, or of the rule's target.
+pub(super) fn signals(
+    t: &TaskRow,
+    plotted: &[&str],
+    table: &SignalTable,
+    frames: FrameRange,
+) -> BTreeMap<String, Vec<Value>> {
+    let target: Option<&TrackId> = t.episode.target_id.as_ref();
+    let span = target.and_then(|id| table.target(id));
+    let names = t.episode.signals.iter().map(String::as_str).chain(plotted.iter().copied());
+    let mut out = BTreeMap::new();
+    for name in names {
+        if let Some(column) = table.frame_columns.get(name) {
+            out.insert(name.to_owned(), (frames.start..frames.end).map(|f| value(column, f)).collect());
+        } else if let (Some(column), Some(span)) = (table.target_columns.get(name), span) {
+            let at = |f: usize| span.row(f).map_or(Value::Null, |row| value(column, row));
+            out.insert(name.to_owned(), (frames.start..frames.end).map(at).collect());
+        }
+    }
+    out
+}
+
+fn value(column: &Column, row: usize) -> Value {
+    match column {
+        Column::Number(_) => number(column.number(row)).map_or(Value::Null, Value::from),
+        Column::Flag(_) => column.flag(row).known().map_or(Value::Null, Value::from),
+        Column::Category { .. } => column.category(row).map_or(Value::Null, Value::from),
+    }
+}

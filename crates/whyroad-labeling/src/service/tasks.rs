@@ -1,0 +1,281 @@
+//! Tasks as the store has them: reading, writing, listing, and their append-only history.
+
+use crate::api::wire::project::HistoryRule;
+use crate::api::wire::task::{FieldChange, TaskSummary};
+use crate::problem::{Answer, Problem};
+use crate::service::projects::{json, parse};
+use crate::service::{visible, webhooks};
+use crate::store::{Row, Tx, Value as Cell};
+use crate::values;
+use crate::workflow::{Actor, Position, Role, Seen, State};
+use serde_json::Value;
+use std::collections::HashMap;
+use whyroad_model::messages::EpisodeRecord;
+
+/// A task whole.
+#[derive(Clone, Debug)]
+pub struct TaskRow {
+    /// Id.
+    pub id: String,
+    /// Project id.
+    pub project: String,
+    /// Number in the overlap group, from 0.
+    pub overlap_index: i64,
+    /// Size of the overlap group.
+    pub overlap_count: i64,
+    /// Drive.
+    pub drive_id: String,
+    /// Clip.
+    pub clip_id: String,
+    /// Class.
+    pub scenario_id: String,
+    /// Suggested keyframe: in Stage I nothing after it is shown.
+    pub keyframe_ns: i64,
+    /// First moment that is shown.
+    pub from_ns: i64,
+    /// Last moment that is shown in Stage II.
+    pub to_ns: i64,
+    /// What mining found.
+    pub episode: EpisodeRecord,
+    /// The draft as it was suggested.
+    pub initial: Value,
+    /// The draft now.
+    pub draft: Value,
+    /// Raised by each change of the draft.
+    pub version: i64,
+    /// Greater is sooner.
+    pub priority: i64,
+    /// Workflow.
+    pub at: Position,
+    /// An audit has judged the present or an earlier submission.
+    pub audited: bool,
+    /// `chosen`, `superseded`.
+    pub adjudication: Option<String>,
+    /// To whom it was given by hand.
+    pub assigned: Option<String>,
+    /// Fencing token of the newest lease.
+    pub fence: i64,
+    /// End of the lease.
+    pub lease_until: Option<i64>,
+    /// Last entry of the history.
+    pub seq: i64,
+    /// When it was made.
+    pub created: i64,
+    /// When it last moved.
+    pub updated: i64,
+    /// Language that the label is to be written in: `zh`, `en`, or empty for any.
+    pub lang: String,
+}
+
+impl TaskRow {
+    /// True for who holds it, wrote it last, or was given it and may still begin.
+    pub fn is_of(&self, user: &str) -> bool {
+        let author = self.at.author();
+        let given = self.assigned.as_deref() == Some(user) && author.is_none();
+        self.at.holder.as_deref() == Some(user) || author == Some(user) || given
+    }
+}
+
+const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
+    to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
+    assigned, holder, fence, lease_until, seq, created, updated, lang";
+
+fn task(row: &Row) -> Answer<TaskRow> {
+    let state = row.text(15)?;
+    Ok(TaskRow {
+        id: row.text(0)?,
+        project: row.text(1)?,
+        overlap_index: row.int(2)?,
+        overlap_count: row.int(3)?,
+        drive_id: row.text(4)?,
+        clip_id: row.text(5)?,
+        scenario_id: row.text(6)?,
+        keyframe_ns: row.int(7)?,
+        from_ns: row.int(8)?,
+        to_ns: row.int(9)?,
+        episode: parse(&row.text(10)?)?,
+        initial: parse(&row.text(11)?)?,
+        draft: parse(&row.text(12)?)?,
+        version: row.int(13)?,
+        priority: row.int(14)?,
+        at: Position {
+            state: State::from_word(&state).ok_or_else(|| Problem::store(format!("state '{state}'")))?,
+            authors: parse(&row.text(16)?)?,
+            checker: row.maybe_text(17)?,
+            auditor: row.maybe_text(18)?,
+            holder: row.maybe_text(23)?,
+            checked: row.int(19)? != 0,
+        },
+        audited: row.int(20)? != 0,
+        adjudication: row.maybe_text(21)?,
+        assigned: row.maybe_text(22)?,
+        fence: row.int(24)?,
+        lease_until: row.maybe_int(25)?,
+        seq: row.int(26)?,
+        created: row.int(27)?,
+        updated: row.int(28)?,
+        lang: row.text(29)?,
+    })
+}
+
+/// The task with this id.
+pub fn get(tx: &mut dyn Tx, id: &str) -> Answer<TaskRow> {
+    let row = tx.row(&format!("SELECT {COLUMNS} FROM tasks WHERE id = $1"), values![id])?;
+    task(&row.ok_or_else(Problem::missing)?)
+}
+
+/// The task with this id, kept from other writers until the transaction ends.
+pub fn get_for_change(tx: &mut dyn Tx, id: &str) -> Answer<TaskRow> {
+    let sql = format!("SELECT {COLUMNS} FROM tasks WHERE id = $1{}", tx.lock());
+    task(&tx.row(&sql, values![id])?.ok_or_else(Problem::missing)?)
+}
+
+/// Tasks that fit `condition`, a piece of SQL of this crate's own with `values`.
+pub fn select(tx: &mut dyn Tx, condition: &str, values: &[Cell]) -> Answer<Vec<TaskRow>> {
+    tx.rows(&format!("SELECT {COLUMNS} FROM tasks WHERE {condition}"), values)?.iter().map(task).collect()
+}
+
+/// Stores a new task; false when its episode is there already.
+pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
+    let n = tx.run(
+        "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
+           keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
+           fence, seq, created, updated, lang)
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, '[]', 0, 0, 0, 0, $18, $19, $20)
+         ON CONFLICT DO NOTHING",
+        values![
+            &t.id, &t.project, &t.episode.episode_id, t.overlap_index, t.overlap_count, &t.drive_id, &t.clip_id,
+            &t.scenario_id, t.keyframe_ns, t.from_ns, t.to_ns, json(&t.episode)?, json(&t.initial)?, json(&t.draft)?,
+            t.version, t.priority, t.at.state.word(), t.created, t.updated, &t.lang,
+        ],
+    )?;
+    Ok(n == 1)
+}
+
+/// Writes what can change of a task.
+pub fn update(tx: &mut dyn Tx, t: &TaskRow) -> Answer<()> {
+    tx.run(
+        "UPDATE tasks SET draft = $1, version = $2, priority = $3, state = $4, authors = $5, author = $6, checker = $7,
+           auditor = $8, checked = $9, audited = $10, adjudication = $11, assigned = $12, holder = $13, fence = $14,
+           lease_until = $15, seq = $16, updated = $17 WHERE id = $18",
+        values![
+            json(&t.draft)?, t.version, t.priority, t.at.state.word(), json(&t.at.authors)?,
+            t.at.author(), t.at.checker.as_ref(), t.at.auditor.as_ref(), i64::from(t.at.checked), i64::from(t.audited),
+            t.adjudication.as_ref(), t.assigned.as_ref(), t.at.holder.as_ref(), t.fence, t.lease_until, t.seq,
+            t.updated, &t.id,
+        ],
+    )?;
+    Ok(())
+}
+
+/// One entry of the history to be written.
+#[derive(Clone, Debug, Default)]
+pub struct Entry<'a> {
+    /// `take`, `edit`, ...
+    pub action: &'a str,
+    /// Who; none for the command line.
+    pub actor: Option<&'a str>,
+    /// State before.
+    pub from: Option<State>,
+    /// Fields changed.
+    pub changes: &'a [FieldChange],
+    /// The draft whole, where it did not come by changes.
+    pub snapshot: Option<&'a Value>,
+    /// Reason.
+    pub note: Option<&'a str>,
+}
+
+/// Appends to the history of `t` and counts it there; the caller writes `t` after it.
+pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
+    t.seq += 1;
+    t.updated = now;
+    let changes = if entry.changes.is_empty() { None } else { Some(json(&entry.changes)?) };
+    tx.run(
+        "INSERT INTO history (task_id, seq, at, actor, action, from_state, to_state, changes, snapshot, note, version)
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+        values![
+            &t.id, t.seq, now, entry.actor, entry.action, entry.from.map(State::word), t.at.state.word(), changes,
+            entry.snapshot.map(json).transpose()?, entry.note, t.version,
+        ],
+    )?;
+    webhooks::announce(tx, t, entry, now)
+}
+
+/// Display names of users, by id.
+pub fn names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
+    tx.rows("SELECT id, display FROM users", &[])?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+}
+
+/// A task in short.
+pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
+    let name = |id: Option<&str>| id.map(|id| names.get(id).cloned().unwrap_or_else(|| id.to_owned()));
+    TaskSummary {
+        id: t.id.clone(),
+        project: t.project.clone(),
+        clip_id: t.clip_id.clone(),
+        drive_id: t.drive_id.clone(),
+        scenario_id: t.scenario_id.clone(),
+        state: t.at.state,
+        stage: visible::stage(t.at.state),
+        priority: t.priority,
+        assigned_to: name(t.at.holder.as_deref().or(t.assigned.as_deref())),
+        author: name(t.at.author()),
+        checker: name(t.at.checker.as_deref()),
+        lease_until: t.lease_until.filter(|_| t.at.holder.is_some()),
+        overlap: t.overlap_count > 1,
+        adjudication: t.adjudication.clone(),
+        updated: t.updated,
+    }
+}
+
+/// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its drive.
+pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: HistoryRule) -> Answer<Actor> {
+    let has_seen = if knows(tx, t, user, rule)? { Seen::Future } else { Seen::History };
+    Ok(Actor { id: user.to_owned(), roles: roles.to_vec(), has_seen })
+}
+
+fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<bool> {
+    let row = match rule {
+        HistoryRule::Drive => tx.row(
+            "SELECT 1 FROM seen WHERE user_id = $1 AND drive_id = $2 AND to_ns > $3 AND from_ns < $4 LIMIT 1",
+            values![user, &t.drive_id, t.keyframe_ns, t.to_ns],
+        )?,
+        HistoryRule::Episode => tx.row(
+            "SELECT 1 FROM seen s JOIN tasks o ON o.id = s.task_id
+             WHERE s.user_id = $1 AND s.drive_id = $2 AND o.episode_id = $3 LIMIT 1",
+            values![user, &t.drive_id, &t.episode.episode_id],
+        )?,
+    };
+    Ok(row.is_some())
+}
+
+/// True when `user` was shown the future of `t` in this very task.
+pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
+    Ok(tx.row("SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2", values![user, &t.id])?.is_some())
+}
+
+/// Notes that `user` is shown the future of `t`. Refused while they are in Stage I of another task that it would give away.
+pub fn show_future(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
+    if was_shown(tx, t, user)? {
+        return Ok(());
+    }
+    let stage1 = tx.row(
+        "SELECT id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
+           AND keyframe_ns < $4 AND to_ns > $5 LIMIT 1",
+        values![user, &t.drive_id, &t.id, t.to_ns, t.from_ns],
+    )?;
+    if let Some(other) = stage1 {
+        return Err(Problem::new(
+            409,
+            "task.stage1_first",
+            "这会显示您正在做阶段一的另一任务的未来；请先完成或释放该任务",
+            "this would show the future of another task whose Stage I you are in: finish or release that one first",
+        )
+        .with(serde_json::json!({ "task": other.text(0)? })));
+    }
+    tx.run(
+        "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5) ON CONFLICT DO NOTHING",
+        values![user, &t.id, &t.drive_id, t.from_ns, t.to_ns],
+    )?;
+    Ok(())
+}

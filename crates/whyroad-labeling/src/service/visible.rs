@@ -1,0 +1,203 @@
+//! What of a task may be seen in which stage. Everything that leaves the service about a task goes through here or
+//! through [`super::scene`]: in Stage I nothing that tells of the time after the keyframe, and nobody else's words.
+
+use crate::api::wire::task::{Comment, HistoryEntry, Stage, Suggestion, Task};
+use crate::app::App;
+use crate::problem::{Answer, Problem};
+use crate::service::projects::parse;
+use crate::service::tasks::{self, TaskRow};
+use crate::service::{findings, permissions};
+use crate::store::Tx;
+use crate::values;
+use crate::workflow::{Actor, State};
+use serde_json::{Map, Value, json};
+use std::collections::HashMap;
+use whyroad_model::Nanos;
+
+/// Fields of the label that Stage I shows, beside the start of `time_range`.
+const STAGE1_FIELDS: [&str; 5] = ["version", "clip_id", "scenario", "keyframe", "critical_components"];
+/// Fields that Stage I may change.
+const STAGE1_OPEN: [&str; 2] = ["critical_components", "keyframe"];
+
+/// How much of a task in `state` is shown, to whomever.
+pub fn stage(state: State) -> Stage {
+    if state.shows_future() { Stage::Stage2 } else { Stage::Stage1 }
+}
+
+/// A label as far as `stage` shows it.
+pub fn label(label: &Value, stage: Stage) -> Value {
+    if stage == Stage::Stage2 {
+        return label.clone();
+    }
+    let mut out = Map::new();
+    for name in STAGE1_FIELDS {
+        if let Some(value) = label.get(name) {
+            out.insert(name.to_owned(), value.clone());
+        }
+    }
+    if let Some(keyframe) = out.get_mut("keyframe").and_then(Value::as_object_mut) {
+        keyframe.remove("range_end");
+    }
+    if let Some(start) = label.pointer("/time_range/start_timestamp") {
+        out.insert("time_range".to_owned(), json!({ "start_timestamp": start }));
+    }
+    Value::Object(out)
+}
+
+/// Refuses a change of `path` that the task's state does not allow.
+pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
+    let field = crate::fields::top(path);
+    match state {
+        State::Stage1 if !STAGE1_OPEN.contains(&field) => Err(Problem::new(
+            422,
+            "draft.hidden",
+            format!("阶段一只能修改关键要素和关键帧，不能修改 {path}"),
+            format!("Stage I changes critical components and the keyframe, not {path}"),
+        )),
+        State::Stage1 if field == "keyframe" => not_after(path, value, keyframe),
+        State::Stage2 if field == "critical_components" => Err(Problem::new(
+            422,
+            "draft.frozen",
+            "阶段一已锁定，关键要素不能再改",
+            "Stage I is locked: its critical components stay as they are",
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// In Stage I the keyframe may move back, never into what is not shown.
+fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
+    let hidden = path.ends_with("/range_end") || value.get("range_end").is_some();
+    let moment = match path {
+        "/keyframe" => value.get("timestamp").and_then(Value::as_str),
+        "/keyframe/timestamp" | "/keyframe/range_start" => value.as_str(),
+        _ => None,
+    };
+    let late = moment.is_some_and(|t| Nanos::parse_iso(t).is_ok_and(|t| t > keyframe));
+    // Whole, it would take its hidden end away, and a conflict about it would tell that end.
+    let whole = path == "/keyframe" && !value.is_object();
+    if hidden || late || whole {
+        return Err(Problem::new(
+            422,
+            "draft.after_keyframe",
+            "阶段一中关键帧不能晚于建议的时刻",
+            "in Stage I the keyframe cannot be later than suggested",
+        ));
+    }
+    Ok(())
+}
+
+/// What the rule proposed, as far as it may be seen.
+fn suggestion(t: &TaskRow) -> Suggestion {
+    let e = &t.episode;
+    let mut keyframe = e.keyframe.clone();
+    let whole = stage(t.at.state) == Stage::Stage2;
+    if !whole {
+        keyframe.range_end = None;
+    }
+    Suggestion {
+        keyframe,
+        range_start: e.time_range.start_timestamp.to_string(),
+        range_end: whole.then(|| e.time_range.end_timestamp.to_string()),
+        target_id: e.target_id.as_ref().map(ToString::to_string),
+        conditions: if whole { e.conditions_matched.clone() } else { vec![] },
+        signals: e.signals.clone(),
+    }
+}
+
+/// Remarks on a task that `user` may see; in Stage I only their own.
+pub fn comments(
+    tx: &mut dyn Tx,
+    t: &TaskRow,
+    user: &str,
+    names: &HashMap<String, String>,
+) -> Answer<Vec<Comment>> {
+    let all = stage(t.at.state) == Stage::Stage2;
+    let rows = tx.rows(
+        "SELECT id, path, author, body, at, resolved FROM comments WHERE task_id = $1 ORDER BY at, id",
+        values![&t.id],
+    )?;
+    let mut out = Vec::new();
+    for row in rows {
+        let author = row.text(2)?;
+        if all || author == user {
+            let author = names.get(&author).cloned().unwrap_or(author);
+            let (id, path, text) = (row.text(0)?, row.text(1)?, row.text(3)?);
+            out.push(Comment { id, path, author, text, at: row.int(4)?, resolved: row.int(5)? != 0 });
+        }
+    }
+    Ok(out)
+}
+
+/// The history of a task as `user` may see it; in Stage I only what they did since the task was last opened.
+pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEntry>> {
+    let all = stage(t.at.state) == Stage::Stage2;
+    let names = tasks::names(tx)?;
+    let rows = tx.rows(
+        "SELECT seq, at, actor, action, from_state, to_state, changes, note, version FROM history
+         WHERE task_id = $1 ORDER BY seq",
+        values![&t.id],
+    )?;
+    let mut out = Vec::new();
+    for row in rows {
+        let actor = row.maybe_text(2)?;
+        let (from, to) = (row.maybe_text(4)?, row.maybe_text(5)?);
+        let state = |word: Option<String>| word.and_then(|w| State::from_word(&w));
+        let (from_state, to_state) = (state(from), state(to));
+        let action = row.text(3)?;
+        if !all {
+            // What was done before it was opened anew may tell of the future, even to who did it.
+            if action == "reopen" {
+                out.clear();
+            }
+            let future = [from_state, to_state].into_iter().flatten().any(State::shows_future);
+            if actor.as_deref() != Some(user) || future || action == "reopen" {
+                continue;
+            }
+        }
+        out.push(HistoryEntry {
+            seq: row.int(0)?,
+            at: row.int(1)?,
+            actor: actor.map_or_else(|| "whyroad".to_owned(), |a| names.get(&a).cloned().unwrap_or(a)),
+            action,
+            from_state,
+            to_state,
+            changes: row.maybe_text(6)?.map(|c| parse(&c)).transpose()?.unwrap_or_default(),
+            comment: row.maybe_text(7)?,
+            version: row.int(8)?,
+        });
+    }
+    Ok(out)
+}
+
+/// The whole answer about one task.
+pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Task> {
+    let names = tasks::names(tx)?;
+    let stage = stage(t.at.state);
+    let shown = label(&t.draft, stage);
+    let mine = t.at.holder.as_deref() == Some(actor.id.as_str());
+    let history_count = match stage {
+        Stage::Stage1 => history(tx, t, &actor.id)?.len() as i64,
+        Stage::Stage2 => t.seq,
+    };
+    Ok(Task {
+        version: t.version,
+        stage,
+        fence: mine.then_some(t.fence),
+        lease_until: t.lease_until.filter(|_| mine),
+        spec: app.framework.specs.get(&t.episode.scenario_id).cloned(),
+        suggestion: suggestion(t),
+        comments: comments(tx, t, &actor.id, &names)?,
+        history_count,
+        findings: findings::of(app, &t.draft, stage),
+        permissions: permissions::of(tx, t, actor)?,
+        changed_from_suggestion: changed(t, stage),
+        task: tasks::summary(t, &names),
+        draft: shown,
+    })
+}
+
+/// Fields that differ from the suggestion, of those that may be seen.
+fn changed(t: &TaskRow, stage: Stage) -> Vec<String> {
+    crate::fields::differing(&label(&t.initial, stage), &label(&t.draft, stage))
+}
