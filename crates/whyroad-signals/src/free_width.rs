@@ -142,13 +142,20 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
     room
 }
 
-fn room_ahead(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize) -> f64 {
+/// Least width of the corridor ahead between the road's edges and those objects that `counts` tells.
+fn room_ahead(
+    on: &OnRoad<'_>,
+    edges: &Edges,
+    near: &[&Placement],
+    frame: usize,
+    counts: fn(&Placement) -> bool,
+) -> f64 {
     let s = on.path.ego_s[frame];
     let from = s + on.ego.front();
     let range = edges.between(from, from + AHEAD_M);
     let mut room: Vec<[f64; 2]> =
         edges.stations[range.clone()].iter().map(|e| e.map(|d| d.min(FREE_M))).collect();
-    for p in near.iter().filter(|p| !moves_along(p)) {
+    for p in near.iter().filter(|p| counts(p)) {
         let (first, last) = (s + p.near, s + p.far);
         if last < from || first > from + AHEAD_M {
             continue;
@@ -177,7 +184,7 @@ fn room_ahead(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize)
         .fold(f64::INFINITY, |least, w| if least.is_nan() || w.is_nan() { f64::NAN } else { least.min(w) })
 }
 
-/// Writes `map.free_width_left`, `free_width_right`, `free_width_ahead`.
+/// Writes `map.free_width_left`, `free_width_right`, `free_width_ahead`, `meeting_width_ahead`.
 pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
     if !on.ego.length.is_finite() || !on.ego.width.is_finite() {
         return;
@@ -190,6 +197,9 @@ pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'
     let room: Vec<[f64; 2]> = frames().map(beside).collect();
     table.number("map.free_width_left", room.iter().map(|r| r[0]).collect());
     table.number("map.free_width_right", room.iter().map(|r| r[1]).collect());
-    let ahead = |i: usize| if on.ego.is_known(i) { room_ahead(on, &edges, &near[i], i) } else { f64::NAN };
-    table.number("map.free_width_ahead", frames().map(ahead).collect());
+    let ahead = |i: usize, counts: fn(&Placement) -> bool| {
+        if on.ego.is_known(i) { room_ahead(on, &edges, &near[i], i, counts) } else { f64::NAN }
+    };
+    table.number("map.free_width_ahead", frames().map(|i| ahead(i, |p| !moves_along(p))).collect());
+    table.number("map.meeting_width_ahead", frames().map(|i| ahead(i, |p| p.speed() < MOVING_MPS)).collect());
 }

@@ -263,6 +263,9 @@ fn room_between_two_boxes() {
     near(t.ego("map.free_width_ahead", 70), 10.5, 0.03);
     // Frame 78: ego front at 80, the car at 122 with its near end at 120: its side 2.5 left, the edge 1.75 right.
     near(t.ego("map.free_width_ahead", 78), 4.25, 0.03);
+    // For a meeting only what stands counts: the same two at 30, the whole road at 78, where only the oncoming car is ahead.
+    near(t.ego("map.meeting_width_ahead", 30), 3.6, 1e-6);
+    near(t.ego("map.meeting_width_ahead", 78), 10.5, 0.03);
 
     // A car across the path where it was really driven had left before the ego came.
     let mut d = drive(80, |t| (10.0 * t, 0.0, 0.0));
