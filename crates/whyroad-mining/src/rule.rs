@@ -30,6 +30,7 @@ pub const CODES: &[&str] = &[
     "rule.call",
     "rule.target",
     "rule.block",
+    "rule.name",
     "rule.precedence",
     "rule.case",
     "mine.drive.unreadable",

@@ -56,8 +56,8 @@ fn a_wrong_rule_is_shown_where_it_stands() {
         ),
         (
             "scenarios/proactive/lane_change.yaml",
-            "in {left, right} and",
-            "in {left, right and",
+            "lane_change in {left, right} and",
+            "lane_change in {left, right and",
             "rule.syntax",
         ),
         ("schema/precedence.yaml", "- safety.aeb", "- safety.aebs", "rule.precedence"),

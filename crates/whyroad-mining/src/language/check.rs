@@ -4,6 +4,7 @@
 mod atoms;
 mod calls;
 mod compare;
+mod define;
 mod moments;
 mod names;
 mod words;
@@ -14,8 +15,8 @@ use words::{kind_en, kind_zh, mismatch};
 
 use super::Fault;
 use super::program::{Kind, NodeId, Op, Program, Scope, Subject};
-use super::syntax::{ArithmeticOp, Expr, ExprKind, Quantity, Span};
-use std::collections::BTreeMap;
+use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Quantity, Span};
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::Nanos;
 use whyroad_model::units::Dimension;
 use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, TargetRestriction};
@@ -26,7 +27,9 @@ pub struct Checker<'a> {
     /// Named numbers of the rule.
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule, in terms of which others may be written.
-    pub definitions: BTreeMap<String, (Expr, NodeId)>,
+    pub(crate) definitions: BTreeMap<String, Definition>,
+    /// Values of categories that have been compared with: they cannot be names of something else as well.
+    values: BTreeSet<String>,
     /// What has been built so far.
     pub program: Program,
     /// Restriction of the target by prefixes such as `target_vehicle.`.
@@ -44,6 +47,14 @@ pub struct RoleNames {
     pub first: Option<String>,
     /// Name of the second role, such as `obstacle`.
     pub second: Option<String>,
+}
+
+/// What a name of the rule stands for.
+#[derive(Clone, Debug)]
+pub(crate) struct Definition {
+    expr: Expr,
+    node: NodeId,
+    extent: Extent,
 }
 
 /// Whom `target.` means.
@@ -64,6 +75,7 @@ impl<'a> Checker<'a> {
             catalogue,
             parameters: BTreeMap::new(),
             definitions: BTreeMap::new(),
+            values: BTreeSet::new(),
             program: Program::default(),
             subject: None,
             roles: RoleNames::default(),
@@ -219,8 +231,8 @@ impl<'a> Checker<'a> {
         if let Some(q) = self.parameters.get(name) {
             return Ok(self.program.add(Op::Constant(q.base()), Kind::Number(q.unit.dimension)));
         }
-        if let Some((_, id)) = self.definitions.get(name) {
-            return Ok(*id);
+        if let Some(definition) = self.definitions.get(name) {
+            return Ok(definition.node);
         }
         if let "true" | "false" = name {
             return Ok(self.flag(Op::Truth(name == "true")));

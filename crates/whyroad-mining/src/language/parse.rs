@@ -18,16 +18,26 @@
 //! `a for 1 s and b` is refused, not guessed at: it wants parentheses.
 
 use super::Fault;
-use super::syntax::{ArithmeticOp, Expr, ExprKind, Span};
+use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Span};
 use super::token::{Token, tokens};
 
 /// The expression in `text`, or the first fault.
 pub fn parse(text: &str) -> Result<Expr, Fault> {
     let tokens = tokens(text)?;
+    if let Some((_, span)) = tokens.get(MAX_TOKENS) {
+        return Err(Fault::new(
+            "rule.syntax",
+            *span,
+            format!("表达式过长：超过 {MAX_TOKENS} 个词"),
+            format!("the expression is too long: more than {MAX_TOKENS} words and signs"),
+        )
+        .hint("请用 define 分成几个有名字的部分", "name parts of it under `define`"));
+    }
     let end = Span { start: text.trim_end().len(), end: text.trim_end().len() };
     let mut parser = Parser { tokens, at: 0, end, depth: 0 };
     let expr = parser.sequence()?;
     match parser.peek() {
+        None if !expr.extent(&|_| Extent::default()).is_sane() => Err(too_large(expr.span)),
         None => Ok(expr),
         Some(Token::Keyword(k @ ("and" | "or"))) => {
             let k = *k;
@@ -45,8 +55,22 @@ pub fn parse(text: &str) -> Result<Expr, Fault> {
     }
 }
 
-/// Deeper nesting than any person writes is refused rather than risking the stack.
+/// Parentheses in parentheses: the parser goes through all its levels for each.
 const MAX_DEPTH: usize = 64;
+/// Bounds the chains (`not not a`, `a + b + c`) that are built without parentheses.
+const MAX_TOKENS: usize = 2000;
+
+/// The fault for an expression that is beyond [`Extent::MOST`].
+pub fn too_large(span: Span) -> Fault {
+    let most = Extent::MOST;
+    Fault::new(
+        "rule.syntax",
+        span,
+        format!("嵌套超过 {} 层，或展开后超过 {} 项", most.height, most.size),
+        format!("nested more than {} deep, or more than {} parts in all", most.height, most.size),
+    )
+    .hint("请写得简单些", "write it more simply")
+}
 
 struct Parser {
     tokens: Vec<(Token, Span)>,
@@ -102,12 +126,7 @@ impl Parser {
     fn sequence(&mut self) -> Result<Expr, Fault> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(Fault::new(
-                "rule.syntax",
-                self.span(),
-                "嵌套过深",
-                format!("nested more than {MAX_DEPTH} deep"),
-            ));
+            return Err(too_large(self.span()));
         }
         let mut left = self.held(Postfix::All)?;
         while self.keyword("then") {
@@ -315,7 +334,7 @@ impl Parser {
         if self.sign('-') {
             self.depth += 1;
             if self.depth > MAX_DEPTH {
-                return Err(self.unexpected("rule.syntax", "嵌套过深", "nested too deep"));
+                return Err(too_large(start));
             }
             let of = self.prefix()?;
             self.depth -= 1;

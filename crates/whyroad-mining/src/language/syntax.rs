@@ -28,6 +28,64 @@ pub struct Expr {
     pub span: Span,
 }
 
+/// How large an expression is, what stands for its names included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Number of expressions from the whole to its deepest part, each in the one before.
+    pub height: usize,
+    /// Number of expressions in it.
+    pub size: usize,
+}
+
+impl Extent {
+    /// More than any person writes is refused: what reads, tells and evaluates expressions goes into them by
+    /// recursion, and definitions that name each other twice double at every step.
+    pub const MOST: Extent = Extent { height: 100, size: 20_000 };
+
+    /// True when it is within [`Extent::MOST`].
+    pub fn is_sane(self) -> bool {
+        self.height <= Self::MOST.height && self.size <= Self::MOST.size
+    }
+}
+
+impl Expr {
+    /// How large this is; `named` says it of what stands for a name.
+    pub fn extent(&self, named: &dyn Fn(&str) -> Extent) -> Extent {
+        let below = match &self.kind {
+            ExprKind::Name(name) => named(name),
+            _ => self.parts().into_iter().map(|e| e.extent(named)).fold(Extent::default(), |a, b| Extent {
+                height: a.height.max(b.height),
+                size: a.size.saturating_add(b.size),
+            }),
+        };
+        Extent { height: below.height + 1, size: below.size.saturating_add(1) }
+    }
+
+    /// The expressions of which it is made.
+    pub fn parts(&self) -> Vec<&Expr> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Name(_) => vec![],
+            ExprKind::Negate(a)
+            | ExprKind::Not(a)
+            | ExprKind::Known(a)
+            | ExprKind::At(a)
+            | ExprKind::In(a, _) => vec![a],
+            ExprKind::Call(_, all) | ExprKind::And(all) | ExprKind::Or(all) => all.iter().collect(),
+            ExprKind::Compare(a, rest) => {
+                std::iter::once(a.as_ref()).chain(rest.iter().map(|(_, e)| e)).collect()
+            }
+            ExprKind::Arithmetic(_, a, b)
+            | ExprKind::For(a, b)
+            | ExprKind::Within(a, b)
+            | ExprKind::Gaps(a, b) => vec![a, b],
+            ExprKind::Then(a, b, c) => vec![a, b, c],
+            ExprKind::Since(a, b, c) | ExprKind::Until(a, b, c) => {
+                [a, b].into_iter().chain(c).map(Box::as_ref).collect()
+            }
+        }
+    }
+}
+
 /// Kinds of expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {

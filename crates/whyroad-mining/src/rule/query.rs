@@ -3,6 +3,7 @@
 mod clause;
 
 use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
+use crate::language::parse::too_large;
 use crate::language::program::{Kind, Op};
 use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
@@ -76,7 +77,8 @@ pub fn compile_query(
     for (i, clause) in query.conditions.iter().enumerate() {
         let pointer = format!("/mining_query/conditions/{i}");
         let Some(expr) = reader.clause(clause, &pointer) else { continue };
-        let whole = reader.checker.condition(&expr).and_then(|id| {
+        let sane = if reader.checker.extent(&expr).is_sane() { Ok(()) } else { Err(too_large(expr.span)) };
+        let whole = sane.and_then(|()| reader.checker.condition(&expr)).and_then(|id| {
             reader.checker.atoms(&expr, &mut atoms)?;
             parts.extend(Part::of(reader.checker, &expr, PartPlace::When)?);
             Ok(id)

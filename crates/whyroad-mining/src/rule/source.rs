@@ -91,13 +91,8 @@ pub fn compile(
             return Err(vec![Diagnostic::error("rule.block", message).at(origin.place("/mining"))]);
         }
     };
-    let mut c = Compiler {
-        checker: Checker::new(catalogue),
-        catalogue,
-        origin,
-        found: Vec::new(),
-        broken: BTreeSet::new(),
-    };
+    let mut c =
+        Compiler { checker: Checker::new(catalogue), origin, found: Vec::new(), broken: BTreeSet::new() };
     let roles = c.roles(block.target.as_deref(), &block.roles);
     c.parameters(&block.parameters);
     c.define(&block.define);
@@ -157,7 +152,6 @@ type Told = (Vec<Atom>, Vec<Part>);
 
 pub(super) struct Compiler<'a> {
     pub(super) checker: Checker<'a>,
-    catalogue: &'a Catalogue,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
     /// Parameters and definitions that have been reported: that they are missing elsewhere is not news.
@@ -236,20 +230,13 @@ impl Compiler<'_> {
                     continue;
                 }
             };
-            let unexplained = parameter.reason.trim().is_empty();
-            if unexplained || name.contains('.') || self.catalogue.get(name).is_some() {
-                let span = Span { start: 0, end: name.len() };
-                let fault = if unexplained {
-                    Fault::new("rule.block", span, "参数缺少理由", "the parameter has no reason")
-                } else {
-                    Fault::new(
-                        "rule.block",
-                        span,
-                        "参数与信号重名",
-                        "the parameter's name is that of a signal",
-                    )
-                };
+            let span = Span { start: 0, end: name.len() };
+            if parameter.reason.trim().is_empty() {
+                let fault = Fault::new("rule.block", span, "参数缺少理由", "the parameter has no reason");
                 self.report(&key, name, fault);
+            }
+            if !self.claim(&key, name) {
+                continue;
             }
             match self.quantity(&parameter.value, &key) {
                 Some(q) => {
@@ -265,20 +252,26 @@ impl Compiler<'_> {
     fn define(&mut self, block: &Mapping) {
         for (name, value) in block {
             let (Some(name), Some(text)) = (name.as_str(), value.as_str()) else { continue };
-            let checked = parse::parse(text).and_then(|expr| {
-                let id = self.checker.lower(&expr)?;
-                Ok((expr, id))
-            });
-            match checked {
-                Ok(definition) => {
-                    self.checker.definitions.insert(name.to_owned(), definition);
-                }
-                Err(fault) => {
-                    self.report(&format!("/mining/define/{name}"), text, fault);
-                    self.broken.insert(name.to_owned());
-                }
+            let key = format!("/mining/define/{name}");
+            if !self.claim(&key, name) {
+                continue;
+            }
+            if let Err(fault) = self.checker.define(name, text) {
+                self.report(&key, text, fault);
+                self.broken.insert(name.to_owned());
             }
         }
+    }
+
+    /// False, and said, where the name is not free.
+    fn claim(&mut self, key: &str, name: &str) -> bool {
+        let claimed = self.checker.claim(name);
+        let free = claimed.is_ok();
+        if let Err(fault) = claimed {
+            self.report(key, name, fault);
+            self.broken.insert(name.to_owned());
+        }
+        free
     }
 
     /// The moments of a labelling spec, whose expressions are checked here, with the rule that they serve.

@@ -15,7 +15,7 @@ impl Checker<'_> {
         match &expr.kind {
             ExprKind::And(all) => all.iter().try_for_each(|e| self.parts(e, out)),
             ExprKind::Name(name) if self.definitions.contains_key(name) => {
-                let definition = self.definitions[name].0.clone();
+                let definition = self.definitions[name].expr.clone();
                 self.parts(&definition, out)
             }
             _ => {
@@ -33,7 +33,7 @@ impl Checker<'_> {
             ExprKind::And(all) | ExprKind::Or(all) => all.iter().try_for_each(|e| self.atoms(e, out)),
             ExprKind::For(of, _) | ExprKind::Gaps(of, _) => self.atoms(of, out),
             ExprKind::Name(name) if self.definitions.contains_key(name) => {
-                let definition = self.definitions[name].0.clone();
+                let definition = self.definitions[name].expr.clone();
                 self.atoms(&definition, out)
             }
             ExprKind::Compare(first, rest) => {
@@ -119,7 +119,7 @@ impl Checker<'_> {
         match &expr.kind {
             ExprKind::Number(q) => format!("{}{}", q.value, q.unit.symbol),
             ExprKind::Name(n) => match self.definitions.get(n) {
-                Some((definition, _)) => self.describe(definition),
+                Some(definition) => self.describe(&definition.expr),
                 None => n.clone(),
             },
             ExprKind::Call(n, arguments) => {

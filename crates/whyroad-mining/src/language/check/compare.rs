@@ -5,7 +5,7 @@ use super::super::Fault;
 use super::super::program::{Kind, NodeId, Op};
 use super::super::syntax::{CompareOp, Expr, ExprKind, Span};
 use super::words::{kind_en, kind_zh, mismatch};
-use super::{Checker, Lowered, nearest};
+use super::{Checker, Lowered, names, nearest};
 use whyroad_model::units::Dimension;
 
 impl Checker<'_> {
@@ -83,6 +83,10 @@ impl Checker<'_> {
 
     fn member(&mut self, of: NodeId, known: &[String], members: &[(String, Span)]) -> Lowered {
         for (word, span) in members {
+            if self.is_own(word) {
+                return Err(names::also_a_value(word, *span));
+            }
+            self.values.insert(word.clone());
             if !known.contains(word) {
                 let all = known.join(", ");
                 let fault = Fault::new(

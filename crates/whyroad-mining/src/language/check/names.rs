@@ -37,6 +37,17 @@ pub(super) fn unknown<'n>(
     }
 }
 
+/// The fault for a word that is both a value of a category and a name of the rule.
+pub(super) fn also_a_value(name: &str, span: Span) -> Fault {
+    Fault::new(
+        "rule.name",
+        span,
+        format!("'{name}' 既是类别的取值，又是本规则的参数或定义的名称"),
+        format!("'{name}' is a value of a category here, and also a parameter or a definition of this rule"),
+    )
+    .hint("请给参数或定义换一个名称", "give the parameter or the definition another name")
+}
+
 /// The fault for `obstacle.gapp`, where `obstacle` is a role.
 pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, span: Span) -> Fault {
     let fault = Fault::new(

@@ -1,0 +1,79 @@
+//! Names that a rule gives: to numbers (`parameters`) and to conditions or numbers made of others (`define`). A name
+//! means one thing in a rule, and a definition is made of what stands before it; so reading one always ends.
+
+use super::super::Fault;
+use super::super::parse;
+use super::super::syntax::{Expr, ExprKind, Extent, Span};
+use super::{Checker, Definition, names};
+
+/// Words that mean something in every rule.
+const TAKEN: &[&str] = &["true", "false", "keyframe", "match", "known", "unknown", "gaps"];
+
+impl Checker<'_> {
+    /// Gives a condition or a number a name that is free ([`Self::claim`]): from then on it can be used.
+    pub fn define(&mut self, name: &str, text: &str) -> Result<(), Fault> {
+        let expr = parse::parse(text)?;
+        if let Some(span) = mention(&expr, name) {
+            return Err(Fault::new(
+                "rule.name",
+                span,
+                format!("定义 '{name}' 里又用到了 '{name}'"),
+                format!("the definition of '{name}' speaks of '{name}'"),
+            )
+            .hint(
+                "定义只能用到写在它前面的名称；若指的是类别的取值，请给定义换一个名称",
+                "a definition is made of what stands before it; if a value of a category is meant, call the definition otherwise",
+            ));
+        }
+        let extent = self.extent(&expr);
+        if !extent.is_sane() {
+            return Err(parse::too_large(expr.span));
+        }
+        let node = self.lower(&expr)?;
+        self.definitions.insert(name.to_owned(), Definition { expr, node, extent });
+        Ok(())
+    }
+
+    /// How large an expression is when its names are replaced by what they stand for.
+    pub fn extent(&self, expr: &Expr) -> Extent {
+        expr.extent(&|name| self.definitions.get(name).map(|d| d.extent).unwrap_or_default())
+    }
+
+    /// True for a name that the rule itself gives.
+    pub(super) fn is_own(&self, name: &str) -> bool {
+        self.parameters.contains_key(name) || self.definitions.contains_key(name)
+    }
+
+    /// A name that means something already cannot be given; the span is that of the whole name.
+    pub fn claim(&self, name: &str) -> Result<(), Fault> {
+        let span = Span { start: 0, end: name.len() };
+        let taken = |zh: &str, en: &str| {
+            Err(Fault::new("rule.name", span, format!("'{name}' {zh}"), format!("'{name}' {en}")))
+        };
+        if self.values.contains(name) {
+            return Err(names::also_a_value(name, span));
+        }
+        if name.contains('.') || self.catalogue.resolve(name).is_some() {
+            return taken("是信号的名称", "is the name of a signal, or looks like one");
+        }
+        if TAKEN.contains(&name) || crate::language::token::KEYWORDS.contains(&name) {
+            return taken("在规则里另有含义", "has a meaning of its own in every rule");
+        }
+        if self.is_own(name) {
+            return taken("已经是另一个参数或定义的名称", "is already a parameter or a definition");
+        }
+        Ok(())
+    }
+}
+
+/// Where an expression mentions a name, as a name or as a value of a category.
+fn mention(expr: &Expr, name: &str) -> Option<Span> {
+    match &expr.kind {
+        ExprKind::Name(n) if n == name => Some(expr.span),
+        ExprKind::In(of, words) => {
+            let word = words.iter().find(|(w, _)| w == name).map(|(_, span)| *span);
+            word.or_else(|| mention(of, name))
+        }
+        _ => expr.parts().into_iter().find_map(|e| mention(e, name)),
+    }
+}
