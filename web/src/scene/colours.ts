@@ -46,7 +46,7 @@ const light: Palette = {
   linked: "#7b3fb5",
   target: "#b34700",
   cursor: "#c2185b",
-  veil: "rgb(40 44 48 / 13%)",
+  veil: "rgb(40 44 48 / 9%)",
   line: "#0b5cad",
   classes: { vehicle: "#3c7d4f", large: "#265236", two: "#9a5b00", person: "#b3261e", thing: "#5f666b" },
 };
@@ -71,7 +71,7 @@ const dark: Palette = {
   linked: "#c79bff",
   target: "#ffa057",
   cursor: "#ff6fa5",
-  veil: "rgb(0 0 0 / 38%)",
+  veil: "rgb(0 0 0 / 30%)",
   line: "#7cbcff",
   classes: { vehicle: "#6fc488", large: "#a6e0b6", two: "#f0b45a", person: "#ff8a80", thing: "#98a1a7" },
 };
