@@ -115,7 +115,7 @@ fn counts(truth: &Sequence, predicted: &Sequence, least_score: f64) -> Counts {
             .map(|(&a, row)| f.found.iter().zip(row).map(|(&b, s)| aligned(a, b) * s).collect())
             .collect();
         let assigned = best_assignment(&weight);
-        for a in 0..ALPHAS {
+        for (a, matched) in matched.iter_mut().enumerate() {
             let alpha = 0.05 * (a + 1) as f64;
             let hits: Vec<_> =
                 assigned.iter().filter(|&&(i, j)| f.similar[i][j] >= alpha - EPSILON).collect();
@@ -123,7 +123,7 @@ fn counts(truth: &Sequence, predicted: &Sequence, least_score: f64) -> Counts {
             out.missed[a] += (f.truth.len() - hits.len()) as f64;
             out.spurious[a] += (f.found.len() - hits.len()) as f64;
             for &&(i, j) in &hits {
-                *matched[a].entry((f.truth[i], f.found[j])).or_default() += 1.0;
+                *matched.entry((f.truth[i], f.found[j])).or_default() += 1.0;
             }
         }
     }
