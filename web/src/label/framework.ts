@@ -20,6 +20,8 @@ export interface Leaf extends Named {
   definition: Bilingual | null;
   condition: Bilingual | null;
   typical: { longitudinal: readonly string[]; lateral: readonly string[] };
+  /** What decides between it (or its L2) and another class, where both seem to hold. */
+  decides: readonly { against: string; rule: Bilingual }[];
 }
 
 export type Channel = "longitudinal" | "lateral";
@@ -65,10 +67,22 @@ function typicalOf(o: Dict): Leaf["typical"] {
   return { longitudinal: list(d["longitudinal"]).map(word), lateral: list(d["lateral"]).map(word) };
 }
 
+/** The name of a leaf, an L2 or an L1 by its full id; null when there is none of it. */
+export function className(leaves: ReadonlyMap<string, Leaf>, id: string): Bilingual | null {
+  const depth = id.split(".").length;
+  const leaf = leaves.get(id) ?? [...leaves.values()].find((l) => l.id.startsWith(`${id}.`));
+  return leaf?.path[depth - 1] ?? null;
+}
+
+/** The category that a component names by id or by name: drafts write either. */
+export function categoryOf(categories: readonly Named[], text: string): Named | undefined {
+  return categories.find((c) => c.id === text || c.name.en === text || c.name.zh === text);
+}
+
 export function readFramework(view: FrameworkView): Framework {
   const decisions = dict(view.decisions);
   const leaves = new Map<string, Leaf>();
-  for (const l1 of list(dict(view.taxonomy)["l1"])) {
+  for (const l1 of list(Array.isArray(view.taxonomy) ? view.taxonomy : dict(view.taxonomy)["l1"])) {
     const a = named(l1);
     for (const l2 of list(dict(l1)["l2"])) {
       const b = named(l2);
@@ -84,6 +98,10 @@ export function readFramework(view: FrameworkView): Framework {
           path: [a.name, b.name, c.name],
           definition: both(co, "definition") ?? both(bo, "definition"),
           condition: both(co, "condition"),
+          decides: [...list(co["decides"]), ...list(bo["decides"])].map((d) => ({
+            against: word(dict(d)["against"]),
+            rule: both(dict(d), "rule") ?? { zh: "", en: "" },
+          })),
           typical: own.longitudinal.length + own.lateral.length > 0 ? own : typicalOf(bo),
         });
       }

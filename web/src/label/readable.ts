@@ -1,6 +1,6 @@
 // Values of a label in words, for conflicts, comparisons and what a field was before.
 import type { Lang } from "../text/text.svelte.ts";
-import { type Framework } from "./framework.ts";
+import { categoryOf, type Framework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
 
@@ -69,6 +69,6 @@ function text(value: string, words: Words, lang: Lang): string {
   const fixed = FIXED[value];
   if (fixed) return fixed[lang === "zh" ? 0 : 1];
   const f = words.framework;
-  const named = f ? [...f.longitudinal, ...f.lateral, ...f.categories].find((d) => d.id === value) : undefined;
+  const named = f ? ([...f.longitudinal, ...f.lateral].find((d) => d.id === value) ?? categoryOf(f.categories, value)) : undefined;
   return named ? named.name[lang] : (f?.leaves.get(value)?.name[lang] ?? value);
 }

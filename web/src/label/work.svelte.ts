@@ -57,8 +57,8 @@ export class Work {
   holds = $derived.by(() => this.task?.fence != null && this.draft.saving !== "lost");
   edits = $derived(this.holds && this.may("edit"));
   checks = $derived(this.holds && (this.may("accept") || this.may("send_back")));
-  /** A model or an import filled the label in before a person did. */
-  drafted = $derived.by(() => this.origin !== null && ["model", "person"].includes(String(read(this.origin, "/provenance/source"))));
+  /** The rule, a model or an import filled the label in before the reader did. */
+  drafted = $derived.by(() => this.origin !== null && this.state !== "rework");
   /** Drafted fields that the reader has found good as they are. */
   accepted = $state.raw<ReadonlySet<string>>(new Set());
   /** The reader has said that what is driven is legal and safe. */

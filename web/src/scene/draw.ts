@@ -1,9 +1,10 @@
 // Draws one moment of a scene. Called on every frame of a playback, so it allocates little and strokes the road in bulk.
-import type { SceneView, TrackView } from "../api/types.ts";
-import { classColour, lightColours, type Palette } from "./colours.ts";
-import { egoPose, lightsAt, trackPose, trackValue, type Pose } from "./motion.ts";
+import type { SceneView } from "../api/types.ts";
+import { lightColours, type Palette } from "./colours.ts";
+import { egoPose, lightsAt, trackPose } from "./motion.ts";
 import type { Road } from "./road.ts";
 import { shadows } from "./shadow.ts";
+import { box, drawTracks, inView } from "./tracks.ts";
 import { matrix, toScreen, type Size, type View } from "./view.ts";
 
 export interface Picture {
@@ -25,11 +26,6 @@ export interface Picture {
   occlusion: boolean;
 }
 
-/** Under this share the ego does not see an object (docs/signals.md, `target.emerges`). */
-const HIDDEN_BELOW = 0.1;
-/** Length of the tracks' tails, s. */
-const TAIL_S = 3;
-
 export function draw(ctx: CanvasRenderingContext2D, p: Picture): void {
   ctx.setTransform(p.ratio, 0, 0, p.ratio, 0, 0);
   ctx.fillStyle = p.palette.ground;
@@ -43,12 +39,12 @@ export function draw(ctx: CanvasRenderingContext2D, p: Picture): void {
   if (p.road) drawRoad(ctx, p, p.road);
   if (p.occlusion) drawShadows(ctx, p);
   drawEgoPath(ctx, p);
-  if (p.history) for (const track of p.scene.tracks) drawTail(ctx, p, track);
-  for (const track of p.scene.tracks) drawTrack(ctx, p, track);
+  drawTracks(ctx, p, inView(p));
   const ego = egoPose(p.scene.ego, p.index, p.share);
   if (ego && p.scene.ego) {
     const [length, width] = p.scene.ego.size;
     ctx.fillStyle = p.palette.ego;
+    ctx.beginPath();
     box(ctx, p, ego, length ?? 4.5, width ?? 1.9);
     ctx.fill();
   }
@@ -128,89 +124,6 @@ function drawEgoPath(ctx: CanvasRenderingContext2D, p: Picture): void {
     ctx.stroke();
   }
   ctx.setLineDash([]);
-}
-
-function drawTail(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void {
-  const last = p.index - track.first;
-  if (last <= 0 || trackPose(track, p.index) === null) return;
-  const first = Math.max(0, last - Math.round(TAIL_S * p.scene.frame_rate));
-  ctx.beginPath();
-  let pen = false;
-  for (let i = first; i <= last; i++) {
-    const x = track.x[i];
-    const y = track.y[i];
-    if (x == null || y == null) {
-      pen = false;
-      continue;
-    }
-    if (pen) ctx.lineTo(x - p.origin[0], y - p.origin[1]);
-    else ctx.moveTo(x - p.origin[0], y - p.origin[1]);
-    pen = true;
-  }
-  ctx.globalAlpha = 0.55;
-  ctx.lineWidth = 1.5 / p.view.scale;
-  ctx.strokeStyle = classColour(p.palette, track.class);
-  ctx.stroke();
-  ctx.globalAlpha = 1;
-}
-
-/** A box with a pointed nose, so that its heading can be read. */
-function box(ctx: CanvasRenderingContext2D, p: Picture, at: Pose, length: number, width: number): void {
-  const cos = Math.cos(at.heading);
-  const sin = Math.sin(at.heading);
-  const x = at.x - p.origin[0];
-  const y = at.y - p.origin[1];
-  const l = length / 2;
-  const w = width / 2;
-  const nose = Math.min(width * 0.45, length * 0.25);
-  const to = (a: number, b: number, move = false): void => {
-    const px = x + a * cos - b * sin;
-    const py = y + a * sin + b * cos;
-    if (move) ctx.moveTo(px, py);
-    else ctx.lineTo(px, py);
-  };
-  ctx.beginPath();
-  to(-l, -w, true);
-  to(l - nose, -w);
-  to(l, 0);
-  to(l - nose, w);
-  to(-l, w);
-  ctx.closePath();
-}
-
-function drawTrack(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void {
-  const pose = trackPose(track, p.index, p.share);
-  if (!pose) return;
-  const [length, width] = sizeOf(track);
-  const visible = trackValue(track, "visible", p.index);
-  const hidden = visible !== null && visible < HIDDEN_BELOW;
-  const px = 1 / p.view.scale;
-  const colour = classColour(p.palette, track.class);
-  box(ctx, p, pose, length, width);
-  ctx.fillStyle = colour;
-  ctx.globalAlpha = hidden ? 0.18 : 0.85;
-  ctx.fill();
-  ctx.globalAlpha = 1;
-  const ring =
-    track.id === p.picked
-      ? p.palette.picked
-      : p.linked.has(track.id)
-        ? p.palette.linked
-        : track.id === p.target
-          ? p.palette.target
-          : null;
-  if (hidden || ring) {
-    ctx.strokeStyle = ring ?? colour;
-    ctx.lineWidth = (ring ? 3 : 1.5) * px;
-    if (hidden) ctx.setLineDash([4 * px, 3 * px]);
-    ctx.stroke();
-    if (hidden) ctx.setLineDash([]);
-  }
-}
-
-/** Box of a track; where the source gives none, a point-like 0.6 m. */
-export function sizeOf(track: TrackView): [number, number] {
-  return [track.length ?? 0.6, track.width ?? 0.6];
 }
 
 function drawLights(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {

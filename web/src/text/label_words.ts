@@ -176,7 +176,6 @@ export const labelWords = {
   "draft.accept.hint": ["草稿预填了此项；看过并认可后点此", "Filled in by the draft: say that you have read it and agree"],
   "draft.accepted": ["已采纳", "accepted"],
   "draft.was": ["草稿原为", "The draft said"],
-  "draft.was_rule": ["原为", "It was"],
   "draft.revert": ["恢复", "Put back"],
   "draft.left": ["草稿还有 {n} 项未采纳", "{n} fields of the draft not accepted yet"],
 

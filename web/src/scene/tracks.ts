@@ -1,0 +1,127 @@
+// Objects of the bird's-eye view: boxes with their heading and class colour, tails, rings. One fill a colour, not one an object.
+import type { TrackView } from "../api/types.ts";
+import { classColour } from "./colours.ts";
+import type { Picture } from "./draw.ts";
+import { type Pose, trackPose, trackValue } from "./motion.ts";
+
+/** Under this share the ego does not see an object (docs/signals.md, `target.emerges`). */
+const HIDDEN_BELOW = 0.1;
+/** Length of the tracks' tails, s. */
+const TAIL_S = 3;
+
+interface Placed {
+  track: TrackView;
+  pose: Pose;
+  colour: string;
+}
+
+/** Objects of the moment that can be on the screen: what lies outside costs nothing. */
+export function inView(p: Picture): Placed[] {
+  const reach = Math.hypot(p.size.width, p.size.height) / p.view.scale + 15;
+  const out: Placed[] = [];
+  for (const track of p.scene.tracks) {
+    const pose = trackPose(track, p.index, p.share);
+    if (!pose || Math.abs(pose.x - p.view.x) > reach || Math.abs(pose.y - p.view.y) > reach) continue;
+    out.push({ track, pose, colour: classColour(p.palette, track.class) });
+  }
+  return out;
+}
+
+/** Tails, then boxes; one stroke or fill a colour, since each costs the browser far more than its points do. */
+export function drawTracks(ctx: CanvasRenderingContext2D, p: Picture, placed: readonly Placed[]): void {
+  const colours = [...new Set(placed.map((o) => o.colour))];
+  if (p.history) {
+    ctx.globalAlpha = 0.55;
+    ctx.lineWidth = 1.5 / p.view.scale;
+    for (const colour of colours) {
+      ctx.beginPath();
+      for (const o of placed) if (o.colour === colour) tail(ctx, p, o.track);
+      ctx.strokeStyle = colour;
+      ctx.stroke();
+    }
+    ctx.globalAlpha = 1;
+  }
+  const special = placed.filter((o) => isHidden(o.track, p.index) || ring(p, o.track.id) !== null);
+  for (const colour of colours) {
+    ctx.beginPath();
+    for (const o of placed) if (o.colour === colour && !special.includes(o)) box(ctx, p, o.pose, ...sizeOf(o.track));
+    ctx.fillStyle = colour;
+    ctx.fill();
+  }
+  for (const o of special) drawSpecial(ctx, p, o);
+}
+
+function tail(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void {
+  const last = p.index - track.first;
+  const first = Math.max(0, last - Math.round(TAIL_S * p.scene.frame_rate));
+  let pen = false;
+  for (let i = first; i <= last; i++) {
+    const x = track.x[i];
+    const y = track.y[i];
+    if (x == null || y == null) {
+      pen = false;
+      continue;
+    }
+    if (pen) ctx.lineTo(x - p.origin[0], y - p.origin[1]);
+    else ctx.moveTo(x - p.origin[0], y - p.origin[1]);
+    pen = true;
+  }
+}
+
+/** Adds a box with a pointed nose to the path, so that its heading can be read. */
+export function box(ctx: CanvasRenderingContext2D, p: Picture, at: Pose, length: number, width: number): void {
+  const cos = Math.cos(at.heading);
+  const sin = Math.sin(at.heading);
+  const x = at.x - p.origin[0];
+  const y = at.y - p.origin[1];
+  const l = length / 2;
+  const w = width / 2;
+  const nose = Math.min(width * 0.45, length * 0.25);
+  const to = (a: number, b: number, move = false): void => {
+    const px = x + a * cos - b * sin;
+    const py = y + a * sin + b * cos;
+    if (move) ctx.moveTo(px, py);
+    else ctx.lineTo(px, py);
+  };
+  to(-l, -w, true);
+  to(l - nose, -w);
+  to(l, 0);
+  to(l - nose, w);
+  to(-l, w);
+  ctx.closePath();
+}
+
+function isHidden(track: TrackView, index: number): boolean {
+  const visible = trackValue(track, "visible", index);
+  return visible !== null && visible < HIDDEN_BELOW;
+}
+
+/** Colour of the ring around an object that stands out; null for the others. */
+function ring(p: Picture, id: string): string | null {
+  if (id === p.picked) return p.palette.picked;
+  if (p.linked.has(id)) return p.palette.linked;
+  return id === p.target ? p.palette.target : null;
+}
+
+/** An object with a ring, or one that the ego does not see: a dashed outline. */
+function drawSpecial(ctx: CanvasRenderingContext2D, p: Picture, o: Placed): void {
+  const hidden = isHidden(o.track, p.index);
+  const around = ring(p, o.track.id);
+  const px = 1 / p.view.scale;
+  ctx.beginPath();
+  box(ctx, p, o.pose, ...sizeOf(o.track));
+  ctx.fillStyle = o.colour;
+  ctx.globalAlpha = hidden ? 0.18 : 1;
+  ctx.fill();
+  ctx.globalAlpha = 1;
+  ctx.strokeStyle = around ?? o.colour;
+  ctx.lineWidth = (around ? 3 : 1.5) * px;
+  ctx.setLineDash(hidden ? [4 * px, 3 * px] : []);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
+/** Box of a track; where the source gives none, a point-like 0.6 m. */
+export function sizeOf(track: TrackView): [number, number] {
+  return [track.length ?? 0.6, track.width ?? 0.6];
+}
