@@ -191,6 +191,11 @@ impl RoadMap {
             || self.signs.iter().any(|s| s.kind == kind)
     }
 
+    /// True when the map states that it has all signs, facilities or tagged lanes of `kind`.
+    pub fn tells_all(&self, kind: &str) -> bool {
+        self.complete_for.iter().any(|k| k == kind)
+    }
+
     /// The lane with this id.
     pub fn lane(&self, id: &str) -> Option<&Lane> {
         self.lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok().map(|i| &self.lanes[i])

@@ -22,6 +22,7 @@ pub const FACILITY_KINDS: &[&str] = &[
     "bridge",
     "parking",
     "driveway",
+    "traffic_light",
 ];
 
 /// Kinds of signs ([`crate::road_map::Sign::kind`]).

@@ -1,6 +1,7 @@
 //! The junction here or next on the ego's path: lights, arms, exits; and whether the next crosswalk belongs to one with lights.
 
-use crate::junction::{HORIZON_M, distance_to_next};
+use crate::beside_path;
+use crate::junction::{HORIZON_M, Stretch, distance_to_next};
 use crate::junction_arms::{JunctionArms, groups};
 use crate::on_road::{OnRoad, time_to};
 use crate::path::DrivenPath;
@@ -14,6 +15,8 @@ use whyroad_model::Tri;
 const LIGHTS_REACH_M: f64 = 100.0;
 /// A crosswalk this near to a junction on the path belongs to it, m.
 const CROSSWALK_REACH_M: f64 = 15.0;
+/// A light drawn in the map stands no farther than this beside the path, and no farther before or behind its junction, m.
+const LIGHT_REACH_M: f64 = 10.0;
 /// Step in which the path is probed inside a junction, m.
 const STEP_M: f64 = 1.0;
 
@@ -37,10 +40,19 @@ fn group_on_path(road: &Road, path: &DrivenPath, groups: &[Vec<usize>], from: f6
     best.map(|k| groups[k].clone()).unwrap_or_default()
 }
 
+/// Where the path passes lights that the map draws; `None` when it tells of none.
+fn drawn_lights(on: &OnRoad<'_>) -> Option<Vec<Stretch>> {
+    let lights = on.map.facilities.iter().filter(|f| f.kind == "traffic_light");
+    on.map
+        .tells("traffic_light")
+        .then(|| lights.flat_map(|f| beside_path::parts(on.path, f, LIGHT_REACH_M)).collect())
+}
+
 fn crossings(on: &OnRoad<'_>) -> Vec<Crossing> {
     let groups = groups(on.road, |lane| on.lane(lane).and_then(|l| l.junction_id.clone()));
     let controlled: Option<BTreeSet<&str>> =
         on.drive.lights.as_ref().map(|states| states.iter().map(|s| s.lane_id.as_str()).collect());
+    let drawn = drawn_lights(on);
     let stretches = on.encounters.junctions.iter();
     stretches
         .map(|j| {
@@ -48,7 +60,15 @@ fn crossings(on: &OnRoad<'_>) -> Vec<Crossing> {
             let mut lanes = arms.inside.iter().chain(&arms.entries);
             let lights =
                 controlled.as_ref().map(|c| lanes.any(|&l| c.contains(on.road.lanes[l].id.as_str())));
-            Crossing { arms, lights: lights.into() }
+            let near = |l: &Stretch| l.to >= j.from - LIGHT_REACH_M && l.from <= j.to + LIGHT_REACH_M;
+            let shown = lights == Some(true) || drawn.as_ref().is_some_and(|d| d.iter().any(near));
+            // That there is none, a log with light states says, or a map that has all lights.
+            let lights = match shown {
+                true => Tri::True,
+                false if lights.is_some() || on.map.tells_all("traffic_light") => Tri::False,
+                false => Tri::Unknown,
+            };
+            Crossing { arms, lights }
         })
         .collect()
 }

@@ -1,6 +1,7 @@
 //! Facilities on the ego's path: tunnels, toll stations, gates, roundabouts and the like. A kind of which the map tells nothing stays
 //! unavailable: a map without speed bumps drawn is not a road without speed bumps.
 
+use crate::beside_path;
 use crate::context::Channels;
 use crate::ego_lane::lane_count;
 use crate::geometry::{P2, Polygon, p2};
@@ -18,7 +19,6 @@ const GATE_REACH_M: f64 = 50.0;
 const DISTANCES: &[(&str, &[&str])] = &[
     ("map.distance_to_tunnel", &["tunnel"]),
     ("map.distance_to_speed_bump", &["speed_bump"]),
-    ("map.distance_to_toll", TOLLS),
     ("map.distance_to_gate", &["gate"]),
     ("map.distance_to_waiting_area", &["waiting_area"]),
     ("map.distance_to_construction", &["construction"]),
@@ -73,10 +73,25 @@ fn parts(path: &DrivenPath, facility: &Facility) -> Vec<Stretch> {
         .collect()
 }
 
-/// Facilities of these kinds on the path, in order of their beginning.
+/// How far beside the path a facility of this kind still bears on who drives there, m. Works and crashes take room from the edge of a
+/// lane, half of which is 1.75 m; behind an opening in the barrier someone may stand, and that counts within 7 m of the path
+/// (taxonomy, blind_spot_slowdown). The others are driven over or through.
+fn reach_beside(kind: &str) -> f64 {
+    match kind {
+        "construction" | "accident" => 3.0,
+        "barrier_gap" => 7.0,
+        _ => 0.0,
+    }
+}
+
+/// Facilities of these kinds on the path, in order of their beginning; of some kinds, beside it too.
 fn on_path(on: &OnRoad<'_>, kinds: &[&str]) -> Vec<Stretch> {
     let wanted = on.map.facilities.iter().filter(|f| kinds.contains(&f.kind.as_str()));
-    let mut found: Vec<Stretch> = wanted.flat_map(|f| parts(on.path, f)).collect();
+    let stretches = |f: &Facility| match reach_beside(&f.kind) {
+        reach if reach > 0.0 => beside_path::parts(on.path, f, reach),
+        _ => parts(on.path, f),
+    };
+    let mut found: Vec<Stretch> = wanted.flat_map(stretches).collect();
     found.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.to.total_cmp(&b.to)));
     found
 }
@@ -105,17 +120,21 @@ fn next(on: &OnRoad<'_>, stretches: &[Stretch], frame: usize) -> f64 {
     stretches.iter().map(ahead).fold(f64::INFINITY, f64::min)
 }
 
-fn toll_kinds(on: &OnRoad<'_>) -> Vec<Option<u16>> {
+/// The kind of the next toll facility and the distance to it, for the same one of them.
+fn write_tolls(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let by_kind: Vec<Vec<Stretch>> = TOLLS.iter().map(|k| on_path(on, &[k])).collect();
-    let code = |i: usize| {
+    let toll = |i: usize| {
         let distance: Vec<f64> = by_kind.iter().map(|s| next(on, s, i)).collect();
         // A booth on the path says more than the plaza around it.
         let booth = (0..2).filter(|&k| distance[k].is_finite());
         let nearest = booth.min_by(|&a, &b| distance[a].total_cmp(&distance[b]));
         let found = nearest.or_else(|| distance[2].is_finite().then_some(2));
-        found.map_or(0, |k| k as u16 + 1)
+        found.map_or((0, distance[2]), |k| (k as u16 + 1, distance[k]))
     };
-    (0..on.frames()).map(|i| on.ego.is_known(i).then(|| code(i))).collect()
+    let tolls: Vec<(u16, f64)> = (0..on.frames()).map(toll).collect();
+    table.number("map.distance_to_toll", tolls.iter().map(|t| t.1).collect());
+    let kinds = tolls.iter().enumerate().map(|(i, t)| on.ego.is_known(i).then_some(t.0));
+    table.category("map.toll_kind", kinds);
 }
 
 /// Circulating lanes of each roundabout on the path with its stretches, in order.
@@ -178,7 +197,7 @@ pub fn write(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<
         write_roundabouts(on, table);
     }
     if tells(on, TOLLS) {
-        table.category("map.toll_kind", toll_kinds(on));
+        write_tolls(on, table);
     }
     if tells(on, &["waiting_area"]) || on.map.lanes.iter().any(|l| l.is_tagged("waiting_area")) {
         let areas = on_path(on, &["waiting_area"]);

@@ -23,6 +23,7 @@ mod path;
 mod road;
 mod way;
 
+mod beside_path;
 mod context;
 mod crossroads;
 mod facilities;

@@ -152,6 +152,15 @@ fn lights_stop_lines_and_times() {
     // Lights that nobody recorded may be there.
     assert_eq!(t.ego_flag("map.junction_signalised", 30), Unknown);
     assert_eq!(t.ego_flag("map.junction_signalised", 140), False, "no junction, no light");
+    // A map that has all lights: this junction has none, or the one that it draws.
+    let mut told = d.clone();
+    let map = told.map.as_mut().unwrap();
+    map.complete_for = vec!["traffic_light".into()];
+    assert_eq!(Table::of(&told).ego_flag("map.junction_signalised", 30), False);
+    let map = told.map.as_mut().unwrap();
+    map.complete_for.clear();
+    map.facilities = vec![facility("traffic_light", &[(-16.0, -7.0), (-16.0, -6.0)])];
+    assert_eq!(Table::of(&told).ego_flag("map.junction_signalised", 30), True);
     let state = |lane: &str| LightState {
         lane_id: lane.into(),
         to_lane_id: None,
@@ -221,8 +230,9 @@ fn facilities_on_the_path_and_those_that_nobody_drew() {
     // Frame 20: front at 22.
     near(t.ego("map.distance_to_speed_bump", 20), 28.0, 1e-9);
     near(t.ego("map.distance_to_tunnel", 20), 38.0, 1e-9);
-    near(t.ego("map.distance_to_toll", 20), 78.0, 1e-9);
+    near(t.ego("map.distance_to_toll", 20), 98.0, 1e-9);
     assert_eq!(t.ego_category("map.toll_kind", 20), Some("etc"), "the booth in its lane, not the plaza");
+    near(t.ego("map.distance_to_toll", 130), 0.0, 1e-9);
     assert_eq!(t.ego_category("map.toll_kind", 130), Some("plaza"), "the booth is behind");
     assert_eq!(t.ego_category("map.toll_kind", 150), Some("none"));
     assert_eq!((t.ego_flag("map.in_tunnel", 59), t.ego_flag("map.in_tunnel", 75)), (False, True));
@@ -235,6 +245,33 @@ fn facilities_on_the_path_and_those_that_nobody_drew() {
     }
     d.map = Some(road());
     assert_eq!(Table::of(&d).0.unavailable["map.in_tunnel"], ["facilities"]);
+}
+
+/// Works and crashes that leave the middle of the lane free, and an opening in the barrier, are beside the path.
+#[test]
+fn what_stands_beside_the_path_counts_where_it_bears_on_it() {
+    let beside = |kind: &str, near: f64, far: f64| {
+        facility(kind, &[(100.0, near), (120.0, near), (120.0, far), (100.0, far)])
+    };
+    let mut m = road();
+    m.facilities = vec![
+        beside("construction", -4.0, -1.5),
+        beside("accident", 3.5, 6.0),
+        beside("tunnel", -4.0, -1.5),
+        facility("barrier_gap", &[(130.0, 6.0), (136.0, 6.0)]),
+    ];
+    let mut d = drive(200, |t| (10.0 * t, 0.0, 0.0));
+    d.map = Some(m);
+    let t = Table::of(&d);
+    // Frame 20: front at 22. To half a metre.
+    near(t.ego("map.distance_to_construction", 20), 78.0, 0.5);
+    assert_eq!(
+        (t.ego_flag("map.in_construction", 110), t.ego_flag("map.in_construction", 125)),
+        (True, False)
+    );
+    assert_eq!(t.ego("map.distance_to_accident", 20), INF, "farther than 3 m beside the path");
+    assert_eq!(t.ego("map.distance_to_tunnel", 20), INF, "nobody drives through it");
+    near(t.ego("map.distance_to_barrier_gap", 20), 108.0, 0.5);
 }
 
 /// A ring of radius 20 m around (100, 20) that the ego enters at (100, 0) and follows for half a turn, two lanes wide.

@@ -70,6 +70,8 @@ struct Raw {
     nodes: BTreeMap<String, Vec<Point3>>,
     border: Border,
     connections: Vec<Connection>,
+    /// Junctions with lights.
+    lit: BTreeSet<String>,
     /// Edges of each roundabout.
     roundabouts: Vec<Vec<String>>,
 }
@@ -101,6 +103,9 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
                 if let (Some(id), Some(shape)) = (e.text("id"), e.get("shape"))
                     && !matches!(e.get("type").as_deref(), Some("internal" | "dead_end"))
                 {
+                    if e.get("type").is_some_and(|t| t.starts_with("traffic_light")) {
+                        raw.lit.insert(id.clone());
+                    }
                     raw.nodes.insert(id, points(&shape));
                 }
             }
@@ -225,7 +230,7 @@ fn connection(e: &Element) -> Option<Connection> {
 }
 
 fn assemble(raw: Raw, net: &mut Net) {
-    let Raw { edges, mut lanes, crossings, nodes, border, connections, roundabouts } = raw;
+    let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts } = raw;
     let junctions = real_junctions(&edges, &lanes);
 
     for edge in edges.values() {
@@ -285,9 +290,15 @@ fn assemble(raw: Raw, net: &mut Net) {
         })
         .collect();
     net.map.facilities = roundabouts.iter().filter_map(|r| roundabout(r, &edges, &lanes)).collect();
+    net.map.facilities.extend(nodes.iter().filter(|(id, shape)| lit.contains(*id) && shape.len() >= 3).map(
+        |(id, shape)| {
+            let boundary = shape.iter().chain(shape.first()).copied().collect();
+            Facility { id: format!("lights_{id}"), kind: "traffic_light".into(), boundary }
+        },
+    ));
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds; of ramps and lanes to gain speed a network has what its vehicles know of.
-    net.map.complete_for = ["acceleration", "ramp", "roundabout"].map(str::to_owned).into();
+    // netconvert marks every roundabout that it finds; of ramps, lanes to gain speed and lights a network has what its vehicles know of.
+    net.map.complete_for = ["acceleration", "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
     net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
