@@ -1,9 +1,11 @@
-// Runs src/**/*.test.ts with node:test; Vite takes the types away, as it does for the page.
+// Runs src/**/*.test.ts with node:test; Vite takes the types away and Svelte compiles the runes, as for the page.
 import { readdirSync } from "node:fs";
+import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { createServer } from "vite";
 
 const server = await createServer({
   configFile: false,
+  plugins: [svelte()],
   logLevel: "error",
   server: { middlewareMode: true, watch: null, ws: false },
   optimizeDeps: { noDiscovery: true },

@@ -138,14 +138,6 @@ export class Draft {
     for (const step of steps) this.#write({ path: step.path, value: step.value });
   }
 
-  /** The lease was renewed under another token, by this user: writing goes on with it. */
-  renew(fence: number): void {
-    this.#fence = fence;
-    if (this.saving === "lost") this.saving = "waiting";
-    this.#keep();
-    this.#soon(0);
-  }
-
   /** The lease is gone: nothing is sent any more, what was not sent stays on this machine. */
   lose(): void {
     clearTimeout(this.#timer);
@@ -156,6 +148,7 @@ export class Draft {
   async flush(): Promise<boolean> {
     clearTimeout(this.#timer);
     while (this.#pending.length > 0 || this.#running) {
+      if (this.#fence === null || this.saving === "lost" || this.saving === "refused") return false;
       const before = this.saving;
       await (this.#running ?? this.#send());
       if (this.saving !== "saved" && this.saving !== "saving" && this.saving !== "waiting") return false;
@@ -198,7 +191,8 @@ export class Draft {
     this.#pending = join(this.#pending, change);
     this.#steps();
     this.#keep();
-    if (this.saving === "saved") this.saving = "waiting";
+    // What was refused may be right now.
+    if (this.saving === "saved" || this.saving === "refused") this.saving = "waiting";
     this.#soon(REST_MS);
   }
 
@@ -230,7 +224,7 @@ export class Draft {
   }
 
   async #sendOnce(): Promise<void> {
-    if (this.#pending.length === 0 || this.#fence === null || this.conflicts.length > 0) return;
+    if (this.#pending.length === 0 || this.#fence === null || this.conflicts.length > 0 || this.saving === "lost") return;
     this.#sending = this.#pending.slice(0, 100);
     this.#pending = this.#pending.slice(100);
     if (this.saving !== "offline") this.saving = "saving";
