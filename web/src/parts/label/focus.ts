@@ -1,13 +1,16 @@
 // Leads the keyboard to a place of the form.
 
-const CONTROL = "textarea:not([readonly]), input:not(:disabled, [readonly]), select:not(:disabled), button:not(:disabled)";
+/** What takes a value; a button beside it, such as the one that accepts a draft, only where there is none. */
+const FIELD = "textarea:not([readonly]), input:not(:disabled, [readonly]), select:not(:disabled)";
+const BUTTON = "button:not(:disabled)";
 
 function enter(place: Element | null | undefined): boolean {
   if (!place) return false;
   place.scrollIntoView({ block: "nearest" });
   // Of radios the chosen one; else the first thing that takes something.
   const chosen = place.querySelector<HTMLElement>("input[type=radio]:checked:not(:disabled)");
-  const target = chosen ?? place.querySelector<HTMLElement>(CONTROL) ?? place.querySelector<HTMLElement>("h2");
+  const first = (what: string): HTMLElement | null => place.querySelector<HTMLElement>(what);
+  const target = chosen ?? first(FIELD) ?? first(BUTTON) ?? first("h2");
   target?.focus();
   return target !== null;
 }

@@ -1,0 +1,143 @@
+// An annotator labels one task in Chinese with the keyboard only, through both stages. The pointer is never pressed.
+import assert from "node:assert/strict";
+import { look, tabTo, typeChinese } from "./people.mjs";
+import { PROJECT } from "./begin.mjs";
+import { shot } from "./shots.mjs";
+
+const section = (page, id) => page.locator(`[data-section="${id}"]`);
+const saved = (page) => page.locator('[data-saving="saved"]').waitFor();
+const focused = (page) => page.evaluate(() => document.activeElement?.outerHTML.slice(0, 120) ?? "");
+
+/** Takes the assigned task from the list: Tab to its link, Enter. */
+async function open(day) {
+  const { page } = day.people.li;
+  await page.goto(day.service.url);
+  await page.getByRole("link", { name: PROJECT }).waitFor();
+  await page.evaluate(() => (window.pointerPresses = 0));
+  await tabTo(page, page.getByRole("link", { name: PROJECT }));
+  await page.keyboard.press("Enter");
+  const task = page.getByRole("link", { name: "紧急Cutin" });
+  await task.waitFor();
+  await tabTo(page, task);
+  await page.keyboard.press("Enter");
+  await page.locator("canvas").first().waitFor();
+  day.task = new URL(page.url()).pathname.split("/")[2];
+  const take = page.locator('[data-deed="take"]');
+  await page.locator('[data-deed="take"], [data-deed="lock"]').waitFor();
+  if (await take.count()) await page.keyboard.press("Control+Enter");
+  await page.locator('[data-deed="lock"]').waitFor();
+}
+
+/** Nothing after the keyframe is shown or even here: the player ends at it. */
+async function history(day) {
+  const { page } = day.people.li;
+  const scene = await page.evaluate(async (t) => (await fetch(`/api/v1/tasks/${t}/scene`)).json(), day.task);
+  assert.equal(scene.hidden_until, "stage2");
+  assert.ok(Math.max(...scene.t_s) <= 1e-6, "no moment after the keyframe is sent");
+  assert.equal(await section(page, "decisions").count(), 0);
+  for (const key of ["Home", "ArrowRight", "Shift+ArrowRight", "End", "ArrowLeft", "BracketRight", "BracketLeft", "Minus", "Equal", "Space", "Space", "Digit0"]) {
+    await page.keyboard.press(key);
+  }
+  await page.keyboard.press("?");
+  const help = page.getByRole("dialog");
+  await help.getByText("把选中的目标加为要素").waitFor();
+  await look(page, "help");
+  await shot(day, page, "keys");
+  await page.keyboard.press("Escape");
+  await help.waitFor({ state: "detached" });
+}
+
+async function stageOne(day) {
+  const { page } = day.people.li;
+  const components = page.locator("[data-component]");
+  const before = await components.count();
+  await page.keyboard.press("t");
+  await page.keyboard.press("c");
+  await page.locator(`[data-component="${before}"] textarea`).waitFor();
+  assert.match(await focused(page), /^<textarea/);
+  await typeChinese(page, "左侧车道的车压线切入，距离 22 m");
+  // Letters that are keys of the page stay text while one writes.
+  await page.keyboard.type("，45 km/h (nckg)");
+  await page.keyboard.press("Escape");
+  assert.equal(await components.count(), before + 1);
+  const value = await page.locator(`[data-component="${before}"] textarea`).inputValue();
+  assert.equal(value, "左侧车道的车压线切入，距离 22 m，45 km/h (nckg)");
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Control+Shift+z");
+  await page.keyboard.press("1");
+  // What the rule proposed beside it stays as it is; every component needs a category.
+  for (let n = 0; n < (await components.count()); n++) {
+    const category = components.nth(n).locator("select");
+    if ((await category.inputValue()) !== "") continue;
+    await tabTo(page, category);
+    await page.keyboard.press("ArrowDown");
+  }
+  await saved(page);
+  await look(page, "Stage I");
+  await shot(day, page, "stage1");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("Control+Enter");
+  await section(page, "decisions").waitFor();
+}
+
+/** Chooses a radio of the focused group with the arrow keys. */
+async function choose(page, group, value) {
+  const wanted = page.locator(`[data-choices=${group}] input[value="${value}"]`);
+  for (let n = 0; n < 30; n++) {
+    if (await wanted.isChecked()) return;
+    await page.keyboard.press("ArrowDown");
+  }
+  throw new Error(`${value} cannot be chosen with the arrows`);
+}
+
+async function stageTwo(day) {
+  const { page } = day.people.li;
+  // The focus goes to the decisions by itself.
+  await page.waitForFunction(() => document.activeElement?.closest("[data-section=decisions]"));
+  await page.keyboard.press("2");
+  await choose(page, "longitudinal", "yield_to_agent");
+  await page.keyboard.press("Alt+a");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("3");
+  await choose(page, "lateral", "null");
+  await page.keyboard.press("Alt+a");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("4");
+  const cause = section(page, "causes").locator("input[type=checkbox]").first();
+  await tabTo(page, cause);
+  if (!(await cause.isChecked())) await page.keyboard.press("Space");
+  assert.ok(await cause.isChecked());
+  await page.keyboard.press("Alt+a");
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("5");
+  await page.keyboard.press("Control+a");
+  await typeChinese(page, day.trace);
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("6");
+  const records = section(page, "records").locator("[data-field^='/records/'] input");
+  for (let n = 0; n < (await records.count()); n++) {
+    await tabTo(page, records.nth(n));
+    if ((await records.nth(n).inputValue()) === "") await page.keyboard.type("1");
+  }
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("y");
+  await saved(page);
+  await look(page, "Stage II");
+  await shot(day, page, "stage2");
+  assert.match(await section(page, "findings").innerText(), /没有发现问题/);
+}
+
+async function submit(day) {
+  const { page } = day.people.li;
+  await page.keyboard.press("Control+Enter");
+  await page.locator('[data-deed="next"]').waitFor();
+  assert.equal(await page.evaluate(() => window.pointerPresses), 0, "no pointer was pressed");
+}
+
+export const label = [
+  ["an annotator opens the assigned task by keyboard", open],
+  ["Stage I shows history only; `?` shows the keys", history],
+  ["Stage I: components in Chinese by keyboard, then locked", stageOne],
+  ["Stage II: decision, causes, trace, records by keyboard", stageTwo],
+  ["the label is submitted without a pointer", submit],
+];

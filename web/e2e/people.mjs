@@ -1,0 +1,73 @@
+// A person at a browser: one context each, as on a machine of their own. Counts pointer presses, listens for faults of the
+// page, and looks with axe.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+
+const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
+
+/** Opens a browser for one person. `faults` fills with what the page says to the console; the test ends on any. */
+export async function person(browser, url, { lang = "zh", theme = "light", faults, width = 1280, height = 800 }) {
+  const context = await browser.newContext({
+    viewport: { width, height },
+    locale: lang === "zh" ? "zh-CN" : "en-GB",
+    timezoneId: "Asia/Shanghai",
+    colorScheme: theme,
+    acceptDownloads: true,
+  });
+  await context.addInitScript(() => {
+    window.pointerPresses = 0;
+    addEventListener("pointerdown", () => window.pointerPresses++, true);
+  });
+  const watch = (page) => {
+    page.setDefaultTimeout(15_000);
+    page.on("pageerror", (e) => faults.push(`page error: ${e.message}`));
+    page.on("console", (m) => {
+      // A refusal of the server is the page's to show; the browser's own line on it says nothing new.
+      const network = /Failed to load resource|net::ERR_/.test(m.text());
+      if (m.type() === "error" && !network) faults.push(`console: ${m.text()}`);
+    });
+    return page;
+  };
+  const page = watch(await context.newPage());
+  await page.goto(url);
+  return { context, page, url, tab: async (path) => watch(await context.newPage()).goto(url + path) };
+}
+
+export async function signIn(page, name, password) {
+  await page.locator("#name").fill(name);
+  await page.locator("#password").fill(password);
+  await page.keyboard.press("Enter");
+  await page.locator("header .who").waitFor();
+}
+
+/** Serious and critical faults that axe found anywhere: the test's last step wants none. */
+export const grave = [];
+
+/** Looks with axe at what is shown now. */
+export async function look(page, where) {
+  await page.evaluate(axeSource);
+  const found = await page.evaluate(async (rules) => {
+    const { violations } = await window.axe.run(document, { runOnly: rules });
+    return violations.map((v) => ({ impact: v.impact, id: v.id, at: v.nodes.map((n) => n.target.join(" ")).slice(0, 5) }));
+  }, RULES);
+  grave.push(...found.filter((v) => v.impact === "serious" || v.impact === "critical").map((v) => ({ where, ...v })));
+  return found;
+}
+
+/** Presses Tab until `target` has the focus: what somebody without a mouse does. */
+export async function tabTo(page, target, key = "Tab") {
+  for (let n = 0; n < 250; n++) {
+    if (await target.evaluate((e) => e === document.activeElement)) return;
+    await page.keyboard.press(key);
+  }
+  throw new Error(`${target} cannot be reached with ${key}`);
+}
+
+/** Types Chinese as an input method does: letters being composed, then the text. Keys of the page must not act on it. */
+export async function typeChinese(page, text) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Input.imeSetComposition", { text: "pinyin", selectionStart: 6, selectionEnd: 6 });
+  await session.send("Input.insertText", { text });
+  await session.detach();
+}
