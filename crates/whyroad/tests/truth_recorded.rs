@@ -1,6 +1,6 @@
 //! Mining on the recorded drives against what a person saw in them (`examples/truth/recorded`, where each entry has its reason).
 //! The recordings are not part of the repository; without them the test says so and passes.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says when it is skipped")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
