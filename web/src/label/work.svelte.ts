@@ -54,6 +54,8 @@ export class Work {
   stage = $derived(this.task?.stage ?? "stage1");
   state = $derived(this.task?.task.state ?? "open");
   leaf = $derived(this.framework?.leaves.get(this.task?.task.scenario_id ?? "") ?? null);
+  /** Nobody works on it, and somebody has to. */
+  waits = $derived.by(() => ["open", "stage1_locked", "submitted", "rework", "checked"].includes(this.state));
   holds = $derived.by(() => this.task?.fence != null && this.draft.saving !== "lost");
   edits = $derived(this.holds && this.may("edit"));
   checks = $derived(this.holds && (this.may("accept") || this.may("send_back")));

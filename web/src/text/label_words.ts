@@ -83,6 +83,7 @@ export const labelWords = {
   "stage.reason": ["原因", "Reason"],
   "stage.take": ["领取此任务", "Take this task"],
   "stage.read_only": ["只读：此任务现在不在您手上。", "Read only: you do not hold this task now."],
+  "stage.not_yours": ["您现在不能领取此任务：它归别人，或您已从同一行程的别的任务看到了它关键帧之后的内容。", "You cannot take this task now: it is another's, or another task of the same drive has shown you what comes after its keyframe."],
   "stage.lost": ["此任务已被别人领取，或租约已过期。您未保存的修改仍在本机。", "Somebody else has this task now, or your lease ran out. What was not saved is kept on this machine."],
   "stage.other_tab": ["此任务也在您的另一个标签页中打开。", "This task is open in another tab of yours, too."],
   "stage.saved": ["已保存", "Saved"],
