@@ -31,6 +31,8 @@ export class Work {
   /** The label as it was before anybody changed it; null while it cannot be told. */
   origin = $state.raw<Json | null>(null);
   comments = $state.raw<readonly Comment[]>([]);
+  /** Why the label was sent back the last time, and by whom; null when it was not. */
+  returned = $state.raw<{ by: string; why: string } | null>(null);
   /** Track id of the object that is picked in the view. */
   picked = $state<string | null>(null);
   /** Component that evidence and objects go to. */
@@ -153,6 +155,8 @@ export class Work {
     this.#keepLease();
     if (!this.scene || shown?.stage !== task.stage) await this.#look();
     if (task.stage === "stage2" && this.origin === null) void this.#beginning();
+    this.returned = null;
+    if (["rework", "submitted", "in_check"].includes(task.task.state)) void this.#whyReturned();
   }
 
   async #look(): Promise<void> {
@@ -170,6 +174,16 @@ export class Work {
       this.origin = (await api.draftAt(this.id, 1)) as Json;
     } catch {
       // Told only to those who may read the history: without it no field shows what it was.
+    }
+  }
+
+  /** The reason stands in the history: remarks on fields may say more, but need not. */
+  async #whyReturned(): Promise<void> {
+    try {
+      const last = (await api.history(this.id)).findLast((e) => e.action === "send_back");
+      if (last) this.returned = { by: last.actor, why: last.comment ?? "" };
+    } catch {
+      // Told only to those who may read the history.
     }
   }
 

@@ -27,12 +27,12 @@ export interface Palette {
 }
 
 const light: Palette = {
-  ground: "#eef0ee",
-  road: "#d4d7d8",
-  junction: "#cbcfd1",
+  ground: "#e8ebe8",
+  road: "#bcc2c5",
+  junction: "#b3babd",
   mark: "#ffffff",
   yellowMark: "#b98300",
-  centre: "#b7bcbf",
+  centre: "#a3abaf",
   crosswalk: "#ffffff",
   stopLine: "#5b6165",
   building: "#a9a39a",
