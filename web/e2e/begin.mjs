@@ -68,6 +68,9 @@ async function project(day) {
   await page.getByRole("button", { name: "应用到所有叶子类" }).click();
   // Leaves of the taxonomy as delivered (TAXONOMY.md): 122.
   await page.getByText("共 122 个叶子类，244 条").waitFor();
+  // Every label is audited, so that the day has an audit.
+  await page.getByLabel("最低审计比例 (%)").fill("100");
+  await page.getByLabel("最高审计比例 (%)").fill("100");
   await page.getByRole("button", { name: "保存" }).click();
   await page.getByText("已保存。").waitFor();
   await page.getByRole("link", { name: "成员" }).click();

@@ -1,1 +1,109 @@
-export const check = [];
+// Check, rework, audit, export: what turns a submitted label into an accepted one.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { PROJECT } from "./begin.mjs";
+import { look } from "./people.mjs";
+import { whyroad } from "./service.mjs";
+import { shot } from "./shots.mjs";
+
+const COMMENT = "推理里没有写出对方为何迫使自车减速，请写明车距。";
+const home = async (day, who) => {
+  const { page } = day.people[who];
+  await page.goto(day.service.url);
+  await page.getByRole("link", { name: PROJECT }).click();
+  return page;
+};
+
+async function sendBack(day) {
+  const page = await home(day, "chen");
+  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
+  await page.waitForURL(`**/tasks/${day.task}`);
+  const trace = page.locator('[data-field="/coc_trace"]');
+  await trace.locator("button[aria-expanded]").click();
+  await trace.locator("form textarea").fill(COMMENT);
+  await trace.getByRole("button", { name: "写意见" }).click();
+  await trace.getByText(COMMENT).waitFor();
+  await look(page, "check");
+  await shot(day, page, "check");
+  await page.locator('[data-deed="send_back"]').click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByRole("textbox").fill("请补充车距。");
+  await dialog.locator("button.primary").click();
+  await page.locator('[data-deed="next"]').waitFor();
+}
+
+async function rework(day) {
+  const { page } = day.people.li;
+  await page.goto(`${day.service.url}/tasks/${day.task}`);
+  await page.getByText(COMMENT).first().waitFor();
+  if (await page.locator('[data-deed="take"]').count()) await page.locator('[data-deed="take"]').click();
+  await page.locator('[data-deed="submit"]').waitFor();
+  const trace = page.locator('[data-field="/coc_trace"]');
+  await trace.getByRole("textbox", { name: "因果推理" }).fill(day.trace.replace("原有车距", "原有约 18 m 的车距"));
+  await trace.getByRole("button", { name: "已解决" }).click();
+  await page.getByLabel("合法且安全").check();
+  await page.locator('[data-saving="saved"]').waitFor();
+  await shot(day, page, "rework");
+  await page.locator('[data-deed="submit"]').click();
+  await page.locator('[data-deed="next"]').waitFor();
+}
+
+async function accept(day) {
+  const page = await home(day, "chen");
+  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
+  await page.waitForURL(`**/tasks/${day.task}`);
+  await page.waitForFunction(() => document.querySelector('[data-field="/coc_trace"] textarea')?.value.includes("约 18 m"));
+  await page.locator('[data-deed="accept"]').click();
+  await page.locator('[data-deed="next"]').waitFor();
+}
+
+async function audit(day) {
+  const page = await home(day, "sun");
+  await page.getByRole("button", { name: "领取下一个审计任务" }).click();
+  await page.waitForURL(`**/tasks/${day.task}`);
+  await page.locator('[data-deed="accept"]').click();
+  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-deed="history"]').click();
+  const history = page.getByRole("dialog");
+  await history.getByText("李明").first().waitFor();
+  await look(page, "history");
+  await shot(day, page, "history");
+  await page.keyboard.press("Escape");
+}
+
+async function take(day) {
+  const page = await home(day, "wang");
+  await page.getByRole("link", { name: "导入与导出" }).click();
+  const coming = page.waitForEvent("download");
+  await page.getByRole("link", { name: "导出标注 (JSONL)" }).click();
+  const file = join(day.scratch, "labels.jsonl");
+  await (await coming).saveAs(file);
+  const labels = readFileSync(file, "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(labels.length, 1);
+  const [label] = labels;
+  assert.equal(label.driving_decision.longitudinal, "yield_to_agent");
+  assert.equal(label.driving_decision.lateral, null);
+  assert.match(label.coc_trace, /约 18 m 的车距/);
+  assert.ok(label.critical_components.some((c) => c.description.startsWith("左侧车道的车压线切入")));
+  assert.ok(label.causes.longitudinal.components.length > 0);
+  day.labels = file;
+}
+
+async function validate(day) {
+  whyroad("--lang", "zh", "validate", day.labels);
+  // The test can fail: a label whose evidence comes after its keyframe does not pass.
+  const broken = readFileSync(day.labels, "utf8").replace(/"evidence_times":\["[^"]+"/, '"evidence_times":["2099-01-01T00:00:00.000Z"');
+  const file = join(day.scratch, "broken.jsonl");
+  writeFileSync(file, broken);
+  assert.throws(() => whyroad("--lang", "zh", "validate", file));
+}
+
+export const check = [
+  ["a checker sends the label back with a remark on its trace", sendBack],
+  ["the annotator corrects it and submits again", rework],
+  ["the checker accepts it", accept],
+  ["an auditor audits it and reads its history", audit],
+  ["the lead exports the accepted label", take],
+  ["whyroad validate passes the export, and not a broken one", validate],
+];

@@ -45,8 +45,9 @@ async function step(name, work) {
 
 day.browser = await driver.launch({ executablePath, args: ["--no-sandbox", "--disable-gpu", "--font-render-hinting=none"] });
 try {
-  await step("the service starts on a fresh store", async () => (day.service = await serve(day)));
-  for (const [name, work] of [...begin, ...label, ...troubles, ...check, ...screens]) await step(name, work);
+  day.restart = (port) => serve({ ...day, port });
+  await step("the service starts on a fresh store", async () => (day.service = await day.restart(0)));
+  for (const [name, work] of [...begin, ...label, ...check, ...troubles, ...screens]) await step(name, work);
   await step("the page complained of nothing", () => assert.deepEqual(day.faults, []));
   await step("axe found nothing serious on any screen", () => assert.deepEqual(grave, []));
   await step("the service stops when it is told to", async () => assert.equal(await day.service.stop(), "0"));

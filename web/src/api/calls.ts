@@ -1,5 +1,5 @@
 // Every route that the page calls, with its types: the one place where a URL and a type meet.
-import { call, forget, query, Raw, setCsrf } from "./client.ts";
+import { call, forget, LONG_MS, query, Raw, setCsrf } from "./client.ts";
 import type * as T from "./types.ts";
 
 const id = encodeURIComponent;
@@ -41,7 +41,7 @@ export const api = {
     (await call<T.Tasks>("GET", `/projects/${id(p)}/tasks${query(filter)}`)).data,
   mined: async () => (await call<{ items: T.MinedFolder[] }>("GET", "/mined")).data.items,
   makeTasks: async (p: string, body: Partial<T.CreateTasks>) =>
-    (await call<T.Created>("POST", `/projects/${id(p)}/tasks:create`, body)).data,
+    (await call<T.Created>("POST", `/projects/${id(p)}/tasks:create`, body, LONG_MS)).data,
   /** Null when the queue has nothing. */
   next: async (p: string, kind: T.Kind): Promise<T.Task | null> => {
     const { data, status } = await call<T.Task>("POST", `/projects/${id(p)}/tasks:next`, { kind });
@@ -72,7 +72,7 @@ export const api = {
 
   exportUrl: (p: string, q: { format: "labels" | "tasks"; version?: string }) => `/api/v1/projects/${id(p)}/export${query(q)}`,
   importLines: async (p: string, lines: string) =>
-    (await call<T.Imported>("POST", `/projects/${id(p)}/import`, new Raw(lines, "application/x-ndjson"))).data,
+    (await call<T.Imported>("POST", `/projects/${id(p)}/import`, new Raw(lines, "application/x-ndjson"), LONG_MS)).data,
   webhooks: async (p: string) => (await call<{ items: T.Webhook[] }>("GET", `/projects/${id(p)}/webhooks`)).data.items,
   newWebhook: async (p: string, hook: { url: string; events: string[] }) =>
     (await call<T.Webhook>("POST", `/projects/${id(p)}/webhooks`, hook)).data,

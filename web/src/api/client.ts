@@ -47,6 +47,8 @@ export class Raw {
 
 /** Longer than any answer takes, shorter than a person waits before thinking that nothing happens. */
 const PATIENCE_MS = 30_000;
+/** For work that grows with what is sent: thousands of episodes or labels. */
+export const LONG_MS = 600_000;
 /** Waits before a read is tried again. Writes are never repeated here: whoever wrote knows whether that is safe. */
 const AGAIN_MS = [300, 1200];
 /** Answers of reads that carried an ETag, the latest ones: an unchanged one is not sent twice. */
@@ -58,12 +60,12 @@ export function forget(): void {
   fresh.clear();
 }
 
-export async function call<T>(method: Method, path: string, body?: unknown): Promise<Reply<T>> {
+export async function call<T>(method: Method, path: string, body?: unknown, patience = PATIENCE_MS): Promise<Reply<T>> {
   const again = method === "GET" ? AGAIN_MS : [];
   for (let attempt = 0; ; attempt++) {
     const wait = again[attempt];
     try {
-      const response = await send(method, path, body);
+      const response = await send(method, path, body, patience);
       const passing = [502, 503, 504].includes(response.status);
       if (!passing || wait === undefined) return await answer<T>(method, path, response);
     } catch (error) {
@@ -73,9 +75,9 @@ export async function call<T>(method: Method, path: string, body?: unknown): Pro
   }
 }
 
-async function send(method: Method, path: string, body: unknown): Promise<Response> {
+async function send(method: Method, path: string, body: unknown, patience: number): Promise<Response> {
   const headers: Record<string, string> = { accept: "application/json" };
-  const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(PATIENCE_MS) };
+  const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(patience) };
   if (method === "GET") {
     // The browser's own cache would answer for whoever was signed in before.
     init.cache = "no-store";
