@@ -7,6 +7,7 @@ mod compare;
 mod define;
 mod moments;
 mod names;
+mod tell;
 mod words;
 
 pub use names::nearest;

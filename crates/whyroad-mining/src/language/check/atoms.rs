@@ -2,10 +2,9 @@
 //! conjunction, a disjunction or a duration are told one by one, anything else as a whole.
 
 use super::super::program::{Atom, Kind, NodeId, Op};
-use super::super::syntax::{ArithmeticOp, Expr, ExprKind, Quantity};
+use super::super::syntax::{Expr, ExprKind, Quantity};
 use super::compare::{Extreme, extreme_of};
 use super::{Checker, Fault};
-use std::fmt::Write as _;
 use whyroad_model::units::{UNITS, Unit};
 
 impl Checker<'_> {
@@ -20,8 +19,9 @@ impl Checker<'_> {
             }
             _ => {
                 let mut atoms = Vec::new();
+                self.definitions_told(expr, &mut atoms)?;
                 self.atoms(expr, &mut atoms)?;
-                out.push((self.describe(expr), self.condition(expr)?, atoms));
+                out.push((self.tell(expr), self.condition(expr)?, atoms));
                 Ok(())
             }
         }
@@ -52,7 +52,49 @@ impl Checker<'_> {
                 Ok(())
             }
             ExprKind::In(of, _) => self.push_atom(expr, of, None, out),
-            _ => self.push_atom(expr, expr, None, out),
+            _ => {
+                self.push_atom(expr, expr, None, out)?;
+                self.named_atoms(expr, out)
+            }
+        }
+    }
+
+    /// Of a condition that is too long to be told with all its names replaced: each definition that its text speaks of,
+    /// and what these compare.
+    fn named_atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
+        for name in self.definitions_told(expr, out)? {
+            let definition = self.definitions[&name].expr.clone();
+            self.comparisons(&definition, out)?;
+        }
+        Ok(())
+    }
+
+    /// Each definition that the text of a condition speaks of, as an atom: its name and what it stands for.
+    fn definitions_told(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<Vec<String>, Fault> {
+        let names = if self.is_short(expr) { Vec::new() } else { self.names_told(expr) };
+        for name in &names {
+            let definition = self.definitions[name].expr.clone();
+            let condition = self.condition(&definition)?;
+            let atom = Atom {
+                text: format!("{name}: {}", self.tell_by_names(&definition)),
+                condition,
+                measured: condition,
+                signals: self.program.signals(condition),
+                unit: &UNITS[0],
+            };
+            if !out.contains(&atom) {
+                out.push(atom);
+            }
+        }
+        Ok(names)
+    }
+
+    /// Comparisons that stand in a conjunction or disjunction, not those of what it is made of.
+    fn comparisons(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
+        match &expr.kind {
+            ExprKind::And(all) | ExprKind::Or(all) => all.iter().try_for_each(|e| self.comparisons(e, out)),
+            ExprKind::Compare(..) | ExprKind::In(..) => self.atoms(expr, out),
+            _ => Ok(()),
         }
     }
 
@@ -70,7 +112,7 @@ impl Checker<'_> {
             _ => &UNITS[0],
         };
         let atom = Atom {
-            text: self.describe(expr),
+            text: self.tell(expr),
             condition,
             measured,
             signals: self.program.signals(condition),
@@ -106,85 +148,5 @@ impl Checker<'_> {
             ExprKind::Name(n) => self.parameters.get(n).copied(),
             _ => None,
         }
-    }
-
-    /// The expression in words: as written, in the spacing of DATA_FORMAT.md 5.2, parameters by value.
-    pub fn describe(&self, expr: &Expr) -> String {
-        if let Some(q) = self.quantity(expr) {
-            return format!("{}{}", q.value, q.unit.symbol);
-        }
-        let list = |all: &[Expr], word: &str| {
-            all.iter().map(|e| self.describe_tight(e)).collect::<Vec<_>>().join(&format!(" {word} "))
-        };
-        match &expr.kind {
-            ExprKind::Number(q) => format!("{}{}", q.value, q.unit.symbol),
-            ExprKind::Name(n) => match self.definitions.get(n) {
-                Some(definition) => self.describe(&definition.expr),
-                None => n.clone(),
-            },
-            ExprKind::Call(n, arguments) => {
-                format!("{n}({})", arguments.iter().map(|a| self.describe(a)).collect::<Vec<_>>().join(", "))
-            }
-            ExprKind::Negate(of) => format!("-{}", self.describe_tight(of)),
-            ExprKind::Not(of) => match &of.kind {
-                ExprKind::Known(inner) => format!("{} is unknown", self.describe_tight(inner)),
-                _ => format!("not {}", self.describe_tight(of)),
-            },
-            ExprKind::Arithmetic(op, a, b) => {
-                let sign = match op {
-                    ArithmeticOp::Add => '+',
-                    ArithmeticOp::Subtract => '-',
-                    ArithmeticOp::Multiply => '*',
-                };
-                format!("{} {sign} {}", self.describe_tight(a), self.describe_tight(b))
-            }
-            ExprKind::And(all) => list(all, "and"),
-            ExprKind::Or(all) => list(all, "or"),
-            ExprKind::Compare(first, rest) => {
-                let mut text = self.describe_tight(first);
-                for (op, e) in rest {
-                    let _ = write!(text, " {} {}", op.symbol(), self.describe_tight(e));
-                }
-                text
-            }
-            ExprKind::In(of, members) => {
-                let words: Vec<&str> = members.iter().map(|(w, _)| w.as_str()).collect();
-                format!("{} in {{{}}}", self.describe_tight(of), words.join(", "))
-            }
-            ExprKind::Known(of) => format!("{} is known", self.describe_tight(of)),
-            ExprKind::For(of, t) => match &of.kind {
-                ExprKind::Gaps(of, gaps) => {
-                    let (of, t, gaps) = (self.describe_tight(of), self.describe(t), self.describe(gaps));
-                    format!("{of} for {t} gaps {gaps}")
-                }
-                _ => format!("{} for {}", self.describe_tight(of), self.describe(t)),
-            },
-            ExprKind::Gaps(of, t) => format!("{} gaps {}", self.describe_tight(of), self.describe(t)),
-            ExprKind::Since(a, b, t) => self.describe_lasting(a, "since", b, t.as_deref()),
-            ExprKind::Until(a, b, t) => self.describe_lasting(a, "until", b, t.as_deref()),
-            ExprKind::Within(of, t) => format!("{} within {}", self.describe_tight(of), self.describe(t)),
-            ExprKind::Then(a, b, t) => {
-                format!(
-                    "{} then {} within {}",
-                    self.describe_tight(a),
-                    self.describe_tight(b),
-                    self.describe(t)
-                )
-            }
-            ExprKind::At(of) => format!("{} at keyframe", self.describe_tight(of)),
-        }
-    }
-
-    fn describe_lasting(&self, a: &Expr, word: &str, b: &Expr, time: Option<&Expr>) -> String {
-        let within = time.map(|t| format!(" within {}", self.describe(t))).unwrap_or_default();
-        format!("{} {word} {}{within}", self.describe_tight(a), self.describe_tight(b))
-    }
-
-    /// In parentheses where the expression is more than one word.
-    fn describe_tight(&self, expr: &Expr) -> String {
-        let text = self.describe(expr);
-        let expanded = matches!(&expr.kind, ExprKind::Name(n) if self.definitions.contains_key(n));
-        let compound = !matches!(expr.kind, ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Call(..));
-        if (compound || expanded) && text.contains(' ') { format!("({text})") } else { text }
     }
 }

@@ -1,7 +1,7 @@
 //! An explanation as a picture: a lane over time for each condition, green where it is true, grey where it is false,
 //! hatched where it is unknown, and a line at the moment that is told about.
 
-use super::text::{actual, single, text_of, verdict, whole};
+use super::text::{actual, below, single, text_of, verdict, whole};
 use super::{Shown, seconds};
 use std::fmt::Write as _;
 use whyroad_mining::explain::{AtomCourse, Cell, Course};
@@ -71,7 +71,7 @@ fn rows<'a>(shown: &Shown<'a>, lang: Lang) -> Vec<ChartRow<'a>> {
         let text = with_value(text_of(part, lang), single(part), lang);
         out.push(ChartRow { course: &part.course, text, indent: 0 });
         if single(part).is_none() {
-            out.extend(part.atoms.iter().map(|atom| ChartRow {
+            out.extend(below(part).map(|atom| ChartRow {
                 course: &atom.course,
                 text: with_value(atom.text.clone(), Some(atom), lang),
                 indent: 18,

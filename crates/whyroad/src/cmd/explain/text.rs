@@ -115,6 +115,11 @@ pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
     part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
 }
 
+/// What is told below a part: its definitions and comparisons, without the part itself again.
+pub(super) fn below(part: &PartCourse) -> impl Iterator<Item = &AtomCourse> {
+    part.atoms.iter().filter(|a| a.text != part.text)
+}
+
 /// The measured value with its unit; nothing where the condition is its own measure.
 pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
     let word = |zh: &str, en: &str| Some(if lang == Lang::Zh { zh } else { en }.to_owned());
@@ -130,7 +135,7 @@ pub(super) fn actual(atom: &AtomCourse, lang: Lang) -> Option<String> {
 fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
     line(out, &part.course, 0, &text_of(part, lang), single(part), lang);
     if single(part).is_none() {
-        for atom in &part.atoms {
+        for atom in below(part) {
             line(out, &atom.course, 2, &atom.text, Some(atom), lang);
         }
     }
