@@ -16,14 +16,14 @@ pub(super) fn observed(
     if let Some(target) = &episode.target_id {
         let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
         found
-            .extend(target_in_words(signals, target, class, keyframe).map(|text| ("critical objects", text)));
+            .extend(target_in_words(signals, target, class, keyframe).map(|text| ("critical_objects", text)));
     }
-    found.extend(light(signals, keyframe).map(|text| ("traffic lights", text)));
+    found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
     if episode.signals.iter().any(|s| s.starts_with("map.curvature")) {
-        found.extend(bend(signals, keyframe).map(|text| ("road events", text)));
+        found.extend(bend(signals, keyframe).map(|text| ("road_events", text)));
     }
     if episode.signals.iter().any(|s| s == "ego.movement") {
-        found.extend(route(signals, keyframe).map(|text| ("routing intent", text)));
+        found.extend(route(signals, keyframe).map(|text| ("routing_intent", text)));
     }
     found
         .into_iter()
@@ -34,7 +34,7 @@ pub(super) fn observed(
             id: None,
             evidence_times: Vec::new(),
             linked_objects: match (category, &episode.target_id) {
-                ("critical objects", Some(target)) => vec![target.to_string()],
+                ("critical_objects", Some(target)) => vec![target.to_string()],
                 _ => Vec::new(),
             },
         })
