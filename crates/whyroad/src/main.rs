@@ -6,6 +6,8 @@ mod output;
 
 mod cmd;
 mod framework_folder;
+mod recordings;
+mod store_place;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -52,6 +54,14 @@ enum Command {
     Rules(cmd::rules::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
+    /// Run the labelling service: the page and its API
+    Serve(cmd::serve::Args),
+    /// Make, list, export and import labelling tasks
+    Tasks(cmd::tasks::Args),
+    /// Write the store of the labelling service into one file
+    Backup(cmd::backup::BackupArgs),
+    /// Read a backup into an empty store
+    Restore(cmd::backup::RestoreArgs),
     /// Write the coverage report
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
@@ -70,6 +80,10 @@ fn main() -> ExitCode {
         Command::Explain(a) => cmd::explain::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
+        Command::Serve(a) => cmd::serve::run(&cli.global, a),
+        Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
+        Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
+        Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),
     };

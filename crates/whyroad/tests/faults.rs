@@ -1,7 +1,7 @@
 //! What may befall the labelling service, done to the real one: after each, every acknowledged change is there and no task
 //! is held twice.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
 
 #[path = "../../whyroad-labeling/tests/support/postgres.rs"]
 mod postgres;
@@ -17,7 +17,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Annotators of a storm.
 const PEOPLE: usize = 6;

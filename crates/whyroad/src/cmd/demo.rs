@@ -54,6 +54,16 @@ impl Steps {
     }
 }
 
+/// The bundled drives as a lake in `out`, mined into `out/mined`: what `whyroad serve` shows when nothing else was named.
+pub(crate) fn lake_and_episodes(global: &Global, framework: &Framework, out: &Path) -> anyhow::Result<Lake> {
+    let mut steps = Steps { lang: global.lang, lost: false };
+    std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    let lake = ingest(&mut steps, &Args { out: out.to_owned(), av2: None })?;
+    let lake = lake.context("the bundled drives could not be read")?;
+    mine(&mut steps, framework, &lake, out)?;
+    Ok(lake)
+}
+
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let mut steps = Steps { lang: global.lang, lost: false };
@@ -75,7 +85,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lost = write_page(&found, &page, MAX_CARDS, global.lang)?;
     steps.findings(&lost);
     let table = summary::table(&framework.taxonomy, &result.coverage, &episodes, &lake, global.lang);
-    output::put(&format!("\n{table}\n{}\n", summary::where_to_look(&page, &args.out, global.lang)));
+    output::put(&format!("\n{table}\n{}\n", summary::where_to_look(&page, &lake, &args.out, global.lang)));
     Ok(if steps.lost { output::lost_input() } else { output::FINE })
 }
 

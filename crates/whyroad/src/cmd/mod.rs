@@ -1,5 +1,6 @@
 //! One file a command: its arguments, and the calls that answer them.
 
+pub(crate) mod backup;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod explain;
@@ -8,6 +9,8 @@ pub(crate) mod inspect;
 pub(crate) mod mine;
 pub(crate) mod report;
 pub(crate) mod rules;
+pub(crate) mod serve;
 pub(crate) mod signals;
+pub(crate) mod tasks;
 pub(crate) mod taxonomy;
 pub(crate) mod validate;

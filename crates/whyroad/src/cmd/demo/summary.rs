@@ -83,11 +83,17 @@ fn starts(episodes: &[EpisodeRecord], lake: &Lake) -> BTreeMap<DriveId, Nanos> {
 }
 
 /// Where everything is.
-pub(super) fn where_to_look(page: &Path, out: &Path, lang: Lang) -> String {
+pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, lang: Lang) -> String {
+    let serve =
+        format!("whyroad serve --lake {} --mined {}", lake.dir().display(), out.join("mined").display());
     let (page, out) = (page.display(), out.display());
     match lang {
-        Lang::Zh => format!("报告：{page}（用浏览器打开）；其余结果在 {out}"),
-        Lang::En => format!("report: {page} (open it in a browser); everything else is in {out}"),
+        Lang::Zh => format!(
+            "报告：{page}（用浏览器打开）；其余结果在 {out}\n在浏览器里看这些片段并标注：{serve}，然后打开 http://127.0.0.1:8080/"
+        ),
+        Lang::En => format!(
+            "report: {page} (open it in a browser); everything else is in {out}\nto look at the clips in the browser and label them: {serve}, then open http://127.0.0.1:8080/"
+        ),
     }
 }
 

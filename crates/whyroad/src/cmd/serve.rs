@@ -1,0 +1,131 @@
+//! `whyroad serve`: the labelling service on a lake, with its page. Without any argument it runs on the bundled drives, so
+//! that a newcomer sees clips at once.
+
+mod first_run;
+
+use crate::recordings::LakeRecordings;
+use crate::{Global, output, store_place};
+use anyhow::Context as _;
+use first_run::FirstAccount;
+use std::net::{IpAddr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use whyroad_labeling::App;
+use whyroad_lake::Lake;
+use whyroad_model::Lang;
+
+/// Arguments of `whyroad serve`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Lake whose drives are labelled; without it the bundled drives are
+    #[arg(long, value_name = "DIR")]
+    lake: Option<PathBuf>,
+    /// Folder that `whyroad mine` wrote, or a folder of such folders: tasks can be made from these; may be repeated
+    #[arg(long, value_name = "DIR", requires = "lake")]
+    mined: Vec<PathBuf>,
+    /// Folder in which the camera pictures lie that the lake names: the folder of the recorded logs; may be repeated
+    #[arg(long, value_name = "DIR", requires = "lake")]
+    media: Vec<PathBuf>,
+    /// Address to listen on. Beyond this machine, put a proxy with TLS in front
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
+    listen: SocketAddr,
+    /// The page is reached by https (a proxy in front has the certificate): cookies are for https only
+    #[arg(long)]
+    https: bool,
+    #[command(flatten)]
+    store: store_place::StoreArgs,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let framework = store_place::framework(global)?;
+    // Before any work: an address in use is the commonest reason not to start.
+    let listener =
+        TcpListener::bind(args.listen).with_context(|| format!("cannot listen on {}", args.listen))?;
+    let at = listener.local_addr()?;
+    let (lake, mined) = match &args.lake {
+        Some(dir) => (Lake::open(dir)?, args.mined.clone()),
+        None => first_run::bundled(global, framework, &args.store.data)?,
+    };
+    let drives = lake.drive_ids().len();
+    let recordings = Arc::new(LakeRecordings::open(lake, framework, &mined, &args.media)?);
+    let store = args.store.open(global.lang)?;
+    let mut app = App::new(store, framework, recordings).map_err(|p| store_place::told(&p, global.lang))?;
+    if args.https {
+        app.cookies = whyroad_labeling::app::Cookies::Secure;
+    }
+    first_run::offer_project(&app, global.lang)?;
+    let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
+    say!("{}", where_to_look(at, &account, drives, global.lang));
+    run_until_told(app, listener).context("the service stopped")?;
+    Ok(output::FINE)
+}
+
+/// Serves until Ctrl-C or a request to terminate; then finishes what was begun.
+fn run_until_told(app: App, listener: TcpListener) -> std::io::Result<()> {
+    listener.set_nonblocking(true)?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        whyroad_labeling::serve(Arc::new(app), listener, told_to_stop()).await
+    })
+}
+
+async fn told_to_stop() {
+    let interrupt = tokio::signal::ctrl_c();
+    #[cfg(unix)]
+    let terminate = async {
+        match tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()) {
+            Ok(mut signal) => signal.recv().await,
+            // Without a handler the system's own way of ending stays.
+            Err(_) => std::future::pending().await,
+        }
+    };
+    #[cfg(not(unix))]
+    let terminate = std::future::pending::<()>();
+    tokio::select! {
+        _ = interrupt => {}
+        _ = terminate => {}
+    }
+}
+
+/// The line that tells where the page is; with the way to the first account while there is none.
+fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: Lang) -> String {
+    // The unspecified address is no place to go to.
+    let host = match at.ip() {
+        ip if !ip.is_unspecified() => at.to_string(),
+        IpAddr::V4(_) => format!("127.0.0.1:{}", at.port()),
+        IpAddr::V6(_) => format!("[::1]:{}", at.port()),
+    };
+    let query = match account {
+        FirstAccount::ByToken(token) => format!("?setup={token}"),
+        FirstAccount::Made | FirstAccount::Open => String::new(),
+    };
+    let first = match (lang, account) {
+        (_, FirstAccount::Made) => "",
+        (Lang::Zh, _) => "首次运行：打开该页面建立管理员\n",
+        (Lang::En, _) => "first run: open that page to make the administrator\n",
+    };
+    match lang {
+        Lang::Zh => format!("标注服务：http://{host}/{query}\n{first}{drives} 个行程；Ctrl-C 停止"),
+        Lang::En => {
+            format!("labelling service: http://{host}/{query}\n{first}{drives} drives; Ctrl-C stops it")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_address_told_is_one_that_can_be_opened() {
+        let told = |at: &str, account| where_to_look(at.parse().unwrap(), &account, 3, Lang::En);
+        assert!(told("0.0.0.0:8080", FirstAccount::Made).contains("http://127.0.0.1:8080/\n"));
+        assert!(told("[::]:1", FirstAccount::Made).contains("http://[::1]:1/\n"));
+        let by_token = FirstAccount::ByToken("abc".into());
+        assert!(told("10.1.2.3:80", by_token).contains("http://10.1.2.3:80/?setup=abc\nfirst run"));
+        assert!(told("127.0.0.1:80", FirstAccount::Open).contains("first run"));
+        assert!(!told("127.0.0.1:80", FirstAccount::Made).contains("first run"));
+    }
+}

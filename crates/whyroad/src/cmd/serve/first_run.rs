@@ -1,0 +1,79 @@
+//! What a fresh machine is given: the bundled drives, a project to begin with, and a way to the first account that is
+//! nobody else's.
+
+use crate::cmd::demo;
+use crate::{Global, store_place};
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use whyroad_framework::Framework;
+use whyroad_labeling::App;
+use whyroad_labeling::api::wire::task::CreateTasks;
+use whyroad_labeling::secret;
+use whyroad_labeling::service::{create, people, projects};
+use whyroad_lake::Lake;
+use whyroad_model::Lang;
+
+/// How the first account comes about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum FirstAccount {
+    /// There are accounts.
+    Made,
+    /// Whoever opens the page first makes it: only this machine can.
+    Open,
+    /// Who knows this token makes it.
+    ByToken(String),
+}
+
+/// The bundled drives as a lake below `data`, with what was mined from them; made when they are not there.
+pub(super) fn bundled(
+    global: &Global,
+    framework: &Framework,
+    data: &Path,
+) -> anyhow::Result<(Lake, Vec<PathBuf>)> {
+    let dir = data.join("demo");
+    let mined = dir.join("mined");
+    let lake = match Lake::open(dir.join("lake")) {
+        Ok(lake) if mined.join("episodes.jsonl").is_file() => lake,
+        _ => {
+            match global.lang {
+                Lang::Zh => say!("没有指定数据湖：准备内置的示例行程（只需一次）"),
+                Lang::En => say!("no lake was named: preparing the bundled drives (only once)"),
+            }
+            demo::lake_and_episodes(global, framework, &dir)?
+        }
+    };
+    Ok((lake, vec![mined]))
+}
+
+/// Gives a store without any project one, with tasks from the first mined folder, so that there is something to open.
+pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
+    let problem = |p| store_place::told(&p, lang);
+    let Some(mined) = app.recordings.mined().into_iter().next() else { return Ok(()) };
+    if !app.store.read(projects::all).map_err(problem)?.is_empty() {
+        return Ok(());
+    }
+    let project = store_place::new_project("demo", lang)?;
+    let (id, now) = (project.id.clone(), app.now());
+    app.store.write(move |tx| projects::create(tx, &project, now)).map_err(problem)?;
+    let request = CreateTasks { mined: Some(mined), ..CreateTasks::default() };
+    let made = create::create(app, &id, &request, None).map_err(problem)?;
+    match lang {
+        Lang::Zh => say!("项目 demo：{} 个任务", made.tasks.len()),
+        Lang::En => say!("project demo: {} tasks", made.tasks.len()),
+    }
+    Ok(())
+}
+
+/// How the first account comes about on a service that is reached at `ip`.
+pub(super) fn first_account(app: &mut App, ip: IpAddr, lang: Lang) -> anyhow::Result<FirstAccount> {
+    let problem = |p| store_place::told(&p, lang);
+    if !app.store.read(people::is_first_run).map_err(problem)? {
+        return Ok(FirstAccount::Made);
+    }
+    if ip.is_loopback() {
+        return Ok(FirstAccount::Open);
+    }
+    let token = secret::random(16).map_err(problem)?;
+    app.setup_token = Some(token.clone());
+    Ok(FirstAccount::ByToken(token))
+}

@@ -1,0 +1,241 @@
+//! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without the
+//! service running (or beside it: the store takes both).
+
+use crate::recordings::LakeRecordings;
+use crate::store_place::told;
+use crate::{Global, output, store_place};
+use anyhow::{Context as _, anyhow, bail};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use whyroad_labeling::App;
+use whyroad_labeling::api::wire::task::CreateTasks;
+use whyroad_labeling::service::transfer::{self, Format};
+use whyroad_labeling::service::{create, projects, tasks};
+use whyroad_labeling::store::Store;
+use whyroad_lake::Lake;
+use whyroad_model::Lang;
+
+/// Arguments of `whyroad tasks`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(clap::Subcommand)]
+enum What {
+    /// Make tasks from the episodes of a mined folder; makes the project when there is none of that name
+    Create(Create),
+    /// List tasks, and how many stand where; without --project, the projects
+    List(List),
+    /// Write labels or tasks as JSON lines to stdout
+    Export(Export),
+    /// Read tasks, episodes or labels as JSON lines; labels become drafts
+    Import(Import),
+}
+
+#[derive(clap::Args)]
+struct Create {
+    /// Folder that `whyroad mine` wrote
+    #[arg(long, value_name = "DIR")]
+    from: PathBuf,
+    /// Project
+    #[arg(long, value_name = "NAME")]
+    project: String,
+    /// Lake that was mined; the folder `lake` beside the mined one unless said
+    #[arg(long, value_name = "DIR")]
+    lake: Option<PathBuf>,
+    /// At most so many episodes
+    #[arg(long, value_name = "N")]
+    limit: Option<u32>,
+    /// At most so many episodes of a class
+    #[arg(long, value_name = "N")]
+    per_leaf: Option<u32>,
+    /// So many people label each episode, each for themselves
+    #[arg(long, value_name = "N")]
+    overlap: Option<u32>,
+    /// Greater is sooner
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    priority: i64,
+    #[command(flatten)]
+    store: store_place::StoreArgs,
+}
+
+#[derive(clap::Args)]
+struct List {
+    /// Project
+    #[arg(long, value_name = "NAME")]
+    project: Option<String>,
+    /// Only this state
+    #[arg(long, value_name = "STATE")]
+    state: Option<String>,
+    #[command(flatten)]
+    store: store_place::StoreArgs,
+}
+
+#[derive(clap::Args)]
+struct Export {
+    /// Project
+    #[arg(long, value_name = "NAME")]
+    project: String,
+    /// labels, or tasks with their history
+    #[arg(long, default_value = "labels", value_parser = ["labels", "tasks"])]
+    format: String,
+    /// Format of the labels: 2.1, or 2.0 without what 2.1 added
+    #[arg(long = "format-version", default_value = "2.1", value_parser = ["2.0", "2.1"])]
+    version: String,
+    /// Labels of tasks in these states (separated by commas) instead of the accepted ones
+    #[arg(long, value_name = "STATES")]
+    state: Option<String>,
+    #[command(flatten)]
+    store: store_place::StoreArgs,
+}
+
+#[derive(clap::Args)]
+struct Import {
+    /// File of JSON lines
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    /// Project; made when there is none of that name
+    #[arg(long, value_name = "NAME")]
+    project: String,
+    /// Lake that has the drives
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    #[command(flatten)]
+    store: store_place::StoreArgs,
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    match args.what {
+        What::Create(a) => create_tasks(global, &a),
+        What::List(a) => list(global, &a),
+        What::Export(a) => export(global, &a),
+        What::Import(a) => import(global, &a),
+    }
+}
+
+/// The service on `lake`, and the project of this name.
+fn service(
+    global: &Global,
+    store: &store_place::StoreArgs,
+    lake: &Path,
+    mined: &[PathBuf],
+    project: &str,
+) -> anyhow::Result<(App, String)> {
+    let framework = store_place::framework(global)?;
+    let recordings = LakeRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
+    let store = store.open(global.lang)?;
+    let app = App::new(store, framework, Arc::new(recordings)).map_err(|p| told(&p, global.lang))?;
+    let project = find_or_make(&app, project, global.lang)?;
+    Ok((app, project))
+}
+
+fn find_or_make(app: &App, name: &str, lang: Lang) -> anyhow::Result<String> {
+    let project = store_place::new_project(name, lang)?;
+    let now = app.now();
+    let found = app.store.write(move |tx| match projects::find(tx, &project.name)? {
+        Some(found) => Ok(found.id),
+        None => projects::create(tx, &project, now).map(|()| project.id.clone()),
+    });
+    found.map_err(|p| told(&p, lang))
+}
+
+fn find(store: &Store, name: &str, lang: Lang) -> anyhow::Result<String> {
+    let all = store.read(projects::all).map_err(|p| told(&p, lang))?;
+    let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
+    let found = all.iter().find(|p| p.name == name || p.id == name);
+    found.map(|p| p.id.clone()).ok_or_else(|| match lang {
+        Lang::Zh => anyhow!("没有项目 '{name}'；现有：{}", names.join("、")),
+        Lang::En => anyhow!("there is no project '{name}'; there are: {}", names.join(", ")),
+    })
+}
+
+fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
+    let beside = a.from.parent().map(|d| d.join("lake"));
+    let Some(lake) = a.lake.clone().or(beside.filter(|d| d.is_dir())) else {
+        bail!("there is no lake beside {}; name it with --lake", a.from.display());
+    };
+    let (app, project) = service(global, &a.store, &lake, std::slice::from_ref(&a.from), &a.project)?;
+    let request = CreateTasks {
+        mined: app.recordings.mined().into_iter().next(),
+        limit: a.limit,
+        per_leaf: a.per_leaf,
+        overlap: a.overlap,
+        priority: a.priority,
+        ..CreateTasks::default()
+    };
+    let made = create::create(&app, &project, &request, None).map_err(|p| told(&p, global.lang))?;
+    made.lost.iter().for_each(|why| say!("{why}"));
+    let (new, known, left_out, lost) = (made.tasks.len(), made.known, made.left_out, made.lost.len());
+    output::put(&match global.lang {
+        Lang::Zh => format!("{new} 个新任务；已有 {known}，未取 {left_out}，行程缺失 {lost}\n"),
+        Lang::En => {
+            format!("{new} tasks made; {known} were there, {left_out} left out, {lost} without their drive\n")
+        }
+    });
+    Ok(if lost > 0 { output::lost_input() } else { output::FINE })
+}
+
+fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
+    let problem = |p| told(&p, global.lang);
+    let store = a.store.open_existing(global.lang)?;
+    let mut out = String::new();
+    let Some(name) = &a.project else {
+        for project in store.read(projects::all).map_err(problem)? {
+            let counts = store.read(|tx| transfer::counts(tx, &project.id)).map_err(problem)?;
+            let _ = writeln!(out, "{}  {}", project.name, words(&counts));
+        }
+        output::put(&out);
+        return Ok(output::FINE);
+    };
+    let project = find(&store, name, global.lang)?;
+    let (rows, names) = store
+        .read(|tx| Ok((transfer::tasks_of(tx, &project, a.state.as_deref())?, tasks::names(tx)?)))
+        .map_err(problem)?;
+    for t in rows {
+        let s = tasks::summary(&t, &names);
+        let who = s.assigned_to.or(s.author).unwrap_or_else(|| "-".to_owned());
+        let _ = writeln!(
+            out,
+            "{}  {:<13}  {:<44}  {:<28}  {who}",
+            s.id,
+            s.state.word(),
+            s.scenario_id,
+            s.clip_id
+        );
+    }
+    output::put(&out);
+    Ok(output::FINE)
+}
+
+fn words(counts: &BTreeMap<String, i64>) -> String {
+    counts.iter().map(|(state, n)| format!("{state} {n}")).collect::<Vec<_>>().join(", ")
+}
+
+fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
+    let problem = |p| told(&p, global.lang);
+    let store = a.store.open_existing(global.lang)?;
+    let project = find(&store, &a.project, global.lang)?;
+    let format =
+        Format::from_words(Some(&a.format), Some(&a.version), a.state.as_deref()).map_err(problem)?;
+    output::put(&store.read(|tx| transfer::export(tx, &project, &format)).map_err(problem)?);
+    Ok(output::FINE)
+}
+
+fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
+    let text =
+        std::fs::read_to_string(&a.file).with_context(|| format!("cannot read {}", a.file.display()))?;
+    let (app, project) = service(global, &a.store, &a.lake, &[], &a.project)?;
+    let made = transfer::import(&app, &project, &text, None).map_err(|p| told(&p, global.lang))?;
+    made.lost.iter().for_each(|why| say!("{}: {why}", a.file.display()));
+    let (new, known, lost) = (made.tasks, made.known, made.lost.len());
+    output::put(&match global.lang {
+        Lang::Zh => format!("{new} 个新任务；已有 {known}；无法读取 {lost} 行\n"),
+        Lang::En => format!("{new} tasks made; {known} were there; {lost} lines could not be read\n"),
+    });
+    Ok(if lost > 0 { output::lost_input() } else { output::FINE })
+}

@@ -1,0 +1,180 @@
+//! What the labelling service needs of the rest: drives out of a lake, signals derived from them, drafts, mined folders,
+//! pictures. Glue only: each answer is one call of the crate that knows.
+
+use anyhow::{Context as _, bail};
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use whyroad_dataset::{draft, mined};
+use whyroad_framework::Framework;
+use whyroad_labeling::recordings::Recordings;
+use whyroad_lake::Lake;
+use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+
+/// Drives kept in memory: people who work at the same time mostly work on the same drives.
+const KEPT: usize = 12;
+/// What mining calls its list of episodes.
+const EPISODES: &str = "episodes.jsonl";
+/// Pictures that browsers show.
+const PICTURES: &[&str] = &["jpg", "jpeg", "png", "webp"];
+
+/// Recordings of one lake.
+pub(crate) struct LakeRecordings {
+    lake: Lake,
+    framework: &'static Framework,
+    mined: BTreeMap<String, PathBuf>,
+    media: Vec<PathBuf>,
+    kept: Mutex<VecDeque<(DriveId, Arc<Drive>)>>,
+}
+
+impl LakeRecordings {
+    /// Drives of `lake`; `mined` are folders that `whyroad mine` wrote, or folders of such folders; `media` are folders
+    /// in which the pictures lie that the lake names.
+    pub(crate) fn open(
+        lake: Lake,
+        framework: &'static Framework,
+        mined: &[PathBuf],
+        media: &[PathBuf],
+    ) -> anyhow::Result<Self> {
+        let mut folders = BTreeMap::new();
+        for dir in mined {
+            let found = mined_folders(dir)?;
+            if found.is_empty() {
+                bail!("{} has no {EPISODES}; `whyroad mine --out DIR` writes it", dir.display());
+            }
+            folders.extend(found);
+        }
+        let own = lake.dir().join("media");
+        let media = media.iter().chain([&own]).filter_map(|d| d.canonicalize().ok()).collect();
+        Ok(Self { lake, framework, mined: folders, media, kept: Mutex::default() })
+    }
+}
+
+/// Name and folder of the mining results at or directly below `dir`.
+fn mined_folders(dir: &Path) -> anyhow::Result<BTreeMap<String, PathBuf>> {
+    let named = |path: PathBuf| {
+        let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+        (real.file_name().unwrap_or_default().to_string_lossy().into_owned(), path)
+    };
+    if dir.join(EPISODES).is_file() {
+        return Ok([named(dir.to_owned())].into());
+    }
+    let entries = std::fs::read_dir(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+    Ok(entries.flatten().map(|e| e.path()).filter(|p| p.join(EPISODES).is_file()).map(named).collect())
+}
+
+impl Recordings for LakeRecordings {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+        let of = |kept: &VecDeque<(DriveId, Arc<Drive>)>| {
+            kept.iter().find(|(k, _)| k == id).map(|(_, d)| Arc::clone(d))
+        };
+        // What is in there stays whole even when a thread that held it has died.
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(drive) = of(&lock()) {
+            return Ok(drive);
+        }
+        let drive = Arc::new(self.lake.read_drive(id).map_err(|e| e.to_string())?);
+        let mut kept = lock();
+        if of(&kept).is_none() {
+            kept.push_front((id.clone(), Arc::clone(&drive)));
+            kept.truncate(KEPT);
+        }
+        Ok(drive)
+    }
+
+    fn signals(&self, drive: &Drive) -> SignalTable {
+        // Never the lake's stored tables: those were derived from the whole drive and look ahead.
+        whyroad_signals::derive(drive)
+    }
+
+    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
+        draft::draft(self.framework, drive, signals, episode, lang).label
+    }
+
+    fn mined(&self) -> Vec<String> {
+        self.mined.keys().cloned().collect()
+    }
+
+    fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>> {
+        let path = self.mined.get(name)?.join(EPISODES);
+        let text = std::fs::read_to_string(&path).ok()?;
+        let (episodes, problems) = mined::read_episodes(&text, &path.display().to_string());
+        for d in &problems {
+            tell!("{}", whyroad_model::diagnostic::render_text(d, Lang::En));
+        }
+        Some(episodes)
+    }
+
+    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
+        let extension = Path::new(&frame.uri).extension()?.to_string_lossy().to_lowercase();
+        if !PICTURES.contains(&extension.as_str()) {
+            return None;
+        }
+        // As the log names it: from its own folder, or from the folder of all logs.
+        let places = |root: &PathBuf| [root.join(drive.as_str()).join(&frame.uri), root.join(&frame.uri)];
+        let found = self.media.iter().flat_map(|root| places(root).map(|p| (root, p)));
+        // A name with `..` or a link must not lead out of the folder that was opened to the service.
+        found
+            .filter_map(|(root, path)| Some((root, path.canonicalize().ok()?)))
+            .find(|(root, path)| path.starts_with(root) && path.is_file())
+            .map(|(_, path)| path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Nanos;
+
+    fn frame(uri: &str) -> MediaFrame {
+        MediaFrame { camera: "front".into(), time: Nanos(0), uri: uri.into(), index: 0 }
+    }
+
+    #[test]
+    fn pictures_are_found_below_the_opened_folders_and_nowhere_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |p: &str| dir.path().join(p);
+        for (path, text) in [
+            ("logs/d1/cam/1.jpg", "a"),
+            ("logs/samples/2.PNG", "b"),
+            ("secret.jpg", "c"),
+            ("logs/d1/notes.txt", "d"),
+        ] {
+            std::fs::create_dir_all(at(path).parent().unwrap()).unwrap();
+            std::fs::write(at(path), text).unwrap();
+        }
+        let lake = Lake::create_or_open(at("lake")).unwrap();
+        let recordings = LakeRecordings::open(lake, Framework::bundled(), &[], &[at("logs")]).unwrap();
+        let text = |uri: &str| {
+            let path = recordings.media(&DriveId::from("d1"), &frame(uri))?;
+            Some(std::fs::read_to_string(path).unwrap())
+        };
+        assert_eq!(text("cam/1.jpg").as_deref(), Some("a"));
+        assert_eq!(text("samples/2.PNG").as_deref(), Some("b"));
+        let absolute = at("secret.jpg").display().to_string();
+        for outside in
+            ["../secret.jpg", "../../secret.jpg", &absolute, "notes.txt", "cam/none.jpg", "cam", ""]
+        {
+            assert_eq!(text(outside), None, "{outside}");
+        }
+    }
+
+    #[test]
+    fn mined_folders_are_named_by_their_folder() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a", "b", "empty"] {
+            std::fs::create_dir_all(dir.path().join(name)).unwrap();
+        }
+        for name in ["a", "b"] {
+            std::fs::write(dir.path().join(name).join(EPISODES), "").unwrap();
+        }
+        let names = |dir: &Path| mined_folders(dir).unwrap().into_keys().collect::<Vec<_>>();
+        assert_eq!(names(dir.path()), ["a", "b"]);
+        assert_eq!(names(&dir.path().join("b")), ["b"]);
+        let lake = || Lake::create_or_open(dir.path().join("lake")).unwrap();
+        let empty = LakeRecordings::open(lake(), Framework::bundled(), &[dir.path().join("empty")], &[]);
+        assert!(empty.err().unwrap().to_string().contains("episodes.jsonl"));
+    }
+}

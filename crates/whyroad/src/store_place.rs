@@ -1,0 +1,82 @@
+//! Where the labelling service keeps its work: the options that `serve`, `tasks`, `backup` and `restore` share.
+
+use crate::{Global, framework_folder};
+use anyhow::anyhow;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use whyroad_framework::Framework;
+use whyroad_labeling::api::wire::project::{Project, Settings};
+use whyroad_labeling::problem::Problem;
+use whyroad_labeling::secret;
+use whyroad_labeling::store::{Place, Store};
+use whyroad_model::Lang;
+
+/// Options that say where the store is.
+#[derive(clap::Args, Clone, Debug)]
+pub(crate) struct StoreArgs {
+    /// Store of tasks and labels: a SQLite file, or postgres://user:password@host/database
+    #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
+    store: Option<String>,
+    /// Folder for what the service keeps; the store is labels.db in it unless --store names another
+    #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
+    pub data: PathBuf,
+}
+
+impl StoreArgs {
+    /// The place that the options name.
+    pub(crate) fn place(&self) -> Place {
+        match &self.store {
+            Some(text) => Place::parse(text),
+            None => Place::File(self.data.join("labels.db")),
+        }
+    }
+
+    /// Opens the store; makes it when there is none.
+    pub(crate) fn open(&self, lang: Lang) -> anyhow::Result<Store> {
+        Store::open(&self.place()).map_err(|p| told(&p, lang))
+    }
+
+    /// Opens the store of a service that has run before: a mistyped path must not make an empty one.
+    pub(crate) fn open_existing(&self, lang: Lang) -> anyhow::Result<Store> {
+        if let Place::File(path) = self.place()
+            && !path.is_file()
+        {
+            return Err(anyhow!(match lang {
+                Lang::Zh =>
+                    format!("没有存储 {}；用 --data 或 --store 指定，`whyroad serve` 会新建", path.display()),
+                Lang::En => format!(
+                    "there is no store at {}; name it with --data or --store, `whyroad serve` makes one",
+                    path.display()
+                ),
+            }));
+        }
+        self.open(lang)
+    }
+}
+
+/// A refusal of the service in the user's language.
+pub(crate) fn told(problem: &Problem, lang: Lang) -> anyhow::Error {
+    anyhow!("{}: {}", problem.code, problem.text.get(lang))
+}
+
+/// The framework for as long as the program runs: the service's threads all read it.
+pub(crate) fn framework(global: &Global) -> anyhow::Result<&'static Framework> {
+    if global.framework.is_none() {
+        return Ok(Framework::bundled());
+    }
+    let (framework, _) = framework_folder::load(global)?;
+    Ok(Box::leak(Box::new(framework)))
+}
+
+/// A project of this name, not yet stored; its drafts are in the user's language.
+pub(crate) fn new_project(name: &str, lang: Lang) -> anyhow::Result<Project> {
+    let word = if lang == Lang::Zh { "zh" } else { "en" };
+    Ok(Project {
+        id: secret::id().map_err(|p| told(&p, lang))?,
+        name: name.to_owned(),
+        guide: String::new(),
+        quota: BTreeMap::new(),
+        settings: Settings { lang: word.to_owned(), ..Settings::default() },
+        roles: vec![],
+    })
+}
