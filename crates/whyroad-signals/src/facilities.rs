@@ -13,7 +13,7 @@ use whyroad_model::Tri;
 use whyroad_model::road_map::Facility;
 
 /// The state of a gate farther ahead than this is not asked for, m.
-const GATE_REACH_M: f64 = 50.0;
+const GATE_REACH_M: f64 = 100.0;
 
 /// Signals of a distance, with the kinds of facilities that they are about.
 const DISTANCES: &[(&str, &[&str])] = &[

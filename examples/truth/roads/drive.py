@@ -108,13 +108,14 @@ class Drive:
                 if self.until and s > self.until:
                     break
                 self.scenes = [x for x in self.scenes if not x.send((t, s, v))]
-                want, why = self.v0, ""
+                want, why, over = self.v0, "", False
                 for o in self.orders:
                     if o.wait is not None:
                         if o.stood < 0 or s > o.s0 + 1:
                             continue
                         if v < 0.05 and o.s0 - s < 4:
                             o.stood += STEP_S
+                            over = over or (o.wait >= 1e9 and o.stood > 8 and not self.scenes)
                             if o.stood > o.wait:
                                 o.stood = -1
                             may = 0.0
@@ -127,6 +128,8 @@ class Drive:
                         may = o.v if s >= o.s0 else math.sqrt(o.v**2 + 2 * o.decel * (o.s0 - s))
                     if may < want:
                         want, why = may, o.name
+                if over:
+                    break  # it has arrived
                 nextv = max(v - 3.0 * STEP_S, min(v + 1.3 * STEP_S, want))
                 traci.vehicle.setSpeed("ego", nextv)
                 braking = why if nextv < v - 1e-3 else ""

@@ -123,10 +123,12 @@ def netconvert(folder, *more):
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def beside(line, d):
+def beside(line, d, before=None, behind=None):
+    """A line `d` m to the left. `before` and `behind` are points of the lanes that it joins, so that the edges of both meet."""
     out = []
+    whole = [before or line[0], *line, behind or line[-1]]
     for i, (x, y, z) in enumerate(line):
-        (ax, ay, _), (bx, by, _) = line[max(0, i - 1)], line[min(len(line) - 1, i + 1)]
+        (ax, ay, _), (bx, by, _) = whole[i], whole[i + 2]
         n = math.hypot(bx - ax, by - ay) or 1.0
         out.append((x - d * (by - ay) / n, y + d * (bx - ax) / n, z))
     return out
@@ -170,6 +172,11 @@ class Net:
     def node(self, edge):
         return edge[1:].rsplit("_", 1)[0] if edge.startswith(":") else self.edges[edge].get("to")
 
+    def joining(self, name, others, end):
+        if len(others) != 1 or name.startswith(":") or others[0].startswith(":"):
+            return None
+        return self.line(self.lanes[others[0]])[end]
+
     def rows(self, kinds=None, inner=None, turns=True):
         """Rows of `lanes.csv`. `kinds` and `inner` by edge: what each lane is for, the marks between lanes."""
         kinds, inner = kinds or {}, inner or {}
@@ -193,6 +200,8 @@ class Net:
                 continue
             for k, lane in enumerate(row):
                 name, line = lane.get("id"), self.line(lane)
+                # Edges of lanes that join outside junctions meet.
+                before, behind = (self.joining(name, other.get(name, []), end) for other, end in ((pred, -2), (succ, 1)))
                 width = float(lane.get("width", 3.2))
                 kind = (kinds.get(edge) or ("vehicle",) * len(row))[k]
                 tag = kind if kind in ("tidal", "variable", "waiting_area") else ""
@@ -200,8 +209,8 @@ class Net:
                 outer = "none" if internal else "solid"
                 limit = "" if internal else lane.get("speed")
                 yield {
-                    "lane_id": name, "centre_xyz_m": cell(line), "left_xyz_m": cell(beside(line, width / 2)),
-                    "right_xyz_m": cell(beside(line, -width / 2)), "width_m": f"{width:.2f}",
+                    "lane_id": name, "centre_xyz_m": cell(line), "left_xyz_m": cell(beside(line, width / 2, before, behind)),
+                    "right_xyz_m": cell(beside(line, -width / 2, before, behind)), "width_m": f"{width:.2f}",
                     "left_mark": outer if k == len(row) - 1 else mark, "right_mark": outer if k == 0 else mark,
                     "left_neighbour": row[k + 1].get("id") if k + 1 < len(row) else "", "right_neighbour": row[k - 1].get("id") if k else "",
                     "successors": ";".join(dict.fromkeys(succ.get(name, []))), "predecessors": ";".join(dict.fromkeys(pred.get(name, []))),
