@@ -44,7 +44,9 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
         let beyond =
             request.limit.is_some_and(|l| chosen >= l) || request.per_leaf.is_some_and(|l| *leaf >= l);
-        if beyond || !(episode.is_primary || request.secondary) {
+        // A moment that no class explains is for the framework's owner, not for a label.
+        let known_class = app.framework.taxonomy.contains(&episode.scenario_id);
+        if beyond || !known_class || !(episode.is_primary || request.secondary) {
             out.left_out += 1;
             continue;
         }

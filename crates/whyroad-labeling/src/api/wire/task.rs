@@ -162,7 +162,7 @@ pub struct Created {
     pub tasks: Vec<String>,
     /// Episodes that were there already.
     pub known: u32,
-    /// Episodes beyond a limit or not primary.
+    /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
     pub left_out: u32,
     /// Episodes whose drive is not in the lake, with the reason.
     pub lost: Vec<String>,

@@ -1,0 +1,108 @@
+//! What people do with a task, step by step, for tests that need one in some state.
+
+use crate::world::{Person, Reply};
+use serde_json::{Value, json};
+
+/// A task in somebody's hands.
+pub struct Work<'p> {
+    pub who: &'p Person,
+    pub task: String,
+    pub fence: i64,
+    pub version: i64,
+}
+
+impl<'p> Work<'p> {
+    /// Takes the task.
+    pub fn take(who: &'p Person, task: &str) -> Self {
+        let lease = who.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" })).fine();
+        let version = who.get(&format!("/tasks/{task}")).fine()["version"].as_i64().unwrap();
+        Self { who, task: task.to_owned(), fence: lease["fence"].as_i64().unwrap(), version }
+    }
+
+    /// Takes the next of the queue.
+    pub fn next(who: &'p Person, project: &str, kind: &str) -> Option<Self> {
+        let answer = who.post(&format!("/projects/{project}/tasks:next"), &json!({ "kind": kind }));
+        if answer.status == 204 {
+            return None;
+        }
+        let task = answer.fine();
+        Some(Self {
+            who,
+            task: task["task"]["id"].as_str().unwrap().to_owned(),
+            fence: task["fence"].as_i64().unwrap(),
+            version: task["version"].as_i64().unwrap(),
+        })
+    }
+
+    pub fn path(&self, rest: &str) -> String {
+        format!("/tasks/{}{rest}", self.task)
+    }
+
+    pub fn view(&self) -> Value {
+        self.who.get(&self.path("")).fine()
+    }
+
+    /// Sets fields.
+    pub fn set(&mut self, fields: &[(&str, Value)]) -> Reply {
+        let changes: Vec<Value> = fields.iter().map(|(p, v)| json!({ "path": p, "value": v })).collect();
+        let body = json!({ "fence": self.fence, "base_version": self.version, "changes": changes });
+        let answer = self.who.patch(&self.path("/draft"), &body);
+        if answer.status == 200 {
+            self.version = answer.json()["version"].as_i64().unwrap();
+        }
+        answer
+    }
+
+    pub fn act(&mut self, action: &str, more: &Value) -> Reply {
+        let mut body = json!({ "fence": self.fence, "action": action });
+        for (key, value) in more.as_object().into_iter().flatten() {
+            body[key] = value.clone();
+        }
+        let answer = self.who.post(&self.path("/actions"), &body);
+        if answer.status == 200 {
+            self.version = answer.json()["version"].as_i64().unwrap();
+        }
+        answer
+    }
+
+    /// Stage I as the example label has it.
+    pub fn stage1(&mut self) {
+        let answer = self.set(&[("/critical_components", components())]);
+        assert_eq!(answer.status, 200, "{}", answer.text());
+    }
+
+    /// Stage II as the example label has it.
+    pub fn stage2(&mut self) {
+        let example: Value = example();
+        let answer = self.set(&[
+            ("/driving_decision", example["driving_decision"].clone()),
+            ("/causes", example["causes"].clone()),
+            ("/coc_trace", example["coc_trace"].clone()),
+            ("/second_keyframe", Value::Null),
+        ]);
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        let body = json!({ "fence": self.fence, "base_version": self.version,
+            "changes": [{ "path": "/second_keyframe", "remove": true }] });
+        self.version = self.who.patch(&self.path("/draft"), &body).fine()["version"].as_i64().unwrap();
+    }
+
+    /// All the way to `submitted`.
+    pub fn label(who: &'p Person, task: &str) -> Self {
+        let mut work = Self::take(who, task);
+        work.stage1();
+        work.act("lock_stage1", &json!({})).fine();
+        work.stage2();
+        work.act("submit", &json!({})).fine();
+        work
+    }
+}
+
+/// A label that the format's own document gives as an example (DATA_FORMAT.md 4).
+pub fn example() -> Value {
+    let text = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/cutin_urgent_example.json");
+    serde_json::from_slice(&std::fs::read(text).unwrap()).unwrap()
+}
+
+pub fn components() -> Value {
+    example()["critical_components"].clone()
+}
