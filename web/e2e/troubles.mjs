@@ -31,8 +31,8 @@ async function takeOne(day) {
   await page.getByRole("button", { name: "领取下一个标注任务" }).click();
   await page.locator('[data-deed="lock"]').waitFor();
   day.second = new URL(page.url()).pathname.split("/")[2];
+  await page.locator("canvas").waitFor();
   day.row = await page.locator("[data-component]").count();
-  await page.locator("canvas").click({ position: { x: 5, y: 200 } });
   await page.keyboard.press("c");
   await description(page, day.row).fill("在线写下的一句");
   await saving(page, "saved").waitFor();
@@ -56,7 +56,11 @@ async function crash(day) {
   await description(page, day.row).fill("页面崩溃前写下的一句");
   await saving(page, "offline").waitFor();
   const address = page.url();
-  await page.close({ runBeforeUnload: false });
+  // Not closed, which would let it save: its process is killed.
+  const died = page.waitForEvent("crash");
+  void (await context.newCDPSession(page)).send("Page.crash").catch(() => {});
+  await died;
+  await page.close();
   const next = await context.newPage();
   next.setDefaultTimeout(15_000);
   await next.goto(address);
@@ -100,6 +104,7 @@ async function conflict(day) {
   assert.equal((await stored(page, day.second))[day.row], "这一页的说法");
   await until(() => description(day.other, day.row).inputValue(), (v) => v === "这一页的说法", "the other tab follows");
   await day.other.close();
+  await page.getByText("此任务也在您的另一个标签页中打开").waitFor({ state: "detached" });
 }
 
 async function killed(day) {
@@ -118,12 +123,14 @@ async function killed(day) {
 async function takenAway(day) {
   const { page } = day.people.zhao;
   const lead = day.people.wang.page;
-  const given = await lead.evaluate(async (t) => {
+  // A lead needs no lease to leave a task out.
+  const gone = await lead.evaluate(async (t) => {
     const { csrf } = await (await fetch("/api/v1/session")).json();
     const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
-    return (await fetch(`/api/v1/tasks/${t}/assign`, { method: "POST", headers, body: JSON.stringify({ user: "li" }) })).status;
+    const body = JSON.stringify({ action: "skip", reason: "重复的片段" });
+    return (await fetch(`/api/v1/tasks/${t}/actions`, { method: "POST", headers, body })).status;
   }, day.second);
-  assert.equal(given, 200);
+  assert.equal(gone, 200);
   await description(page, day.row).fill("任务被转走时写下的一句");
   await page.getByText("此任务已被别人领取，或租约已过期").waitFor();
   const kept = await page.evaluate(() => JSON.stringify({ ...localStorage }));

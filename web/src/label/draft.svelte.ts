@@ -182,6 +182,7 @@ export class Draft {
 
   close(): void {
     clearTimeout(this.#timer);
+    this.leave();
     this.#channel?.close();
     this.#channel = null;
   }
@@ -240,7 +241,10 @@ export class Draft {
       this.#retryMs = 500;
       this.saving = this.#pending.length > 0 ? "waiting" : "saved";
       this.findings = reply.findings;
-      if (reply.merged !== undefined && reply.merged !== null) this.#take(reply.merged as Json);
+      if (reply.merged !== undefined && reply.merged !== null) {
+        const fields = this.#take(reply.merged as Json);
+        if (fields.length > 0) this.notice = { kind: "merged", fields };
+      }
       this.#keep();
       this.#channel?.postMessage({ saved: reply.version });
     } catch (e) {
@@ -271,29 +275,33 @@ export class Draft {
     } else throw e;
   }
 
-  /** Another's draft comes in under what is not sent yet. */
-  #take(draft: Json): void {
+  /** Another's draft comes in under what is not sent yet; the fields that it changed here. */
+  #take(draft: Json): string[] {
     const next = apply(draft, this.#pending);
     const fields = new Set<string>();
     const old = this.doc as Record<string, Json>;
     const now = next as Record<string, Json>;
     for (const key of new Set([...Object.keys(old), ...Object.keys(now)])) if (!same(old[key], now[key])) fields.add(key);
     this.doc = next;
-    if (fields.size > 0) this.notice = { kind: "merged", fields: [...fields] };
+    return [...fields];
   }
 
   /** The same task in another tab of this browser: what it saves is fetched here, so that both show one draft. */
   #listen(): void {
     this.#channel?.close();
     this.#channel = new BroadcastChannel(`whyroad.task.${this.#task}`);
-    this.#channel.onmessage = (e: MessageEvent<{ saved?: number; hello?: boolean }>) => {
-      if (e.data.hello) this.otherTab = true;
+    this.#channel.onmessage = (e: MessageEvent<{ saved?: number; hello?: boolean; bye?: boolean }>) => {
+      this.otherTab = !e.data.bye;
       if (e.data.hello) this.#channel?.postMessage({});
-      else this.otherTab = true;
       if (e.data.saved && e.data.saved > this.#version && this.#pending.length === 0 && !this.#running) void this.#refetch();
     };
     this.otherTab = false;
     this.#channel.postMessage({ hello: true });
+  }
+
+  /** Tells other tabs that this one no longer shows the task. */
+  leave(): void {
+    this.#channel?.postMessage({ bye: true });
   }
 
   otherTab = $state(false);
