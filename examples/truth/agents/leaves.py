@@ -60,6 +60,9 @@ def cutins(log):
             stood = [u for u in times if t - 10 <= u <= t and track[u].v < 0.3]
             if len(stood) >= 10:
                 yield R + "cutin.from_stationary", stood[-1] + DT, t, end, i
+            # From the lane of a ramp onto the main road.
+            if any(a <= track[t].s <= a + 180 for a in log.ramps) and track[t].d < lane and mine > 0:
+                yield R + "cutin.ramp", early, t, end, i
             if any(a < t - 30 and t < b for a, b in congested):
                 yield R + "cutin.congestion", early, t, end, i
 
@@ -134,8 +137,9 @@ def emergence(log, i):
             if hidden >= 10 and t >= e["t"]:
                 ego = log.ego[t]
                 ahead = track[t].s - ego.s
-                if abs(log.off_path(i, t)) < 7 and ahead < 30 and ahead / max(ego.v, 0.1) < 4 and responds(log, t, 2, 2.0):
-                    return t, e["of"]
+                if abs(log.off_path(i, t)) < 7 and ahead < 33 and ahead / max(ego.v, 0.1) < 4 and responds(log, t, 2, 2.0):
+                    # Just beyond the 30 m of the definition: left open.
+                    return t, e["of"], ahead > 30
                 return None
             hidden = 0
     return None
@@ -145,11 +149,11 @@ def emergences(log):
     for e in events(log, "steps_out"):
         i = e["id"]
         if found := emergence(log, i):
-            t, of = found
+            t, of, open_ = found
             track = log.tracks[i]
             off = next((u for u in sorted(track) if u > t + 0.5 and (abs(log.off_path(i, u)) > 1.5 and track[u].d > log.path_d(track[u].s)) == (track[u].psi > 0)
                         and abs(log.off_path(i, u)) > 1.5), t + 3)
-            yield R + f"vru_emergence.{of}_occlusion", t, t, off, i
+            yield R + f"vru_emergence.{of}_occlusion", t, t, off, i, open_
 
 
 def invasions(log):

@@ -39,6 +39,7 @@ class Log:
         r = script["road"]
         self.cruise, self.events = r["cruise"], script["events"]
         self.road = Road(r["length"], r["lanes"], r["width"], r["bends"])
+        self.ramps = r.get("ramps", [])
         self.crosswalks = r.get("crosswalks", [])
         self.houses = [[self.road.at(s, d)[:2] for s, d in ((a, c), (b, c), (b, e), (a, e))] for a, b, c, e in script["houses"]]
         self.works = script.get("works", [])
@@ -98,18 +99,19 @@ class Log:
         o = self.tracks[i][t]
         return abs(self.off_path(i, t)) < self.half(i, o)[1] + self.size("ego")[1] / 2
 
-    def ttc(self, i, t):
-        """Along the path, s; infinite where the two do not close or it is not in the way."""
+    def ttc(self, i, t, margin=0.0):
+        """Along the path, s; infinite where the two do not close or it is not in the way (by so much, m)."""
         gap = self.gap(i, t)
         o, e = self.tracks[i][t], self.ego[t]
         closing = e.v - o.v * math.cos(o.psi)
-        if not (gap > 0 and closing > 0 and self.in_path(i, t)):
+        reach = self.half(i, o)[1] + self.size("ego")[1] / 2 + margin
+        if not (gap > 0 and closing > 0 and abs(self.off_path(i, t)) < reach):
             return math.inf
         ttc = gap / closing
         # Who goes across or comes towards the ego must still be in its way by then.
         if abs(o.psi) > math.radians(45):
             then = o.d + o.v * math.sin(o.psi) * ttc - self.path_d(e.s + e.v * ttc)
-            if abs(then) > self.half(i, o)[1] + self.size("ego")[1] / 2:
+            if abs(then) > reach:
                 return math.inf
         return ttc
 

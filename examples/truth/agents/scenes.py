@@ -322,6 +322,7 @@ def reversing(w):
         a.v = max(a.v - 0.12, -1.4) if a.d < goal else min(a.v + 0.2, 0.0)
         a.d += a.v * math.sin(a.psi) * 0.1
     a.move = back
+    yield
     while a.v < 0:
         yield
     yield from wait(w, u.uniform(1.5, 3))
@@ -331,6 +332,7 @@ def reversing(w):
         a.v = min(a.v + 0.12, 1.5) if a.d > w.road.edge - 3.6 else 0.0
         a.d += a.v * math.sin(a.psi) * 0.1
     a.move = forth
+    yield
     while a.v > 0:
         yield
     a.solid = False
@@ -491,7 +493,7 @@ def cutout(w):
     u = w.draw
     lead = w.add("van", w.ego.s + 40, w.ego.d, w.cruise * 0.85, move=cruise(w.cruise * 0.85))
     yield from wait(w, 9)
-    thing = w.add(u.choice(["car", "skip"]), lead.s + lead.v * 2.5 + 8, w.ego.d)
+    thing = w.add("skip", lead.s + lead.v * 2.5 + 8, w.ego.d)
     thing.memory["behind"] = True
     w.note("lead_leaves", lead, obstacle=thing.id)
     w.blind.add(thing.id)
@@ -620,7 +622,7 @@ def meets_at_works(w):
     """Works take a part of the other side; who comes from there has to swing out, and the ego slows and keeps right."""
     u = w.draw
     s0 = w.ego.s + 82
-    w.works.append((s0, s0 + 26, w.road.width * 0.6, w.road.width))
+    w.works.append((s0, s0 + 26, w.road.edge, -w.road.edge))
     hoarding = [w.add("skip", s0 + x, w.road.width * 0.6 + 0.9, solid=False) for x in (2.0, 24.0)]
     v = u.uniform(7, 9)
     a = w.add("car", s0 + 60, -w.road.lane(0), v, psi=math.pi, move=cruise(v), solid=False)
@@ -937,6 +939,86 @@ def cutin_large(w):
     yield from cuts_in(w, w.draw.choice(["lorry", "coach"]), w.draw.uniform(2, 3), w.draw.uniform(16, 22))
 
 
+def ramp_begins(w, ahead=150.0):
+    w.road.ramps.append(round(w.ego.s + ahead))
+    return w.road.ramps[-1]
+
+
+def on_ramp(w, type_, begins, s, v):
+    """Comes down the ramp at v, and keeps to the lane of the ramp from where that begins."""
+    def move(a, w):
+        m = a.memory
+        before = a.d
+        approach(a, m["want"], accel=1.8, brake=1.5)
+        a.s += a.v * 0.1
+        if a.s < begins:
+            a.d = w.road.lane(0) - w.road.ASIDE_M * (begins - a.s) / w.road.RAMP_M
+        elif m.get("slide"):
+            a.d = m["slide"].at(w.t)
+        a.psi = math.atan2(a.d - before, a.v * 0.1)
+    a = w.add(type_, s, w.road.lane(0) - w.road.ASIDE_M * max(0.0, begins - s) / w.road.RAMP_M, v, move=move, solid=False)
+    a.memory["want"] = v
+    return a
+
+
+def joins_ahead(w, type_, slower, gap):
+    """Joins from a ramp in front of the ego, `slower` m/s slower than it, with so many metres left."""
+    u = w.draw
+    begins = ramp_begins(w)
+    v = w.ego.v - slower
+    # Where it is when it starts to come over, and how far ahead of the ego.
+    place = begins + u.uniform(50, 90)
+    t = (place - gap - 6 - w.ego.s) / w.ego.v
+    a = on_ramp(w, type_, begins, place - v * t, v)
+    yield from wait(w, t)
+    w.note("joins", a)
+    a.signals = 2
+    slide(a, w, w.ego.d, u.uniform(3.0, 3.8))
+    yield from wait(w, 1.2)
+    a.solid = True
+    w.lag, w.patience = 6.0, 0.3
+    yield from wait(w, 4)
+    w.lag, w.patience = 3.0, 0.7
+    a.signals = 0
+    yield from drive_off(w, a)
+    yield from settle(w)
+    while w.ego.s < begins + 200:
+        yield
+
+
+def joins_urgent(w):
+    yield from joins_ahead(w, "car", w.draw.uniform(6.0, 7.5), w.draw.uniform(15, 18))
+
+
+def joins_gently(w):
+    yield from joins_ahead(w, "car", w.draw.uniform(1.5, 2.5), w.draw.uniform(20, 28))
+
+
+def lorry_joins(w):
+    yield from joins_ahead(w, w.draw.choice(["lorry", "coach"]), w.draw.uniform(3, 4), w.draw.uniform(24, 30))
+
+
+def decoy_joins_behind(w):
+    """Joins behind the ego's back."""
+    begins = ramp_begins(w)
+    v = w.ego.v - 2
+    t = (begins + 60 - w.ego.s) / w.ego.v
+    a = on_ramp(w, "car", begins, begins + 60 - 28 - v * t, v)
+    yield from wait(w, t)
+    slide(a, w, w.ego.d, 3.5)
+    while w.ego.s < begins + 240:
+        yield
+    gone(a)
+
+
+def decoy_overtaken(w):
+    """Slower in the left lane, where it stays."""
+    u = w.draw
+    a = w.add("car", w.ego.s + 70, w.road.lane(2), w.cruise * 0.85, move=cruise(w.cruise * 0.85), solid=False)
+    yield from past(w, a, by=25)
+    gone(a)
+
+
 def from_kerb(w):
     """Moves off from the kerb in front of the ego."""
     u = w.draw
@@ -986,4 +1068,5 @@ STREET = [crossing_square, crossing_slant, crossing_bike, emerge_static, emerge_
           decoy_reversing, decoy_meeting, decoy_parked, lead_brakes_softly]
 AVENUE = [cutin_urgent, cutin_slow, cutin_large, from_kerb, cutout, neighbour_brakes, escape, gives_up, overtakes, gains_speed, stop_and_go, queue_cutin,
           creep, lead_stops, lead_brakes_hard, lead_follow, lead_brakes_softly, weaving, decoy_parked]
+MOTORWAY = [joins_urgent, joins_gently, lorry_joins, decoy_joins_behind, decoy_overtaken, lead_follow, lead_brakes_hard]
 LANE = [narrow_meeting, crossing_square, against_in_lane, decoy_pavement, creep, animal_crosses, emerge_static, cyclist_ahead]

@@ -29,10 +29,10 @@ ON_FOOT = {"walker", "dog", "cow"}
 class Road:
     """A two-way road. `bends`: (from s, to s, curvature 1/m)."""
 
-    def __init__(self, length, lanes, width, bends):
+    def __init__(self, length, lanes, width, bends, start=(0.0, 0.0, 0.0)):
         self.length, self.lanes, self.width, self.bends = length, lanes, width, bends
         self.crosswalks = []  # s of their middle lines
-        x = y = h = 0.0
+        x, y, h = start
         self.points = []
         for s in range(int(length) + 1):
             self.points.append((x, y, h))
@@ -81,6 +81,47 @@ class Road:
             ends = " ".join(f"{x:.2f},{y:.2f}" for x, y, _ in (self.at(s, self.edge), self.at(s, -self.edge)))
             yield (f'    <edge id=":zebra{k}_c0" function="crossing" crossingEdges="out back">\n        <lane id=":zebra{k}_c0_0" index="0" '
                    f'allow="pedestrian" speed="1.00" length="{-2 * self.edge:.2f}" width="4.00" shape="{ends}"/>\n    </edge>\n')
+
+
+class Motorway(Road):
+    """One way, two lanes, and a third on the right where a ramp joins: `ramps` are the places at which its lane begins, `ACCELERATION_M`
+    long. Lane 0 is that lane, as if it were there all along; the ramp leads to it from `ASIDE_M` further right over `RAMP_M`."""
+
+    ACCELERATION_M, RAMP_M, ASIDE_M = 180, 150, 10
+
+    def __init__(self, length, width, bends):
+        super().__init__(length, 3, width, bends)
+        self.ramps = []
+
+    def write(self, folder, speed):
+        cuts = sorted({0, self.length, *self.ramps, *(s + self.ACCELERATION_M for s in self.ramps)})
+        shape = lambda pts: " ".join(f"{x:.2f},{y:.2f}" for x, y in pts)
+        line = lambda a, b, d=0.0: [self.at(s, d)[:2] for s in [*range(int(a), int(b), 10), b]]
+        nodes, edges, links = [], [], []
+        for k, s in enumerate(cuts):
+            x, y, _ = self.at(s)
+            nodes.append(f'<node id="n{k}" x="{x:.2f}" y="{y:.2f}"/>')
+        for k, (a, b) in enumerate(zip(cuts, cuts[1:])):
+            wide = a in self.ramps
+            edges.append(f'<edge id="m{k}" from="n{k}" to="n{k + 1}" numLanes="{3 if wide else 2}" speed="{speed}" width="{self.width}" '
+                         f'shape="{shape(line(a, b))}"/>')
+            if k + 2 < len(cuts):
+                # Lanes are counted from the right: the lane of the ramp ends.
+                here, there = (1, 0) if wide else (0, 1) if b in self.ramps else (0, 0)
+                links += [f'<connection from="m{k}" to="m{k + 1}" fromLane="{here + i}" toLane="{there + i}"/>' for i in (0, 1)]
+            if wide:
+                d = self.edge + self.width
+                start = self.at(a - self.RAMP_M, d - self.ASIDE_M)
+                nodes.append(f'<node id="r{k}" x="{start[0]:.2f}" y="{start[1]:.2f}"/>')
+                ramp = [self.at(a - self.RAMP_M * (1 - f), d - self.ASIDE_M * (1 - f))[:2] for f in (0.0, 0.25, 0.5, 0.75, 1.0)]
+                edges.append(f'<edge id="r{k}" type="ramp_link" from="r{k}" to="n{k}" numLanes="1" speed="{speed}" width="{self.width}" shape="{shape(ramp)}"/>')
+                links.append(f'<connection from="r{k}" to="m{k}" fromLane="0" toLane="0"/>')
+        (folder / "n.nod.xml").write_text("<nodes>" + "".join(nodes) + "</nodes>")
+        (folder / "e.edg.xml").write_text("<edges>" + "".join(edges) + "</edges>")
+        (folder / "c.con.xml").write_text("<connections>" + "".join(links) + "</connections>")
+        subprocess.run([os.path.join(sumo.SUMO_HOME, "bin", "netconvert"), "-n", folder / "n.nod.xml", "-e", folder / "e.edg.xml", "-x",
+                        folder / "c.con.xml", "-o", folder / "net.xml", "--offset.disable-normalization", "--no-turnarounds"], check=True,
+                       stdout=subprocess.DEVNULL)
 
 
 @dataclass
