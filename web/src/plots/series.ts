@@ -45,7 +45,8 @@ export function bounds(values: readonly (number | null)[], least: number, floor?
   const known = values.filter((v): v is number => v !== null && Number.isFinite(v));
   let low = known.length > 0 ? Math.min(...known) : 0;
   let high = known.length > 0 ? Math.max(...known) : 0;
-  if (floor !== undefined) low = Math.min(floor, low);
+  // Noise a little under the floor is cut off rather than given a step of the axis.
+  if (floor !== undefined) low = floor - low > 0.05 * (high - low) ? low : floor;
   const missing = least - (high - low);
   if (missing > 0) {
     high += floor === undefined ? missing / 2 : missing;

@@ -4,6 +4,8 @@ export interface Palette {
   ground: string;
   road: string;
   junction: string;
+  walk: string;
+  bike: string;
   mark: string;
   yellowMark: string;
   centre: string;
@@ -30,6 +32,8 @@ const light: Palette = {
   ground: "#e8ebe8",
   road: "#bcc2c5",
   junction: "#b3babd",
+  walk: "#d6d2c6",
+  bike: "#c0b3ad",
   mark: "#ffffff",
   yellowMark: "#b98300",
   centre: "#a3abaf",
@@ -55,6 +59,8 @@ const dark: Palette = {
   ground: "#14181a",
   road: "#2b3135",
   junction: "#333a3f",
+  walk: "#23221d",
+  bike: "#3a2f2c",
   mark: "#dfe3e5",
   yellowMark: "#e5b53b",
   centre: "#454d52",

@@ -2,6 +2,7 @@
 import type { SceneView } from "../api/types.ts";
 import { lightColours, type Palette } from "./colours.ts";
 import { egoPose, lightsAt, trackPose } from "./motion.ts";
+import { shortId } from "./objects.ts";
 import type { Road } from "./road.ts";
 import { shadows } from "./shadow.ts";
 import { box, drawTracks, inView } from "./tracks.ts";
@@ -68,7 +69,9 @@ function drawRoad(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {
     ctx.stroke(path);
   };
   fill(c.building, road.buildings);
+  fill(c.walk, road.walks);
   fill(c.road, road.lanes);
+  fill(c.bike, road.bikes);
   fill(c.junction, road.junctions);
   fill(c.junction, road.junctionLanes);
   ctx.globalAlpha = 0.35;
@@ -161,11 +164,12 @@ function drawNames(ctx: CanvasRenderingContext2D, p: Picture): void {
     if (!pose) continue;
     const [x, y] = toScreen(p.view, p.size, pose.x, pose.y);
     if (x < -40 || y < -20 || x > p.size.width + 40 || y > p.size.height + 20) continue;
+    const name = shortId(track.id);
     ctx.lineWidth = 3;
     ctx.strokeStyle = p.palette.ground;
-    ctx.strokeText(track.id, x + 8, y - 8);
+    ctx.strokeText(name, x + 8, y - 8);
     ctx.fillStyle = p.palette.text;
-    ctx.fillText(track.id, x + 8, y - 8);
+    ctx.fillText(name, x + 8, y - 8);
   }
 }
 

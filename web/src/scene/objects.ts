@@ -18,6 +18,11 @@ export interface Seen {
   hidden: boolean;
 }
 
+/** A track id for people: of long ones (UUIDs) the beginning, which tells them apart in a scene. */
+export function shortId(id: string): string {
+  return id.length > 16 ? `${id.slice(0, 8)}…` : id;
+}
+
 /** Objects present at frame `i`, the nearest first. */
 export function objectsAt(scene: SceneView, i: number): Seen[] {
   const ego = egoPose(scene.ego, i);

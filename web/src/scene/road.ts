@@ -7,6 +7,8 @@ type Point = readonly [number, number];
 export interface Road {
   lanes: Path2D;
   junctionLanes: Path2D;
+  walks: Path2D;
+  bikes: Path2D;
   junctions: Path2D;
   crosswalks: Path2D;
   stopLines: Path2D;
@@ -36,6 +38,8 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
   const road: Road = {
     lanes: new Path2D(),
     junctionLanes: new Path2D(),
+    walks: new Path2D(),
+    bikes: new Path2D(),
     junctions: new Path2D(),
     crosswalks: new Path2D(),
     stopLines: new Path2D(),
@@ -63,7 +67,8 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
   };
   for (const lane of map.lanes) {
     if (lane.left.length > 1 && lane.right.length > 1) {
-      line(lane.in_junction ? road.junctionLanes : road.lanes, [...lane.left, ...[...lane.right].reverse()], true);
+      const ground = lane.kind === "sidewalk" ? road.walks : lane.kind === "bike" ? road.bikes : lane.in_junction ? road.junctionLanes : road.lanes;
+      line(ground, [...lane.left, ...[...lane.right].reverse()], true);
     }
     edge(lane.left, lane.left_mark);
     edge(lane.right, lane.right_mark);
