@@ -2,7 +2,7 @@
 
 use crate::{SourceReport, av2, comma2k19, mcap, nuscenes, scenarionet, sumo, table, waymo};
 use std::path::{Path, PathBuf};
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
 
 /// Formats that have an adapter.
@@ -184,16 +184,24 @@ pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport)
 }
 
 /// Reads one source and writes its drives, one at a time; a simulation has one for each ego. `each` gets a report a drive,
-/// which says everything; a drive that is not in the lake has no `outcome`.
+/// which says everything; a drive that is not in the lake has no `outcome`. What the lake holds already is not made again:
+/// an ingest that was interrupted, also in the middle of a source, goes on where it was.
 pub fn ingest_each(source: &Source, options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
         if let Some(drive) = drive {
             write(&drive, &mut report, lake);
+        } else if let Some(id) = &report.drive_id
+            && let Ok(drive) = lake.read_drive(id)
+        {
+            told(&drive, &mut report);
+            report.outcome = Some(WriteOutcome::Unchanged);
         }
         each(report);
     };
     if source.format == Format::Sumo {
-        return sumo::read_each(&source.path, options, &mut keep);
+        // One that cannot be read whole is made again.
+        let held = |id: &DriveId, hash: &str| lake.read_drive(id).is_ok_and(|d| d.meta.content_hash == hash);
+        return sumo::read_new(&source.path, options, &held, &mut keep);
     }
     let (drive, report) = read(source, options);
     keep(drive, report);
@@ -208,13 +216,18 @@ pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
     first.unwrap_or_else(|| SourceReport::new(source.path.display().to_string()))
 }
 
-fn write(drive: &Drive, report: &mut SourceReport, lake: &Lake) {
+/// What a drive is, for its report.
+fn told(drive: &Drive, report: &mut SourceReport) {
     let span = (drive.times.first(), drive.times.last());
     report.drive_id = Some(drive.meta.drive_id.clone());
     report.frames = drive.frame_count();
     report.duration_s = span.0.zip(span.1).map_or(0.0, |(a, b): (&Nanos, &Nanos)| b.seconds_since(*a));
     report.tracks = drive.tracks.len();
     report.missing = drive.meta.missing.clone();
+}
+
+fn write(drive: &Drive, report: &mut SourceReport, lake: &Lake) {
+    told(drive, report);
     match lake.write_drive(drive) {
         Ok(outcome) => report.outcome = Some(outcome),
         Err(e) => report.diagnostics.push(e.diagnostic()),

@@ -108,6 +108,17 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
 /// Reads one simulation and hands over a drive with its report for each ego, one at a time: the log is in memory once,
 /// drives one by one.
 pub fn read_each(path: &Path, options: &Options, each: &mut dyn FnMut(Option<Drive>, SourceReport)) {
+    read_new(path, options, &|_, _| false, each);
+}
+
+/// The same without the drives that are `held` already, by id and content hash: these are not made again, and are handed
+/// over as `None` with a report that names the drive. An ingest that was interrupted goes on where it was.
+pub fn read_new(
+    path: &Path,
+    options: &Options,
+    held: &dyn Fn(&DriveId, &str) -> bool,
+    each: &mut dyn FnMut(Option<Drive>, SourceReport),
+) {
     let mut report = SourceReport::new(path.display().to_string());
     let Some(run) = Simulation::read(path, options, &mut report) else { return each(None, report) };
     let egos = options.egos.choose(&run.fcd, &run.types);
@@ -118,6 +129,13 @@ pub fn read_each(path: &Path, options: &Options, each: &mut dyn FnMut(Option<Dri
     for id in &egos {
         // What is wrong with the files is told once.
         let mut report = std::mem::replace(&mut report, SourceReport::new(run.label.clone()));
+        let name = run.drive_id(id, egos.len(), options);
+        // A single drive is made again all the same: its report tells of every row.
+        if egos.len() > 1 && held(&name, &run.content_hash(id, options.sensing)) {
+            report.drive_id = Some(name);
+            each(None, report);
+            continue;
+        }
         let drive = run.seen_from(id, egos.len(), options, &mut report);
         each(drive, report);
     }

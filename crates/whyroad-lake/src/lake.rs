@@ -170,10 +170,14 @@ impl Lake {
         }
         let target = self.drive_dir(id);
         match self.manifest(id) {
-            Ok(m) if m.meta.content_hash == drive.meta.content_hash && !m.meta.content_hash.is_empty() => {
+            // A drive that is broken or of another version is replaced like any other.
+            Ok(m)
+                if m.meta.content_hash == drive.meta.content_hash
+                    && !m.meta.content_hash.is_empty()
+                    && self.read_drive(id).is_ok() =>
+            {
                 return Ok(WriteOutcome::Unchanged);
             }
-            // A drive that is broken or of another version is replaced like any other.
             _ => {}
         }
         let aside = |what: &str| self.dir.join("drives").join(format!(".{what}-{}-{id}", std::process::id()));
