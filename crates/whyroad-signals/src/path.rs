@@ -25,6 +25,8 @@ pub struct DrivenPath {
     pub driven: (f64, f64),
     /// Arc length of the ego's centre in each frame; NaN where its pose is unknown.
     pub ego_s: Vec<f64>,
+    /// Direction of the path where the ego is in each frame, rad; NaN where its pose is unknown.
+    pub ego_heading: Vec<f64>,
     z: Vec<f64>,
 }
 
@@ -81,8 +83,11 @@ impl DrivenPath {
         let line = Polyline::new(points)?;
         let s = line.arc_lengths();
         let driven = (s[lead_in.min(s.len() - 1)], s[(lead_in + frames.len() - 1).min(s.len() - 1)]);
-        let mut path = Self { driven, ego_s: Vec::with_capacity(ego.len()), z: Vec::new(), line };
+        let ego_s = Vec::with_capacity(ego.len());
+        let mut path = Self { driven, ego_s, ego_heading: Vec::new(), z: Vec::new(), line };
         path.follow(ego, times);
+        let known_heading = |s: &f64| if s.is_nan() { f64::NAN } else { path.heading_at(*s) };
+        path.ego_heading = path.ego_s.iter().map(known_heading).collect();
         let heights: Vec<(f64, f64)> = known.iter().map(|&i| (path.ego_s[i], ego.z[i])).collect();
         path.z = path.heights(&heights);
         Some(path)

@@ -291,7 +291,7 @@ impl Surroundings<'_> {
             in_way: false,
             leaves_room,
             same_level: !off_level,
-            heading_at_ego: self.path.heading_at(ego_s),
+            heading_at_ego: self.path.ego_heading[frame],
         })
     }
 }

@@ -7,6 +7,34 @@ use super::P2;
 pub struct Polyline {
     points: Vec<P2>,
     s: Vec<f64>,
+    blocks: Vec<Block>,
+}
+
+/// So many segments are looked at together.
+const BLOCK: usize = 16;
+
+/// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    centre: P2,
+    radius: f64,
+}
+
+impl Block {
+    fn around(points: &[P2]) -> Self {
+        let (first, last) = (points[0], points[points.len() - 1]);
+        let centre = (first + last) * 0.5;
+        let radius = points.iter().map(|p| (*p - centre).norm()).fold(0.0, f64::max);
+        Self { centre, radius }
+    }
+
+    /// Not more than the squared distance of `p` from any of the segments. A little less than it could be: the foot
+    /// points are rounded too, and one that is left out must not have been the nearest.
+    fn least2(&self, p: P2) -> f64 {
+        let away = p - self.centre;
+        let apart = (away.dot(away).sqrt() * (1.0 - 1e-9) - self.radius * (1.0 + 1e-9) - 1e-6).max(0.0);
+        apart * apart
+    }
 }
 
 /// Where a point lies along and beside a polyline.
@@ -42,7 +70,12 @@ impl Polyline {
                 _ => {}
             }
         }
-        (kept.len() >= 2).then_some(Self { points: kept, s })
+        if kept.len() < 2 {
+            return None;
+        }
+        let last = kept.len() - 1;
+        let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&kept[i..=(i + BLOCK).min(last)]));
+        Some(Self { blocks: blocks.collect(), points: kept, s })
     }
 
     /// The points.
@@ -100,9 +133,32 @@ impl Polyline {
     }
 
     fn project_segments(&self, p: P2, first: usize, end: usize) -> Projection {
+        let mut best = Nearest::none(first);
+        if end - first <= 2 * BLOCK {
+            self.look(p, first..end, &mut best);
+            return best.at;
+        }
+        // The block that is nearest first: with what is found there, most of the others need no look.
+        let blocks = first / BLOCK..end.div_ceil(BLOCK);
+        let segments = |b: usize| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(end);
+        // The ends go on beyond their blocks.
+        let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
+        let least2 = |b: usize| if open(b) { 0.0 } else { self.blocks[b].least2(p) };
+        let near = |a: &usize, b: &usize| self.blocks[*a].least2(p).total_cmp(&self.blocks[*b].least2(p));
+        let nearest = blocks.clone().min_by(near).unwrap_or(blocks.start);
+        self.look(p, segments(nearest), &mut best);
+        for b in blocks.filter(|b| *b != nearest) {
+            if least2(b) <= best.d2 {
+                self.look(p, segments(b), &mut best);
+            }
+        }
+        best.at
+    }
+
+    /// Looks for a nearer foot point on these segments; of equally near ones the first on the line is taken.
+    fn look(&self, p: P2, segments: std::ops::Range<usize>, best: &mut Nearest) {
         let n = self.points.len() - 1;
-        let mut best = (f64::INFINITY, Projection { s: 0.0, lateral: 0.0, segment: first });
-        for i in first..end {
+        for i in segments {
             let a = self.points[i];
             let ab = self.points[i + 1] - a;
             let length = self.s[i + 1] - self.s[i];
@@ -117,12 +173,12 @@ impl Polyline {
             let foot = a + ab * (along / length);
             let away = p - foot;
             let d2 = away.dot(away);
-            if d2 < best.0 {
+            if d2 < best.d2 || (d2 == best.d2 && i < best.at.segment) {
                 let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
-                best = (d2, Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i });
+                let at = Projection { s: self.s[i] + along, lateral: side * d2.sqrt(), segment: i };
+                *best = Nearest { d2, at };
             }
         }
-        best.1
     }
 
     /// Smallest distance of `p` from the line itself (not its continuation), m.
@@ -138,6 +194,18 @@ impl Polyline {
         let after = self.point_at(s + reach) - self.point_at(s);
         // Each chord stands for the direction half way along it: the two are `reach` apart.
         super::wrap(after.heading() - before.heading()) / reach
+    }
+}
+
+/// The nearest foot point so far.
+struct Nearest {
+    d2: f64,
+    at: Projection,
+}
+
+impl Nearest {
+    fn none(segment: usize) -> Self {
+        Self { d2: f64::INFINITY, at: Projection { s: 0.0, lateral: 0.0, segment } }
     }
 }
 
@@ -186,6 +254,32 @@ mod tests {
         let line = Polyline::new([p2(0.0, 0.0), p2(50.0, 0.0), p2(50.0, 4.0), p2(0.0, 4.0)]).unwrap();
         assert_eq!(line.project_between(p2(20.0, 3.0), 0.0, 40.0).s, 20.0);
         assert!(line.project(p2(20.0, 3.0)).s > 80.0);
+    }
+
+    #[test]
+    fn a_long_line_is_searched_as_a_short_one() {
+        // Loops and straights, with points that are equally near to several segments: leaving blocks out changes nothing.
+        let wave = |i: usize| {
+            let t = i as f64 * 0.05;
+            p2(30.0 * t.cos() + 3.0 * t, 20.0 * (1.3 * t).sin())
+        };
+        let lines = [
+            Polyline::new((0..900).map(wave)).unwrap(),
+            Polyline::new((0..400).map(|i| p2(f64::from(i), 0.0))).unwrap(),
+            Polyline::new((0..400).map(|i| p2(f64::from(i % 20), f64::from(i / 20)))).unwrap(),
+        ];
+        for line in &lines {
+            let n = line.points.len() - 1;
+            for k in 0..2000u32 {
+                let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
+                let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
+                for (first, end) in [(0, n), (a.min(b), a.max(b) + 1)] {
+                    let mut best = Nearest::none(first);
+                    line.look(p, first..end, &mut best);
+                    assert_eq!(line.project_segments(p, first, end), best.at, "{p:?} {first}..{end}");
+                }
+            }
+        }
     }
 
     #[test]
