@@ -1,1 +1,163 @@
-export const screens = [];
+// Every screen in both languages, dark and light: axe finds nothing serious, nothing is wider than the window (also at
+// 200 %), and the language changes without a reload. Screenshots are taken on the way.
+import assert from "node:assert/strict";
+import { look, person } from "./people.mjs";
+import { shot } from "./shots.mjs";
+
+const WAYS = [
+  ["zh", "light"],
+  ["en", "dark"],
+  ["zh", "dark"],
+  ["en", "light"],
+];
+
+/** Who sees what: address and the name of the picture. */
+const SEEN = (day) => ({
+  wang: [
+    ["/", "projects"],
+    [`/projects/${day.project}/tasks`, "tasks"],
+    [`/projects/${day.project}/dashboard`, "dashboard"],
+    [`/projects/${day.project}/members`, "members"],
+    [`/projects/${day.project}`, "project"],
+    [`/projects/${day.project}/exchange`, "exchange"],
+    ["/settings", "settings"],
+    [`/tasks/${day.task}`, "label"],
+    ["/nowhere", "not-found"],
+  ],
+  admin: [["/users", "users"]],
+});
+
+const speaking = (page) => page.evaluate(() => document.documentElement.lang.slice(0, 2));
+
+async function wear(page, lang, theme) {
+  if ((await speaking(page)) !== lang) await page.getByRole("button", { name: /^(English|中文)$/ }).click();
+  const now = await page.evaluate(() => document.documentElement.dataset.theme);
+  if (now !== theme) await page.getByRole("button", { name: /换成|Switch to/ }).click();
+}
+
+/** Nothing may stick out sideways. */
+async function fits(page, where) {
+  const [wide, window] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+  assert.ok(wide <= window, `${where}: ${wide} px in a window of ${window}`);
+}
+
+async function all(day) {
+  for (const [who, screens] of Object.entries(SEEN(day))) {
+    const { page } = day.people[who];
+    for (const [path, name] of screens) {
+      await page.goto(day.service.url + path);
+      await page.locator("h1").first().waitFor();
+      await page.waitForLoadState("networkidle");
+      await page.evaluate(() => (window.sameDocument = true));
+      for (const [lang, theme] of WAYS) {
+        await wear(page, lang, theme);
+        assert.equal(await speaking(page), lang);
+        await look(page, `${name}, ${lang}, ${theme}`);
+        await fits(page, `${name}, ${lang}, ${theme}`);
+        if (lang === "zh" && theme === "light") await shot(day, page, name);
+        if (lang === "en" && theme === "dark") await shot(day, page, `${name}-en-dark`);
+      }
+      assert.ok(await page.evaluate(() => window.sameDocument), `${name} was reloaded`);
+      await wear(page, "zh", "light");
+    }
+  }
+}
+
+/** 200 % of a window of 1280 x 800 leaves 640 x 400. */
+async function enlarged(day) {
+  const { context } = day.people.wang;
+  const page = await context.newPage();
+  await page.setViewportSize({ width: 640, height: 400 });
+  for (const [path, name] of SEEN(day).wang) {
+    await page.goto(day.service.url + path);
+    await page.locator("h1").first().waitFor();
+    await page.waitForLoadState("networkidle");
+    await fits(page, `${name} at 200 %`);
+  }
+  await page.close();
+}
+
+async function door(day) {
+  for (const [lang, theme] of WAYS) {
+    const { page, context } = await person(day.browser, day.service.url, { lang, theme, faults: day.faults });
+    await page.locator("#name").waitFor();
+    assert.equal(await speaking(page), lang, "the browser's language is the first one");
+    await look(page, `sign-in, ${lang}, ${theme}`);
+    await context.close();
+  }
+}
+
+/** The task that somebody holds in Stage I, in all ways. */
+async function held(day) {
+  const { page } = day.people.zhao;
+  await page.goto(day.service.url);
+  await page.locator("main a").first().click();
+  await page.getByRole("button", { name: "领取下一个标注任务" }).click();
+  await page.locator('[data-deed="lock"]').waitFor();
+  for (const [lang, theme] of WAYS) {
+    await wear(page, lang, theme);
+    await look(page, `Stage I, ${lang}, ${theme}`);
+    await fits(page, `Stage I, ${lang}, ${theme}`);
+  }
+  await page.keyboard.press("Control+Enter");
+  await page.locator('[data-section="decisions"]').waitFor();
+  for (const [lang, theme] of WAYS) {
+    await wear(page, lang, theme);
+    await look(page, `Stage II, ${lang}, ${theme}`);
+    if (lang === "en" && theme === "dark") await shot(day, page, "stage2-en-dark");
+  }
+  // The language also changes by key, and while a field has the focus.
+  await wear(page, "zh", "light");
+  await page.keyboard.press("5");
+  await page.keyboard.press("Alt+l");
+  assert.equal(await speaking(page), "en");
+  await page.keyboard.press("Alt+l");
+}
+
+async function keys(day) {
+  const { page } = day.people.zhao;
+  await page.goto(`${day.service.url}/settings`);
+  const row = page.locator("li", { hasText: "播放 / 暂停" });
+  await row.getByRole("button").click();
+  await page.keyboard.press("n");
+  await page.getByText("N 已用于“选下一个目标”。").waitFor();
+  await row.getByRole("button").click();
+  await page.keyboard.press("j");
+  await row.getByText("J", { exact: true }).waitFor();
+  await page.getByRole("button", { name: "恢复默认" }).click();
+  await row.getByText("Space", { exact: true }).waitFor();
+}
+
+async function tokens(day) {
+  const { page } = day.people.wang;
+  await page.goto(`${day.service.url}/settings`);
+  await page.locator("#token-name").fill("夜间导出");
+  await page.getByRole("button", { name: "建立令牌" }).click();
+  const token = await page.locator("input[readonly]").inputValue();
+  const ask = () =>
+    fetch(`${day.service.url}/api/v1/projects/${day.project}/export?format=labels`, { headers: { authorization: `Bearer ${token}` } });
+  const answer = await ask();
+  assert.equal(answer.status, 200);
+  assert.equal((await answer.text()).trim().split("\n").length, 1);
+  await page.getByRole("button", { name: "作废" }).click();
+  await page.getByRole("button", { name: "作废" }).waitFor({ state: "detached" });
+  assert.equal((await ask()).status, 401);
+}
+
+async function leaving(day) {
+  const { page } = day.people.zhao;
+  await page.getByRole("button", { name: "退出" }).click();
+  await page.getByRole("heading", { name: "登录" }).waitFor();
+  const status = await page.evaluate(async () => (await fetch("/api/v1/projects")).status);
+  assert.equal(status, 401);
+}
+
+export const screens = [
+  ["every screen, both languages, dark and light: axe, width, no reload", all],
+  ["the sign-in follows the browser's language and appearance", door],
+  ["the labelling screen while one works: both languages, dark and light", held],
+  ["every screen fits at 200 %", enlarged],
+  ["a key is given to another action, a clash is refused", keys],
+  ["an API token exports, and not after it was revoked", tokens],
+  ["signing out ends the session", leaving],
+];
