@@ -8,10 +8,13 @@
 mod postgres;
 
 mod access;
+mod drafts;
 mod flow;
+mod group;
 mod leaks;
 mod recorded;
 mod sessions;
+mod wire;
 mod work;
 mod world;
 
@@ -25,7 +28,14 @@ macro_rules! suite {
         #[test]
         fn the_suite_on_postgresql() {
             let Some(server) = postgres::Server::start() else { return };
-            $($module::$name(&World::on_server(&server.database(), Future::Brakes));)+
+            let tests: &[fn(&World)] = &[$($module::$name),+];
+            // A few at a time: each waits for the disk more than for anything else.
+            std::thread::scope(|scope| {
+                for part in tests.chunks(tests.len().div_ceil(4)) {
+                    let server = &server;
+                    scope.spawn(move || part.iter().for_each(|t| t(&World::on_server(&server.database(), Future::Brakes))));
+                }
+            });
         }
     };
 }
@@ -44,4 +54,19 @@ suite! {
     sessions::people_change_themselves_and_admins_everybody,
     access::every_route_lets_in_only_whom_it_should,
     access::the_roles_of_a_project_bound_its_work,
+    drafts::changes_of_different_fields_merge_and_of_the_same_conflict,
+    drafts::an_older_token_writes_nothing,
+    drafts::a_task_is_never_held_twice,
+    drafts::an_earlier_draft_comes_back,
+    drafts::in_stage_one_the_end_of_the_keyframes_range_survives_unseen,
+    group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,
+    group::what_cannot_be_labelled_is_left_out_with_a_reason_and_comes_back,
+    group::audits_follow_the_share_and_the_record,
+    group::the_queue_goes_by_hand_skill_language_and_priority,
+    group::lists_come_page_by_page_and_filtered,
+    wire::unchanged_answers_are_not_sent_again,
+    wire::what_is_wrong_is_said_as_problem_json,
+    wire::what_is_too_large_is_refused,
+    wire::markup_comes_back_as_data,
+    wire::tasks_come_from_mined_folders_within_limits,
 }

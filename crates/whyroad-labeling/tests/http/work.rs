@@ -71,6 +71,16 @@ impl<'p> Work<'p> {
         assert_eq!(answer.status, 200, "{}", answer.text());
     }
 
+    /// Stage I with all evidence at one moment.
+    pub fn stage1_at(&mut self, moment: &str) {
+        let mut components = components();
+        for c in components.as_array_mut().unwrap() {
+            c["evidence_times"] = json!([moment]);
+        }
+        let answer = self.set(&[("/critical_components", components)]);
+        assert_eq!(answer.status, 200, "{}", answer.text());
+    }
+
     /// Stage II as the example label has it.
     pub fn stage2(&mut self) {
         let example: Value = example();
