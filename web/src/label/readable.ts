@@ -34,6 +34,8 @@ const KEYS: Record<string, readonly [string, string]> = {
 /** Frame numbers and types follow from the moments beside them: they only make the text longer. */
 const LEFT_OUT = new Set(["frame_idx", "start_frame_idx", "end_frame_idx", "type", "id"]);
 
+const order = (key: string): number => (Object.keys(KEYS).indexOf(key) + 99) % 99;
+
 const FIXED: Record<string, readonly [string, string]> = {
   low: ["低", "low"],
   high: ["高", "high"],
@@ -57,6 +59,7 @@ export function readable(value: Json | undefined, words: Words, lang: Lang): str
   const id = typeof value["id"] === "string" ? `${value["id"]}${zh ? "：" : ": "}` : "";
   const parts = Object.entries(value)
     .filter(([key]) => !LEFT_OUT.has(key))
+    .sort(([a], [b]) => order(a) - order(b))
     .map(([key, v]) => `${KEYS[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
   return id + parts.join(zh ? "；" : "; ");
 }

@@ -31,6 +31,8 @@ export class Work {
   /** The label as it was before anybody changed it; null while it cannot be told. */
   origin = $state.raw<Json | null>(null);
   comments = $state.raw<readonly Comment[]>([]);
+  /** Another task of the reader's that has to be finished first. */
+  blocker = $state<string | null>(null);
   /** Why the label was sent back the last time, and by whom; null when it was not. */
   returned = $state.raw<{ by: string; why: string } | null>(null);
   /** Track id of the object that is picked in the view. */
@@ -211,6 +213,8 @@ export class Work {
         return true;
       } catch (error) {
         const found = error instanceof ApiError ? error.more["findings"] : undefined;
+        const blocker = error instanceof ApiError ? error.more["task"] : undefined;
+        this.blocker = typeof blocker === "string" ? blocker : null;
         if (Array.isArray(found)) this.draft.findings = found as Finding[];
         throw error;
       }

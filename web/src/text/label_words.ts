@@ -202,6 +202,7 @@ export const labelWords = {
   "stage.take_again": ["重新领取", "Take it again"],
   "stage.discard": ["放弃未保存的修改", "Throw away what was not saved"],
   "stage.refused": ["服务器没有接受修改：", "The server did not take the change:"],
+  "stage.blocker": ["打开那个任务", "Open that task"],
   "stage.next": ["下一个任务", "Next task"],
   "stage.done": ["已提交。", "Done."],
   "stage.none_next": ["没有可领取的任务了。", "Nothing more to take."],
