@@ -62,3 +62,4 @@ export type Webhook = Schemas["Webhook"];
 export type Settings = Schemas["Settings"];
 export type Coverage = Schemas["Coverage"];
 export type Throughput = Schemas["Throughput"];
+export type Agreement = Schemas["Agreement"];
