@@ -116,12 +116,12 @@ fn owner(tx: &mut dyn Tx, sql: &str, id: &str) -> Answer<String> {
 
 /// Roles in a project; to who is not in it, it does not exist.
 fn in_project(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Grant> {
-    let project = projects::get(tx, project)?.id;
-    let roles = roles(tx, &project, user)?;
-    if roles.is_empty() {
+    let there = tx.row("SELECT 1 FROM projects WHERE id = $1", values![project])?;
+    let roles = roles(tx, project, user)?;
+    if there.is_none() || roles.is_empty() {
         return Err(Problem::missing());
     }
-    Ok(Grant { project: Some(project), roles })
+    Ok(Grant { project: Some(project.to_owned()), roles })
 }
 
 /// Roles of a user in a project; an admin is lead everywhere.
@@ -133,13 +133,13 @@ pub fn roles(tx: &mut dyn Tx, project: &str, user: &User) -> Answer<Vec<Role>> {
     Ok(roles)
 }
 
-fn of_task(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<(Grant, tasks::TaskRow)> {
-    let task = tasks::get(tx, task)?;
-    Ok((in_project(tx, &task.project, user)?, task))
+fn of_task(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<(Grant, tasks::Concern)> {
+    let concern = tasks::concern(tx, task)?;
+    Ok((in_project(tx, &concern.project, user)?, concern))
 }
 
 /// Staff read all tasks of their project, others what they hold, write or were given.
 fn readable(tx: &mut dyn Tx, task: &str, user: &User) -> Answer<Grant> {
-    let (grant, task) = of_task(tx, task, user)?;
-    if grant.is_staff() || task.is_of(&user.id) { Ok(grant) } else { Err(Problem::missing()) }
+    let (grant, concern) = of_task(tx, task, user)?;
+    if grant.is_staff() || concern.is_of(&user.id) { Ok(grant) } else { Err(Problem::missing()) }
 }

@@ -88,6 +88,14 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     };
     let address = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.0.ip().to_string());
     let mut request = request_of(&parts.headers, &parts.uri, params, address.unwrap_or_default());
+    // Much is taken in only from who may send it.
+    if is_bulk(route) {
+        let (app, asked) = (Arc::clone(&app), request.clone());
+        let passed = tokio::task::spawn_blocking(move || access::pass(&app, route, &asked)).await;
+        if let Ok(Err(p)) = passed {
+            return refuse(&p);
+        }
+    }
     match read(route, body).await {
         Ok(bytes) => request.body = bytes,
         Err(p) => return refuse(&p),
@@ -124,9 +132,12 @@ fn run(app: &Arc<App>, route: &Route, request: &Request) -> Answer<Reply> {
     (route.run)(&Call { app, request, caller, grant })
 }
 
+fn is_bulk(route: &Route) -> bool {
+    route.path.ends_with("/import") || route.path.ends_with("tasks:create")
+}
+
 async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
-    let bulk = route.path.ends_with("/import") || route.path.ends_with("tasks:create");
-    let limit = if bulk { BULK } else { BODY };
+    let limit = if is_bulk(route) { BULK } else { BODY };
     match tokio::time::timeout(BODY_TIME, to_bytes(body, limit)).await {
         Ok(Ok(bytes)) => Ok(bytes.to_vec()),
         Ok(Err(_)) => Err(Problem::new(

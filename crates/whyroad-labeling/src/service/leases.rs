@@ -34,6 +34,14 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     if t.adjudication.as_deref() == Some("superseded") {
         return Err(Problem::new(409, "task.superseded", "已选用另一份标注", "another label was chosen"));
     }
+    if t.at.state == State::Open && t.assigned.as_deref().is_some_and(|a| a != actor.id) {
+        return Err(Problem::new(
+            403,
+            "task.assigned",
+            "该任务已指派给他人",
+            "this task was given to somebody else",
+        ));
+    }
     let next = workflow::step(&t.at, actor, Action::Take, Draw::Pass)?;
     if matches!(t.at.state, State::Open | State::Stage1) {
         only_one_of_a_group(tx, t, &actor.id)?;

@@ -67,15 +67,6 @@ pub struct TaskRow {
     pub lang: String,
 }
 
-impl TaskRow {
-    /// True for who holds it, wrote it last, or was given it and may still begin.
-    pub fn is_of(&self, user: &str) -> bool {
-        let author = self.at.author();
-        let given = self.assigned.as_deref() == Some(user) && author.is_none();
-        self.at.holder.as_deref() == Some(user) || author == Some(user) || given
-    }
-}
-
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
     assigned, holder, fence, lease_until, seq, created, updated, lang";
@@ -122,6 +113,36 @@ fn task(row: &Row) -> Answer<TaskRow> {
 pub fn get(tx: &mut dyn Tx, id: &str) -> Answer<TaskRow> {
     let row = tx.row(&format!("SELECT {COLUMNS} FROM tasks WHERE id = $1"), values![id])?;
     task(&row.ok_or_else(Problem::missing)?)
+}
+
+/// What decides who may see a task: enough for the gate, which every call passes.
+#[derive(Clone, Debug)]
+pub struct Concern {
+    /// Project id.
+    pub project: String,
+    holder: Option<String>,
+    author: Option<String>,
+    assigned: Option<String>,
+}
+
+impl Concern {
+    /// True for who holds it, wrote it last, or was given it and may still begin.
+    pub fn is_of(&self, user: &str) -> bool {
+        let given = self.assigned.as_deref() == Some(user) && self.author.is_none();
+        self.holder.as_deref() == Some(user) || self.author.as_deref() == Some(user) || given
+    }
+}
+
+/// Whom the task with this id concerns.
+pub fn concern(tx: &mut dyn Tx, id: &str) -> Answer<Concern> {
+    let row = tx.row("SELECT project_id, holder, author, assigned FROM tasks WHERE id = $1", values![id])?;
+    let row = row.ok_or_else(Problem::missing)?;
+    Ok(Concern {
+        project: row.text(0)?,
+        holder: row.maybe_text(1)?,
+        author: row.maybe_text(2)?,
+        assigned: row.maybe_text(3)?,
+    })
 }
 
 /// The task with this id, kept from other writers until the transaction ends.

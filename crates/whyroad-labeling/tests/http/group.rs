@@ -160,6 +160,8 @@ pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     assert_eq!(next(&bob), Some(plain.clone()));
     assign(&soon, json!("ann")).fine();
     assert_eq!(next(&bob), Some(plain.clone()), "bob's own first");
+    let by_link = bob.post(&format!("/tasks/{soon}/lease"), &json!({ "action": "take" }));
+    assert_eq!(by_link.refusal(), (403, "task.assigned".into()));
     let list = bob.get(&format!("/projects/{project}/tasks")).fine();
     let mine: Vec<&Value> = list["items"].as_array().unwrap().iter().map(|t| &t["id"]).collect();
     assert_eq!(mine, [&json!(plain)], "an annotator's list has only their own");

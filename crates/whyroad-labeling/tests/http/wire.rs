@@ -59,6 +59,14 @@ pub fn what_is_too_large_is_refused(world: &World) {
     let guide = json!({ "name": "p", "guide": "x".repeat(300_000) });
     assert_eq!(admin.post("/projects", &guide).refusal(), (422, "project.invalid".into()));
     let project = world.project(&admin, "town", &json!({}));
+    // Many tasks at once may be large, from who may send them.
+    let mut stranger = world.stranger();
+    stranger.hello();
+    let bulk = format!("/projects/{project}/tasks:create");
+    let large = format!("{{\"episodes\": [], \"mined\": \"{}\"}}", "x".repeat(3_000_000));
+    let answer = stranger.call("POST", &bulk, Some(large.as_bytes()), &[]);
+    assert_eq!(answer.refusal(), (401, "session.required".into()));
+    assert_eq!(admin.call("POST", &bulk, Some(large.as_bytes()), &[]).refusal(), (404, "not_found".into()));
     let many: Vec<Value> = (0..101).map(|_| json!({ "path": "/coc_trace", "value": "x" })).collect();
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
@@ -112,6 +120,15 @@ pub fn tasks_come_from_mined_folders_within_limits(world: &World) {
     assert_eq!(made["lost"], json!(["gone_e1: no such drive"]));
     lost["scenario_id"] = json!("other");
     assert_eq!(create(json!({ "episodes": [lost] })).fine()["left_out"], 1, "no class explains it");
+}
+
+#[test]
+fn every_code_of_a_finding_has_a_page_in_both_languages() {
+    for code in whyroad_labeling::service::findings::CODES {
+        let path = format!("{}/../../docs/diagnostics/{code}.md", env!("CARGO_MANIFEST_DIR"));
+        let page = std::fs::read_to_string(path).unwrap();
+        assert!(page.starts_with(&format!("# {code}\n")) && page.contains("\n## 中文\n"), "{code}");
+    }
 }
 
 #[test]
