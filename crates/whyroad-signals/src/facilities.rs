@@ -6,7 +6,7 @@ use crate::context::Channels;
 use crate::ego_lane::lane_count;
 use crate::geometry::{P2, Polygon, p2};
 use crate::junction::{Stretch, distance_to_next};
-use crate::on_road::OnRoad;
+use crate::on_road::{OnRoad, time_to};
 use crate::path::DrivenPath;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
@@ -188,6 +188,11 @@ fn write_gate(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder
 pub fn write(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
     for (name, kinds) in DISTANCES.iter().filter(|(_, kinds)| tells(on, kinds)) {
         table.number(name, distances(on, &on_path(on, kinds)));
+    }
+    if tells(on, &["barrier_gap"]) {
+        let gaps = distances(on, &on_path(on, &["barrier_gap"]));
+        let time = gaps.iter().enumerate().map(|(i, d)| time_to(*d, on.ego.forward_speed[i]));
+        table.number("map.time_to_barrier_gap", time.collect());
     }
     if tells(on, &["tunnel"]) {
         let tunnels = on_path(on, &["tunnel"]);

@@ -272,6 +272,7 @@ fn what_stands_beside_the_path_counts_where_it_bears_on_it() {
     assert_eq!(t.ego("map.distance_to_accident", 20), INF, "farther than 3 m beside the path");
     assert_eq!(t.ego("map.distance_to_tunnel", 20), INF, "nobody drives through it");
     near(t.ego("map.distance_to_barrier_gap", 20), 108.0, 0.5);
+    near(t.ego("map.time_to_barrier_gap", 20), 10.8, 0.06);
 }
 
 /// A ring of radius 20 m around (100, 20) that the ego enters at (100, 0) and follows for half a turn, two lanes wide.

@@ -310,5 +310,14 @@ fn a_parked_lorry_hides_ground_beside_the_path() {
     assert_eq!(t.ego_category("map.hidden_beside_by", 0), Some("large_vehicle"));
     let empty = Table::of(&standing());
     near(empty.ego("map.hidden_beside", 0), 0.0, 0.0);
+    // A lorry whose rear is 60 m before the front bumper, beside the path: at 10 m/s 6 s away, to 2 m.
+    let mut drives = drive(100, |t| (10.0 * t, 0.0, 0.0));
+    add(&mut drives, "lorry", Truck, (10.0, 2.5), |_| (67.0, -3.8, 0.0));
+    let t = Table::of(&drives);
+    near(t.ego("map.time_to_hidden_beside", 0), 6.0, 0.2);
+    near(t.ego("map.time_to_hidden_beside", 40), 2.0, 0.1);
+    near(t.ego("map.time_to_hidden_beside", 62), 0.0, 0.0);
+    assert_eq!(t.ego("map.time_to_hidden_beside", 85), f64::INFINITY, "it is behind");
+    assert_eq!(empty.ego("map.time_to_hidden_beside", 0), f64::INFINITY);
     assert_eq!(empty.ego_category("map.hidden_beside_by", 0), Some("none"));
 }

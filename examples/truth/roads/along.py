@@ -9,14 +9,12 @@ import math
 from drive import Drive, Order
 from network import Piece, Road
 
-LIMIT = 13.89
-
 
 class Layout:
     def __init__(self, name, draw, lanes=1):
         self.draw, self.road = draw, Road(draw.uniform(0, 360))
-        self.drive = Drive(name, v0=round(draw.uniform(12.8, 13.6), 1))
-        self.limit, self.count = LIMIT, 0
+        self.drive = Drive(name, v0=round(draw.uniform(*draw.speeds), 1))
+        self.limit, self.count = draw.limit, 0
         self.states = {}
         self.lanes, self.kinds, self.inner = lanes, {}, {}
         self.straight(draw.uniform(150, 190))
@@ -169,7 +167,7 @@ def limit(signed, leaf):
             s0 = b.straight(b.draw.uniform(120, 150), limit=19.44)
             if signed:
                 b.sign("speed_limit", s0, 19.44)
-                b.sign("speed_limit", b.road.length, LIMIT)
+                b.sign("speed_limit", b.road.length, b.limit)
             return b.note("limit", "", s0, b.road.length, "")
         s0 = b.straight(b.draw.uniform(130, 170), limit=low)
         order = b.order(s0, b.road.length, min(low, b.drive.v0 - 1), decel=1.3)
@@ -177,7 +175,7 @@ def limit(signed, leaf):
         b.note("higher", leaf, b.road.length, b.road.length, order)
         if signed:
             b.sign("speed_limit", s0, low)
-            b.sign("speed_limit", b.road.length, LIMIT)
+            b.sign("speed_limit", b.road.length, b.limit)
     return lay
 
 

@@ -78,7 +78,7 @@ class Drive:
     def simulate(self, work):
         route = " ".join(self.route)
         (work / "r.rou.xml").write_text(f'<routes>{TYPES}<route id="way" edges="{route}"/>'
-                                        f'<vehicle id="ego" type="ego" route="way" depart="0" departSpeed="{min(self.v0, 13.8)}" departPos="5" departLane="{self.lane}"/>'
+                                        f'<vehicle id="ego" type="ego" route="way" depart="0" departSpeed="{self.v0}" departPos="5" departLane="{self.lane}"/>'
                                         f"{self.demand}</routes>")
         traci.start([os.path.join(sumo.SUMO_HOME, "bin", "sumo"), "--net-file", str(self.folder / "net.xml"), "--route-files", str(work / "r.rou.xml"),
                      "--step-length", str(STEP_S), "--seed", "20260105", "--lanechange.duration", "3", "--fcd-output", str(work / "fcd.xml"),

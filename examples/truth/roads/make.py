@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Makes the drives with known truth for the road and the rules anew: `python3 make.py [seen|unseen] [OUT_DIR]`.
 
-Needs SUMO 1.28.0 and pyarrow (`pip install eclipse-sumo==1.28.0 pyarrow`). Both sets come from the same scripts with another seed:
-other layouts, sizes, speeds and orders. Beside a set's drives stands its `truth.jsonl`. Two runs give equal bytes.
+Needs SUMO 1.28.0 and pyarrow (`pip install eclipse-sumo==1.28.0 pyarrow`). Both sets come from the same scripts with another seed
+and on roads of another speed limit: other layouts, sizes, speeds and orders. Beside a set's drives stands its `truth.jsonl`. Two runs give equal bytes.
 """
 
 import json
@@ -18,6 +18,14 @@ import signs
 import truth
 
 SEEDS = {"seen": 11, "unseen": 47}
+# Speed limit of ordinary road and the speeds that drivers keep on it, m/s.
+WORLDS = {"seen": (13.89, (12.8, 13.6)), "unseen": (16.67, (15.2, 16.4))}
+
+
+def drawer(name, of):
+    draw = random.Random(f"{SEEDS[name]}-{of}")
+    draw.limit, draw.speeds = WORLDS[name]
+    return draw
 
 
 def main():
@@ -26,9 +34,9 @@ def main():
     for name in sets:
         found, drives = [], []
         for family in (along, lights, signs, lanes):
-            for drive, *plan in family.drives(random.Random(f"{SEEDS[name]}-{family.__name__}")):
+            for drive, *plan in family.drives(drawer(name, family.__name__)):
                 with tempfile.TemporaryDirectory() as folder:
-                    made = family.build(drive, *plan, random.Random(f"{SEEDS[name]}-{drive}"), Path(folder))
+                    made = family.build(drive, *plan, drawer(name, drive), Path(folder))
                     made.name = f"{name}-{drive}"
                     made.run(root / name)
                 drives.append(made.name)

@@ -1,10 +1,11 @@
-//! How much of the ground beside the path ahead is hidden, and by what. Writes `map.hidden_beside` and
-//! `map.hidden_beside_by`.
+//! How much of the ground beside the path ahead is hidden, by what, and how soon the ego is there. Writes `map.hidden_beside`,
+//! `map.hidden_beside_by` and `map.time_to_hidden_beside`.
 
 use super::Scene;
 use super::obstacles::{Kind, Obstacles};
 use super::view::{Owner, View};
 use crate::geometry::P2;
+use crate::on_road::time_to;
 use crate::table::TableBuilder;
 
 /// Length of the strip from the front bumper on, m.
@@ -15,6 +16,9 @@ const WIDTH_M: f64 = 4.0;
 const MARGIN_M: f64 = 0.3;
 /// Places are so far apart, m.
 const STEP_M: f64 = 1.0;
+/// Farther ahead than the ego gets in this time, or than this, no hidden ground is looked for, s and m.
+const AHEAD_S: f64 = 10.0;
+const AHEAD_M: f64 = 100.0;
 /// Under this share nothing is said to hide it.
 const LEAST_SHARE: f64 = 0.05;
 
@@ -30,6 +34,7 @@ const BUILDING: u16 = 4;
 pub struct Beside {
     share: Vec<f64>,
     by: Vec<Option<u16>>,
+    time: Vec<f64>,
 }
 
 impl Beside {
@@ -40,6 +45,7 @@ impl Beside {
         let Some(view) = view.filter(|_| s.is_finite() && length.is_finite() && width.is_finite()) else {
             self.share.push(f64::NAN);
             self.by.push(None);
+            self.time.push(f64::NAN);
             return;
         };
         let code = |owner: Owner| match obstacles.kind(owner) {
@@ -51,10 +57,20 @@ impl Beside {
         };
         let (long, wide) = ((LENGTH_M / STEP_M) as usize, (WIDTH_M / STEP_M) as usize);
         let places = (long * wide) as f64;
+        let speed = scene.ego.forward_speed[frame];
+        let far = (AHEAD_M.min(AHEAD_S * speed.max(0.0)) / STEP_M) as usize;
+        let mut first_hidden = f64::INFINITY;
         let mut worst = (0.0, NONE);
         for side in [1.0, -1.0] {
             let mut counts = [0_usize; 5];
-            for i in 0..long {
+            for i in 0..long.max(far) {
+                // Beyond the strip only the first hidden place counts, to 2 m.
+                if i >= long && (i as f64) * STEP_M >= first_hidden {
+                    break;
+                }
+                if i >= long && i % 2 == 1 {
+                    continue;
+                }
                 let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
                 let (on, left) =
                     (scene.path.line.point_at(at), P2::from_heading(scene.path.heading_at(at)).left());
@@ -62,7 +78,8 @@ impl Beside {
                     let away = width / 2.0 + MARGIN_M + (j as f64 + 0.5) * STEP_M;
                     let first = view.before(on + left * (side * away), |owner| code(owner).is_some());
                     if let Some(code) = first.and_then(code) {
-                        counts[usize::from(code)] += 1;
+                        first_hidden = first_hidden.min(i as f64 * STEP_M);
+                        counts[usize::from(code)] += usize::from(i < long);
                     }
                 }
             }
@@ -74,6 +91,7 @@ impl Beside {
                 worst = (share, most.unwrap_or(NONE));
             }
         }
+        self.time.push(time_to(first_hidden, speed));
         self.share.push(worst.0);
         self.by.push(Some(if worst.0 < LEAST_SHARE { NONE } else { worst.1 }));
     }
@@ -82,5 +100,6 @@ impl Beside {
     pub fn write(self, table: &mut TableBuilder<'_>) {
         table.number("map.hidden_beside", self.share);
         table.category("map.hidden_beside_by", self.by);
+        table.number("map.time_to_hidden_beside", self.time);
     }
 }
