@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { hits, lightsAt, trackPose } from "./motion.ts";
 import { frameAt } from "./player.svelte.ts";
 import { corners, REACH, wedge } from "./shadow.ts";
-import { toScreen, toWorld, type View, zoomed } from "./view.ts";
+import { fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
 import type { LightView, TrackView } from "../api/types.ts";
 
 const near = (a: number, b: number, eps = 1e-9): void => assert.ok(Math.abs(a - b) < eps, `${a} is not ${b}`);
@@ -24,6 +24,16 @@ test("screen and world are inverse, ahead is up, and zooming keeps the point und
   const [qx, qy] = toScreen(closer, size, x, y);
   near(qx, 123);
   near(qy, 456);
+});
+
+test("the target is in sight at first: ahead, behind or beside, and never closer than asked", () => {
+  const size = { width: 700, height: 420 };
+  for (const [ahead, left] of [[50, 0], [110, 20], [-30, 3], [5, -60]] as const) {
+    const scale = fitting(size, ahead, left, 7);
+    const [x, y] = toScreen({ x: 0, y: 0, scale, turn: Math.PI / 2 }, size, ahead, left);
+    assert.ok(x > 40 && x < 660 && y > 60 && y < 385, `${ahead} m ahead, ${left} m left is at ${x}, ${y}`);
+  }
+  assert.equal(fitting(size, 8, 1, 7), 7);
 });
 
 test("headings turn the short way round between two frames", () => {
