@@ -36,8 +36,6 @@ export const screenWords = {
   "app.offline": ["连不上服务器", "The server cannot be reached"],
   "app.offline.hint": ["请检查网络，或询问服务是否在运行。", "Check the network, or ask whether the service runs."],
   "app.more": ["载入更多", "Load more"],
-  "app.none": ["无", "none"],
-  "app.back": ["返回", "Back"],
 
   "login.title": ["登录", "Sign in"],
   "login.name": ["用户名", "User name"],
@@ -118,7 +116,6 @@ export const screenWords = {
   "tasks.col.author": ["作者", "Author"],
   "tasks.col.priority": ["优先级", "Priority"],
   "tasks.col.updated": ["更新时间", "Updated"],
-  "tasks.col.open": ["打开", "Open"],
   "tasks.empty": ["没有符合条件的任务。", "No task matches."],
   "tasks.empty.lead": ["还没有任务。用“从挖掘结果建任务”开始。", "No task yet. Begin with “Make tasks from mined episodes”."],
   "tasks.empty.mine": ["您手上没有任务。用上面的按钮领取下一个。", "You have no task. Take the next one with the button above."],

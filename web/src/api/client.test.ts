@@ -1,0 +1,78 @@
+// The way to the server: what is sent, what is tried again, what a refusal becomes.
+import assert from "node:assert/strict";
+import { beforeEach, test } from "node:test";
+import { ApiError, call, forget, Offline, query, Raw, setCsrf } from "./client.ts";
+
+interface Sent {
+  url: string;
+  init: RequestInit;
+}
+let sent: Sent[] = [];
+
+/** Answers each request with the next of `replies`; "down" is a network that is away. */
+function serve(...replies: (Response | "down")[]): void {
+  globalThis.fetch = async (url, init) => {
+    sent.push({ url: String(url), init: init ?? {} });
+    const reply = replies.shift();
+    if (reply === undefined || reply === "down") throw new TypeError("fetch failed");
+    return reply;
+  };
+}
+const json = (value: unknown, status = 200, headers: Record<string, string> = {}): Response =>
+  new Response(JSON.stringify(value), { status, headers });
+const header = (n: number, name: string): string | null => new Headers(sent[n]?.init.headers).get(name);
+
+beforeEach(() => {
+  sent = [];
+  forget();
+});
+
+test("writes carry the CSRF value, reads do not", async () => {
+  setCsrf("token");
+  serve(json({}), json({}));
+  await call("POST", "/x", { a: 1 });
+  await call("GET", "/x");
+  assert.equal(header(0, "x-csrf-token"), "token");
+  assert.equal(header(0, "content-type"), "application/json");
+  assert.equal(header(1, "x-csrf-token"), null);
+});
+
+test("a read is tried again after a failed network and a passing 503, a write never", async () => {
+  serve("down", json({}, 503), json({ here: true }));
+  assert.deepEqual((await call("GET", "/again")).data, { here: true });
+  assert.equal(sent.length, 3);
+  sent = [];
+  serve("down", json({}));
+  await assert.rejects(call("POST", "/once", {}), Offline);
+  assert.equal(sent.length, 1);
+});
+
+test("an unchanged answer is not sent twice, and is forgotten with its reader", async () => {
+  serve(json({ n: 1 }, 200, { etag: '"v1"' }), new Response(null, { status: 304 }), json({ n: 2 }));
+  await call("GET", "/kept");
+  assert.deepEqual((await call("GET", "/kept")).data, { n: 1 });
+  assert.equal(header(1, "if-none-match"), '"v1"');
+  forget();
+  assert.deepEqual((await call("GET", "/kept")).data, { n: 2 });
+  assert.equal(header(2, "if-none-match"), null);
+});
+
+test("a problem keeps its code, both languages and what belongs to it", async () => {
+  const body = { code: "lease.lost", title: "lost", detail_zh: "租约已失效", detail_en: "the lease is lost", more: { version: 3 } };
+  serve(json(body, 409));
+  const error = await call("PATCH", "/x", {}).then(() => null, (e: unknown) => e);
+  assert.ok(error instanceof ApiError);
+  assert.deepEqual([error.status, error.code, error.zh, error.en, error.more["version"]], [409, "lease.lost", "租约已失效", "the lease is lost", 3]);
+  // What a proxy says is no problem+json: its status has to do.
+  serve(new Response("<html>Bad</html>", { status: 400 }));
+  await assert.rejects(call("POST", "/x"), /400/);
+});
+
+test("text goes out as it is; empty members of a query do not", async () => {
+  serve(json({}));
+  await call("POST", "/import", new Raw("{}\n{}\n", "application/x-ndjson"));
+  assert.equal(sent[0]?.init.body, "{}\n{}\n");
+  assert.equal(header(0, "content-type"), "application/x-ndjson");
+  assert.equal(query({ a: "1 2", b: "", c: false, d: null, e: undefined, f: 0 }), "?a=1+2&f=0");
+  assert.equal(query({}), "");
+});
