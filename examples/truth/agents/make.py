@@ -98,7 +98,7 @@ def make(which, out):
             script = {"road": road, "houses": world.buildings, "works": world.works, "events": world.events}
             pack(folder / "script.json.gz", json.dumps(script))
             if touched := Log(folder).contacts():
-                print(f"{name}: not as it was meant: {touched}")
+                raise RuntimeError(f"{name}: not as it was meant: {touched}")
             size = sum(f.stat().st_size for f in folder.glob("*"))
             total += size
             print(name, f"{world.t:.0f} s, {size // 1024} kB", flush=True)
@@ -129,7 +129,7 @@ def make_crossings(which, out):
         world.write(folder)
         pack(folder / "script.json.gz", json.dumps({"events": world.events}))
         if touched := CrossingLog(folder).contacts():
-            print(f"{name}: not as it was meant: {touched}")
+            raise RuntimeError(f"{name}: not as it was meant: {touched}")
         total += sum(f.stat().st_size for f in folder.glob("*"))
     print(f"{which} crossings", total // 1024, "kB")
 

@@ -207,7 +207,7 @@ def cyclist_comes_in(w):
     u = w.draw
     v = u.uniform(3.5, 5.0)
     a = w.add("bike", w.ego.s + 75, w.road.edge - 0.75, v, move=cruise(v), solid=False)
-    yield from near(w, a, u.uniform(24, 34) - 2)
+    yield from near(w, a, u.uniform(2.0, 2.7) * w.ego.v)
     w.note("comes_in", a)
     a.solid = True
     slide(a, w, w.ego.d - u.uniform(0.2, 0.7), u.uniform(1.6, 2.4))
@@ -1023,7 +1023,7 @@ def from_kerb(w):
     """Moves off from the kerb in front of the ego."""
     u = w.draw
     a = w.add("car", w.ego.s + 84, w.road.edge - 1.2, move=cruise(0.0), solid=False)
-    yield from near(w, a, u.uniform(30, 36))
+    yield from near(w, a, u.uniform(2.4, 2.8) * w.ego.v)
     w.note("moves_off", a)
     a.signals = 2
     a.memory.update(want=w.cruise * 0.7, accel=2.2)
