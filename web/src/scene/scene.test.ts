@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { hits, lightsAt, trackPose } from "./motion.ts";
 import { frameAt } from "./player.svelte.ts";
-import { corners, REACH, wedge } from "./shadow.ts";
+import { corners, REACH, shadows, wedge } from "./shadow.ts";
 import { fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
 import type { LightView, TrackView } from "../api/types.ts";
 
@@ -69,6 +69,14 @@ test("a shadow lies behind what hides, as wide as it is seen", () => {
   assert.ok(Math.hypot(...(w[1] ?? [0, 0])) >= REACH);
   assert.equal(wedge([11, 0], corners({ x: 11, y: 0, heading: 0 }, 2, 2)), null, "from within nothing is hidden");
   assert.equal(wedge([0, 0], corners({ x: 500, y: 0, heading: 0 }, 2, 2)), null);
+});
+
+test("what stands wholly behind a nearer thing throws no shadow of its own; what looks out from behind it does", () => {
+  const car = (x: number, y: number): TrackView =>
+    ({ class: "car", length: 4, width: 2, first: 0, x: [x], y: [y], heading: [0] }) as unknown as TrackView;
+  assert.equal(shadows([0, 0], [car(30, 0), car(10, 0)], [], 0, 0).length, 1);
+  assert.equal(shadows([0, 0], [car(30, 3.5), car(10, 0)], [], 0, 0).length, 2);
+  assert.equal(shadows([0, 0], [car(-30, 0), car(-10, 0)], [], 0, 0).length, 1, "also across the seam at pi");
 });
 
 test("the frame shown is the last one at or before now", () => {

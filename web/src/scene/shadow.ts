@@ -23,11 +23,16 @@ export function corners(pose: Pose, length: number, width: number): Point[] {
   ]);
 }
 
-/**
- * The wedge behind a convex shape seen from `eye`: near corner, far, far, near. Counter-clockwise or clockwise alike for all
- * shapes, so that a non-zero fill of many is their union. Null when the eye is in the shape or it is out of reach.
- */
-export function wedge(eye: Point, shape: readonly Point[]): Point[] | null {
+/** How a convex shape looks from an eye: its two outermost corners, their angles (`from` before `to`), how near it comes. */
+interface Outline {
+  from: Point;
+  to: Point;
+  angleFrom: number;
+  angleTo: number;
+  nearest: number;
+}
+
+function outline(eye: Point, shape: readonly Point[]): Outline | null {
   const first = shape[0];
   if (!first) return null;
   const base = Math.atan2(first[1] - eye[1], first[0] - eye[0]);
@@ -50,21 +55,41 @@ export function wedge(eye: Point, shape: readonly Point[]): Point[] | null {
     nearest = Math.min(nearest, Math.hypot(p[0] - eye[0], p[1] - eye[1]));
   }
   if (nearest > REACH || most - least < 1e-4 || most - least > Math.PI) return null;
+  return { from, to, angleFrom: base + least, angleTo: base + most, nearest };
+}
+
+/**
+ * What lies behind an outline, as near corner, far, far, near: the same way round for all, so that a non-zero fill of many
+ * is their union.
+ */
+function behind(eye: Point, o: Outline): Point[] {
   const far = (p: Point): Point => {
     const d = Math.hypot(p[0] - eye[0], p[1] - eye[1]) || 1;
     // The chord between two far points comes nearer than REACH: reach farther by as much.
-    const r = REACH / Math.cos(Math.min(1.4, (most - least) / 2));
+    const r = REACH / Math.cos(Math.min(1.4, (o.angleTo - o.angleFrom) / 2));
     return [eye[0] + ((p[0] - eye[0]) / d) * r, eye[1] + ((p[1] - eye[1]) / d) * r];
   };
-  return [from, far(from), far(to), to];
+  return [o.from, far(o.from), far(o.to), o.to];
 }
 
-/** Wedges of all that hides at frame `i`: tracks, then the walls of buildings. */
+/** The wedge behind a convex shape; null when the eye is in the shape or it is out of reach. */
+export function wedge(eye: Point, shape: readonly Point[]): Point[] | null {
+  const o = outline(eye, shape);
+  return o && behind(eye, o);
+}
+
+/** Directions are counted in this many parts of the circle. */
+const PARTS = 1440;
+
+/**
+ * Wedges of all that hides: tracks at frame `i`, and the walls of buildings. What stands wholly behind nearer things hides
+ * nothing more and has none: in dense traffic that leaves a dozen of a hundred.
+ */
 export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonly (readonly Point[])[], i: number, share: number): Point[][] {
-  const out: Point[][] = [];
+  const outlines: Outline[] = [];
   const add = (shape: readonly Point[]): void => {
-    const w = wedge(eye, shape);
-    if (w) out.push(w);
+    const o = outline(eye, shape);
+    if (o) outlines.push(o);
   };
   for (const track of tracks) {
     if (!hides(track)) continue;
@@ -74,5 +99,16 @@ export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonl
     }
   }
   for (const wall of walls) add(wall);
-  return out;
+  outlines.sort((a, b) => a.nearest - b.nearest);
+  const taken = new Uint8Array(PARTS);
+  const part = (angle: number): number => (angle / (2 * Math.PI)) * PARTS;
+  return outlines.filter((o) => !covered(taken, part(o.angleFrom), part(o.angleTo))).map((o) => behind(eye, o));
+}
+
+/** Is the whole of `from` to `to` taken? Takes it, in whole parts only, so that nothing counts as taken that is not. */
+function covered(taken: Uint8Array, from: number, to: number): boolean {
+  let all = true;
+  for (let n = Math.floor(from); n < Math.ceil(to); n++) all &&= taken[((n % PARTS) + PARTS) % PARTS] === 1;
+  for (let n = Math.ceil(from); n < Math.floor(to); n++) taken[((n % PARTS) + PARTS) % PARTS] = 1;
+  return all;
 }

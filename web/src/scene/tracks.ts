@@ -6,8 +6,9 @@ import { type Pose, trackPose, trackValue } from "./motion.ts";
 
 /** Under this share the ego does not see an object (docs/signals.md, `target.emerges`). */
 const HIDDEN_BELOW = 0.1;
-/** Length of the tracks' tails, s. */
+/** Length of the tracks' tails, and the distance of their points, s: at most speeds that is as smooth as every frame. */
 const TAIL_S = 3;
+const TAIL_STEP_S = 0.4;
 
 interface Placed {
   track: TrackView;
@@ -53,9 +54,11 @@ export function drawTracks(ctx: CanvasRenderingContext2D, p: Picture, placed: re
 
 function tail(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void {
   const last = p.index - track.first;
-  const first = Math.max(0, last - Math.round(TAIL_S * p.scene.frame_rate));
+  const step = Math.max(1, Math.round(TAIL_STEP_S * p.scene.frame_rate));
   let pen = false;
-  for (let i = first; i <= last; i++) {
+  for (let n = Math.floor((TAIL_S * p.scene.frame_rate) / step); n >= 0; n--) {
+    const i = last - n * step;
+    if (i < 0) continue;
     const x = track.x[i];
     const y = track.y[i];
     if (x == null || y == null) {
