@@ -139,3 +139,23 @@ fn broken(why: impl std::fmt::Display) -> Problem {
         format!("the backup cannot be used: {why}"),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::Place;
+
+    /// A column that is not in [`TABLES`] would be lost by a backup without a word.
+    #[test]
+    fn every_table_and_column_is_in_a_backup() {
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(&Place::File(dir.path().join("s"))).unwrap();
+        let sql = "SELECT m.name, group_concat(c.name, ',') FROM sqlite_master m, pragma_table_info(m.name) c
+                   WHERE m.type = 'table' AND m.name <> 'schema_version' GROUP BY m.name ORDER BY m.name";
+        let there = store.read(|tx| tx.rows(sql, &[])).unwrap();
+        let there: Vec<_> = there.iter().map(|r| (r.text(0).unwrap(), r.text(1).unwrap())).collect();
+        let mut kept: Vec<_> = TABLES.iter().map(|(t, c)| ((*t).to_owned(), (*c).to_owned())).collect();
+        kept.sort();
+        assert_eq!(there, kept);
+    }
+}

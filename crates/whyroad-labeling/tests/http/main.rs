@@ -9,6 +9,7 @@ mod postgres;
 
 mod access;
 mod drafts;
+mod ending;
 mod flow;
 mod group;
 mod leaks;
