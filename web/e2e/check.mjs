@@ -41,7 +41,7 @@ async function rework(day) {
   await page.locator('[data-deed="submit"]').waitFor();
   const trace = page.locator('[data-field="/coc_trace"]');
   await trace.getByRole("textbox", { name: "因果推理" }).fill(day.trace.replace("原有车距", "原有约 18 m 的车距"));
-  await trace.getByRole("button", { name: "已解决" }).click();
+  await trace.getByRole("button", { name: "标为已解决" }).click();
   await page.getByLabel("合法且安全").check();
   await page.locator('[data-saving="saved"]').waitFor();
   await shot(day, page, "rework");

@@ -212,7 +212,7 @@ export const labelWords = {
   "check.returned": ["{who} 退回：", "Sent back by {who}:"],
   "check.no_comments": ["没有意见。", "No remarks."],
   "check.comments": ["意见", "Comments"],
-  "check.resolve": ["已解决", "Resolve"],
+  "check.resolve": ["标为已解决", "Resolve"],
   "check.resolved": ["已解决", "resolved"],
   "check.list": ["检查要点", "Check list"],
   "check.coverage": ["因果覆盖：每个决策都有阶段一的要素作原因，或标 UNOBSERVED 并说明理由", "Causal coverage: each decision refers to a Stage I component, or is UNOBSERVED with a reason"],
