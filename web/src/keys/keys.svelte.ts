@@ -56,7 +56,8 @@ function focusOf(element: Element | null): Focus {
 
 /** For `<svelte:window onkeydown>`. */
 export function onKeydown(e: KeyboardEvent): void {
-  if (e.defaultPrevented || e.isComposing) return;
+  // 229 is what some browsers say of the stroke that ends a composition, when they no longer call it composing.
+  if (e.defaultPrevented || e.isComposing || e.keyCode === 229) return;
   const stroke = strokeName(e);
   const action = stroke && actionOf(stroke, keys.own);
   if (!stroke || !action || document.querySelector("dialog[open]")) return;

@@ -12,8 +12,8 @@ import { type Channel, type Framework, readFramework, type Spec } from "./framew
 import { type Json, read, same } from "./pointer.ts";
 import { type Clock, clockOf, frameNear, secondOf } from "./times.ts";
 
-/** Leases last minutes; a third of the shortest usual one leaves room for two lost heartbeats. */
-const HEARTBEAT_MS = 40_000;
+/** Heartbeats come at a third of what is left of the lease, so that two may be lost; within these bounds. */
+const HEARTBEAT_MS = { least: 5_000, most: 40_000 };
 /** Fields of the label that Stage I fills; all others open with Stage II. */
 const FIRST_FIELDS = ["/critical_components", "/keyframe"];
 
@@ -245,7 +245,9 @@ export class Work {
   #keepLease(): void {
     clearInterval(this.#beat);
     if (this.#fence === null) return;
-    this.#beat = setInterval(() => void this.#heartbeat(), HEARTBEAT_MS);
+    const left = Number(this.task?.lease_until ?? 0) - Date.now();
+    const every = Math.min(HEARTBEAT_MS.most, Math.max(HEARTBEAT_MS.least, left / 3));
+    this.#beat = setInterval(() => void this.#heartbeat(), every);
   }
 
   async #heartbeat(): Promise<void> {
@@ -264,7 +266,8 @@ export class Work {
   close(): void {
     clearInterval(this.#beat);
     this.player.pause();
-    this.draft.close();
+    // What was typed just before one goes elsewhere is sent without its pause.
+    void this.draft.flush().finally(() => this.draft.close());
   }
 
   // What the keyboard and the pointer both do.
