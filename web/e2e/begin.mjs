@@ -60,8 +60,7 @@ async function project(day) {
   await page.getByRole("button", { name: "新建项目" }).click();
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("项目名").fill(PROJECT);
-  // What people write is text, never markup.
-  await dialog.getByLabel("标注指南").fill("先写近因，再写决策。\n<img src=x onerror=\"document.title='broken'\"> 只是文字。");
+  await dialog.getByLabel("标注指南").fill("先写近因，再写决策。\n证据只取关键帧之前看得到的。\n切入以车轮压线为准；压线前的靠近不算。");
   await dialog.getByRole("button", { name: "建立" }).click();
   await page.getByRole("heading", { name: "项目设置" }).waitFor();
   await page.getByLabel("每类都要").fill("2");

@@ -99,6 +99,14 @@ async function held(day) {
     await look(page, `Stage I, ${lang}, ${theme}`);
     await fits(page, `Stage I, ${lang}, ${theme}`);
   }
+  // A manoeuvre of the ego's own has no object that the rule could propose.
+  if ((await page.locator("[data-component]").count()) === 0) {
+    await page.keyboard.press("n");
+    await page.keyboard.press("c");
+    await page.keyboard.type("An oncoming car has the right of way");
+    await page.keyboard.press("Escape");
+  }
+  await page.locator('[data-saving="saved"]').waitFor();
   await page.keyboard.press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
   for (const [lang, theme] of WAYS) {
@@ -112,6 +120,22 @@ async function held(day) {
   await page.keyboard.press("Alt+l");
   assert.equal(await speaking(page), "en");
   await page.keyboard.press("Alt+l");
+}
+
+/** What people write is text, never markup: shown as it was typed, wherever it is shown. */
+async function markup(day) {
+  const nasty = '<img src=x onerror="window.broken=1"><b>粗体</b>';
+  const lead = day.people.wang.page;
+  await lead.goto(`${day.service.url}/projects/${day.project}`);
+  await lead.getByLabel("标注指南").fill(nasty);
+  await lead.getByRole("button", { name: "保存" }).click();
+  await lead.getByText("已保存。").waitFor();
+  const { page } = day.people.zhao;
+  await page.locator('[data-deed="guide"]').click();
+  await page.getByRole("dialog").getByText(nasty).waitFor();
+  assert.equal(await page.locator("dialog img, dialog b").count(), 0);
+  assert.equal(await page.evaluate(() => window.broken), undefined);
+  await page.keyboard.press("Escape");
 }
 
 async function keys(day) {
@@ -156,6 +180,7 @@ export const screens = [
   ["every screen, both languages, dark and light: axe, width, no reload", all],
   ["the sign-in follows the browser's language and appearance", door],
   ["the labelling screen while one works: both languages, dark and light", held],
+  ["what people write is shown as text, never run as markup", markup],
   ["every screen fits at 200 %", enlarged],
   ["a key is given to another action, a clash is refused", keys],
   ["an API token exports, and not after it was revoked", tokens],
