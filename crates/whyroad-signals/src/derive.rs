@@ -107,7 +107,7 @@ fn write_with_ego(
 }
 
 /// The driven path, continued along the ego's lanes where it has any.
-fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Option<DrivenPath> {
+pub(crate) fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Option<DrivenPath> {
     let first = (0..ego.len()).find(|&i| ego.is_known(i))?;
     let last = (0..ego.len()).rfind(|&i| ego.is_known(i))?;
     let along = |frame: usize| -> Continuation<'_> {

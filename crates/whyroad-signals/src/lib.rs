@@ -44,6 +44,7 @@ mod gaps;
 mod lane_change;
 mod lane_ids;
 mod line_crossing;
+mod occluders;
 mod pet;
 mod placement;
 mod relations;
@@ -76,6 +77,7 @@ mod ttc_accel;
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
 pub use derive::derive;
 pub use lane_ids::ego_lane_ids;
+pub use occluders::{Occluder, occluders};
 
 /// Version of the signals: changes with the catalogue and with the code that derives them.
 pub const VERSION: &str = env!("WHYROAD_SIGNALS_VERSION");

@@ -12,6 +12,7 @@ mod profile;
 mod view;
 
 use crate::ego_motion::EgoMotion;
+use crate::occluders::Occluder;
 use crate::path::DrivenPath;
 use crate::placement::Target;
 use crate::relations::Neighbours;
@@ -36,6 +37,17 @@ pub struct Scene<'a> {
     pub near: &'a Neighbours,
     /// Seconds by frame.
     pub times: &'a [f64],
+}
+
+/// By target: the frames in which something hides a part of it, and what hides most.
+pub fn hidden_by(scene: &Scene<'_>) -> Vec<Vec<(usize, Occluder)>> {
+    let obstacles = Obstacles::new(scene);
+    let mut occlusion = occlusion::Occlusion::new(scene);
+    for frame in 0..scene.ego.len() {
+        occlusion.look(frame, obstacles.view(frame).as_ref());
+    }
+    let hider = |seen: &occlusion::Seen| Some((seen.frame, obstacles.id(seen.occluder?)));
+    occlusion.rows.iter().map(|rows| rows.iter().filter_map(hider).collect()).collect()
 }
 
 /// Writes the signals of this family. One view a frame serves all of them.

@@ -10,6 +10,7 @@ use whyroad_model::ObjectClass::{Bus, Car, Cone, Pedestrian, Truck};
 use whyroad_model::Tri::{False, True};
 use whyroad_model::road_map::{Facility, RoadMap};
 use whyroad_model::{Drive, ObjectClass};
+use whyroad_signals::Occluder;
 
 /// An ego that stands at the origin and looks along x, for 6 s.
 fn standing() -> Drive {
@@ -40,6 +41,23 @@ fn half_of_a_car_behind_another() {
         track.height_m.fill(0.75);
     }
     near(Table::of(&d).num("beside", "target.visible_share", 10), 1.0, 0.0);
+}
+
+#[test]
+fn who_hides_a_target_is_told_by_id() {
+    let mut d = standing();
+    // As above: half of the far car is behind the near one. The walker at (40, 8) is behind the building.
+    car(&mut d, "near", |_| (10.0, -1.0, 0.0));
+    car(&mut d, "far", |_| (30.0, 0.0, 0.0));
+    add(&mut d, "walker", Pedestrian, (0.6, 0.6), |_| (40.0, 8.0, 0.0));
+    let mut m = map(vec![lane("a", &[(-200.0, 0.0), (300.0, 0.0)], 7.0)]);
+    m.facilities = vec![building(&[(19.0, 3.0), (21.0, 3.0), (21.0, 5.0), (19.0, 5.0)])];
+    d.map = Some(m);
+    let found = whyroad_signals::occluders(&d);
+    let of = |id: &str| found.get(&id.into()).cloned().unwrap_or_default();
+    assert_eq!(of("far"), (0..60).map(|i| (i, Occluder::Track("near".into()))).collect::<Vec<_>>());
+    assert_eq!(of("walker"), (0..60).map(|i| (i, Occluder::Facility("b".into()))).collect::<Vec<_>>());
+    assert_eq!(of("near"), []);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::Scene;
 use super::view::{Owner, View};
 use crate::geometry::{P2, p2};
+use crate::occluders::Occluder;
 use crate::placement::{MOVING_MPS, Placement, Target};
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
@@ -100,6 +101,18 @@ impl<'a> Obstacles<'a> {
             class if class.is_vehicle() => Kind::Vehicle,
             class if class.is_vru() => Kind::Vru,
             _ => Kind::Object,
+        }
+    }
+
+    /// The owner by its own id.
+    pub fn id(&self, owner: Owner) -> Occluder {
+        match owner {
+            Owner::Target(k) => Occluder::Track(self.scene.targets[k].track.id.clone()),
+            Owner::Building(k) => {
+                let map = self.scene.drive.map.as_ref();
+                let mut all = map.into_iter().flat_map(|m| &m.facilities).filter(|f| f.kind == "building");
+                Occluder::Facility(all.nth(k).map(|f| f.id.clone()).unwrap_or_default())
+            }
         }
     }
 
