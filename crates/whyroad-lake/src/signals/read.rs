@@ -4,9 +4,10 @@ use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME};
 use crate::file::ROW_ORDER_KEY;
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int64Type, UInt16Type, UInt32Type};
-use arrow_array::{Array, RecordBatch};
+use arrow_array::types::{Int64Type, UInt16Type, UInt32Type};
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch};
 use arrow_buffer::{BooleanBuffer, NullBuffer};
+use arrow_schema::DataType;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
@@ -156,7 +157,13 @@ impl SignalFile {
             return signals.iter().map(|name| table.empty(name, of)).collect();
         };
         table.check_order(&batch, of, scope)?;
-        signals.iter().map(|name| table.column(&batch, name, of)).collect()
+        let (schema, arrays, _) = batch.into_parts();
+        let mut arrays: Vec<Option<ArrayRef>> = arrays.into_iter().map(Some).collect();
+        let column = |name: &&str| {
+            let array = schema.index_of(name).ok().and_then(|i| arrays[i].take());
+            table.column(array.ok_or_else(|| table.wrong_type(name))?, name, of)
+        };
+        signals.iter().map(column).collect()
     }
 
     /// The whole table of a drive.
@@ -265,24 +272,27 @@ impl Table {
     fn empty(&self, name: &str, of: &StoredDrive) -> Result<StoredColumn, LakeError> {
         let column = self.columns.get(name).ok_or_else(|| self.wrong_type(name))?;
         Ok(match self.metadata.schema().field(*column).data_type() {
-            arrow_schema::DataType::Float64 => StoredColumn::Numbers(vec![], None),
-            arrow_schema::DataType::Boolean => StoredColumn::Flags(vec![], vec![]),
+            DataType::Float64 => StoredColumn::Numbers(vec![], None),
+            DataType::Boolean => StoredColumn::Flags(vec![], vec![]),
             _ => StoredColumn::Words(vec![], words(of, name)),
         })
     }
 
-    fn column(&self, batch: &RecordBatch, name: &str, of: &StoredDrive) -> Result<StoredColumn, LakeError> {
-        let column = batch.column_by_name(name).ok_or_else(|| self.wrong_type(name))?;
-        if let Some(numbers) = column.as_primitive_opt::<Float64Type>() {
-            let mut values = numbers.values().to_vec();
-            let nulls = numbers.nulls().filter(|n| n.null_count() > 0);
-            let Some(nulls) = nulls else { return Ok(StoredColumn::Numbers(values, None)) };
-            for (row, known) in values.iter_mut().zip(nulls.inner()) {
-                if !known {
-                    *row = f64::NAN;
-                }
+    fn column(&self, column: ArrayRef, name: &str, of: &StoredDrive) -> Result<StoredColumn, LakeError> {
+        if *column.data_type() == DataType::Float64 {
+            let data = column.to_data();
+            // With the only other owner gone, the values are taken over instead of copied.
+            drop(column);
+            let (_, values, nulls) = Float64Array::from(data).into_parts();
+            let mut values = Vec::from(values);
+            let Some(nulls) = nulls.filter(|n| n.null_count() > 0) else {
+                return Ok(StoredColumn::Numbers(values, None));
+            };
+            let known = bits(nulls.inner());
+            for (rows, known) in values.chunks_mut(64).zip(&known) {
+                unknown_rows(rows.len(), *known).for_each(|i| rows[i] = f64::NAN);
             }
-            return Ok(StoredColumn::Numbers(values, Some(bits(nulls.inner()))));
+            return Ok(StoredColumn::Numbers(values, Some(known)));
         }
         if let Some(flags) = column.as_boolean_opt() {
             let mut yes = bits(flags.values());
@@ -301,14 +311,13 @@ impl Table {
         let codes: Vec<u16> = values.iter().map(code).collect();
         let of_key = |k: u16| codes.get(usize::from(k)).copied().unwrap_or(UNKNOWN_CODE);
         let keys = keys.keys();
-        let codes = match keys.nulls().filter(|n| n.null_count() > 0) {
-            None => keys.values().iter().map(|k| of_key(*k)).collect(),
-            Some(nulls) => {
-                let rows = keys.values().iter().zip(nulls.inner());
-                rows.map(|(k, known)| if known { of_key(*k) } else { UNKNOWN_CODE }).collect()
+        let mut of_rows: Vec<u16> = keys.values().iter().map(|k| of_key(*k)).collect();
+        if let Some(nulls) = keys.nulls().filter(|n| n.null_count() > 0) {
+            for (rows, known) in of_rows.chunks_mut(64).zip(bits(nulls.inner())) {
+                unknown_rows(rows.len(), known).for_each(|i| rows[i] = UNKNOWN_CODE);
             }
-        };
-        Ok(StoredColumn::Words(codes, words))
+        }
+        Ok(StoredColumn::Words(of_rows, words))
     }
 }
 
@@ -319,6 +328,16 @@ fn words(of: &StoredDrive, name: &str) -> Arc<[String]> {
 /// The bits of a buffer as words; those beyond its end are 0.
 fn bits(buffer: &BooleanBuffer) -> Vec<u64> {
     buffer.bit_chunks().iter_padded().take(buffer.len().div_ceil(64)).collect()
+}
+
+/// Which of up to 64 rows are not known; mostly none.
+fn unknown_rows(rows: usize, known: u64) -> impl Iterator<Item = usize> {
+    let mut left = if rows >= 64 { !known } else { !known & ((1 << rows) - 1) };
+    std::iter::from_fn(move || {
+        let next = left.trailing_zeros() as usize;
+        left &= left.wrapping_sub(1);
+        (next < 64).then_some(next)
+    })
 }
 
 fn known(nulls: Option<&NullBuffer>, n: usize) -> Vec<u64> {
