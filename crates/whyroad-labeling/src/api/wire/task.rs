@@ -1,4 +1,6 @@
-//! Tasks, drafts, actions, history, comments.
+//! Tasks, leases, drafts, actions, and what pickers offer.
+
+pub use super::{making::*, talk::*};
 
 use crate::workflow::{Action, State};
 use schemars::JsonSchema;
@@ -6,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_framework::ResolvedSpec;
-use whyroad_model::messages::{EpisodeRecord, Keyframe, MatchedCondition};
+use whyroad_model::messages::{Keyframe, MatchedCondition};
 
 /// How much of a task may be seen now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -129,59 +131,6 @@ pub struct Finding {
     pub hint_zh: Option<String>,
     /// How to mend it, in English.
     pub hint_en: Option<String>,
-}
-
-/// Body of `POST /projects/{p}/tasks:create`. One of `episodes` and `mined`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct CreateTasks {
-    /// Episodes as `whyroad mine` writes them.
-    #[schemars(with = "Vec<Value>")]
-    pub episodes: Vec<EpisodeRecord>,
-    /// Name of a mined folder that the service was started with (`GET /mined`).
-    pub mined: Option<String>,
-    /// At most so many tasks.
-    pub limit: Option<u32>,
-    /// At most so many a leaf.
-    pub per_leaf: Option<u32>,
-    /// People who label each episode, each for themselves; 1 when not given.
-    pub overlap: Option<u32>,
-    /// Greater is sooner.
-    pub priority: i64,
-    /// Secondary episodes too.
-    pub secondary: bool,
-    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody when
-    /// not given.
-    pub lang: Option<String>,
-}
-
-/// What was made.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Created {
-    /// Ids of the new tasks.
-    pub tasks: Vec<String>,
-    /// Episodes that were there already.
-    pub known: u32,
-    /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
-    pub left_out: u32,
-    /// Episodes whose drive is not in the lake, with the reason.
-    pub lost: Vec<String>,
-}
-
-/// Folders of mining results that the service was started with.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct MinedFolders {
-    /// By name.
-    pub items: Vec<MinedFolder>,
-}
-
-/// A folder of mining results.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct MinedFolder {
-    /// Value for `mined`.
-    pub name: String,
-    /// Episodes in it.
-    pub episodes: u32,
 }
 
 /// Body of `POST /projects/{p}/tasks:next`.
@@ -368,72 +317,6 @@ impl ActionName {
     }
 }
 
-/// The history of a task.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct History {
-    /// Oldest first. In Stage I only the caller's own.
-    pub items: Vec<HistoryEntry>,
-}
-
-/// One entry of the history.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct HistoryEntry {
-    /// From 1.
-    pub seq: i64,
-    /// When.
-    pub at: i64,
-    /// Display name of who did it.
-    pub actor: String,
-    /// `create`, `take`, `edit`, `submit`, ...
-    pub action: String,
-    /// State before.
-    pub from_state: Option<State>,
-    /// State after.
-    pub to_state: Option<State>,
-    /// The changed fields of an edit.
-    pub changes: Vec<FieldChange>,
-    /// Reason given.
-    pub comment: Option<String>,
-    /// The draft's version after it.
-    pub version: i64,
-}
-
-/// The draft as it was.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct DraftAt {
-    /// Entry of the history.
-    pub seq: i64,
-    /// The draft after it.
-    pub draft: Value,
-}
-
-/// A remark.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Comment {
-    /// Id.
-    pub id: String,
-    /// JSON pointer of the field; empty for the whole label.
-    pub path: String,
-    /// Display name of who wrote it.
-    pub author: String,
-    /// Plain text.
-    pub text: String,
-    /// When.
-    pub at: i64,
-    /// Seen to.
-    pub resolved: bool,
-}
-
-/// Body of `POST /tasks/{t}/comments`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct NewComment {
-    /// JSON pointer of the field; empty for the whole label.
-    pub path: String,
-    /// Plain text.
-    pub text: String,
-}
-
 /// Body of `POST /tasks/{t}/validate`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -447,33 +330,6 @@ pub struct Validate {
 pub struct Findings {
     /// By place.
     pub findings: Vec<Finding>,
-}
-
-/// The labels of one overlap group, side by side; only when all of them are submitted.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Overlap {
-    /// In the order of making.
-    pub items: Vec<OverlapItem>,
-}
-
-/// One label of an overlap group.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct OverlapItem {
-    /// The task.
-    pub task: TaskSummary,
-    /// Its label.
-    pub label: Value,
-}
-
-/// Answer of `POST /projects/{p}/import`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Imported {
-    /// Tasks made.
-    pub tasks: u32,
-    /// Tasks that were there already.
-    pub known: u32,
-    /// Lines that could not be read, with the reason.
-    pub lost: Vec<String>,
 }
 
 /// Classes, decisions and reference words for pickers.

@@ -1,0 +1,70 @@
+//! Making tasks: from episodes, from mined folders, from files.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use whyroad_model::messages::EpisodeRecord;
+
+/// Body of `POST /projects/{p}/tasks:create`. One of `episodes` and `mined`.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct CreateTasks {
+    /// Episodes as `whyroad mine` writes them.
+    #[schemars(with = "Vec<Value>")]
+    pub episodes: Vec<EpisodeRecord>,
+    /// Name of a mined folder that the service was started with (`GET /mined`).
+    pub mined: Option<String>,
+    /// At most so many tasks.
+    pub limit: Option<u32>,
+    /// At most so many a leaf.
+    pub per_leaf: Option<u32>,
+    /// People who label each episode, each for themselves; 1 when not given.
+    pub overlap: Option<u32>,
+    /// Greater is sooner.
+    pub priority: i64,
+    /// Secondary episodes too.
+    pub secondary: bool,
+    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody when
+    /// not given.
+    pub lang: Option<String>,
+}
+
+/// What was made.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Created {
+    /// Ids of the new tasks.
+    pub tasks: Vec<String>,
+    /// Episodes that were there already.
+    pub known: u32,
+    /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
+    pub left_out: u32,
+    /// Episodes whose drive is not in the lake, with the reason.
+    pub lost: Vec<String>,
+}
+
+/// Folders of mining results that the service was started with.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MinedFolders {
+    /// By name.
+    pub items: Vec<MinedFolder>,
+}
+
+/// A folder of mining results.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MinedFolder {
+    /// Value for `mined`.
+    pub name: String,
+    /// Episodes in it.
+    pub episodes: u32,
+}
+
+/// Answer of `POST /projects/{p}/import`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Imported {
+    /// Tasks made.
+    pub tasks: u32,
+    /// Tasks that were there already.
+    pub known: u32,
+    /// Lines that could not be read, with the reason.
+    pub lost: Vec<String>,
+}

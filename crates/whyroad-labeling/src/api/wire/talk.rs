@@ -1,0 +1,89 @@
+//! What is said about a task: its history, remarks, and other people's labels of the same episode.
+
+use super::task::{FieldChange, TaskSummary};
+use crate::workflow::State;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// The history of a task.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct History {
+    /// Oldest first. In Stage I only the caller's own.
+    pub items: Vec<HistoryEntry>,
+}
+
+/// One entry of the history.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct HistoryEntry {
+    /// From 1.
+    pub seq: i64,
+    /// When.
+    pub at: i64,
+    /// Display name of who did it.
+    pub actor: String,
+    /// `create`, `take`, `edit`, `submit`, ...
+    pub action: String,
+    /// State before.
+    pub from_state: Option<State>,
+    /// State after.
+    pub to_state: Option<State>,
+    /// The changed fields of an edit.
+    pub changes: Vec<FieldChange>,
+    /// Reason given.
+    pub comment: Option<String>,
+    /// The draft's version after it.
+    pub version: i64,
+}
+
+/// The draft as it was.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct DraftAt {
+    /// Entry of the history.
+    pub seq: i64,
+    /// The draft after it.
+    pub draft: Value,
+}
+
+/// A remark.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Comment {
+    /// Id.
+    pub id: String,
+    /// JSON pointer of the field; empty for the whole label.
+    pub path: String,
+    /// Display name of who wrote it.
+    pub author: String,
+    /// Plain text.
+    pub text: String,
+    /// When.
+    pub at: i64,
+    /// Seen to.
+    pub resolved: bool,
+}
+
+/// Body of `POST /tasks/{t}/comments`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewComment {
+    /// JSON pointer of the field; empty for the whole label.
+    pub path: String,
+    /// Plain text.
+    pub text: String,
+}
+
+/// The labels of one overlap group, side by side; only when all of them are submitted.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Overlap {
+    /// In the order of making.
+    pub items: Vec<OverlapItem>,
+}
+
+/// One label of an overlap group.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct OverlapItem {
+    /// The task.
+    pub task: TaskSummary,
+    /// Its label.
+    pub label: Value,
+}
