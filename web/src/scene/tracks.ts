@@ -45,7 +45,7 @@ export function drawTracks(ctx: CanvasRenderingContext2D, p: Picture, placed: re
   const special = placed.filter((o) => isHidden(o.track, p.index) || ring(p, o.track.id) !== null);
   for (const colour of colours) {
     ctx.beginPath();
-    for (const o of placed) if (o.colour === colour && !special.includes(o)) box(ctx, p, o.pose, ...sizeOf(o.track));
+    for (const o of placed) if (o.colour === colour && !special.includes(o)) box(ctx, p, o.pose, ...drawn(p, o.track));
     ctx.fillStyle = colour;
     ctx.fill();
   }
@@ -112,7 +112,7 @@ function drawSpecial(ctx: CanvasRenderingContext2D, p: Picture, o: Placed): void
   const around = ring(p, o.track.id);
   const px = 1 / p.view.scale;
   ctx.beginPath();
-  box(ctx, p, o.pose, ...sizeOf(o.track));
+  box(ctx, p, o.pose, ...drawn(p, o.track));
   ctx.fillStyle = o.colour;
   ctx.globalAlpha = hidden ? 0.18 : 1;
   ctx.fill();
@@ -122,6 +122,16 @@ function drawSpecial(ctx: CanvasRenderingContext2D, p: Picture, o: Placed): void
   ctx.setLineDash(hidden ? [4 * px, 3 * px] : []);
   ctx.stroke();
   ctx.setLineDash([]);
+}
+
+/** Least length and width on the screen, px: a person far away is still to be seen and pressed. */
+const LEAST_PX = 6;
+
+/** Box of a track as it is drawn. */
+function drawn(p: Picture, track: TrackView): [number, number] {
+  const [length, width] = sizeOf(track);
+  const least = LEAST_PX / p.view.scale;
+  return [Math.max(length, least), Math.max(width, least)];
 }
 
 /** Box of a track; where the source gives none, a point-like 0.6 m. */

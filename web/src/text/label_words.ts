@@ -39,7 +39,7 @@ export const labelWords = {
   "label.timeline": ["时间轴", "Timeline"],
   "label.time": ["{t} s（相对关键帧）", "{t} s from the keyframe"],
   "label.hidden": ["关键帧之后：阶段二才可见", "After the keyframe: shown in Stage II"],
-  "label.hidden_short": ["阶段二可见", "shown in Stage II"],
+  "label.hidden_short": ["阶段二可见", "in Stage II"],
   "label.playing": ["播放控制", "Playing"],
   "label.loop_short": ["循环", "Loop"],
   "label.frame": ["第 {n} 帧", "frame {n}"],
