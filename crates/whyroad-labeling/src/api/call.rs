@@ -37,6 +37,8 @@ pub struct Request {
     pub csrf: Option<String>,
     /// Where it came from.
     pub address: String,
+    /// Name and port by which the caller knows the service.
+    pub host: String,
 }
 
 impl Call<'_> {

@@ -1,5 +1,5 @@
 //! Connections that do not wait for ever: one that sends or takes nothing for a while is closed, so that slow or dead
-//! clients cannot use up all there are.
+//! clients cannot use up all there are. While the service itself works on a request, the connection may be silent.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};
@@ -7,14 +7,16 @@ use std::future::Future;
 use std::io::{Error, ErrorKind, Result};
 use std::net::SocketAddr;
 use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::task::{Context, Poll};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::{Instant, Sleep, sleep};
 
-/// Longest silence, both ways, the work on a long request included: making tasks from thousands of episodes takes a while.
-const SILENCE: Duration = Duration::from_secs(180);
+/// Longest silence, both ways. A page that is open sends a heartbeat more often than that, or opens a new connection.
+const SILENCE: Duration = Duration::from_secs(75);
 
 /// A listener whose connections have patience for [`SILENCE`].
 pub(super) struct Patient(pub(super) TcpListener);
@@ -27,7 +29,7 @@ impl Listener for Patient {
         let (stream, address) = Listener::accept(&mut self.0).await;
         // Small answers go at once.
         let _ = stream.set_nodelay(true);
-        (Timed { stream, timer: Box::pin(sleep(SILENCE)) }, address)
+        (Timed { stream, timer: Box::pin(sleep(SILENCE)), at_work: Arc::default() }, address)
     }
 
     fn local_addr(&self) -> Result<SocketAddr> {
@@ -39,6 +41,8 @@ impl Listener for Patient {
 pub(super) struct Timed {
     stream: TcpStream,
     timer: Pin<Box<Sleep>>,
+    /// Requests of this connection that are being worked on.
+    at_work: Arc<AtomicUsize>,
 }
 
 impl Timed {
@@ -47,10 +51,13 @@ impl Timed {
             self.timer.as_mut().reset(Instant::now() + SILENCE);
             return result;
         }
-        match self.timer.as_mut().poll(cx) {
-            Poll::Ready(()) => Poll::Ready(Err(Error::new(ErrorKind::TimedOut, "silent for too long"))),
-            Poll::Pending => Poll::Pending,
+        while self.timer.as_mut().poll(cx).is_ready() {
+            if self.at_work.load(Ordering::SeqCst) == 0 {
+                return Poll::Ready(Err(Error::new(ErrorKind::TimedOut, "silent for too long")));
+            }
+            self.timer.as_mut().reset(Instant::now() + SILENCE);
         }
+        Poll::Pending
     }
 }
 
@@ -77,11 +84,31 @@ impl AsyncWrite for Timed {
 }
 
 /// Who is at the other end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Peer(pub(super) SocketAddr);
+#[derive(Clone, Debug)]
+pub(super) struct Peer {
+    pub(super) address: SocketAddr,
+    at_work: Arc<AtomicUsize>,
+}
+
+impl Peer {
+    /// Says that a request of this connection is being worked on, until the answer to this is dropped.
+    pub(super) fn works(self) -> AtWork {
+        self.at_work.fetch_add(1, Ordering::SeqCst);
+        AtWork(self.at_work)
+    }
+}
+
+/// See [`Peer::works`].
+pub(super) struct AtWork(Arc<AtomicUsize>);
+
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
 
 impl Connected<IncomingStream<'_, Patient>> for Peer {
     fn connect_info(stream: IncomingStream<'_, Patient>) -> Self {
-        Self(*stream.remote_addr())
+        Self { address: *stream.remote_addr(), at_work: Arc::clone(&stream.io().at_work) }
     }
 }

@@ -86,8 +86,9 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         Ok(found) => found,
         Err(p) => return refuse(&p),
     };
-    let address = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.0.ip().to_string());
-    let mut request = request_of(&parts.headers, &parts.uri, params, address.unwrap_or_default());
+    let peer = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.clone());
+    let address = peer.as_ref().map(|p| p.address.ip().to_string()).unwrap_or_default();
+    let mut request = request_of(&parts.headers, &parts.uri, params, address);
     // Much is taken in only from who may send it.
     if is_bulk(route) {
         let (app, asked) = (Arc::clone(&app), request.clone());
@@ -100,6 +101,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         Ok(bytes) => request.body = bytes,
         Err(p) => return refuse(&p),
     }
+    let _working = peer.map(|p| p.works());
     // The semaphore is never closed.
     let turn = turns.acquire_owned().await;
     let work = tokio::task::spawn_blocking(move || {
@@ -169,6 +171,7 @@ fn request_of(headers: &HeaderMap, uri: &Uri, params: BTreeMap<String, String>, 
         token,
         csrf: text("x-csrf-token").map(str::to_owned),
         address,
+        host: text("host").unwrap_or_default().to_owned(),
     }
 }
 

@@ -20,6 +20,8 @@ use whyroad_model::{Drive, Lang, Nanos, SignalTable};
 const MOST_OVERLAP: u32 = 10;
 /// Most episodes of one request.
 const MOST_EPISODES: usize = 20_000;
+/// Tasks stored together: few enough that nobody's autosave waits long.
+const AT_ONCE: usize = 50;
 /// Seconds of history that Stage I shows at least, and of future that Stage II does (LABELING.md 4 and 6).
 const HISTORY_S: f64 = 2.0;
 const FUTURE_S: f64 = 6.0;
@@ -37,13 +39,13 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
     }
     let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![] };
     let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
-    let mut rows = Vec::new();
+    let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
     let mut drive = None;
     for episode in &episodes {
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
-        let beyond =
-            request.limit.is_some_and(|l| chosen >= l) || request.per_leaf.is_some_and(|l| *leaf >= l);
+        let full = request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l));
+        let beyond = full || request.per_leaf.is_some_and(|l| *leaf >= l);
         // A moment that no class explains is for the framework's owner, not for a label.
         let known_class = app.framework.taxonomy.contains(&episode.scenario_id);
         if beyond || !known_class || !(episode.is_primary || request.secondary) {
@@ -73,24 +75,27 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
             }
             Err(why) => out.lost.push(format!("{}: {why}", episode.episode_id)),
         }
+        // As they come: people can begin, and what was made stays when the rest fails.
+        if rows.len() >= AT_ONCE {
+            out.tasks.extend(put(app, std::mem::take(&mut rows), actor)?);
+        }
     }
-    let (actor, now) = (actor.map(str::to_owned), app.now());
-    // A few at a time: somebody else's autosave does not wait for thousands of tasks.
-    for part in rows.chunks(50) {
-        let part = part.to_vec();
-        let actor = actor.clone();
-        let made = app.store.write(move |tx| {
-            let mut made = Vec::new();
-            for t in &part {
-                if store(tx, t.clone(), actor.as_deref(), now)? {
-                    made.push(t.id.clone());
-                }
-            }
-            Ok(made)
-        })?;
-        out.tasks.extend(made);
-    }
+    out.tasks.extend(put(app, rows, actor)?);
     Ok(out)
+}
+
+/// Stores tasks in one transaction; the ids of those that are new.
+fn put(app: &App, rows: Vec<TaskRow>, actor: Option<&str>) -> Answer<Vec<String>> {
+    let (actor, now) = (actor.map(str::to_owned), app.now());
+    app.store.write(move |tx| {
+        let mut made = Vec::new();
+        for t in &rows {
+            if store(tx, t.clone(), actor.as_deref(), now)? {
+                made.push(t.id.clone());
+            }
+        }
+        Ok(made)
+    })
 }
 
 fn episodes(app: &App, request: &CreateTasks) -> Answer<Vec<EpisodeRecord>> {

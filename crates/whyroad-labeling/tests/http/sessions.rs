@@ -11,6 +11,12 @@ pub fn the_first_run_makes_one_admin_and_no_second(world: &World) {
     assert!(first.json()["user"].is_null());
     let short = json!({ "name": "eve", "display": "Eve", "password": "short" });
     assert_eq!(stranger.post("/setup", &short).refusal(), (422, "password.length".into()));
+    // A page elsewhere whose name was made to lead here.
+    let body = json!({ "name": "eve", "display": "Eve", "password": PASSWORD }).to_string();
+    for host in ["evil.example", "evil.example:8080", "localhost.evil.example", "[evil]", ""] {
+        let answer = stranger.call("POST", "/setup", Some(body.as_bytes()), &[("host", host)]);
+        assert_eq!(answer.refusal(), (403, "setup.host".into()), "{host}");
+    }
     world.admin();
     let late = json!({ "name": "eve", "display": "Eve", "password": PASSWORD });
     assert_eq!(stranger.post("/setup", &late).refusal(), (409, "setup.done".into()));

@@ -206,7 +206,7 @@ impl Person {
 
     /// A call of any path.
     pub fn raw(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> Reply {
-        let mut head = format!("{verb} {path} HTTP/1.1\r\nhost: test\r\nconnection: close\r\n");
+        let mut head = format!("{verb} {path} HTTP/1.1\r\nconnection: close\r\n");
         let mut put = |name: &str, value: &str| head.push_str(&format!("{name}: {value}\r\n"));
         if let Some(cookie) = &self.cookie {
             put("cookie", cookie);
@@ -216,6 +216,9 @@ impl Person {
         }
         if let Some(token) = &self.token {
             put("authorization", &format!("Bearer {token}"));
+        }
+        if !more.iter().any(|(name, _)| *name == "host") {
+            put("host", &self.address.to_string());
         }
         for (name, value) in more {
             put(name, value);

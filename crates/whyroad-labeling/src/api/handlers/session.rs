@@ -100,6 +100,17 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
             "this needs the setup token that the service printed when it started",
         ));
     }
+    if call.app.setup_token.is_none()
+        && call.app.cookies == Cookies::Plain
+        && !is_own_machine(&call.request.host)
+    {
+        return Err(Problem::new(
+            403,
+            "setup.host",
+            "请在本机用 127.0.0.1 或 localhost 的地址完成首次设置",
+            "do the first setup at an address of this machine: 127.0.0.1 or localhost",
+        ));
+    }
     if !call.app.store.read(people::is_first_run)? {
         return Err(over());
     }
@@ -123,6 +134,17 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
         Ok(())
     })?;
     begin(call, id)
+}
+
+/// True for `localhost` and plain addresses. A page elsewhere can make its own *name* lead to this machine and so get
+/// around the browser's rules; a name that it does not own, or an address, it cannot.
+fn is_own_machine(host: &str) -> bool {
+    let name = if host.starts_with('[') {
+        host.trim_start_matches('[').split(']').next().unwrap_or_default()
+    } else {
+        host.split(':').next().unwrap_or_default()
+    };
+    name == "localhost" || name.parse::<std::net::IpAddr>().is_ok()
 }
 
 fn over() -> Problem {
