@@ -75,11 +75,21 @@ pub fn top(path: &str) -> &str {
     path.trim_start_matches('/').split('/').next().unwrap_or_default()
 }
 
-/// True when two changes cannot both stand: one's field is the other's or lies in it, or one takes an element out of a
-/// list that the other counts on. Two that append do not meet.
-fn meet(a: &FieldChange, b: &FieldChange) -> bool {
+/// How two changes stand to each other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Meeting {
+    /// Both can stand.
+    Apart,
+    /// One's field is the other's or lies in it.
+    SameField,
+    /// One takes an element out of a list that the other counts on.
+    Shifted,
+}
+
+fn meet(a: &FieldChange, b: &FieldChange) -> Meeting {
+    // Two that append do not meet.
     if a.path.ends_with("/-") && b.path.ends_with("/-") {
-        return false;
+        return Meeting::Apart;
     }
     let within = |inner: &str, outer: &str| inner == outer || inner.starts_with(&format!("{outer}/"));
     let list_of = |c: &FieldChange| {
@@ -87,14 +97,26 @@ fn meet(a: &FieldChange, b: &FieldChange) -> bool {
         (c.remove && last.parse::<usize>().is_ok()).then(|| list.to_owned())
     };
     let shifts = |a: &FieldChange, b: &FieldChange| list_of(a).is_some_and(|list| within(&b.path, &list));
-    within(&a.path, &b.path) || within(&b.path, &a.path) || shifts(a, b) || shifts(b, a)
+    if shifts(a, b) || shifts(b, a) {
+        Meeting::Shifted
+    } else if within(&a.path, &b.path) || within(&b.path, &a.path) {
+        Meeting::SameField
+    } else {
+        Meeting::Apart
+    }
 }
 
-/// What of `mine` clashes with `theirs`, which came between; equal values do not.
+/// What of `mine` clashes with `theirs`, which came between. Who wanted what stands there now has no conflict, unless
+/// elements have moved: then it is another element that happens to look like it.
 pub fn conflicts(now: &Value, mine: &[FieldChange], theirs: &[FieldChange]) -> Vec<FieldConflict> {
     let there = |path: &str| now.pointer(path).cloned().unwrap_or(Value::Null);
+    let clash = |m: &FieldChange, t: &FieldChange| match meet(m, t) {
+        Meeting::Apart => false,
+        Meeting::SameField => m.remove || now.pointer(&m.path) != Some(&m.value),
+        Meeting::Shifted => true,
+    };
     mine.iter()
-        .filter(|m| theirs.iter().any(|t| meet(m, t)) && (m.remove || now.pointer(&m.path) != Some(&m.value)))
+        .filter(|m| theirs.iter().any(|t| clash(m, t)))
         .map(|m| FieldConflict { path: m.path.clone(), mine: m.value.clone(), theirs: there(&m.path) })
         .collect()
 }
@@ -109,40 +131,4 @@ pub fn differing(a: &Value, b: &Value) -> Vec<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    fn set(path: &str, value: Value) -> FieldChange {
-        FieldChange { path: path.into(), value, remove: false }
-    }
-
-    #[test]
-    fn fields_are_set_made_appended_and_taken_away() {
-        let mut d = json!({"a": [1, 2]});
-        for c in
-            [set("/b/c", json!("x")), set("/a/-", json!(3)), set("/a/0", json!(9)), set("/list/-", json!(1))]
-        {
-            apply(&mut d, &c).unwrap();
-        }
-        apply(&mut d, &FieldChange { path: "/a/1".into(), value: Value::Null, remove: true }).unwrap();
-        assert_eq!(d, json!({"a": [9, 3], "b": {"c": "x"}, "list": [1]}));
-        for bad in ["", "a", "/a/7", "/a/x/y", "/b/c/d"] {
-            assert_eq!(apply(&mut d, &set(bad, json!(1))).unwrap_err().code, "draft.path", "{bad}");
-        }
-    }
-
-    #[test]
-    fn only_changes_of_one_field_clash() {
-        let now = json!({"a": {"b": 1, "c": 2}, "l": [1, 2]});
-        let clash = |mine: FieldChange, theirs: FieldChange| !conflicts(&now, &[mine], &[theirs]).is_empty();
-        assert!(clash(set("/a/b", json!(5)), set("/a/b", json!(1))));
-        assert!(clash(set("/a", json!({})), set("/a/b", json!(1))));
-        assert!(!clash(set("/a/b", json!(5)), set("/a/c", json!(2))));
-        assert!(!clash(set("/a/b", json!(1)), set("/a/b", json!(1))), "the same value");
-        assert!(!clash(set("/ab", json!(5)), set("/a", json!(1))), "a name is no prefix of another");
-        assert!(!clash(set("/l/-", json!(5)), set("/l/-", json!(4))), "both append");
-        let gone = FieldChange { path: "/l/0".into(), value: Value::Null, remove: true };
-        assert!(clash(set("/l/1", json!(5)), gone), "an element that moved");
-    }
-}
+mod tests;
