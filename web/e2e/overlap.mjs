@@ -1,0 +1,127 @@
+// Blind overlap: two people label one episode, each for themselves; a lead sees both side by side and takes one; the
+// dashboard says how far they agree. Their labels are made through the API: the page's own way is walked in label.mjs.
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { person, look, signIn } from "./people.mjs";
+import { whyroad } from "./service.mjs";
+import { shot } from "./shots.mjs";
+
+const PASSWORD = "欲穷千里目-更上一层楼";
+const NAME = "盲标对比";
+
+/** Asks the API as the person whose page this is. */
+const ask = (page, method, path, body) =>
+  page.evaluate(
+    async ([method, path, body]) => {
+      const { csrf } = await (await fetch("/api/v1/session")).json();
+      const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
+      const reply = await fetch(`/api/v1${path}`, { method, headers, body: body === undefined ? undefined : JSON.stringify(body) });
+      const text = await reply.text();
+      if (!reply.ok) throw new Error(`${method} ${path}: ${reply.status} ${text}`);
+      return text === "" ? null : JSON.parse(text);
+    },
+    [method, path, body],
+  );
+
+async function prepare(day) {
+  const { page } = day.people.admin;
+  const project = await ask(page, "POST", "/projects", { name: NAME });
+  day.blind = project.id;
+  await ask(page, "POST", `/projects/${project.id}/members`, { user: "wang", roles: ["lead"] });
+  for (const [name, display] of [["zhou", "周敏"], ["wu", "吴昊"]]) {
+    await ask(page, "POST", "/users", { name, display, password: PASSWORD });
+    await ask(page, "POST", `/projects/${project.id}/members`, { user: name, roles: ["annotator"] });
+    const someone = await person(day.browser, day.service.url, { faults: day.faults });
+    await signIn(someone.page, name, PASSWORD);
+    day.people[name] = someone;
+  }
+}
+
+/** A lead uploads one episode and wants two people for it. */
+async function upload(day) {
+  const mined = `${day.demo ?? join(day.data, "demo")}/mined/episodes.jsonl`;
+  const line = readFileSync(mined, "utf8").split("\n").find((l) => l.includes("reactive_agent.cutin.urgent"));
+  const file = join(day.scratch, "one.jsonl");
+  writeFileSync(file, `${line}\n`);
+  const { page } = day.people.wang;
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
+  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("来源").selectOption("");
+  await dialog.locator("input[type=file]").setInputFiles(file);
+  await dialog.getByLabel("每个片段的盲标人数").fill("2");
+  await dialog.getByRole("button", { name: "建立任务" }).click();
+  await dialog.getByText("已建立 2 个任务").waitFor({ timeout: 60_000 });
+  await page.keyboard.press("Escape");
+  await page.getByText("已列出 2 个任务").waitFor();
+  assert.equal(await page.getByText("盲标", { exact: true }).count(), 2);
+}
+
+async function labelAs(day, who, trace) {
+  const { page } = day.people[who];
+  const task = await ask(page, "POST", `/projects/${day.blind}/tasks:next`, { kind: "label" });
+  const id = task.task.id;
+  const act = (action, fence) => ask(page, "POST", `/tasks/${id}/actions`, { action, fence });
+  const open = await act("lock_stage1", task.fence);
+  const changes = [
+    { path: "/coc_trace", value: trace },
+    { path: "/driving_decision/longitudinal", value: "yield_to_agent" },
+    { path: "/driving_decision/lateral", value: null },
+  ];
+  const saved = await ask(page, "PATCH", `/tasks/${id}/draft`, { fence: open.fence, base_version: open.version, changes });
+  assert.deepEqual(saved.findings.filter((f) => f.severity === "error"), []);
+  await act("submit", open.fence);
+  return id;
+}
+
+async function both(day) {
+  const first = await labelAs(day, "zhou", "左侧车道的车压线切入，车速低于自车，车距不足，因此减速让行。");
+  // Blind: the other is given a task of their own and cannot see this one.
+  const { page } = day.people.wu;
+  const seen = await page.evaluate(async (t) => (await fetch(`/api/v1/tasks/${t}`)).status, first);
+  assert.ok(seen === 403 || seen === 404, `${seen}`);
+  const second = await labelAs(day, "wu", "前方左侧轿车正在并入本车道，两车接近，需要留出空间，因此减速让行。");
+  assert.notEqual(first, second);
+  day.pair = [first, second];
+}
+
+async function sideBySide(day) {
+  const { page } = day.people.wang;
+  await page.goto(`${day.service.url}/tasks/${day.pair[0]}`);
+  await page.locator('[data-deed="overlap"]').click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText("周敏").waitFor();
+  await dialog.getByText("前方左侧轿车正在并入本车道").waitFor();
+  await look(page, "side by side");
+  await shot(day, page, "side-by-side");
+  await dialog.getByRole("button", { name: "采用这一份" }).nth(1).click();
+  await dialog.waitFor({ state: "detached" });
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
+  await page.getByText("未采用", { exact: true }).waitFor();
+  await page.getByText("已采用", { exact: true }).waitFor();
+}
+
+/** Both chose the same: no kappa, because agreement beyond chance cannot be told of one choice; keyframes 0 s apart. */
+async function agreement(day) {
+  const { page } = day.people.wang;
+  await page.goto(`${day.service.url}/projects/${day.blind}/dashboard`);
+  await page.getByText("1 个片段，1 对标注").waitFor();
+  await page.getByText("关键帧相差：中位数 0 s，最大 0 s").waitFor();
+  await look(page, "agreement");
+}
+
+/** The same on the command line: what the page shows is in the store that the commands read. */
+async function listed(day) {
+  const out = whyroad("--lang", "zh", "tasks", "list", "--data", day.data, "--project", NAME);
+  for (const id of day.pair) assert.ok(out.includes(id), out);
+}
+
+export const overlap = [
+  ["a project for blind overlap", prepare],
+  ["a lead uploads an episode for two people", upload],
+  ["each labels it without seeing the other", both],
+  ["the lead sees both side by side and takes one", sideBySide],
+  ["the dashboard says how far they agree", agreement],
+  ["the command line lists the same tasks", listed],
+];
