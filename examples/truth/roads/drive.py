@@ -62,6 +62,8 @@ class Drive:
     objects: list = field(default_factory=list)    # (class, x, y, heading, length, width, height)
     kinds: dict = None
     inner: dict = None
+    guided: tuple = ()                             # junctions with guidance lines
+    rails: bool = False                            # the car's middle keeps to the lanes' middles; SUMO lets its front do so
     route_command: object = None                   # function of station, or None: no route is logged
     until: float = None                            # the drive ends at this station
     signal: object = None                          # the indicator is set by the script
@@ -183,6 +185,8 @@ class Drive:
                     others.append((t, o.get("id"), o.get("type"), x - l / 2 * math.cos(heading), y - l / 2 * math.sin(heading), z, heading, v, l, w, h))
         if self.signal:
             ego = self.indicated(ego)
+        if self.rails:
+            ego = self.railed(ego, known)
         place = {row[0]: (row[1], row[2]) for row in ego}
         for i, (kind, x, y, heading, l, w, h) in enumerate(self.objects):
             others += [(t, f"thing{i}", kind, x, y, 0.0, heading, 0.0, l, w, h) for t, (ex, ey) in place.items() if math.hypot(ex - x, ey - y) < 90]
@@ -192,7 +196,7 @@ class Drive:
             others.sort(key=lambda r: (r[0], r[1]))
             store(to / "objects.parquet", "time_s track_id class x_m y_m z_m heading_rad speed_mps length_m width_m height_m".split(), others)
         net = Net(self.folder)
-        rows = list(net.rows(self.kinds, self.inner))
+        rows = list(net.rows(self.kinds, self.inner, self.guided))
         kept = [k for k in rows[0] if any(r[k] for r in rows)]
         table(to / "lanes.csv", kept, [tuple(r[k] for k in kept) for r in rows])
         areas = [(f"{k}{i}", k, cell(b), "") for i, (k, b) in enumerate(self.areas)]
@@ -220,6 +224,24 @@ class Drive:
             for i, row in enumerate(out):
                 if times[k] - lead <= row[0] <= times[k] + 2.5:
                     out[i] = (*row[:6], side, row[7])
+        return out
+
+    def railed(self, ego, known):
+        """The log with the car's middle on the middle of the lanes that it took, as far along as SUMO says."""
+        net, line = Net(self.folder), []
+        for lane in dict.fromkeys(r[3] for r in self.log):
+            line += [p for p in net.line(net.lanes[lane]) if not line or math.dist(p, line[-1]) > 0.01]
+        at = [0.0]
+        for a, b in zip(line, line[1:]):
+            at.append(at[-1] + math.dist(a[:2], b[:2]))
+        out = []
+        for row in ego:
+            s = known[row[0]][1] - CAR[0] / 2
+            k = max(0, min(len(at) - 2, next((i for i, v in enumerate(at) if v > s), len(at)) - 1))
+            (ax, ay, _), (bx, by, _) = line[k], line[k + 1]
+            share, heading = (s - at[k]) / (at[k + 1] - at[k]), math.atan2(by - ay, bx - ax)
+            x, y = ax + share * (bx - ax), ay + share * (by - ay)
+            out.append((row[0], x + CAR[0] / 2 * math.cos(heading), y + CAR[0] / 2 * math.sin(heading), row[3], heading, *row[5:]))
         return out
 
     def write_lights(self, net, to):

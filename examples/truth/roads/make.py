@@ -14,6 +14,7 @@ from pathlib import Path
 import along
 import lanes
 import lights
+import shapes
 import signs
 import truth
 
@@ -33,7 +34,7 @@ def main():
     root = Path(next((a for a in sys.argv[1:] if a not in SEEDS), Path(__file__).resolve().parent))
     for name in sets:
         found, drives = [], []
-        for family in (along, lights, signs, lanes):
+        for family in (along, lights, signs, lanes, shapes):
             for drive, *plan in family.drives(drawer(name, family.__name__)):
                 with tempfile.TemporaryDirectory() as folder:
                     made = family.build(drive, *plan, drawer(name, drive), Path(folder))

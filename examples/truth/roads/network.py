@@ -35,6 +35,7 @@ class Cross:
     arms: tuple = (90, -90)
     lights: bool = False
     wide: int = 1           # lanes of an arm in each direction
+    into: int = None        # lane of an arm that a left turn leads into; None: the leftmost
     lanes: tuple = None     # "s", "l", "r" and combinations; None: straight on only
 
 
@@ -108,7 +109,7 @@ class Road:
                     edges += f'<edge id="{name}" from="{ends_at[0]}" to="{ends_at[1]}" numLanes="{cross.wide}" speed="13.89" priority="1" width="3.4"/>\n'
                 for lane, ways in enumerate(cross.lanes or []):
                     if ("l" in ways and degrees > 0) or ("r" in ways and degrees < 0):
-                        to = cross.wide - 1 if degrees > 0 else 0
+                        to = 0 if degrees < 0 else cross.wide - 1 if cross.into is None else cross.into
                         links += f'<connection from="e{i - 1}" to="out{i}_{k}" fromLane="{lane}" toLane="{to}"/>\n'
         (folder / "x.nod.xml").write_text(f"<nodes>{nodes}</nodes>")
         (folder / "x.edg.xml").write_text(f"<edges>{edges}</edges>")
@@ -119,7 +120,8 @@ class Road:
 def netconvert(folder, *more):
     subprocess.run([os.path.join(sumo.SUMO_HOME, "bin", "netconvert"), "--node-files", folder / "x.nod.xml", "--edge-files", folder / "x.edg.xml",
                     "--connection-files", folder / "x.con.xml", "--output-file", folder / "net.xml", "--no-turnarounds",
-                    "--offset.disable-normalization", "--geometry.max-grade", "20", "--junctions.limit-turn-speed", "5.5", *more],
+                    "--offset.disable-normalization", "--geometry.max-grade", "20", "--junctions.limit-turn-speed", "5.5",
+                    "--junctions.internal-link-detail", "20", *more],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
@@ -177,8 +179,9 @@ class Net:
             return None
         return self.line(self.lanes[others[0]])[end]
 
-    def rows(self, kinds=None, inner=None, turns=True):
-        """Rows of `lanes.csv`. `kinds` and `inner` by edge: what each lane is for, the marks between lanes."""
+    def rows(self, kinds=None, inner=None, guided=()):
+        """Rows of `lanes.csv`. `kinds` and `inner` by edge: what each lane is for, the marks between lanes. `guided`: junctions whose
+        turns have guidance lines."""
         kinds, inner = kinds or {}, inner or {}
         succ, pred, turn = {}, {}, {}
         # Where a road's pieces join, netconvert puts lanes without length: here one piece leads to the next.
@@ -207,6 +210,8 @@ class Net:
                 tag = kind if kind in ("tidal", "variable", "waiting_area") else ""
                 mark = inner.get(edge, "dashed")
                 outer = "none" if internal else "solid"
+                if internal and self.node(edge) in guided and turn.get(name) in ("left", "right"):
+                    outer = mark = "dashed"
                 limit = "" if internal else lane.get("speed")
                 yield {
                     "lane_id": name, "centre_xyz_m": cell(line), "left_xyz_m": cell(beside(line, width / 2, before, behind)),
@@ -216,5 +221,5 @@ class Net:
                     "successors": ";".join(dict.fromkeys(succ.get(name, []))), "predecessors": ";".join(dict.fromkeys(pred.get(name, []))),
                     "kind": "bus" if kind == "bus" else "vehicle", "in_junction": str(internal).lower(),
                     "junction_id": self.node(edge) if internal else "", "speed_limit_mps": limit,
-                    "turn": turn.get(name, "") if internal and turns else "", "tags": tag,
+                    "turn": turn.get(name, "") if internal else "", "tags": tag,
                 }

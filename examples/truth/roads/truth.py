@@ -36,6 +36,11 @@ class Log:
         run = [r[2] for r in self.rows if r[4] == order]
         return max(run) - min(run) if run else 0.0
 
+    def out(self, station):
+        """When the car's middle has left the junction that begins at a station."""
+        after = next(r[1] for r in self.rows if r[1] > station + 3 and not r[3].startswith(":"))
+        return self.middle(after)
+
     def halts(self, after):
         return next((r[0] for r in self.rows if r[0] >= after and r[2] < 0.3), None)
 
@@ -210,6 +215,18 @@ def arrow(log, f):
     return key, key, moves + 3
 
 
+def choice(log, f):
+    """Choosing a way at a junction: from slowing for it, within 60 m of it, until out of it (taxonomy, irregular_intersection)."""
+    start = max(log.front(f["s0"] - 60), log.brakes(f["order"]))
+    return start, start, log.out(f["s0"])
+
+
+def guided(log, f):
+    """On the guidance line, from the junction's edge until out of it (LABELING.md 4, reactive_rule)."""
+    key = log.middle(f["s0"])
+    return key, key, log.out(f["s0"])
+
+
 def line(log, f):
     """The line changes (rule takes effect) and the car, which waited for it, changes lane."""
     key = log.middle(f["s0"])
@@ -217,11 +234,11 @@ def line(log, f):
 
 
 KINDS = {k.__name__: k for k in (acts, inside, holds, seen, during, change, lower, higher, sight, crest, reach, gate, waits, end, stops, resumes,
-                                 turned, enters, junction, passage, across, arrow, line)}
+                                 turned, enters, junction, passage, across, arrow, choice, guided, line)}
 KINDS |= {"control60": control(60), "control80": control(80), "control100": control(100)}
 # An adjustment is one by 1 m/s or more (taxonomy); the order may have come while the car was slow already.
 LEAST_MPS = 1.0
-ANSWERS = {"acts", "inside", "holds", "during", "seen", "change", "control60", "control80", "control100", "lower", "sight", "crest", "reach", "junction"}
+ANSWERS = {"acts", "inside", "holds", "during", "seen", "change", "control60", "control80", "control100", "lower", "sight", "crest", "reach", "junction", "choice"}
 
 
 def entries(drive):
