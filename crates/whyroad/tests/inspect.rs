@@ -28,14 +28,15 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
     let all = whyroad(&["inspect", "--lake", lake]);
     assert_eq!(all.status.code(), Some(0));
     let text = out(&all);
-    // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at J.
+    // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at J, which
+    // has lights (a facility of the map).
     for part in [
         "1 drives",
         "crossroads-ego_000  2026-01-01T00:00:00.000Z  0.5 s  5 frames",
         "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
         "objects: 3, 13 rows",
         "truck                  1        3 rows",
-        "crosswalks 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
+        "crosswalks 1, facilities 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
         "tables: clips, frames, tracks, ego, map\n",
         "not in the log: traffic lights",
         "not observable (needs traffic lights): light.distance_to_stop_line, light.previous, light.state,",
