@@ -5,7 +5,7 @@ import os
 import subprocess
 
 import sumo
-from stage import Actor, DT, Road, World, approach
+from stage import DT, Road, World, approach
 
 ARM_M = 150
 RADIUS_M = {"l": 10.5, "r": 6.5}

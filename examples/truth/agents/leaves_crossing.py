@@ -7,7 +7,7 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 
-from log import LARGE, overlap
+from log import overlap
 from stage import ON_FOOT, TYPES
 
 I = "reactive_agent.intersection_interaction."

@@ -1,8 +1,8 @@
 """As leaves.py: classes about what the ego sets out to do by the script's orders, and near misses."""
 
 import math
-from log import ANIMAL, DT, LARGE, THING, VRU, runs
-from leaves import P, R, after, events
+from log import ANIMAL, DT, LARGE, VRU, runs
+from leaves import P, after, events
 
 
 def centred(log, t):

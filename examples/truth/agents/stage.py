@@ -3,7 +3,6 @@ cars that reverse, weave or come the wrong way, swerves within the lane). Places
 to the left of it. The log is SUMO's FCD format; the network is netconvert's. Nothing here knows Whyroad.
 """
 
-import bisect
 import gzip
 import math
 import os
