@@ -36,6 +36,17 @@ fn only_changes_of_one_field_clash() {
     assert!(clash(set("/l/1", json!(5)), gone), "an element that moved");
 }
 
+#[test]
+fn an_element_that_moved_and_looks_like_the_wanted_one_is_another() {
+    let gone = FieldChange { path: "/l/0".into(), value: Value::Null, remove: true };
+    let theirs = [set("/l/-", json!("n")), gone];
+    let mut now = json!({"l": ["p", "q", "r"]});
+    theirs.iter().for_each(|c| apply(&mut now, c).unwrap());
+    assert_eq!(now, json!({"l": ["q", "r", "n"]}));
+    // Mine was about r, which is elsewhere now.
+    assert_eq!(conflicts(&now, &[set("/l/2", json!("n"))], &theirs).len(), 1);
+}
+
 /// A place in the draft of the property below; some lie in others.
 fn places() -> impl Strategy<Value = String> {
     let list = prop_oneof![Just("-".to_owned()), (0..3usize).prop_map(|i| i.to_string())];

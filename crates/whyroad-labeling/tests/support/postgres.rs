@@ -1,6 +1,8 @@
 //! A real PostgreSQL for tests, started by the test itself in a folder of its own and stopped with it. It refuses to run as
 //! root, so there it runs as the user `postgres` or `nobody`.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
+
 use postgres::{Client, NoTls};
 use std::net::TcpListener;
 use std::os::unix::fs::chown;
