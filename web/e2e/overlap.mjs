@@ -111,6 +111,29 @@ async function agreement(day) {
   await look(page, "agreement");
 }
 
+/** More tasks than one page of the list: each once, also after a filter. */
+async function pages(day) {
+  const { page } = day.people.wang;
+  await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
+  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("最多任务数").fill("60");
+  await dialog.getByLabel("每个片段的盲标人数").fill("4");
+  await dialog.getByRole("button", { name: "建立任务" }).click();
+  const told = await dialog.getByText(/已建立 \d+ 个任务/).textContent({ timeout: 120_000 });
+  const all = Number(told.match(/\d+/)[0]) + day.pair.length;
+  assert.ok(all > 50, `${all} tasks`);
+  await page.keyboard.press("Escape");
+  await page.getByText("已列出 50 个任务").waitFor();
+  await page.getByRole("button", { name: "载入更多" }).click();
+  await page.getByText(`已列出 ${all} 个任务`).waitFor();
+  const links = await page.locator("tbody a").evaluateAll((found) => found.map((a) => a.getAttribute("href")));
+  assert.equal(new Set(links).size, all);
+  assert.equal(await page.getByRole("button", { name: "载入更多" }).count(), 0);
+  await page.getByLabel("状态").selectOption({ label: "待检查" });
+  await page.getByText(`已列出 ${day.pair.length} 个任务`).waitFor();
+}
+
 /** The same on the command line: what the page shows is in the store that the commands read. */
 async function listed(day) {
   const out = whyroad("--lang", "zh", "tasks", "list", "--data", day.data, "--project", NAME);
@@ -123,5 +146,6 @@ export const overlap = [
   ["each labels it without seeing the other", both],
   ["the lead sees both side by side and takes one", sideBySide],
   ["the dashboard says how far they agree", agreement],
+  ["the list comes in pages, each task once", pages],
   ["the command line lists the same tasks", listed],
 ];

@@ -103,7 +103,7 @@ async function held(day) {
   if ((await page.locator("[data-component]").count()) === 0) {
     await page.keyboard.press("n");
     await page.keyboard.press("c");
-    await page.keyboard.type("An oncoming car has the right of way");
+    await page.keyboard.type("An oncoming car is in the junction");
     await page.keyboard.press("Escape");
   }
   await page.locator('[data-saving="saved"]').waitFor();
