@@ -5,7 +5,8 @@ use super::{Backend, Job, migrate};
 use crate::problem::{Answer, Problem};
 use postgres::error::SqlState;
 use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
-use postgres::{Client, Config, NoTls, Transaction};
+use postgres::{Client, Config, NoTls, Statement, Transaction};
+use std::collections::HashMap;
 use std::sync::{Condvar, Mutex};
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,8 @@ use std::time::{Duration, Instant};
 const CONNECTIONS: usize = 16;
 /// How long a request waits for a database that restarts.
 const PATIENCE: Duration = Duration::from_secs(15);
+/// Statements that a connection keeps prepared; when there are more it begins anew.
+const PREPARED: usize = 200;
 /// Key of the advisory lock that keeps two services from migrating at once.
 const MIGRATION_LOCK: i64 = 0x7768_7972;
 
@@ -23,8 +26,14 @@ pub(super) struct Postgres {
 }
 
 struct Pool {
-    idle: Vec<Client>,
+    idle: Vec<Connection>,
     out: usize,
+}
+
+/// A connection with what it has prepared: half of the ways to the server and back.
+struct Connection {
+    client: Client,
+    prepared: HashMap<String, Statement>,
 }
 
 impl Postgres {
@@ -39,28 +48,29 @@ impl Postgres {
         Ok(store)
     }
 
-    fn client(&self) -> Answer<Client> {
+    fn connection(&self) -> Answer<Connection> {
         let mut pool = self.pool.lock().map_err(Problem::store)?;
         while pool.out >= CONNECTIONS {
             pool = self.free.wait(pool).map_err(Problem::store)?;
         }
         pool.out += 1;
-        if let Some(client) = pool.idle.pop().filter(|c| !c.is_closed()) {
-            return Ok(client);
+        if let Some(connection) = pool.idle.pop().filter(|c| !c.client.is_closed()) {
+            return Ok(connection);
         }
         // The others share the fate of a closed one.
-        pool.idle.retain(|c| !c.is_closed());
+        pool.idle.retain(|c| !c.client.is_closed());
         drop(pool);
-        self.config.connect(NoTls).map_err(|e| {
+        let client = self.config.connect(NoTls).map_err(|e| {
             self.give_back(None);
             Problem::store(e)
-        })
+        })?;
+        Ok(Connection { client, prepared: HashMap::new() })
     }
 
-    fn give_back(&self, client: Option<Client>) {
+    fn give_back(&self, connection: Option<Connection>) {
         if let Ok(mut pool) = self.pool.lock() {
             pool.out -= 1;
-            pool.idle.extend(client.filter(|c| !c.is_closed()));
+            pool.idle.extend(connection.filter(|c| !c.client.is_closed()));
         }
         self.free.notify_one();
     }
@@ -68,10 +78,10 @@ impl Postgres {
     fn transact(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
         let start = Instant::now();
         loop {
-            let outcome = match self.client() {
-                Ok(mut client) => {
-                    let outcome = attempt(&mut client, job);
-                    self.give_back(Some(client));
+            let outcome = match self.connection() {
+                Ok(mut connection) => {
+                    let outcome = attempt(&mut connection, job);
+                    self.give_back(Some(connection));
                     outcome
                 }
                 Err(e) => Err(Failure::Again(e)),
@@ -93,9 +103,16 @@ enum Failure {
     Final(Problem),
 }
 
-fn attempt(client: &mut Client, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Result<(), Failure> {
+fn attempt(
+    connection: &mut Connection,
+    job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>,
+) -> Result<(), Failure> {
+    let Connection { client, prepared } = connection;
+    if prepared.len() > PREPARED {
+        prepared.clear();
+    }
     let transaction = client.transaction().map_err(|e| Failure::Again(problem(&e)))?;
-    let mut tx = Running { transaction, again: false };
+    let mut tx = Running { transaction, prepared, again: false };
     match job(&mut tx) {
         Ok(()) => tx.transaction.commit().map_err(|e| {
             // A server that says no has not committed; a connection that broke may have.
@@ -137,10 +154,21 @@ impl Backend for Postgres {
 
 struct Running<'c> {
     transaction: Transaction<'c>,
+    prepared: &'c mut HashMap<String, Statement>,
     again: bool,
 }
 
 impl Running<'_> {
+    fn statement(&mut self, sql: &str) -> Answer<Statement> {
+        if let Some(statement) = self.prepared.get(sql) {
+            return Ok(statement.clone());
+        }
+        let made = self.transaction.prepare(sql);
+        let statement = self.noted(made)?;
+        self.prepared.insert(sql.to_owned(), statement.clone());
+        Ok(statement)
+    }
+
     fn noted<T>(&mut self, result: Result<T, postgres::Error>) -> Answer<T> {
         result.map_err(|e| {
             self.again |= passes(&e);
@@ -174,13 +202,15 @@ impl ToSql for Value {
 impl Tx for Running<'_> {
     fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64> {
         let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
-        let result = self.transaction.execute(sql, &values);
+        let statement = self.statement(sql)?;
+        let result = self.transaction.execute(&statement, &values);
         self.noted(result)
     }
 
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
         let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
-        let result = self.transaction.query(sql, &values);
+        let statement = self.statement(sql)?;
+        let result = self.transaction.query(&statement, &values);
         self.noted(result)?.iter().map(row).collect()
     }
 
