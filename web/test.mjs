@@ -12,5 +12,13 @@ const server = await createServer({
 });
 const files = readdirSync("src", { recursive: true }).map(String).filter((f) => f.endsWith(".test.ts")).sort();
 if (files.length === 0) throw new Error("no test was found");
-for (const file of files) await server.ssrLoadModule(`/src/${file.replaceAll("\\", "/")}`);
+for (const file of files) {
+  try {
+    await server.ssrLoadModule(`/src/${file.replaceAll("\\", "/")}`);
+  } catch (error) {
+    // A test file that does not even load must not look like one without tests.
+    console.error(`${file} cannot be loaded:`, error);
+    process.exitCode = 1;
+  }
+}
 await server.close();

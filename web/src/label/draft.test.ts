@@ -1,5 +1,6 @@
 // Nothing that an annotator typed is lost: not while offline, not by another's change, not by a lost lease. The server here is a
 // few lines that answer as crates/whyroad-labeling/openapi.json says.
+import { storage } from "../testing.ts";
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import type { Task } from "../api/types.ts";
@@ -9,18 +10,12 @@ import type { Json } from "./pointer.ts";
 type Answer = { status: number; body: unknown } | "offline";
 let answer: (body: { base_version: number; changes: { path: string; value: Json; remove?: boolean }[] }) => Answer;
 let sent: string[][] = [];
-const storage = new Map<string, string>();
 
 beforeEach(() => {
   storage.clear();
   sent = [];
   answer = ({ base_version }) => ({ status: 200, body: { version: base_version + 1, findings: [], lease_until: 0 } });
   Object.assign(globalThis, {
-    localStorage: {
-      getItem: (k: string) => storage.get(k) ?? null,
-      setItem: (k: string, v: string) => storage.set(k, v),
-      removeItem: (k: string) => storage.delete(k),
-    },
     BroadcastChannel: class {
       postMessage(): void {}
       close(): void {}

@@ -281,97 +281,10 @@ export class Work {
     return this.clock ? frameNear(this.clock, this.player.now) : 0;
   }
 
-  setKeyframe(name: KeyframeName, frame = this.frame): void {
-    const iso = this.clock?.iso[frame];
-    const idx = this.clock?.frames[frame];
-    if (!iso || idx === undefined || idx < 0 || !this.open(`/${name}`)) return;
-    const before = this.draft.at(`/${name}`);
-    const type = this.spec?.[name]?.type ?? "reactive";
-    const old = typeof before === "object" && before !== null && !Array.isArray(before) ? before : { type };
-    this.draft.set(`/${name}`, { ...old, timestamp: iso, frame_idx: idx });
-  }
-
-  setKeyRange(end: "range_start" | "range_end", frame = this.frame): void {
-    const iso = this.clock?.iso[frame];
-    if (iso && this.open("/keyframe")) this.draft.set(`/keyframe/${end}`, iso);
-  }
-
-  setRange(end: "start" | "end", frame = this.frame): void {
-    const iso = this.clock?.iso[frame];
-    const idx = this.clock?.frames[frame];
-    if (!iso || idx === undefined || !this.open("/time_range")) return;
-    this.draft.together(() => {
-      this.draft.set(`/time_range/${end}_timestamp`, iso);
-      this.draft.set(`/time_range/${end}_frame_idx`, idx < 0 ? undefined : idx);
-    });
-  }
-
-  /** A new component, of the picked object where one is picked; its number. */
-  addComponent(object: string | null): number {
-    const all = this.components;
-    const used = new Set(all.map((c) => c["id"]));
-    let n = all.length + 1;
-    while (used.has(`c${n}`)) n++;
-    const made: Record<string, Json> = { id: `c${n}`, description: "", uncertainty: "low" };
-    if (object !== null) Object.assign(made, { category: this.#objectCategory(), linked_objects: [object] });
-    const iso = this.clock?.iso[Math.min(this.frame, this.scene?.keyframe_index ?? 0)];
-    if (iso) made["evidence_times"] = [iso];
-    this.draft.set("/critical_components", [...all, made]);
-    this.current = all.length;
-    return all.length;
-  }
-
-  #objectCategory(): string {
-    const known = this.framework?.categories ?? [];
-    return (known.find((c) => c.id.includes("object")) ?? known[0])?.id ?? "critical_objects";
-  }
-
-  removeComponent(n: number): void {
-    const gone = this.components[n]?.["id"];
-    this.draft.together(() => {
-      this.draft.set("/critical_components", this.components.filter((_, i) => i !== n));
-      for (const channel of ["longitudinal", "lateral"] as const) {
-        const path = `/causes/${channel}/components`;
-        const named = this.draft.at(path);
-        if (Array.isArray(named) && gone !== undefined && named.includes(gone)) this.draft.set(path, named.filter((c) => c !== gone));
-      }
-    });
-    this.current = Math.max(0, Math.min(this.current, this.components.length - 1));
-  }
-
-  /** Adds to a list of a component, or takes away what is there. */
-  toggleIn(n: number, list: "evidence_times" | "linked_objects", value: string): void {
-    const path = `/critical_components/${n}/${list}`;
-    if (!this.components[n] || !this.open(path)) return;
-    const now = this.draft.at(path);
-    const items = Array.isArray(now) ? now.map(String) : [];
-    const next = items.includes(value) ? items.filter((i) => i !== value) : [...items, value];
-    this.draft.set(path, next.length === 0 ? undefined : list === "evidence_times" ? next.sort() : next);
-  }
-
-  /** Moment of evidence: now, but never after the keyframe. */
-  evidenceNow(): void {
-    const keyframe = this.second(this.draft.at("/keyframe/timestamp")) ?? 0;
-    const iso = this.clock?.iso[this.frame];
-    if (iso && this.player.now <= keyframe + 1e-6) this.toggleIn(this.current, "evidence_times", iso);
-  }
-
   /** `undefined` is not chosen, null is no change. */
   decision(channel: Channel): string | null | undefined {
     const v = this.draft.at(`/driving_decision/${channel}`);
     return typeof v === "string" || v === null ? v : undefined;
-  }
-
-  decide(channel: Channel, value: string | null): void {
-    this.draft.together(() => {
-      this.draft.set(`/driving_decision/${channel}`, value);
-      if (value === null) this.draft.set(`/causes/${channel}`, undefined);
-      if (channel !== "lateral") return;
-      const allowed = this.framework?.lateral.find((d) => d.id === value)?.directions ?? [];
-      const now = this.draft.at("/driving_decision/lateral_direction");
-      const fits = typeof now === "string" && allowed.includes(now);
-      if (!fits) this.draft.set("/driving_decision/lateral_direction", allowed.length === 1 ? allowed[0] : undefined);
-    });
   }
 
   /** What the field at `path` was at first, where that differs from what it is. */

@@ -1,5 +1,6 @@
 // What each action of the keyboard does on the labelling screen.
 import type { Handlers } from "../../keys/keys.svelte.ts";
+import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn } from "../../label/edits.ts";
 import type { Work } from "../../label/work.svelte.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
@@ -24,9 +25,9 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     work.picked = ids[next] ?? null;
   }
 
-  async function addComponent(): Promise<void> {
-    if (!work.open("/critical_components")) return;
-    const n = work.addComponent(work.picked);
+  async function add(): Promise<void> {
+    const n = addComponent(work, work.picked);
+    if (n === null) return;
     await tick();
     document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
   }
@@ -67,15 +68,15 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     targetObject: () => (work.picked = work.target),
     names: () => flip("names"),
     occlusion: () => flip("occlusion"),
-    addComponent: () => void addComponent(),
-    linkObject: () => work.picked !== null && work.toggleIn(work.current, "linked_objects", work.picked),
-    evidence: () => work.evidenceNow(),
-    keyframe: () => work.setKeyframe("keyframe"),
-    keyframe2: () => work.setKeyframe("second_keyframe"),
-    keyStart: () => work.setKeyRange("range_start"),
-    keyEnd: () => work.setKeyRange("range_end"),
-    rangeStart: () => work.setRange("start"),
-    rangeEnd: () => work.setRange("end"),
+    addComponent: () => void add(),
+    linkObject: () => work.picked !== null && toggleIn(work, work.current, "linked_objects", work.picked),
+    evidence: () => evidenceNow(work),
+    keyframe: () => setKeyframe(work, "keyframe"),
+    keyframe2: () => setKeyframe(work, "second_keyframe"),
+    keyStart: () => setKeyRange(work, "range_start"),
+    keyEnd: () => setKeyRange(work, "range_end"),
+    rangeStart: () => setRange(work, "start"),
+    rangeEnd: () => setRange(work, "end"),
     safe: () => work.edits && work.stage === "stage2" && work.setSafe(!work.safe),
     toComponents: () => toSection("components"),
     toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
