@@ -185,7 +185,7 @@ export const screenWords = {
   "dash.share": ["未通过率", "Failure rate"],
   "dash.waiting": ["停留", "Waits"],
   "dash.task": ["任务", "Task"],
-  "dash.show_all": ["显示全部 {n} 个叶子类", "Show all {n} leaves"],
+  "dash.show_all": ["显示全部 {n} 行", "Show all {n} rows"],
   "dash.show_few": ["只显示缺口最大的", "Show only the greatest shortfalls"],
   "dash.refresh": ["刷新", "Refresh"],
   "dash.total": ["个任务", "tasks"],
