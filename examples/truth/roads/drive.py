@@ -63,6 +63,7 @@ class Drive:
     kinds: dict = None
     inner: dict = None
     guided: tuple = ()                             # junctions with guidance lines
+    undrawn: tuple = ()                            # edges that the map does not have: there are no lanes
     rails: bool = False                            # the car's middle keeps to the lanes' middles; SUMO lets its front do so
     route_command: object = None                   # function of station, or None: no route is logged
     until: float = None                            # the drive ends at this station
@@ -197,6 +198,11 @@ class Drive:
             store(to / "objects.parquet", "time_s track_id class x_m y_m z_m heading_rad speed_mps length_m width_m height_m".split(), others)
         net = Net(self.folder)
         rows = list(net.rows(self.kinds, self.inner, self.guided))
+        gone = {r["lane_id"] for r in rows if r["lane_id"].rsplit("_", 1)[0] in self.undrawn}
+        rows = [r for r in rows if r["lane_id"] not in gone]
+        for r in rows:
+            for k in ("successors", "predecessors"):
+                r[k] = ";".join(l for l in r[k].split(";") if l not in gone)
         kept = [k for k in rows[0] if any(r[k] for r in rows)]
         table(to / "lanes.csv", kept, [tuple(r[k] for k in kept) for r in rows])
         areas = [(f"{k}{i}", k, cell(b), "") for i, (k, b) in enumerate(self.areas)]

@@ -17,6 +17,7 @@ import lights
 import shapes
 import signs
 import truth
+import yards
 
 SEEDS = {"seen": 11, "unseen": 47}
 # Speed limit of ordinary road and the speeds that drivers keep on it, m/s.
@@ -34,7 +35,7 @@ def main():
     root = Path(next((a for a in sys.argv[1:] if a not in SEEDS), Path(__file__).resolve().parent))
     for name in sets:
         found, drives = [], []
-        for family in (along, lights, signs, lanes, shapes):
+        for family in (along, lights, signs, lanes, shapes, yards):
             for drive, *plan in family.drives(drawer(name, family.__name__)):
                 with tempfile.TemporaryDirectory() as folder:
                     made = family.build(drive, *plan, drawer(name, drive), Path(folder))
