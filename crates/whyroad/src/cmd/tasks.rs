@@ -48,7 +48,7 @@ struct Create {
     /// Lake that was mined; the folder `lake` beside the mined one unless said
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
-    /// At most so many episodes
+    /// At most so many tasks
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
     /// At most so many episodes of a class
@@ -85,8 +85,8 @@ struct Export {
     #[arg(long, default_value = "labels", value_parser = ["labels", "tasks"])]
     format: String,
     /// Format of the labels: 2.1, or 2.0 without what 2.1 added
-    #[arg(long = "format-version", default_value = "2.1", value_parser = ["2.0", "2.1"])]
-    version: String,
+    #[arg(long, default_value = "2.1", value_parser = ["2.0", "2.1"])]
+    format_version: String,
     /// Labels of tasks in these states (separated by commas) instead of the accepted ones
     #[arg(long, value_name = "STATES")]
     state: Option<String>,
@@ -221,7 +221,7 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     let store = a.store.open_existing(global.lang)?;
     let project = find(&store, &a.project, global.lang)?;
     let format =
-        Format::from_words(Some(&a.format), Some(&a.version), a.state.as_deref()).map_err(problem)?;
+        Format::from_words(Some(&a.format), Some(&a.format_version), a.state.as_deref()).map_err(problem)?;
     output::put(&store.read(|tx| transfer::export(tx, &project, &format)).map_err(problem)?);
     Ok(output::FINE)
 }

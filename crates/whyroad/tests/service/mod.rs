@@ -5,12 +5,15 @@ pub mod http;
 pub mod storm;
 
 use http::Client;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
+
+/// Episodes that tasks are made from.
+const EPISODES: usize = 8;
 
 /// A running service.
 pub struct Service {
@@ -21,12 +24,14 @@ pub struct Service {
 impl Service {
     /// Starts the service on `demo()`'s lake with these further arguments, and waits until it listens.
     pub fn start(arguments: &[&str]) -> Self {
-        let dir = demo();
+        let (lake, mined) = (demo().join("lake"), demo().join("mined"));
+        let drives = ["--lake", lake.to_str().unwrap(), "--mined", mined.to_str().unwrap()];
+        Self::run(&[&drives[..], arguments].concat())
+    }
+
+    fn run(arguments: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_whyroad"))
-            .args(["serve", "--listen", "127.0.0.1:0", "--lake"])
-            .arg(dir.join("lake"))
-            .arg("--mined")
-            .arg(dir.join("mined"))
+            .args(["serve", "--listen", "127.0.0.1:0"])
             .args(arguments)
             .env_remove("WHYROAD_FRAMEWORK")
             .env_remove("WHYROAD_LANG")
@@ -71,26 +76,25 @@ impl Drop for Service {
     }
 }
 
-/// The folder that `whyroad demo` wrote, once for all tests of a binary.
+/// A folder with the bundled drives as `lake` and a few of their episodes as `mined`, once for all tests of a binary.
 pub fn demo() -> &'static Path {
     static DEMO: OnceLock<tempfile::TempDir> = OnceLock::new();
-    DEMO.get_or_init(|| {
+    let dir = DEMO.get_or_init(|| {
         let dir = tempfile::tempdir().unwrap();
-        let run = Command::new(env!("CARGO_BIN_EXE_whyroad"))
-            .args(["demo", "--out"])
-            .arg(dir.path())
-            .output()
-            .unwrap();
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        // A service without a lake prepares the bundled drives before it listens.
+        drop(Service::run(&["--data", dir.path().to_str().unwrap()]));
+        let mined = dir.path().join("demo/mined/episodes.jsonl");
+        let all = std::fs::read_to_string(&mined).unwrap();
+        let primary = all
+            .lines()
+            .filter(|l| l.contains(r#""is_primary":true"#) && !l.contains(r#""scenario_id":"other""#));
+        let few: Vec<&str> = primary.take(EPISODES).collect();
+        assert_eq!(few.len(), EPISODES);
+        std::fs::write(&mined, few.join("\n")).unwrap();
         dir
-    })
-    .path()
-}
-
-/// The episodes of the demo.
-pub fn episodes() -> Vec<Value> {
-    let path: PathBuf = demo().join("mined/episodes.jsonl");
-    std::fs::read_to_string(path).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect()
+    });
+    static AT: OnceLock<PathBuf> = OnceLock::new();
+    AT.get_or_init(|| dir.path().join("demo"))
 }
 
 /// Signs up `n` annotators of `project` under an admin, and gives each an API token.

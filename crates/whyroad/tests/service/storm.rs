@@ -3,7 +3,8 @@
 use super::http::Client;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// One annotator with a task in Stage I.
@@ -20,6 +21,27 @@ pub struct Annotator {
     pub seconds: Vec<f64>,
     /// Answers other than 200, as text.
     pub refused: Vec<String>,
+    /// What others may know of it while it works.
+    pub progress: Arc<Progress>,
+}
+
+/// How far one has come.
+#[derive(Debug, Default)]
+pub struct Progress {
+    saved: AtomicU64,
+    refused: AtomicU64,
+}
+
+impl Progress {
+    /// Changes acknowledged so far.
+    pub fn saved(&self) -> u64 {
+        self.saved.load(Ordering::Relaxed)
+    }
+
+    /// Changes refused so far.
+    pub fn refused(&self) -> u64 {
+        self.refused.load(Ordering::Relaxed)
+    }
 }
 
 impl Annotator {
@@ -43,6 +65,7 @@ impl Annotator {
             sent: 0,
             seconds: vec![],
             refused: vec![],
+            progress: Arc::default(),
         }
     }
 
@@ -61,10 +84,12 @@ impl Annotator {
                 self.seconds.push(start.elapsed().as_secs_f64());
                 self.version = answer.json()["version"].as_i64().unwrap();
                 self.saved = self.sent;
+                self.progress.saved.fetch_add(1, Ordering::Relaxed);
                 true
             }
             Ok(answer) => {
                 self.refused.push(format!("{} {}", answer.status, String::from_utf8_lossy(&answer.body)));
+                self.progress.refused.fetch_add(1, Ordering::Relaxed);
                 false
             }
             Err(_) => false,
@@ -80,9 +105,9 @@ impl Annotator {
         }
     }
 
-    /// Number of the change that the service has, seen by `client`.
-    pub fn stored(&self, client: &mut Client) -> u64 {
-        let task = client.get(&format!("/tasks/{}", self.task)).good();
+    /// Number of the change that the service has.
+    pub fn stored(&mut self) -> u64 {
+        let task = self.client.get(&format!("/tasks/{}", self.task)).good();
         number(&task["draft"])
     }
 }

@@ -1,0 +1,120 @@
+//! `whyroad tasks`, `backup` and `restore` as a user runs them, on the bundled drives.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+mod service;
+#[allow(dead_code)] // only its runner is used here
+mod session;
+
+use serde_json::{Value, json};
+use service::http::Client;
+use service::storm::Annotator;
+use service::{Service, annotators, demo, first_project};
+use session::{Run, whyroad_in};
+use std::path::Path;
+
+fn run(folder: &Path, line: &str) -> Run {
+    let demo = demo().display().to_string();
+    let line = line.replace("DEMO", &demo);
+    whyroad_in(folder, &line.split(' ').collect::<Vec<_>>())
+}
+
+/// What a successful run printed.
+#[track_caller]
+fn good(folder: &Path, line: &str) -> String {
+    let run = run(folder, line);
+    assert_eq!(run.code, 0, "{line}: {}{}", run.out, run.err);
+    run.out
+}
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
+}
+
+#[test]
+fn tasks_are_made_listed_exported_and_brought_in_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    // The lake is the one beside the mined folder.
+    let made = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2 --priority 5");
+    assert_eq!(made, "6 tasks made; 0 were there, 5 left out, 0 without their drive\n");
+    let again = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2");
+    assert!(again.contains("3 were there"), "{again}");
+    assert_eq!(good(at, "tasks list").split("  ").next(), Some("p"));
+    let open = good(at, "tasks list --project p --state open");
+    assert!(open.lines().count() >= 6 && open.lines().all(|l| l.contains("  open  ")), "{open}");
+    assert_eq!(good(at, "tasks list --project p --state accepted"), "");
+
+    assert_eq!(good(at, "tasks export --project p"), "", "nothing is accepted yet");
+    let tasks = good(at, "tasks export --project p --format tasks");
+    let first = &lines(&tasks)[0]["task"];
+    assert_eq!((&first["state"], &first["history"][0]["action"]), (&json!("open"), &json!("create")));
+    let drafts = good(at, "tasks export --project p --state open --format-version 2.0");
+    assert!(lines(&drafts).iter().all(|l| l["version"] == "2.0.0" && l.get("causes").is_none()));
+
+    // Tasks as they are, then drafts as labels.
+    let count = lines(&tasks).len();
+    std::fs::write(at.join("tasks.jsonl"), &tasks).unwrap();
+    std::fs::write(
+        at.join("labels.jsonl"),
+        good(at, "tasks export --project p --state open") + "not a line\n",
+    )
+    .unwrap();
+    let back = good(at, "tasks import tasks.jsonl --project q --lake DEMO/lake");
+    assert_eq!(back, format!("{count} tasks made; 0 were there; 0 lines could not be read\n"));
+    let again = good(at, "tasks import tasks.jsonl --project q --lake DEMO/lake");
+    assert_eq!(again, format!("0 tasks made; {count} were there; 0 lines could not be read\n"));
+    let strip = |text: &str| lines(text).iter().map(|l| l["task"]["draft"].clone()).collect::<Vec<_>>();
+    assert_eq!(strip(&good(at, "tasks export --project q --format tasks")), strip(&tasks));
+    let labels = run(at, "tasks import labels.jsonl --project r --lake DEMO/lake");
+    assert_eq!(labels.code, 3, "a line was lost");
+    assert!(labels.err.contains("labels.jsonl: line "), "{}", labels.err);
+    assert!(labels.out.ends_with("1 lines could not be read\n"), "{}", labels.out);
+}
+
+#[test]
+fn what_is_not_there_is_told_and_makes_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let list = run(dir.path(), "tasks list");
+    assert_eq!(list.code, 1);
+    assert!(list.err.contains("there is no store at whyroad-data/labels.db"), "{}", list.err);
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
+    good(dir.path(), "tasks create --from DEMO/mined --project p --limit 1");
+    let unknown = run(dir.path(), "tasks list --project x");
+    assert!(unknown.err.contains("there is no project 'x'; there are: p"), "{}", unknown.err);
+    assert!(
+        run(dir.path(), "tasks list --project p --state done").err.contains("'done' is no state: open, ")
+    );
+    let nowhere = run(dir.path(), "tasks create --from DEMO/lake --project p --lake DEMO/lake");
+    assert!(nowhere.err.contains("episodes.jsonl"), "{}", nowhere.err);
+}
+
+#[test]
+fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    let service = Service::start(&["--data", at.join("one").to_str().unwrap()]);
+    let mut admin = Client::set_up(service.at, "admin");
+    let project = first_project(&mut admin);
+    let token = annotators(&mut admin, service.at, &project, 1).remove(0);
+    let mut annotator = Annotator::begin(service.at, &token, &project);
+    for _ in 0..5 {
+        assert!(annotator.save(), "{:?}", annotator.refused);
+    }
+    good(at, "backup --data one --out safe/backup.jsonl");
+    assert!(annotator.save(), "it goes on");
+    drop(service);
+    let taken = run(at, "backup --data one --out safe/backup.jsonl");
+    assert!(taken.code == 1 && taken.err.contains("is there already"), "{}", taken.err);
+
+    // Cut off: refused, and the new store stays empty.
+    let whole = std::fs::read_to_string(at.join("safe/backup.jsonl")).unwrap();
+    std::fs::write(at.join("cut.jsonl"), &whole[..whole.len() / 2]).unwrap();
+    assert_eq!(run(at, "restore --data two --from cut.jsonl").code, 1);
+    good(at, "restore --data two --from safe/backup.jsonl");
+    let twice = run(at, "restore --data two --from safe/backup.jsonl");
+    assert!(twice.err.contains("restore.not_empty"), "{}", twice.err);
+
+    let service = Service::start(&["--data", at.join("two").to_str().unwrap()]);
+    annotator.client.move_to(service.at);
+    assert_eq!(annotator.stored(), 5, "as it was when the backup was taken");
+}
