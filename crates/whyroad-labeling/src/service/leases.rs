@@ -165,27 +165,29 @@ pub fn next(
     Ok(None)
 }
 
-/// What each kind of work looks through, in this order. `$2` is the user, `$3` now.
+/// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
+/// order. `$2` is the user, `$3` now, `$4` the user's language; all are in each, as PostgreSQL wants it.
 fn queue(kind: Kind) -> &'static [&'static str] {
     match kind {
         Kind::Label => &[
             "holder = $2 AND state IN ('stage1', 'stage2', 'rework') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "(state = 'open' OR (state = 'stage1' AND lease_until < $3)) AND assigned IS NULL AND (lang = '' OR lang = $4)
-             AND $2 <> ''",
+            "state = 'open' AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
+            "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> ''",
         ],
         Kind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "(state = 'submitted' OR (state = 'in_check' AND lease_until < $3)) AND author <> $2
-             AND adjudication IS NULL AND (lang = '' OR lang = $4)",
-            "(state = 'submitted' OR (state = 'in_check' AND lease_until < $3)) AND author <> $2
-             AND adjudication = 'chosen' AND (lang = '' OR lang = $4)",
+            "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
+             AND (lang = '' OR lang = $4) AND CAST($3 AS BIGINT) >= 0",
+            "state = 'in_check' AND lease_until < $3 AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
+             AND (lang = '' OR lang = $4)",
         ],
         Kind::Audit => &[
             "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "(state = 'checked' OR (state = 'in_audit' AND lease_until < $3)) AND author <> $2 AND checker <> $2
-             AND (lang = '' OR lang = $4)",
+            "state = 'checked' AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)
+             AND CAST($3 AS BIGINT) >= 0",
+            "state = 'in_audit' AND lease_until < $3 AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)",
         ],
     }
 }

@@ -72,8 +72,14 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks
             &[priority.into(), priority.into(), created.into(), created.into(), id.into()],
         );
     }
-    let sql = format!("{} ORDER BY priority DESC, created, id LIMIT {}", query.sql, limit + 1);
-    let mut found = tasks::select(tx, &sql, &query.values)?;
+    // Ids first: only the tasks of this page are read whole.
+    let sql = format!(
+        "SELECT id FROM tasks WHERE {} ORDER BY priority DESC, created, id LIMIT {}",
+        query.sql,
+        limit + 1
+    );
+    let ids = tx.rows(&sql, &query.values)?;
+    let mut found = ids.iter().map(|r| tasks::get(tx, &r.text(0)?)).collect::<Answer<Vec<_>>>()?;
     let more = found.len() > limit;
     found.truncate(limit);
     let next = found.last().filter(|_| more).map(|t| format!("{}_{}_{}", t.priority, t.created, t.id));

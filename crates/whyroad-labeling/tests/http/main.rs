@@ -8,6 +8,7 @@
 mod postgres;
 
 mod access;
+mod clock;
 mod drafts;
 mod ending;
 mod flow;
@@ -58,6 +59,7 @@ suite! {
     drafts::changes_of_different_fields_merge_and_of_the_same_conflict,
     drafts::an_older_token_writes_nothing,
     drafts::a_task_is_never_held_twice,
+    clock::a_clock_that_jumps_gives_no_task_twice,
     drafts::an_earlier_draft_comes_back,
     drafts::in_stage_one_the_end_of_the_keyframes_range_survives_unseen,
     group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,

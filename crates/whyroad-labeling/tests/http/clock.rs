@@ -1,0 +1,39 @@
+//! A clock that jumps: leases may end early or late by it, but no task is ever held twice and nothing acknowledged is lost.
+
+use crate::work::Work;
+use crate::world::World;
+use serde_json::json;
+
+/// A day, s.
+const DAY: i64 = 86_400;
+
+pub fn a_clock_that_jumps_gives_no_task_twice(world: &World) {
+    let admin = world.admin();
+    let p = world.project(&admin, "p", &json!({}));
+    let task = world.tasks(&admin, &p, &["d1"], 1).remove(0);
+    let one = world.person(&admin, &p, "one", &["annotator"]);
+    let two = world.person(&admin, &p, "two", &["annotator"]);
+    let component = |text: &str| json!([{ "description": text }]);
+    let take =
+        |who: &crate::world::Person| who.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }));
+
+    // Back by a day: the lease only seems longer; its holder goes on, and nobody else gets the task.
+    let mut first = Work::take(&one, &task);
+    world.wait(-DAY);
+    assert_eq!(first.set(&[("/critical_components", component("first"))]).status, 200);
+    assert_ne!(take(&two).status, 200);
+
+    // Forward by two days: the lease is over, the task goes on to another, and the older token writes nothing more.
+    world.wait(2 * DAY);
+    let mut second = Work::take(&two, &task);
+    assert!(second.fence > first.fence);
+    let late = first.set(&[("/critical_components", component("late"))]);
+    assert_eq!(late.refusal(), (409, "lease.lost".to_owned()));
+
+    // Back again, to before the second lease began: it still stands, and the first does not come to life.
+    world.wait(-2 * DAY);
+    assert_eq!(first.set(&[("/critical_components", component("later"))]).refusal().0, 409);
+    assert_ne!(take(&one).status, 200);
+    assert_eq!(second.set(&[("/critical_components", component("second"))]).status, 200);
+    assert_eq!(second.view()["draft"]["critical_components"][0]["description"], "second");
+}
