@@ -8,6 +8,7 @@ use super::{Episode, Rank};
 use crate::evaluate::CLOCK_TOLERANCE;
 use crate::rule::Precedence;
 use crate::rule::other::is_decision_moment;
+use std::collections::BTreeMap;
 use whyroad_model::{Nanos, ScenarioId};
 
 /// Drops what a leaf tells better, orders the rest by keyframe, and ranks it.
@@ -16,11 +17,14 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
     episodes.sort_by(|a, b| {
         (a.keyframe, &a.scenario, &a.target, a.matched).cmp(&(b.keyframe, &b.scenario, &b.target, b.matched))
     });
+    // The order of classes is a long list of names: each class is looked up once.
+    let mut ranks: BTreeMap<&ScenarioId, usize> = BTreeMap::new();
+    let rank = |e| *ranks.entry(e).or_insert_with(|| precedence.rank(e));
+    let ranks: Vec<usize> = episodes.iter().map(|e| &e.scenario).map(rank).collect();
     let mut order: Vec<usize> = (0..episodes.len()).collect();
     order.sort_by(|&i, &j| {
         let (a, b) = (&episodes[i], &episodes[j]);
-        let rank = |e: &Episode| precedence.rank(&e.scenario);
-        rank(a).cmp(&rank(b)).then(b.score.total_cmp(&a.score)).then(i.cmp(&j))
+        ranks[i].cmp(&ranks[j]).then(b.score.total_cmp(&a.score)).then(i.cmp(&j))
     });
     // Ten frames of a jittering clock are 1 s, whichever way they miss it.
     let near = precedence.neighbourhood.0 - CLOCK_TOLERANCE.0;
@@ -65,10 +69,10 @@ fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {
     let resolved = |e: &Episode| {
         e.scenario.l3.is_none()
             && episodes.iter().any(|o| {
-                o.scenario.is_leaf()
-                    && o.scenario.is_within(&ScenarioId { l3: None, ..e.scenario.clone() })
+                !o.matched.intersect(e.matched).is_empty()
+                    && o.scenario.is_leaf()
+                    && o.scenario.is_within(&e.scenario)
                     && (e.target.is_none() || o.target == e.target)
-                    && !o.matched.intersect(e.matched).is_empty()
             })
     };
     let keep: Vec<bool> = episodes.iter().map(|e| !resolved(e)).collect();

@@ -37,8 +37,8 @@ impl Evaluation<'_> {
                 return vec![at.unwrap_or(f64::NAN); rows.len()];
             }
             Op::Previously(a, None) => return self.ever_before(id, *a, place)[rows].to_vec(),
-            Op::Since(a, b) => return self.of_since((*a, *b), place, rows),
-            Op::Until(a, b) => return self.of_until((*a, *b), place, rows),
+            Op::Since(a, b) => return self.of_since(id, (*a, *b), place, rows),
+            Op::Until(a, b) => return self.of_until(id, (*a, *b), place, rows),
             _ => {}
         }
         let Value::Truth(truth) = self.value(id, place) else { return vec![f64::NAN; rows.len()] };
@@ -225,39 +225,40 @@ impl Evaluation<'_> {
         out
     }
 
-    fn of_since(&self, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
-        let mut parts = vec![self.cells(of, place, rows.clone())];
-        let mut from = rows.start;
-        // Back to a row at which what was before no longer matters; there nearly always is one not far away.
-        let mut settled = parts[0].first().is_none_or(Cell::settles);
-        while from > 0 && !settled {
-            let before = from.saturating_sub(STRIDE);
-            let part = self.cells(of, place, before..from);
-            settled = part.iter().any(Cell::settles);
-            parts.push(part);
-            from = before;
+    /// Looks back, ever farther, until what was before no longer matters: nearly always not far.
+    fn of_since(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
+        let truth = self.truth(id, place);
+        let (mut parts, mut from, mut stride) =
+            (vec![self.cells(of, place, rows.clone())], rows.start, STRIDE);
+        loop {
+            let before = from.checked_sub(1).map_or(Tri::Unknown, |i| truth.at(i));
+            let cells = || parts.iter().rev().flatten();
+            if let Some(mut out) = settles(before, rows.start - from, cells) {
+                return out.split_off(rows.start - from);
+            }
+            let begin = from.saturating_sub(stride);
+            parts.push(self.cells(of, place, begin..from));
+            (from, stride) = (begin, 2 * stride);
         }
-        let mut out: Vec<f64> = along(parts.iter().rev().flatten());
-        out.split_off(rows.start - from)
     }
 
-    fn of_until(&self, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
+    /// As [`Self::of_since`], the other way in time.
+    fn of_until(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
         let n = self.places.len(place);
-        let mut parts = vec![self.cells(of, place, rows.clone())];
-        let mut to = rows.end;
-        let mut settled = parts[0].last().is_none_or(Cell::settles);
-        while to < n && !settled {
-            let after = (to + STRIDE).min(n);
-            let part = self.cells(of, place, to..after);
-            settled = part.iter().any(Cell::settles);
-            parts.push(part);
-            to = after;
+        let truth = self.truth(id, place);
+        let (mut parts, mut to, mut stride) = (vec![self.cells(of, place, rows.clone())], rows.end, STRIDE);
+        loop {
+            let after = if to < n { truth.at(to) } else { Tri::Unknown };
+            let cells = || parts.iter().rev().flat_map(|p| p.iter().rev());
+            if let Some(mut out) = settles(after, to - rows.end, cells) {
+                out.reverse();
+                out.truncate(rows.len());
+                return out;
+            }
+            let end = (to + stride).min(n);
+            parts.push(self.cells(of, place, to..end));
+            (to, stride) = (end, 2 * stride);
         }
-        let backwards = parts.iter().rev().flat_map(|p| p.iter().rev());
-        let mut out = along(backwards);
-        out.reverse();
-        out.truncate(rows.len());
-        out
     }
 
     fn cells(&self, (a, b): (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<Cell> {
@@ -268,8 +269,8 @@ impl Evaluation<'_> {
     }
 }
 
-/// How far `since` and `until` look on at a time for a row that settles them.
-const STRIDE: usize = 128;
+/// How far `since` and `until` look on at first for a row that settles them.
+const STRIDE: usize = 32;
 
 /// The operands of `since` or `until` in one row.
 struct Cell {
@@ -277,26 +278,35 @@ struct Cell {
     b: (Tri, f64),
 }
 
-impl Cell {
-    /// True where the answer does not depend on any other row: b holds, or a fails, by all that a margin can be.
-    fn settles(&self) -> bool {
-        (self.b.0 == Tri::True && self.b.1 >= MARGIN_LIMIT)
-            || (self.a.0 == Tri::False && self.a.1 <= -MARGIN_LIMIT)
-    }
+/// The margins along these cells where the `wanted`th does not depend on what came before the first, of which the truth
+/// is `before`: a margin is a growing function of the one before it, so it is the same for all if it is the same for
+/// the least and the greatest that there could have been. An unknown one has no margin at all.
+fn settles<'c, C: Iterator<Item = &'c Cell>>(
+    before: Tri,
+    wanted: usize,
+    cells: impl Fn() -> C,
+) -> Option<Vec<f64>> {
+    let (least, greatest) = match before {
+        Tri::Unknown => return Some(along((before, f64::NAN), cells()).collect()),
+        Tri::True => (0.0, f64::INFINITY),
+        Tri::False => (f64::NEG_INFINITY, 0.0),
+    };
+    let low: Vec<f64> = along((before, least), cells()).collect();
+    let high = along((before, greatest), cells()).nth(wanted);
+    // No row is wanted, or the same margin (bit for bit: an unknown one is NaN both times).
+    let same = low.get(wanted).map(|m| m.to_bits()) == high.map(f64::to_bits);
+    same.then_some(low)
 }
 
 /// At each row: b, or a and the answer at the row that came before.
-fn along<'c>(cells: impl Iterator<Item = &'c Cell>) -> Vec<f64> {
-    let mut answer = (Tri::Unknown, f64::NAN);
-    cells
-        .map(|Cell { a, b }| {
-            let truth = a.0.and(answer.0);
-            let carried = settled(truth, a.1.min(answer.1));
-            let truth = b.0.or(truth);
-            answer = (truth, settled(truth, b.1.max(carried)));
-            answer.1
-        })
-        .collect()
+fn along<'c>(mut answer: (Tri, f64), cells: impl Iterator<Item = &'c Cell>) -> impl Iterator<Item = f64> {
+    cells.map(move |Cell { a, b }| {
+        let truth = a.0.and(answer.0);
+        let carried = settled(truth, a.1.min(answer.1));
+        let truth = b.0.or(truth);
+        answer = (truth, settled(truth, b.1.max(carried)));
+        answer.1
+    })
 }
 
 /// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
