@@ -137,6 +137,7 @@ def turns_and_conflicts(run, ego, all_passages):
 
     - A turn with nobody in conflict (arrivals more than 7 s apart, no person within 5 s on the ego's way) is the turn; with somebody
       whom the ego waits for it is not; between the two it may be told or not (optional).
+    - In the first 11 s of a log the light that it came from may not have been seen: optional.
     - left: protected where the link's light is `G` or no road comes from opposite; else unprotected.
     - straight: no entry when the ego stood within 3.5 s before, optional up to 8 s; optional where a leader within 3 s, a change of light or a slowing by
       1 m/s or more within 5 s before made it adjust.
@@ -199,7 +200,7 @@ def turns_and_conflicts(run, ego, all_passages):
         base = rows[max(min(rows), p.first - 1)].angle
         starts = next((k for k in range(p.first, p.last + 1) if k in rows and abs(turn_deg(base, rows[k].angle)) > 1), p.first)
         people = any(o.person and math.hypot(o.x - rows[k].x, o.y - rows[k].y) < 12 for k in range(p.first, p.last, 5) for _, o in run.by_time[k] if k in rows)
-        yield run.entry(f"proactive.turn.{leaf}", ego, entry - 30, starts - 5, out + 20, optional=near or people or not p.complete or not p.began)
+        yield run.entry(f"proactive.turn.{leaf}", ego, entry - 30, starts - 5, out + 20, optional=near or people or not p.complete or not p.began or p.first - min(rows) < 110)
 
 
 def q_angle(run, lane):
