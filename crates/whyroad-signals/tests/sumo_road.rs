@@ -128,9 +128,8 @@ fn compare(name: &str, tally: &mut Tally) {
             let turning = t.ego_category("map.lane_turns", i);
             tally.add("turns", turning == turns(&row.cells["turns"]), row, turning);
             let lights = t.ego_flag("map.junction_signalised", i);
-            // A log without light states cannot say that there is none.
-            let expected = if drive.lights.is_some() { Tri::from(row.flag("lights")) } else { Tri::Unknown };
-            tally.add("lights", lights == expected, row, lights);
+            // Also where the log has no light states: the network says which junctions have lights.
+            tally.add("lights", lights == Tri::from(row.flag("lights")), row, lights);
             if row.flag("lights") && stays {
                 let line = t.ego("map.distance_to_stop_line", i);
                 tally.add("stop line", near(line, to_end, 0.5), row, line);
