@@ -56,6 +56,7 @@ pub(crate) struct Definition {
     expr: Expr,
     node: NodeId,
     extent: Extent,
+    told: tell::Told,
 }
 
 /// Whom `target.` means.

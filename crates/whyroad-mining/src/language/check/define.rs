@@ -30,7 +30,8 @@ impl Checker<'_> {
             return Err(parse::too_large(expr.span));
         }
         let node = self.lower(&expr)?;
-        self.definitions.insert(name.to_owned(), Definition { expr, node, extent });
+        let told = self.told(&expr, &self.program.node(node).kind);
+        self.definitions.insert(name.to_owned(), Definition { expr, node, extent, told });
         Ok(())
     }
 
