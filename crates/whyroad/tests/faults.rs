@@ -27,7 +27,7 @@ const PEOPLE: usize = 6;
 fn crew(at: SocketAddr) -> (Client, String, Vec<Annotator>) {
     let mut admin = Client::set_up(at, "admin");
     let project = first_project(&mut admin);
-    let tokens = annotators(&mut admin, at, &project, PEOPLE);
+    let tokens = annotators(&mut admin, at, &project, 0..PEOPLE);
     let crew = tokens.iter().map(|t| Annotator::begin(at, t, &project)).collect();
     (admin, project, crew)
 }

@@ -95,7 +95,7 @@ fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
     let service = Service::start(&["--data", at.join("one").to_str().unwrap()]);
     let mut admin = Client::set_up(service.at, "admin");
     let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 1).remove(0);
+    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
     let mut annotator = Annotator::begin(service.at, &token, &project);
     for _ in 0..5 {
         assert!(annotator.save(), "{:?}", annotator.refused);

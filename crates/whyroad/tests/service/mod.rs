@@ -8,6 +8,7 @@ use http::Client;
 use serde_json::json;
 use std::io::{BufRead, BufReader};
 use std::net::SocketAddr;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
@@ -30,7 +31,9 @@ impl Service {
     }
 
     fn run(arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        // A bench may measure another build than its own.
+        let program = std::env::var_os("WHYROAD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_whyroad").into());
+        let mut child = Command::new(program)
             .args(["serve", "--listen", "127.0.0.1:0"])
             .args(arguments)
             .env_remove("WHYROAD_FRAMEWORK")
@@ -97,8 +100,8 @@ pub fn demo() -> &'static Path {
     AT.get_or_init(|| dir.path().join("demo"))
 }
 
-/// Signs up `n` annotators of `project` under an admin, and gives each an API token.
-pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, n: usize) -> Vec<String> {
+/// Signs up annotators of `project` with these numbers under an admin, and gives each an API token.
+pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, numbers: Range<usize>) -> Vec<String> {
     let tokens = |i: usize| {
         let name = format!("annotator{i}");
         let user = json!({"name": name, "display": name, "password": "a long password"});
@@ -108,7 +111,7 @@ pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, n: usize) -
         let mut own = Client::sign_in(at, &name);
         own.post("/tokens", &json!({"name": "test"})).good()["token"].as_str().unwrap().to_owned()
     };
-    (0..n).map(tokens).collect()
+    numbers.map(tokens).collect()
 }
 
 /// The id of the project that a fresh service begins with.
