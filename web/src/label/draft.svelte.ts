@@ -268,8 +268,10 @@ export class Draft {
       this.#pending = needed(found.draft as Json, this.#pending);
       this.doc = apply(found.draft as Json, this.#pending);
       this.saving = "waiting";
-    } else if (e instanceof ApiError && (e.code === "lease.lost" || e.code === "lease.not_yours")) this.saving = "lost";
-    else if (e instanceof ApiError) {
+    } else if (e instanceof ApiError && (e.code === "lease.lost" || e.code === "lease.not_yours" || e.status === 404)) {
+      // A task in Stage I that somebody else took is no longer there for who had it.
+      this.saving = "lost";
+    } else if (e instanceof ApiError) {
       this.saving = "refused";
       this.refused = e;
     } else throw e;

@@ -122,6 +122,16 @@ test("an answer that got lost is no conflict with oneself", async () => {
   draft.close();
 });
 
+test("a task that is no longer there for one counts as lost", async () => {
+  const draft = opened();
+  answer = () => ({ status: 404, body: { code: "missing" } });
+  draft.set("/coc_trace", "kept");
+  assert.equal(await draft.flush(), false);
+  assert.equal(draft.saving, "lost");
+  assert.ok([...storage.values()].join().includes("kept"));
+  draft.close();
+});
+
 test("a lost lease stops the sending and keeps the text; with a new lease it goes out", async () => {
   const draft = opened();
   answer = () => ({ status: 409, body: { code: "lease.lost" } });

@@ -7,6 +7,7 @@ use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use whyroad_framework::Framework;
 use whyroad_labeling::App;
+use whyroad_labeling::api::wire::project::HistoryRule;
 use whyroad_labeling::api::wire::task::CreateTasks;
 use whyroad_labeling::secret;
 use whyroad_labeling::service::{create, people, projects};
@@ -52,7 +53,9 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     if !app.store.read(projects::all).map_err(problem)?.is_empty() {
         return Ok(());
     }
-    let project = store_place::new_project("demo", lang)?;
+    let mut project = store_place::new_project("demo", lang)?;
+    // One person looks at few short drives here: whoever has seen one task of a drive would soon find the queue empty.
+    project.settings.history = HistoryRule::Episode;
     let (id, now) = (project.id.clone(), app.now());
     app.store.write(move |tx| projects::create(tx, &project, now)).map_err(problem)?;
     let request = CreateTasks { mined: Some(mined), ..CreateTasks::default() };
