@@ -149,12 +149,13 @@ def near_misses(run, ego):
 
 
 def riders_ahead(run, ego, lead):
-    """vru_invasion.same_direction: SUMO's leader is a bicycle in the ego's own way, near enough to concern it (TTC < 5 s)."""
+    """vru_invasion.same_direction: SUMO's leader is a bicycle in the ego's own way, near enough to concern it (TTC < 5 s), and moving (over
+    0.5 m/s: who stands, at a red light say, does not travel along the lane)."""
     rows = run.rows[ego]
     for name in sorted({n for n, _ in lead.values() if run.kind(n) == "bicycle"}):
         keys = [k for k, (n, g) in lead.items() if n == name and g < 40]
         for a, b in runs(keys, gap=5):
-            concerns = [k for k in range(a, b) if k in lead and lead[k][0] == name and ((rows[k].speed - run.rows[name][k].speed) * 5 > lead[k][1] or lead[k][1] < 17)]
+            concerns = [k for k in range(a, b) if k in lead and lead[k][0] == name and run.rows[name][k].speed > 0.5 and ((rows[k].speed - run.rows[name][k].speed) * 5 > lead[k][1] or lead[k][1] < 17)]
             first = concerns[0] if concerns else a
             sure = concerns and b - a > 30 and not any(c.id == ego and abs(c.k - first) < 30 for c in run.changes) and rows[first].speed > 2
             yield run.entry("reactive_agent.vru_invasion.same_direction", ego, first, first, b, name, optional=not sure)
