@@ -11,7 +11,7 @@ use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::{Drive, DriveId, Nanos};
 
 const MARKER: &str = "whyroad-lake.json";
-const MANIFEST: &str = "drive.json";
+pub(crate) const MANIFEST: &str = "drive.json";
 
 /// An opened lake.
 #[derive(Clone, Debug)]
@@ -234,7 +234,7 @@ fn write_tables(dir: &Path, drive: &Drive) -> Result<(), LakeError> {
     write_json(&dir.join(MANIFEST), &manifest)
 }
 
-fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), LakeError> {
+pub(crate) fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), LakeError> {
     let mut text = serde_json::to_string_pretty(value).map_err(|e| LakeError::broken(path, e))?;
     text.push('\n');
     let mut file = fs::File::create(path).map_err(LakeError::io(path))?;

@@ -12,6 +12,7 @@ mod error;
 mod file;
 mod lake;
 mod manifest;
+mod media;
 mod outline;
 pub mod signals;
 mod tables;

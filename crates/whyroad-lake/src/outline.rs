@@ -88,7 +88,7 @@ impl Lake {
     }
 
     /// A name that no reader takes for a drive, on the same file system.
-    fn aside(&self, id: &DriveId, what: &str) -> PathBuf {
+    pub(crate) fn aside(&self, id: &DriveId, what: &str) -> PathBuf {
         self.dir().join("drives").join(format!(".{what}-{}-{id}", std::process::id()))
     }
 }

@@ -44,6 +44,8 @@ enum Command {
     Ingest(cmd::ingest::Args),
     /// Show what a lake holds
     Inspect(cmd::inspect::Args),
+    /// Attach camera pictures to a drive of a lake
+    Media(cmd::media::Args),
     /// List and show the signals that rules can speak of
     Signals(cmd::signals::Args),
     /// Find episodes
@@ -75,6 +77,7 @@ fn main() -> ExitCode {
         Command::Validate(a) => cmd::validate::run(&cli.global, a),
         Command::Ingest(a) => cmd::ingest::run(&cli.global, a),
         Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
+        Command::Media(a) => cmd::media::run(&cli.global, a),
         Command::Signals(a) => cmd::signals::run(&cli.global, a),
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
         Command::Explain(a) => cmd::explain::run(&cli.global, a),

@@ -6,6 +6,7 @@ pub(crate) mod evaluate;
 pub(crate) mod explain;
 pub(crate) mod ingest;
 pub(crate) mod inspect;
+pub(crate) mod media;
 pub(crate) mod mine;
 pub(crate) mod report;
 pub(crate) mod rules;

@@ -25,7 +25,12 @@ pub struct Service {
 impl Service {
     /// Starts the service on `demo()`'s lake with these further arguments, and waits until it listens.
     pub fn start(arguments: &[&str]) -> Self {
-        let (lake, mined) = (demo().join("lake"), demo().join("mined"));
+        Self::start_on(&demo().join("lake"), arguments)
+    }
+
+    /// The same on a lake that has the drives of `demo()`.
+    pub fn start_on(lake: &Path, arguments: &[&str]) -> Self {
+        let mined = demo().join("mined");
         let drives = ["--lake", lake.to_str().unwrap(), "--mined", mined.to_str().unwrap()];
         Self::run(&[&drives[..], arguments].concat())
     }

@@ -1,0 +1,51 @@
+//! Camera pictures of a drive that is in the lake already: what its `media` table names, and another table in its place.
+
+use crate::lake::{Lake, MANIFEST, write_json};
+use crate::tables::states;
+use crate::{LakeError, file};
+use std::fs;
+use whyroad_model::DriveId;
+use whyroad_model::scene::MediaFrame;
+
+/// What adapters call pictures that a log has not (`drive.json`, `missing`).
+const NO_PICTURES: &str = "camera pictures";
+const TABLE: &str = "media";
+
+impl Lake {
+    /// Camera frames of a drive; none where the table is missing.
+    pub fn media(&self, id: &DriveId) -> Result<Vec<MediaFrame>, LakeError> {
+        self.manifest(id)?;
+        // By the file and not by what drive.json names: a replacement that was killed leaves the old frames in the file.
+        let path = self.drive_dir(id).join("media.parquet");
+        let table = file::read_table(&path, states::MEDIA_ORDER)?;
+        table.map_or(Ok(vec![]), |t| states::media_from_table(&t))
+    }
+
+    /// Puts `frames` in the place of the drive's camera frames; they are sorted by camera, then time. The drive stays
+    /// readable if this is killed: for that moment it has no pictures, and the next call has the old ones still.
+    pub fn write_media(&self, id: &DriveId, frames: &[MediaFrame]) -> Result<(), LakeError> {
+        let mut manifest = self.manifest(id)?;
+        let mut sorted = frames.to_vec();
+        sorted.sort_by(|a, b| (&a.camera, a.time).cmp(&(&b.camera, b.time)));
+        let (target, fresh) = (self.drive_dir(id).join("media.parquet"), self.aside(id, "media.parquet"));
+        let rows = file::write_table(&fresh, states::media_to_table(&sorted), states::MEDIA_ORDER)
+            .inspect_err(|_| {
+                // The error that made it fail is the one to report.
+                let _ = fs::remove_file(&fresh);
+            })?;
+        let state = |manifest: &crate::manifest::DriveManifest| {
+            let aside = self.aside(id, MANIFEST);
+            write_json(&aside, manifest)?;
+            let path = self.drive_dir(id).join(MANIFEST);
+            fs::rename(&aside, &path).map_err(LakeError::io(&path))
+        };
+        // Table and manifest must agree on the number of rows and cannot be renamed as one: in between, no table is named.
+        if manifest.tables.remove(TABLE).is_some() {
+            state(&manifest)?;
+        }
+        fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
+        manifest.tables.insert(TABLE.to_owned(), rows);
+        manifest.meta.missing.retain(|what| what != NO_PICTURES);
+        state(&manifest)
+    }
+}
