@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { hits, lightsAt, trackPose } from "./motion.ts";
-import { frameAt } from "./player.svelte.ts";
+import { frameAt, pictureAt } from "./player.svelte.ts";
 import { corners, REACH, shadows, wedge } from "./shadow.ts";
 import { fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
 import type { LightView, TrackView } from "../api/types.ts";
@@ -81,4 +81,7 @@ test("what stands wholly behind a nearer thing throws no shadow of its own; what
 
 test("the frame shown is the last one at or before now", () => {
   assert.deepEqual([-9, 0, 0.05, 0.1, 9].map((s) => frameAt([0, 0.1, 0.2], s)), [0, 0, 0, 1, 2]);
+  // No picture before the camera's first one: it would be of a later moment; none long after its last.
+  assert.deepEqual([-0.1, 0, 0.15, 1.2, 1.3].map((s) => pictureAt([0, 0.1, 0.2], s)), [null, 0, 1, 2, null]);
+  assert.equal(pictureAt([], 0), null);
 });
