@@ -44,7 +44,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
 use whyroad_model::{Diagnostic, Drive, DriveId, Nanos};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 6;
+const REVISION: u32 = 7;
 
 /// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is a file.
 pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {

@@ -288,7 +288,8 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
     let lane = |id: &str, rest: &str, shape: &str| {
         format!(r#"<lane id="{id}" index="0" speed="22" length="9" {rest} shape="{shape}"/>"#)
     };
-    // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type; and a main road.
+    // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type, in two parts with a joint that has no type;
+    // and a main road.
     let net = format!(
         r#"<net>
         <edge id=":n_0" function="internal">{}</edge>
@@ -296,9 +297,13 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
         <edge id="main" from="w" to="n">{}</edge>
         <edge id="drawn" from="y" to="n">{}</edge>
         <edge id="linked" from="y" to="z" type="highway.motorway_link">{}</edge>
+        <edge id=":z_0" function="internal">{}</edge>
+        <edge id="linked_on" from="z" to="x" type="highway.motorway_link">{}</edge>
         <edge id="on" from="n" to="e">{}{}</edge>
         <connection from="main" to="on" fromLane="0" toLane="1" via=":n_1_0" dir="s"/>
         <connection from="drawn" to="on" fromLane="0" toLane="0" via=":n_0_0" dir="s"/>
+        <connection from="linked" to="linked_on" fromLane="0" toLane="0" via=":z_0_0" dir="s"/>
+        <connection from=":z_0" to="linked_on" fromLane="0" toLane="0" dir="s"/>
         <connection from=":n_0" to="on" fromLane="0" toLane="0" dir="s"/>
         <connection from=":n_1" to="on" fromLane="0" toLane="1" dir="s"/></net>"#,
         lane(":n_0_0", "", "100,-4 102,-4"),
@@ -306,6 +311,8 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
         lane("main_0", "", "0,-1 100,-1"),
         lane("drawn_0", "", "0,-30 100,-4"),
         lane("linked_0", "", "0,-60 100,-60"),
+        lane(":z_0_0", "", "100,-60 101,-60"),
+        lane("linked_on_0", "", "101,-60 200,-60"),
         lane("on_0", r#"acceleration="1""#, "102,-4 200,-4"),
         lane("on_1", "", "102,-1 200,-1"),
     );
@@ -322,7 +329,7 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
     let map = drive.unwrap().map.unwrap();
     let tagged =
         |tag: &str| map.lanes.iter().filter(|l| l.is_tagged(tag)).map(|l| l.id.as_str()).collect::<Vec<_>>();
-    assert_eq!(tagged("ramp"), [":n_0_0", "drawn_0", "linked_0"]);
+    assert_eq!(tagged("ramp"), [":n_0_0", ":z_0_0", "drawn_0", "linked_0", "linked_on_0"]);
     assert_eq!(tagged("acceleration"), ["on_0"]);
     let facilities: Vec<_> = map.facilities.iter().map(|f| (f.id.as_str(), f.kind.as_str())).collect();
     assert_eq!(facilities, [("bump", "speed_bump"), ("house", "building")]);

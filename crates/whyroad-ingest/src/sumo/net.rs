@@ -274,6 +274,7 @@ fn assemble(raw: Raw, net: &mut Net) {
     let outside: Vec<&Vec<String>> =
         edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
     ramps::tag_feeders(&outside, &mut lanes);
+    ramps::tag_joints(&mut lanes);
     let exits = border.exits();
     for edge in edges.values().filter(|e| e.function.is_empty() && exits.contains(&e.to.as_str())) {
         for lane in &edge.lanes {

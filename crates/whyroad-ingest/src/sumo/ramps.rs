@@ -81,3 +81,23 @@ pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, L
         }
     }
 }
+
+/// Tags the pieces of lane inside a node that lie between ramps and nothing else: a node may cut a ramp in two, and the piece in it
+/// has no type of its own. A vehicle on it has not been on the main road in between.
+pub(super) fn tag_joints(lanes: &mut BTreeMap<String, Lane>) {
+    let is_ramp = |id: &String| lanes.get(id).is_some_and(|l| l.is_tagged("ramp"));
+    let between = |l: &Lane| {
+        let ends = || l.predecessors.iter().chain(&l.successors);
+        !l.predecessors.is_empty() && !l.successors.is_empty() && ends().all(is_ramp)
+    };
+    let joints: Vec<String> = lanes
+        .iter()
+        .filter(|(id, l)| id.starts_with(':') && !l.in_junction && !l.is_tagged("ramp") && between(l))
+        .map(|(id, _)| id.clone())
+        .collect();
+    for id in joints {
+        if let Some(l) = lanes.get_mut(&id) {
+            l.tags.push("ramp".to_owned());
+        }
+    }
+}
