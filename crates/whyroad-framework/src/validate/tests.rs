@@ -179,6 +179,23 @@ proptest! {
     }
 }
 
+#[test]
+fn null_is_no_list_for_every_reader() {
+    // Found by `the_paths_agree`: what the checker passes, the typed reader must read.
+    for pointer in [
+        "/critical_components/1/evidence_times",
+        "/critical_components/0/linked_objects",
+        "/secondary_scenarios",
+    ] {
+        let mut v: Value = serde_json::from_str(EXAMPLES[0]).unwrap();
+        let (parent, key) = pointer.rsplit_once('/').unwrap();
+        v.pointer_mut(parent).unwrap().as_object_mut().unwrap().insert(key.to_owned(), Value::Null);
+        let text = v.to_string();
+        assert_eq!(checker().check_text(&text), [], "{pointer}");
+        assert!(serde_json::from_str::<typed::CocLabel>(&text).is_ok(), "{pointer}");
+    }
+}
+
 /// DATA_FORMAT.md 2.2, 3.1-3.3, 5.1, 5.2 as printed there (the result's list is an excerpt: one warning).
 const SAMPLES: &[(&str, Kind)] = &[
     (

@@ -58,7 +58,8 @@ pub struct CocLabel {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_keyframe: Option<Keyframe>,
     /// Full ids of the other triggers that were active (LABELING.md 1). Since 2.1.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "none_as_empty", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Option<Vec<String>>")]
     pub secondary_scenarios: Vec<String>,
     /// Who made it, with what. Since 2.1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -183,10 +184,12 @@ pub struct CriticalComponent {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
     /// When it could be seen; never after the keyframe. Since 2.1.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "none_as_empty", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Option<Vec<Nanos>>")]
     pub evidence_times: Vec<Nanos>,
     /// Track ids of the objects that it speaks of. Since 2.1.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "none_as_empty", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Option<Vec<String>>")]
     pub linked_objects: Vec<String>,
 }
 
@@ -205,7 +208,8 @@ pub struct Causes {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Cause {
     /// Ids of critical components.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, deserialize_with = "none_as_empty", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(with = "Option<Vec<String>>")]
     pub components: Vec<String>,
     /// The cause is UNOBSERVED, for this reason.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -241,4 +245,9 @@ pub struct Provenance {
     /// Versions of what it was made with: `taxonomy`, `rules`, `model`, ...
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub versions: BTreeMap<String, String>,
+}
+
+/// `null` where an optional list may stand is the same as none, as it is for every other optional field.
+fn none_as_empty<'de, D: serde::Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or_default())
 }
