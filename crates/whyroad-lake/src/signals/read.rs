@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
 
@@ -63,6 +64,8 @@ struct Table {
     path: PathBuf,
     metadata: ArrowReaderMetadata,
     columns: BTreeMap<String, usize>,
+    /// Of each drive, whether the order of its rows has been checked: once is enough while the store is open.
+    in_order: Arc<[AtomicBool]>,
 }
 
 /// An opened store of signals.
@@ -79,9 +82,12 @@ impl SignalFile {
         let Some((frames, contents)) = Table::open(&dir.join("frames.parquet"))? else { return Ok(None) };
         let path = dir.join("targets.parquet");
         let Some((targets, same)) = Table::open(&path)? else { return Ok(None) };
+        // Both are written with the same text: it is compared as it stands, and parsed once.
         if contents != same {
             return Err(LakeError::broken(&path, "it is not of the same drives as frames.parquet"));
         }
+        let contents: Contents =
+            serde_json::from_str(&contents).map_err(|e| LakeError::broken(&frames.path, e))?;
         for (table, rows) in [
             (&frames, contents.drives.iter().map(|d| d.frames).collect::<Vec<_>>()),
             (&targets, contents.drives.iter().map(StoredDrive::target_rows).collect()),
@@ -152,11 +158,17 @@ impl SignalFile {
     pub fn read(&self, drive: usize, scope: Scope, signals: &[&str]) -> Result<Vec<StoredColumn>, LakeError> {
         let table = self.table(scope);
         let of = &self.contents.drives[drive];
-        let names: Vec<&str> = signals.iter().copied().chain([FRAME]).collect();
+        let checked = table.in_order.get(drive).is_some_and(|c| c.load(Ordering::Relaxed));
+        let names: Vec<&str> = signals.iter().copied().chain((!checked).then_some(FRAME)).collect();
         let Some(batch) = table.read(drive, &names)? else {
             return signals.iter().map(|name| table.empty(name, of)).collect();
         };
-        table.check_order(&batch, of, scope)?;
+        if !checked {
+            table.check_order(&batch, of, scope)?;
+            if let Some(of_drive) = table.in_order.get(drive) {
+                of_drive.store(true, Ordering::Relaxed);
+            }
+        }
         let (schema, arrays, _) = batch.into_parts();
         let mut arrays: Vec<Option<ArrayRef>> = arrays.into_iter().map(Some).collect();
         let column = |name: &&str| {
@@ -191,7 +203,8 @@ impl SignalFile {
 }
 
 impl Table {
-    fn open(path: &Path) -> Result<Option<(Self, Contents)>, LakeError> {
+    /// The table, and what it says of the contents of the store, as text.
+    fn open(path: &Path) -> Result<Option<(Self, String)>, LakeError> {
         let file = match File::open(path) {
             Ok(f) => f,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
@@ -210,10 +223,10 @@ impl Table {
             return Err(LakeError::broken(path, format!("the order of its rows is not '{ROW_ORDER}'")));
         }
         let contents = value(KEY).unwrap_or_default();
-        let contents = serde_json::from_str(&contents).map_err(|e| LakeError::broken(path, e))?;
         let fields = metadata.schema().fields().iter().enumerate();
         let columns = fields.map(|(i, f)| (f.name().clone(), i)).collect();
-        Ok(Some((Self { path: path.to_owned(), metadata, columns }, contents)))
+        let in_order = metadata.metadata().row_groups().iter().map(|_| AtomicBool::new(false)).collect();
+        Ok(Some((Self { path: path.to_owned(), metadata, columns, in_order }, contents)))
     }
 
     fn wrong_type(&self, name: &str) -> LakeError {
@@ -262,9 +275,12 @@ impl Table {
         if scope == Scope::Frames {
             return check(0..of.frames, frames, 0);
         }
-        for span in of.targets() {
-            let rows = span.first_row..span.first_row + span.frames.len();
-            check(span.frames.start..span.frames.end, &frames[rows], span.first_row)?;
+        let mut first_row = 0;
+        for target in &of.targets {
+            let expected = target.first..target.end;
+            let rows = first_row..first_row + expected.len();
+            check(expected, &frames[rows.clone()], first_row)?;
+            first_row = rows.end;
         }
         Ok(())
     }
