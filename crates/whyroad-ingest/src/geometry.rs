@@ -103,12 +103,8 @@ pub fn union_outlines(polygons: &[Vec<Point3>]) -> Vec<Vec<Point3>> {
         .iter()
         .map(|p| Polygon::new(p.iter().map(|q| Coord { x: q.x, y: q.y }).collect::<LineString>(), vec![]))
         .collect();
-    let height_at = |c: &Coord| {
-        let here = Point3 { x: c.x, y: c.y, z: 0.0 };
-        let nearest =
-            polygons.iter().flatten().min_by(|a, b| distance(**a, here).total_cmp(&distance(**b, here)));
-        nearest.map_or(0.0, |p| p.z)
-    };
+    let corners = Corners::of(polygons);
+    let height_at = |c: &Coord| corners.nearest_height(c.x, c.y).unwrap_or(0.0);
     let mut outlines: Vec<Vec<Point3>> = unary_union(&shapes)
         .into_iter()
         .map(|p| p.exterior().coords().map(|c| Point3 { x: c.x, y: c.y, z: height_at(c) }).collect())
@@ -121,6 +117,42 @@ pub fn union_outlines(polygons: &[Vec<Point3>]) -> Vec<Vec<Point3>> {
         key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal)
     });
     outlines
+}
+
+/// Corners by ascending x, so that the nearest one is looked for only as far to either side as the nearest so far.
+struct Corners {
+    /// Place in the order given, which decides between corners equally near, and the corner.
+    by_x: Vec<(usize, Point3)>,
+}
+
+impl Corners {
+    fn of(polygons: &[Vec<Point3>]) -> Self {
+        let mut by_x: Vec<(usize, Point3)> = polygons.iter().flatten().copied().enumerate().collect();
+        by_x.sort_by(|a, b| a.1.x.total_cmp(&b.1.x));
+        Self { by_x }
+    }
+
+    /// Height of the corner nearest to `(x, y)` in the ground plane, m; `None` without corners.
+    fn nearest_height(&self, x: f64, y: f64) -> Option<f64> {
+        let here = Point3 { x, y, z: 0.0 };
+        let middle = self.by_x.partition_point(|(_, p)| p.x < x);
+        let (before, after) = self.by_x.split_at(middle);
+        let mut best: Option<(f64, usize, f64)> = None;
+        let mut look = |&(place, p): &(usize, Point3)| {
+            // Corners further off along x alone, and all that follow them, cannot be nearer.
+            if best.is_some_and(|(reach, ..)| (p.x - x).abs() > reach) {
+                return false;
+            }
+            let reach = distance(p, here);
+            if best.is_none_or(|(r, at, _)| reach.total_cmp(&r).then(place.cmp(&at)).is_lt()) {
+                best = Some((reach, place, p.z));
+            }
+            true
+        };
+        let _ = after.iter().all(&mut look);
+        let _ = before.iter().rev().all(&mut look);
+        best.map(|(.., z)| z)
+    }
 }
 
 /// True when `p` lies inside the closed polygon (even-odd rule).
@@ -170,6 +202,26 @@ mod tests {
         assert_eq!(outlines.len(), 2);
         let inside = |x: f64| outlines.iter().filter(|o| contains(o, Point3 { x, y: 1.0, z: 0.0 })).count();
         assert_eq!([inside(0.5), inside(2.5), inside(5.0), inside(11.0)], [1, 1, 0, 1]);
+    }
+
+    #[test]
+    fn the_nearest_corner_is_the_one_that_asking_all_of_them_gives() {
+        // A coarse grid, so that many corners are equally near and the first given must win; heights tell them apart.
+        let mut state = 7_u64;
+        let mut next = |n: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) % n) as f64
+        };
+        let corners: Vec<Point3> =
+            (0..300).map(|i| Point3 { x: next(20), y: next(20), z: f64::from(i) }).collect();
+        let polygons: Vec<Vec<Point3>> = corners.chunks(7).map(<[Point3]>::to_vec).collect();
+        let index = Corners::of(&polygons);
+        for _ in 0..500 {
+            let here = Point3 { x: next(48) / 2.0 - 2.0, y: next(48) / 2.0 - 2.0, z: 0.0 };
+            let all = corners.iter().min_by(|a, b| distance(**a, here).total_cmp(&distance(**b, here)));
+            assert_eq!(index.nearest_height(here.x, here.y), all.map(|p| p.z), "{here:?}");
+        }
+        assert_eq!(Corners::of(&[]).nearest_height(0.0, 0.0), None);
     }
 
     #[test]

@@ -1,9 +1,5 @@
 //! NumPy `.npy` arrays as rows and columns, in either memory order. Never a pickle: object arrays are refused.
 
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
-
 /// A one- or two-dimensional array of numbers, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
@@ -29,14 +25,30 @@ impl Table {
     }
 }
 
-fn open(path: &Path) -> Result<npyz::NpyFile<BufReader<File>>, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    npyz::NpyFile::new(BufReader::new(file)).map_err(|e| e.to_string())
+/// An array of byte strings of one width, one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByteStrings {
+    /// Bytes of a string.
+    pub width: usize,
+    /// All strings, row by row.
+    pub bytes: Vec<u8>,
 }
 
-/// Reads floating-point numbers (float64, or int64 converted).
-pub fn read_numbers(path: &Path) -> Result<Table, String> {
-    let npy = open(path)?;
+impl ByteStrings {
+    /// Number of strings.
+    pub fn rows(&self) -> usize {
+        self.bytes.len() / self.width.max(1)
+    }
+
+    /// One string at its full width.
+    pub fn row(&self, i: usize) -> &[u8] {
+        &self.bytes[i * self.width..(i + 1) * self.width]
+    }
+}
+
+/// Floating-point numbers (float64, or int64 converted) from a file's bytes.
+pub fn numbers(file: &[u8]) -> Result<Table, String> {
+    let npy = npyz::NpyFile::new(file).map_err(|e| e.to_string())?;
     let shape: Vec<usize> = npy.shape().iter().map(|&n| n as usize).collect();
     let (rows, columns) = match shape[..] {
         [n] => (n, 1),
@@ -59,17 +71,55 @@ pub fn read_numbers(path: &Path) -> Result<Table, String> {
     Ok(Table { columns, values })
 }
 
-/// Reads an array of byte strings (`S8`), each at its full width: NumPy and the crate take zeros at a string's end for
-/// padding, but in a bus frame they are data.
-pub fn read_bytes(path: &Path) -> Result<Vec<Vec<u8>>, String> {
-    let npy = open(path)?;
-    let npyz::DType::Plain(kind) = npy.dtype() else {
-        return Err("an array of records, not of byte strings".into());
+/// Byte strings (`S8`) from a file's bytes, each at its full width: NumPy and the crate take zeros at a string's end for
+/// padding, but in a bus frame they are data. They are taken as they lie in the file, not one allocation each.
+pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
+    let npy = npyz::NpyFile::new(file).map_err(|e| e.to_string())?;
+    let width = match npy.dtype() {
+        npyz::DType::Plain(kind) if kind.type_char() == npyz::TypeChar::ByteStr => kind.num_bytes(),
+        _ => None,
     };
-    let width = kind.num_bytes().unwrap_or(0);
-    let mut strings = npy.into_vec::<Vec<u8>>().map_err(|e| e.to_string())?;
-    for s in &mut strings {
-        s.resize(width, 0);
+    let Some(width) = width.filter(|&w| w > 0) else {
+        return Err("not an array of byte strings of one width".into());
+    };
+    let rows = npy.shape().iter().try_fold(1_usize, |n, &m| n.checked_mul(usize::try_from(m).ok()?));
+    let size = rows.and_then(|n| n.checked_mul(width)).ok_or("an array larger than memory")?;
+    let payload = payload(file).ok_or("the file ends in its header")?;
+    let bytes = payload
+        .get(..size)
+        .ok_or_else(|| format!("{} of {size} bytes of the array are there", payload.len()))?;
+    Ok(ByteStrings { width, bytes: bytes.to_vec() })
+}
+
+/// What follows the header (NumPy's format description, `numpy.lib.format`): magic and version are 8 bytes, the header's
+/// length is 2 bytes in version 1 and 4 after it.
+fn payload(file: &[u8]) -> Option<&[u8]> {
+    let length_bytes = if *file.get(6)? == 1 { 2 } else { 4 };
+    let length = file.get(8..8 + length_bytes)?.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b));
+    file.get((8 + length_bytes).checked_add(length)?..)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By NumPy's format description: three strings of width 4, zeros at an end are kept; version 1 and 2 headers.
+    #[test]
+    fn byte_strings_keep_their_zeros_and_a_cut_file_is_an_error() {
+        let header = "{'descr': '|S4', 'fortran_order': False, 'shape': (3,), }\n";
+        let data = [1, 2, 3, 4, 5, 0, 0, 0, 0, 0, 0, 0];
+        let one: Vec<u8> =
+            [b"\x93NUMPY\x01\x00".as_slice(), &(header.len() as u16).to_le_bytes(), header.as_bytes(), &data]
+                .concat();
+        let two: Vec<u8> =
+            [b"\x93NUMPY\x02\x00".as_slice(), &(header.len() as u32).to_le_bytes(), header.as_bytes(), &data]
+                .concat();
+        for file in [&one, &two] {
+            let strings = byte_strings(file).unwrap();
+            assert_eq!((strings.rows(), strings.row(1), strings.row(2)), (3, &data[4..8], &data[8..]));
+            assert!(byte_strings(&file[..file.len() - 1]).unwrap_err().contains("11 of 12 bytes"));
+        }
+        let numbers = String::from_utf8_lossy(&one).replace("'|S4'", "'<f4'");
+        assert!(byte_strings(numbers.as_bytes()).is_err());
     }
-    Ok(strings)
 }

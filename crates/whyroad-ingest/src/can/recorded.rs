@@ -3,7 +3,7 @@
 //! them of value times position (counted from 1), which differs when one frame differs or two are exchanged.
 
 use super::CanDatabase;
-use crate::npy::{read_bytes, read_numbers};
+use crate::npy::{byte_strings, numbers};
 use std::path::PathBuf;
 
 type Expected = (&'static str, &'static str, usize, f64);
@@ -51,15 +51,16 @@ fn every_frame_decodes_as_cantools_decodes_it() {
         return;
     };
     let dbc = CanDatabase::parse(&String::from_utf8_lossy(&dbc)).unwrap();
-    let sources = read_numbers(&raw.join("src")).unwrap().column(0);
-    let addresses = read_numbers(&raw.join("address")).unwrap().column(0);
-    let frames = read_bytes(&raw.join("data")).unwrap();
-    assert_eq!(frames.len(), 135_468);
+    let file = |name: &str| std::fs::read(raw.join(name)).unwrap();
+    let sources = numbers(&file("src")).unwrap().column(0);
+    let addresses = numbers(&file("address")).unwrap().column(0);
+    let frames = byte_strings(&file("data")).unwrap();
+    assert_eq!(frames.rows(), 135_468);
     for &(message, signal, count, weighted) in BY_CANTOOLS {
         let coding = dbc.signal(message, signal).unwrap();
-        let rows = (0..frames.len())
+        let rows = (0..frames.rows())
             .filter(|&i| sources[i] == 0.0 && addresses[i] == f64::from(coding.address))
-            .map(|i| coding.value(&frames[i]).unwrap());
+            .map(|i| coding.value(frames.row(i)).unwrap());
         let (n, sum) = rows.fold((0, 0.0), |(n, sum), value| (n + 1, sum + (n + 1) as f64 * value));
         assert_eq!(n, count, "{message}.{signal}");
         // Only the order of rounding may differ.

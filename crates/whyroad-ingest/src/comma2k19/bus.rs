@@ -56,7 +56,7 @@ pub(super) fn decode(
         let rows = messages.get(&i64::from(coding.address)).filter(|r| !r.is_empty())?;
         let times: Vec<f64> = rows.iter().map(|&i| recording.can.times[i]).collect();
         let at = latest(&times, frames, source.holds_s);
-        Some(at.into_iter().map(|k| State::read(&coding, &recording.can.data[rows[k?]])).collect())
+        Some(at.into_iter().map(|k| State::read(&coding, recording.can.frame(rows[k?]))).collect())
     };
     let mut need = |name: &str, found: bool| {
         if !found {

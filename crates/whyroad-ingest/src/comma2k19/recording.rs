@@ -1,7 +1,7 @@
 //! The arrays of a route's segments, joined in the order of time. What cannot be read is said and left out.
 
 use super::findings;
-use crate::npy::{Table, read_bytes, read_numbers};
+use crate::npy::{self, ByteStrings, Table};
 use crate::report::{RowCount, SourceReport};
 use crate::se3::unit;
 use crate::source::ContentHash;
@@ -40,7 +40,17 @@ pub(super) struct RawCan {
     pub times: Vec<f64>,
     pub sources: Vec<i64>,
     pub addresses: Vec<i64>,
-    pub data: Vec<Vec<u8>>,
+    /// Data of each segment's frames with the number of its first, ascending.
+    data: Vec<(usize, ByteStrings)>,
+}
+
+impl RawCan {
+    /// Data of frame `i`.
+    pub fn frame(&self, i: usize) -> &[u8] {
+        let segment = self.data.partition_point(|(first, _)| *first <= i) - 1;
+        let (first, data) = &self.data[segment];
+        data.row(i - first)
+    }
 }
 
 /// One radar return.
@@ -120,11 +130,11 @@ impl Recording {
             ["t", "src", "address"].map(|n| file.numbers(&format!("processed_log/CAN/raw_can/{n}")))
             && let Some(data) = file.bytes("processed_log/CAN/raw_can/data")
         {
-            if [s.rows(), a.rows(), data.len()] == [t.rows(); 3] {
+            if [s.rows(), a.rows(), data.rows()] == [t.rows(); 3] {
+                self.can.data.push((self.can.times.len(), data));
                 self.can.times.extend(t.column(0));
                 self.can.sources.extend(s.column(0).iter().map(|&x| x as i64));
                 self.can.addresses.extend(a.column(0).iter().map(|&x| x as i64));
-                self.can.data.extend(data);
             } else {
                 file.report
                     .diagnostics
@@ -198,23 +208,24 @@ struct Files<'a> {
 
 impl Files<'_> {
     fn numbers(&mut self, name: &str) -> Option<Table> {
-        self.read(name, read_numbers)
+        self.read(name, npy::numbers)
     }
 
-    fn bytes(&mut self, name: &str) -> Option<Vec<Vec<u8>>> {
-        self.read(name, read_bytes)
+    fn bytes(&mut self, name: &str) -> Option<ByteStrings> {
+        self.read(name, npy::byte_strings)
     }
 
-    fn read<T>(&mut self, name: &str, read: impl Fn(&Path) -> Result<T, String>) -> Option<T> {
+    /// Each file is read once: the same bytes are hashed and parsed.
+    fn read<T>(&mut self, name: &str, parse: impl Fn(&[u8]) -> Result<T, String>) -> Option<T> {
         let path = self.dir.join(name);
         if !path.is_file() {
             return None;
         }
-        if let Ok(content) = fs::read(&path) {
+        let read = fs::read(&path).map_err(|e| e.to_string()).and_then(|content| {
             self.hash.add(name, &content);
-        }
-        read(&path)
-            .map_err(|e| self.report.diagnostics.push(findings::unreadable(&path.display().to_string(), &e)))
+            parse(&content)
+        });
+        read.map_err(|e| self.report.diagnostics.push(findings::unreadable(&path.display().to_string(), &e)))
             .ok()
     }
 }
