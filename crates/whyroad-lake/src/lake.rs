@@ -2,7 +2,7 @@
 
 use crate::manifest::{DriveManifest, LakeMarker};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
-use crate::{LAKE_VERSION, LakeError, clip_metadata, file, validity};
+use crate::{LAKE_VERSION, LakeError, clip_metadata, file, leftovers, validity};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
@@ -47,11 +47,16 @@ impl Lake {
         Ok(Self { dir })
     }
 
-    /// Opens the lake, making an empty one where there is none.
+    /// Opens the lake for writing, making an empty one where there is none. What a killed process left half written
+    /// is removed.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let dir = dir.as_ref();
         match Self::open(dir) {
             Err(LakeError::NotALake(_)) => {}
+            Ok(lake) => {
+                leftovers::remove(&lake.dir.join("drives"));
+                return Ok(lake);
+            }
             other => return other,
         }
         fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?;

@@ -11,6 +11,7 @@ mod columns;
 mod error;
 mod file;
 mod lake;
+mod leftovers;
 mod manifest;
 mod media;
 mod outline;

@@ -1,0 +1,85 @@
+//! What a killed process left half written (`.new-<pid>-<drive>`) or put away (`.old-<pid>-<drive>`) among the drives.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+/// A folder that was touched more recently is left alone: a lake on shared storage may be written from another machine
+/// or container, whose processes cannot be seen from here.
+const QUIET: Duration = Duration::from_secs(600);
+
+/// Removes half-written drives whose process is gone. A drive put away for a replacement that never came is put back.
+/// Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed stays, as it harms no reader.
+pub(crate) fn remove(drives: &Path) {
+    if !Path::new("/proc/self").exists() {
+        return;
+    }
+    for entry in fs::read_dir(drives).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let Some((kind, pid, drive)) = name.to_str().and_then(parts) else { continue };
+        let path = entry.path();
+        if !path.is_dir() || Path::new("/proc").join(pid.to_string()).exists() || !is_quiet(&path) {
+            continue;
+        }
+        let target = drives.join(drive);
+        let _ = match kind {
+            "old" if !target.exists() => fs::rename(&path, &target),
+            _ => fs::remove_dir_all(&path),
+        };
+    }
+}
+
+/// Kind, process id and drive of a name such as `.new-4711-drive`.
+fn parts(name: &str) -> Option<(&str, u32, &str)> {
+    let (kind, rest) = name.strip_prefix('.')?.split_once('-')?;
+    let (pid, drive) = rest.split_once('-')?;
+    (matches!(kind, "new" | "old") && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
+}
+
+fn is_quiet(path: &Path) -> bool {
+    let touched = fs::metadata(path).and_then(|m| m.modified());
+    touched.is_ok_and(|t| SystemTime::now().duration_since(t).is_ok_and(|age| age >= QUIET))
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use crate::Lake;
+    use std::fs::{self, File};
+    use std::path::PathBuf;
+    use std::time::{Duration, SystemTime};
+
+    #[test]
+    fn only_what_a_process_that_is_gone_left_long_ago_is_removed() {
+        let dir = tempfile::tempdir().unwrap();
+        let drives = Lake::create_or_open(dir.path()).unwrap().dir().join("drives");
+        // A process that has ended and been waited for: its id names nobody.
+        let mut child = std::process::Command::new("true").spawn().unwrap();
+        let gone = child.id();
+        child.wait().unwrap();
+        let here = std::process::id();
+        let make = |name: String, minutes: u64| -> PathBuf {
+            let path = drives.join(name);
+            fs::create_dir(&path).unwrap();
+            fs::write(path.join("tracks.parquet"), "half").unwrap();
+            let then = SystemTime::now() - Duration::from_secs(60 * minutes);
+            File::open(&path).unwrap().set_modified(then).unwrap();
+            path
+        };
+        let kept = [
+            make(format!(".new-{here}-a"), 60),
+            make(format!(".new-{gone}-recent"), 1),
+            make("a-drive".into(), 60),
+            make(".new-x-b".into(), 60),
+        ];
+        let removed = [make(format!(".new-{gone}-b-c"), 60), make(format!(".old-{gone}-a-drive"), 60)];
+        let put_away = make(format!(".old-{gone}-lost"), 60);
+        // Opening to read changes nothing.
+        Lake::open(dir.path()).unwrap();
+        assert!(removed.iter().chain([&put_away]).all(|p| p.exists()));
+        Lake::create_or_open(dir.path()).unwrap();
+        assert!(kept.iter().all(|p| p.exists()));
+        assert!(removed.iter().chain([&put_away]).all(|p| !p.exists()));
+        assert!(drives.join("lost/tracks.parquet").exists(), "a drive put away comes back");
+    }
+}
