@@ -159,13 +159,24 @@ impl Timing {
     }
 }
 
-impl Part {
-    /// The parts of an expression that the checker has found sound.
-    pub(crate) fn of(checker: &mut Checker<'_>, expr: &Expr, place: PartPlace) -> Result<Vec<Part>, Fault> {
+/// What a person is told about a rule: what it measures, and what has to hold.
+#[derive(Debug, Default)]
+pub(crate) struct Told {
+    /// Each comparison once.
+    pub atoms: Vec<Atom>,
+    /// In the order in which they are written.
+    pub parts: Vec<Part>,
+}
+
+impl Told {
+    /// Tells of an expression that the checker has found sound.
+    pub fn add(&mut self, checker: &mut Checker<'_>, expr: &Expr, place: PartPlace) -> Result<(), Fault> {
+        checker.atoms(expr, &mut self.atoms)?;
         let mut parts = Vec::new();
         checker.parts(expr, &mut parts)?;
         let part = |(text, condition, atoms)| Part { place, text, condition, atoms };
-        Ok(parts.into_iter().map(part).collect())
+        self.parts.extend(parts.into_iter().map(part));
+        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod clause;
 
-use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
+use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::parse::too_large;
 use crate::language::program::{Kind, Op};
 use crate::language::syntax::Span;
@@ -70,8 +70,7 @@ pub fn compile_query(
     let mut checker = Checker::new(catalogue);
     let mut found = Vec::new();
     let mut conditions = Vec::new();
-    let mut atoms = Vec::new();
-    let mut parts = Vec::new();
+    let mut told = Told::default();
     let mut reader =
         Reader { checker: &mut checker, catalogue, text, file, seen: Vec::new(), found: Vec::new() };
     for (i, clause) in query.conditions.iter().enumerate() {
@@ -79,8 +78,7 @@ pub fn compile_query(
         let Some(expr) = reader.clause(clause, &pointer) else { continue };
         let sane = if reader.checker.extent(&expr).is_sane() { Ok(()) } else { Err(too_large(expr.span)) };
         let whole = sane.and_then(|()| reader.checker.condition(&expr)).and_then(|id| {
-            reader.checker.atoms(&expr, &mut atoms)?;
-            parts.extend(Part::of(reader.checker, &expr, PartPlace::When)?);
+            told.add(reader.checker, &expr, PartPlace::When)?;
             Ok(id)
         });
         match whole {
@@ -129,8 +127,8 @@ pub fn compile_query(
         second: None,
         when,
         require: vec![],
-        atoms,
-        parts,
+        atoms: told.atoms,
+        parts: told.parts,
         listed: Listed::All,
         min_duration: Nanos::from_secs_f64(bounds.condition_duration_min.unwrap_or(0.0)),
         max_duration: bounds.condition_duration_max.map(Nanos::from_secs_f64),

@@ -1,8 +1,8 @@
 //! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
 
 use super::origin::Origin;
-use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
-use crate::language::program::{Atom, Kind, Moment, NodeId, Op, Subject};
+use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
+use crate::language::program::{Kind, Moment, NodeId, Op, Subject};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
 use serde::Deserialize;
@@ -105,7 +105,6 @@ pub fn compile(
     let when: Vec<NodeId> = whens.iter().filter_map(|t| c.condition(t, PartPlace::When, &mut told)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|t| c.condition(t, PartPlace::Require, &mut told)).collect();
-    let (atoms, parts) = told;
     let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
     let min_duration = time(&block.min_duration, "/mining/min_duration").unwrap_or_default();
     let max_duration = time(&block.max_duration, "/mining/max_duration");
@@ -136,8 +135,8 @@ pub fn compile(
         second: roles.second,
         when,
         require,
-        atoms,
-        parts,
+        atoms: told.atoms,
+        parts: told.parts,
         listed: Listed::Holding,
         min_duration,
         max_duration,
@@ -146,9 +145,6 @@ pub fn compile(
         program: c.checker.program,
     })
 }
-
-/// What a person is told about a rule: what it measures, and what has to hold.
-type Told = (Vec<Atom>, Vec<Part>);
 
 pub(super) struct Compiler<'a> {
     pub(super) checker: Checker<'a>,
@@ -167,7 +163,7 @@ impl Compiler<'_> {
         self.found.push(self.origin.diagnose(key, text, fault));
     }
 
-    fn condition(&mut self, text: &str, place: PartPlace, (atoms, parts): &mut Told) -> Option<NodeId> {
+    fn condition(&mut self, text: &str, place: PartPlace, told: &mut Told) -> Option<NodeId> {
         let key = match place {
             PartPlace::When => "/mining/when",
             PartPlace::Require => "/mining/require",
@@ -177,8 +173,7 @@ impl Compiler<'_> {
             if place == PartPlace::When && self.checker.program.node(id).needs_episode {
                 return Err(needs_a_match(text));
             }
-            self.checker.atoms(&expr, atoms)?;
-            parts.extend(Part::of(&mut self.checker, &expr, place)?);
+            told.add(&mut self.checker, &expr, place)?;
             Ok(id)
         });
         checked.map_err(|fault| self.report(key, text, fault)).ok()

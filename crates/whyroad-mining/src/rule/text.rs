@@ -2,7 +2,7 @@
 //! labelling spec: its moments are those of the match itself.
 
 use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
-use super::{Listed, Part, PartPlace, Rule, TARGET, Timing};
+use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::program::Subject;
 use crate::language::{Checker, parse};
 use whyroad_model::{Diagnostic, Nanos, Place, ScenarioId};
@@ -18,15 +18,13 @@ pub fn compile_text(
     name: &str,
 ) -> Result<Rule, Box<Diagnostic>> {
     let mut checker = Checker::new(catalogue);
-    let mut atoms = Vec::new();
-    let mut parts = Vec::new();
+    let mut told = Told::default();
     let checked = parse::parse(text).and_then(|expr| {
         let when = checker.condition(&expr)?;
         if checker.program.node(when).needs_episode {
             return Err(needs_a_match(text));
         }
-        checker.atoms(&expr, &mut atoms)?;
-        parts = Part::of(&mut checker, &expr, PartPlace::When)?;
+        told.add(&mut checker, &expr, PartPlace::When)?;
         Ok(when)
     });
     let place = Place { file: Some(name.to_owned()), line: Some(1), ..Place::default() };
@@ -39,8 +37,8 @@ pub fn compile_text(
         second: None,
         when,
         require: vec![],
-        atoms,
-        parts,
+        atoms: told.atoms,
+        parts: told.parts,
         listed: Listed::Holding,
         min_duration: Nanos::default(),
         max_duration: None,
