@@ -29,7 +29,7 @@ pub mod table;
 pub mod waymo;
 
 pub use report::{RowCount, SourceReport};
-pub use run::{DEFAULT_START, Format, Options, Source, find_sources, ingest, ingest_each, read};
+pub use run::{DEFAULT_START, Format, Options, Source, batches, find_sources, ingest, ingest_each, read};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {

@@ -183,10 +183,21 @@ pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport)
     }
 }
 
-/// Reads one source and writes its drives, one at a time; a simulation has one for each ego. `each` gets a report a drive,
-/// which says everything; a drive that is not in the lake has no `outcome`. What the lake holds already is not made again:
-/// an ingest that was interrupted, also in the middle of a source, goes on where it was.
-pub fn ingest_each(source: &Source, options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
+/// Scenes of one nuScenes set that are read together. The full set has 850; reading 50 at a time goes through its tables
+/// 17 times and holds the rows of 50.
+const SCENES_TOGETHER: usize = 50;
+
+/// The sources in their order, cut into those that are read together.
+pub fn batches(sources: &[Source]) -> impl Iterator<Item = &[Source]> {
+    let together =
+        |a: &Source, b: &Source| a.format == Format::NuScenes && (a.format, &a.path) == (b.format, &b.path);
+    sources.chunk_by(together).flat_map(|alike| alike.chunks(SCENES_TOGETHER))
+}
+
+/// Reads a batch of sources and writes their drives, one at a time; a simulation has one for each ego. `each` gets a report a
+/// drive, which says everything; a drive that is not in the lake has no `outcome`. What the lake holds already is not made
+/// again: an ingest that was interrupted, also in the middle of a source, goes on where it was.
+pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
         if let Some(drive) = drive {
             write(&drive, &mut report, lake);
@@ -198,19 +209,29 @@ pub fn ingest_each(source: &Source, options: &Options, lake: &Lake, each: &mut d
         }
         each(report);
     };
-    if source.format == Format::Sumo {
-        // One that cannot be read whole is made again.
-        let held = |id: &DriveId, hash: &str| lake.read_drive(id).is_ok_and(|d| d.meta.content_hash == hash);
-        return sumo::read_new(&source.path, options, &held, &mut keep);
+    // One that cannot be read whole is made again.
+    let held = |id: &DriveId, hash: &str| lake.read_drive(id).is_ok_and(|d| d.meta.content_hash == hash);
+    for alike in batches(batch) {
+        match (alike, alike[0].format) {
+            (scenes, Format::NuScenes) => {
+                let indices: Vec<u64> = scenes.iter().map(|s| s.part.unwrap_or(0)).collect();
+                nuscenes::read_several(&scenes[0].path, &indices, options, &mut keep);
+            }
+            (simulations, Format::Sumo) => {
+                simulations.iter().for_each(|s| sumo::read_new(&s.path, options, &held, &mut keep));
+            }
+            (others, _) => others.iter().for_each(|source| {
+                let (drive, report) = read(source, options);
+                keep(drive, report);
+            }),
+        }
     }
-    let (drive, report) = read(source, options);
-    keep(drive, report);
 }
 
 /// [`ingest_each`] for a source with one drive: the report of the first.
 pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
     let mut first = None;
-    ingest_each(source, options, lake, &mut |report| {
+    ingest_each(std::slice::from_ref(source), options, lake, &mut |report| {
         first.get_or_insert(report);
     });
     first.unwrap_or_else(|| SourceReport::new(source.path.display().to_string()))

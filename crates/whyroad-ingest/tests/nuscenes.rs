@@ -41,6 +41,34 @@ fn each_scene_is_a_drive_with_its_own_rows_only() {
 }
 
 #[test]
+fn scenes_read_together_are_what_each_is_alone() {
+    let set = fixtures().join("v1.0-byhand");
+    let mut together = Vec::new();
+    // Scene 7 is not in the set: it is told of, and the others are there.
+    nuscenes::read_several(&set, &[1, 7, 0], &Options::default(), &mut |drive, report| {
+        together.push((drive.map(|d| (d.meta, d.tracks)), report));
+    });
+    for ((drive, report), index) in together.iter().zip([1, 7, 0]) {
+        let (alone, said) = nuscenes::read(&set, index, &Options::default());
+        assert_eq!(drive.is_some(), index != 7);
+        let alone = alone.map(|d| (d.meta, d.tracks));
+        assert_eq!(format!("{drive:?} {report:?}"), format!("{alone:?} {said:?}"));
+    }
+    let sources = find_sources(None, &[fixtures()]).0;
+    assert_eq!(whyroad_ingest::batches(&sources).map(<[_]>::len).collect::<Vec<_>>(), [2]);
+    let dir = tempfile::tempdir().unwrap();
+    let lake = Lake::create_or_open(dir.path()).unwrap();
+    let mut outcomes = Vec::new();
+    let mut ingest = || {
+        whyroad_ingest::ingest_each(&sources, &Options::default(), &lake, &mut |r| outcomes.push(r.outcome));
+    };
+    ingest();
+    ingest();
+    let (new, old) = (Some(WriteOutcome::Written), Some(WriteOutcome::Unchanged));
+    assert_eq!(outcomes, [new, new, old, old]);
+}
+
+#[test]
 fn the_ego_is_the_middle_of_the_car_at_the_frames() {
     let (drive, report) = first();
     let ego = drive.ego.as_ref().unwrap();

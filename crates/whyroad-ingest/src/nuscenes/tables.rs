@@ -1,5 +1,5 @@
-//! The JSON tables of a nuScenes set, read row by row: only what belongs to one scene is kept, so that memory is
-//! bounded by a scene however large the set is. Schema: nuScenes documentation, "nuScenes schema" (devkit 1.2).
+//! The JSON tables of a nuScenes set, read row by row: only what belongs to the scenes asked for is kept, so that memory
+//! is bounded by these however large the set is, and one pass over the tables serves all of them. Schema: nuScenes documentation, "nuScenes schema" (devkit 1.2).
 
 use serde::de::{DeserializeOwned, DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -8,6 +8,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::marker::PhantomData;
 use std::path::Path;
+use std::rc::Rc;
 
 #[derive(Deserialize)]
 pub(super) struct Scene {
@@ -16,7 +17,7 @@ pub(super) struct Scene {
     pub log_token: String,
 }
 
-#[derive(Default, Deserialize)]
+#[derive(Clone, Default, Deserialize)]
 pub(super) struct Log {
     pub token: String,
     #[serde(default)]
@@ -83,13 +84,14 @@ pub(super) struct SceneTables {
     /// Times of the keyframes by token, µs.
     pub samples: HashMap<String, i64>,
     pub annotations: Vec<Annotation>,
-    /// Category of each instance.
-    pub categories: HashMap<String, String>,
+    /// Category of each instance, of this scene and of those read with it.
+    pub categories: Rc<HashMap<String, String>>,
     pub data: Vec<SampleData>,
     pub poses: Vec<EgoPose>,
 }
 
 /// A table that could not be read: its name, and why.
+#[derive(Clone)]
 pub(super) struct TableError {
     pub table: &'static str,
     pub reason: String,
@@ -133,63 +135,92 @@ pub(super) fn scene_count(dir: &Path) -> Result<u64, TableError> {
     Ok(n)
 }
 
-/// The scene at `index` in `scene.json`, and all rows that belong to it.
-pub(super) fn read(dir: &Path, index: u64) -> Result<SceneTables, TableError> {
-    let (mut scene, mut at) = (None, 0);
+/// The scenes at `indices` in `scene.json` and all rows that belong to each, in one pass over the tables; an index that
+/// `scene.json` does not have is an error of its own.
+pub(super) fn read(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
+    let mut scenes = scenes(dir, indices)?;
+    // Rows name their scene by a chain of tokens; here each token leads to the scene's place in `scenes`.
+    let mut samples: HashMap<String, usize> = HashMap::new();
+    let by_scene: HashMap<String, usize> =
+        scenes.iter().flatten().enumerate().map(|(at, t)| (t.scene.token.clone(), at)).collect();
+    let mut found: Vec<&mut SceneTables> = scenes.iter_mut().flatten().collect();
+    each_row(dir, "sample", |s: Sample| {
+        if let Some(&at) = by_scene.get(&s.scene_token) {
+            found[at].samples.insert(s.token.clone(), s.timestamp);
+            samples.insert(s.token, at);
+        }
+    })?;
+    let mut instances = HashSet::new();
+    each_row(dir, "sample_annotation", |a: Annotation| {
+        if let Some(&at) = samples.get(&a.sample_token) {
+            instances.insert(a.instance_token.clone());
+            found[at].annotations.push(a);
+        }
+    })?;
+    let categories = Rc::new(categories(dir, &instances)?);
+    let mut wanted: HashMap<String, usize> = HashMap::new();
+    each_row(dir, "sample_data", |d: SampleData| {
+        if let Some(&at) = samples.get(&d.sample_token) {
+            wanted.insert(d.ego_pose_token.clone(), at);
+            found[at].data.push(d);
+        }
+    })?;
+    each_row(dir, "ego_pose", |p: EgoPose| {
+        if let Some(&at) = wanted.get(&p.token) {
+            found[at].poses.push(p);
+        }
+    })?;
+    for t in found {
+        t.categories = Rc::clone(&categories);
+        keep_lidar_poses(t);
+    }
+    Ok(scenes)
+}
+
+/// The scenes at `indices` with their logs, as yet without rows.
+fn scenes(dir: &Path, indices: &[u64]) -> Result<Vec<Result<SceneTables, TableError>>, TableError> {
+    let (mut found, mut at) = (HashMap::new(), 0);
     each_row(dir, "scene", |s: Scene| {
-        if at == index {
-            scene = Some(s);
+        if indices.contains(&at) {
+            found.insert(at, s);
         }
         at += 1;
     })?;
-    let scene = scene.ok_or(TableError { table: "scene", reason: format!("it has no scene {index}") })?;
-    let mut log = Log::default();
-    each_row(dir, "log", |l: Log| {
-        if l.token == scene.log_token {
-            log = l;
-        }
-    })?;
-    let mut samples = HashMap::new();
-    each_row(dir, "sample", |s: Sample| {
-        if s.scene_token == scene.token {
-            samples.insert(s.token, s.timestamp);
-        }
-    })?;
-    let (mut annotations, mut instances) = (Vec::new(), HashSet::new());
-    each_row(dir, "sample_annotation", |a: Annotation| {
-        if samples.contains_key(&a.sample_token) {
-            instances.insert(a.instance_token.clone());
-            annotations.push(a);
-        }
-    })?;
+    let mut logs = HashMap::new();
+    each_row(dir, "log", |l: Log| drop(logs.insert(l.token.clone(), l)))?;
+    let empty = |scene: Scene| SceneTables {
+        log: logs.get(&scene.log_token).cloned().unwrap_or_default(),
+        scene,
+        samples: HashMap::new(),
+        annotations: Vec::new(),
+        categories: Rc::default(),
+        data: Vec::new(),
+        poses: Vec::new(),
+    };
+    let missing = |index| TableError { table: "scene", reason: format!("it has no scene {index}") };
+    Ok(indices.iter().map(|i| found.remove(i).map(empty).ok_or_else(|| missing(i))).collect())
+}
+
+/// The category's name of each of these instances; empty where the tables do not say.
+fn categories(dir: &Path, instances: &HashSet<String>) -> Result<HashMap<String, String>, TableError> {
     let mut names = HashMap::new();
     each_row(dir, "category", |c: Category| drop(names.insert(c.token, c.name)))?;
-    let mut categories = HashMap::new();
+    let mut out = HashMap::new();
     each_row(dir, "instance", |i: Instance| {
         if instances.contains(&i.token) {
-            categories.insert(i.token, names.get(&i.category_token).cloned().unwrap_or_default());
+            out.insert(i.token, names.get(&i.category_token).cloned().unwrap_or_default());
         }
     })?;
-    let (mut data, mut wanted) = (Vec::new(), HashSet::new());
-    each_row(dir, "sample_data", |d: SampleData| {
-        if samples.contains_key(&d.sample_token) {
-            wanted.insert(d.ego_pose_token.clone());
-            data.push(d);
-        }
-    })?;
-    let mut poses = Vec::new();
-    each_row(dir, "ego_pose", |p: EgoPose| {
-        if wanted.contains(&p.token) {
-            poses.push(p);
-        }
-    })?;
-    // One localisation gave all poses, but those of the lidar are the ones that keyframes are annotated in.
-    let lidar: HashSet<&str> =
-        data.iter().filter(|d| d.filename.contains("LIDAR_TOP")).map(|d| d.ego_pose_token.as_str()).collect();
+    Ok(out)
+}
+
+/// One localisation gave all poses, but those of the lidar are the ones that keyframes are annotated in.
+fn keep_lidar_poses(t: &mut SceneTables) {
+    let of_lidar = t.data.iter().filter(|d| d.filename.contains("LIDAR_TOP"));
+    let lidar: HashSet<&str> = of_lidar.map(|d| d.ego_pose_token.as_str()).collect();
     if lidar.len() >= 2 {
-        poses.retain(|p| lidar.contains(p.token.as_str()));
+        t.poses.retain(|p| lidar.contains(p.token.as_str()));
     }
-    poses.sort_by_key(|p| p.timestamp);
-    poses.dedup_by_key(|p| p.timestamp);
-    Ok(SceneTables { scene, log, samples, annotations, categories, data, poses })
+    t.poses.sort_by_key(|p| p.timestamp);
+    t.poses.dedup_by_key(|p| p.timestamp);
 }

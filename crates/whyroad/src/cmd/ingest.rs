@@ -113,17 +113,20 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     let bar = progress(sources.len());
     let mut reports = Vec::with_capacity(sources.len());
-    for source in &sources {
-        bar.set_message(source.path.file_name().unwrap_or_default().to_string_lossy().into_owned());
-        whyroad_ingest::ingest_each(source, &options, &lake, &mut |report| {
+    for batch in whyroad_ingest::batches(&sources) {
+        bar.set_message(batch[0].path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+        let last = bar.position() + batch.len() as u64;
+        whyroad_ingest::ingest_each(batch, &options, &lake, &mut |report| {
             bar.suspend(|| {
                 for d in &report.diagnostics {
                     tell!("{}", render_text(d, global.lang));
                 }
             });
             reports.push(report);
+            // A simulation has more drives than one; it is done when the last is.
+            bar.set_position((bar.position() + 1).min(last - 1));
         });
-        bar.inc(1);
+        bar.set_position(last);
     }
     bar.finish_and_clear();
 
