@@ -76,8 +76,13 @@ export function scene({ objects, seconds, stage }) {
     },
     signals: {
       "target.lateral_offset": column((t) => 2 - t / 12),
-      "target.ttc": rows.map((i) => (i < key / 2 ? null : round(Math.max(1.2, 9 - (i - key / 2) / 10)))),
+      "target.ttc": rows.map((i) => (i < key / 2 ? "none" : round(Math.max(1.2, 9 - (i - key / 2) / 10)))),
       "target.wheel_over_line": rows.map((i) => i > key),
+    },
+    about: {
+      "target.lateral_offset": { kind: "number", unit: "m", meaning: { zh: "到车道中心的横向偏移", en: "Offset from the lane's centre" } },
+      "target.ttc": { kind: "number", unit: "s", meaning: { zh: "碰撞时间", en: "Time to collision" } },
+      "target.wheel_over_line": { kind: "flag", unit: null, meaning: { zh: "车轮压线", en: "A wheel is over the line" } },
     },
     cameras: [],
     ...(stage === "stage1" ? { hidden_until: "stage2" } : {}),

@@ -1,6 +1,7 @@
 //! What the service needs of the rest of the program: drives, signals, drafts, mined folders. Handed in by the caller,
 //! so that this crate reads no lake and derives no signal.
 
+use crate::api::wire::scene::SignalAbout;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
@@ -15,6 +16,9 @@ pub trait Recordings: Send + Sync {
     /// Signals of `drive`. The service hands in drives that were cut at the keyframe, so the result must depend on
     /// nothing but the drive that is given.
     fn signals(&self, drive: &Drive) -> SignalTable;
+
+    /// What the signal called `name` is; `None` for a name that no signal has.
+    fn about(&self, name: &str) -> Option<SignalAbout>;
 
     /// A label skeleton for an episode of `drive`.
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel;

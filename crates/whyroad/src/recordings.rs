@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use whyroad_dataset::{draft, mined};
 use whyroad_framework::Framework;
+use whyroad_labeling::api::wire::scene::{SignalAbout, SignalKind};
 use whyroad_labeling::recordings::Recordings;
 use whyroad_lake::Lake;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_signals::{Catalogue, SignalKind as Kind};
 
 /// Drives kept in memory: people who work at the same time mostly work on the same drives.
 const KEPT: usize = 12;
@@ -89,6 +91,18 @@ impl Recordings for LakeRecordings {
         whyroad_signals::derive(drive)
     }
 
+    fn about(&self, name: &str) -> Option<SignalAbout> {
+        let def = Catalogue::bundled().get(name)?;
+        let (kind, unit) = match &def.kind {
+            // Columns hold base units, whatever the catalogue writes.
+            Kind::Number(dimension) => (SignalKind::Number, dimension.base().symbol),
+            Kind::Flag => (SignalKind::Flag, ""),
+            Kind::Category(_) => (SignalKind::Category, ""),
+        };
+        let unit = (!unit.is_empty()).then(|| unit.to_owned());
+        Some(SignalAbout { kind, unit, meaning: def.meaning.clone() })
+    }
+
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
         draft::draft(self.framework, drive, signals, episode, lang).label
     }
@@ -159,6 +173,21 @@ mod tests {
         {
             assert_eq!(text(outside), None, "{outside}");
         }
+    }
+
+    #[test]
+    fn signals_are_told_in_the_unit_of_their_columns() {
+        let dir = tempfile::tempdir().unwrap();
+        let lake = Lake::create_or_open(dir.path()).unwrap();
+        let recordings = LakeRecordings::open(lake, Framework::bundled(), &[], &[]).unwrap();
+        let unit = |name: &str| recordings.about(name).map(|a| (a.kind, a.unit));
+        // As schema/signals.yaml says; an angle written in degrees there is a column in radians.
+        assert_eq!(unit("ego.accel"), Some((SignalKind::Number, Some("m/s2".into()))));
+        assert_eq!(unit("map.sight_angle"), Some((SignalKind::Number, Some("rad".into()))));
+        assert_eq!(unit("target.visible_share"), Some((SignalKind::Number, None)));
+        assert_eq!(unit("target.emerges"), Some((SignalKind::Flag, None)));
+        assert_eq!(unit("lead.class"), Some((SignalKind::Category, None)));
+        assert_eq!(unit("ego.no_such"), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 // Rows that the labelling screen shows of a scene: the four plots of LABELING.md 6 and the signals that the rule reads.
 import type { MatchedCondition, SceneView } from "../api/types.ts";
 import { type Column, columnOf } from "./series.ts";
+import { type Scale, scaled, scaleOf, type SpeedUnit } from "./units.ts";
 
 /** Signals that the four plots and the meta rows show already. */
 const SHOWN = new Set(["ego.speed", "ego.forward_speed", "ego.accel", "ego.steering", "ego.turn_signal", "ego.meta_longitudinal", "ego.meta_lateral"]);
@@ -8,8 +9,12 @@ const SHOWN = new Set(["ego.speed", "ego.forward_speed", "ego.accel", "ego.steer
 export interface SignalRow {
   name: string;
   column: Column | null;
+  /** How its numbers are shown. */
+  scale: Scale;
+  /** What it means, in the reader's language. */
+  meaning: string;
   /** Conditions of the rule that speak of it, with what they measured. */
-  note?: string;
+  note: string | undefined;
 }
 
 /** `target_vehicle.lateral_offset > 0.5m` speaks of `target.lateral_offset`: the target has another name in messages. */
@@ -19,19 +24,44 @@ function speaksOf(condition: string, signal: string): boolean {
   return subject === signal || (last(subject) === last(signal) && subject.split("_")[0] === signal.split(".")[0]);
 }
 
-export function measured(c: MatchedCondition): string {
-  const v = c.actual_value;
-  const text = typeof v === "number" ? String(Math.round(v * 1000) / 1000) : v === null || v === undefined ? "?" : String(v);
-  return `${c.condition} (${text})`;
+/** The unit that a condition's own number is in: `> 0.5m` is in `m`; empty for pure numbers and words. */
+export function unitOf(condition: string): string {
+  return /\d\s*(km\/h|mph|m\/s[23]|m\/s|rad\/s|deg\/s|1\/m|km|cm|min|ms|deg|rad|m|s|g|%)(?![\w/])/.exec(condition)?.[1] ?? "";
 }
 
-export function signalRows(scene: SceneView, asked: readonly string[], conditions: readonly MatchedCondition[]): SignalRow[] {
+/** A condition with the value that it met, in the condition's unit. */
+export function measured(c: MatchedCondition): string {
+  const v = c.actual_value;
+  if (v === null || v === undefined) return `${c.condition} (?)`;
+  if (typeof v !== "number") return `${c.condition} (${String(v)})`;
+  return `${c.condition} (${`${Math.round(v * 1000) / 1000} ${unitOf(c.condition)}`.trim()})`;
+}
+
+/** What the rule measured of any of these signals; undefined when it asked of none. */
+export function noteOf(signals: readonly string[], conditions: readonly MatchedCondition[]): string | undefined {
+  const notes = conditions.filter((c) => signals.some((s) => speaksOf(c.condition, s))).map(measured);
+  return notes.length > 0 ? notes.join("; ") : undefined;
+}
+
+export function signalRows(
+  scene: SceneView,
+  asked: readonly string[],
+  conditions: readonly MatchedCondition[],
+  reader: { speeds: SpeedUnit; lang: "zh" | "en" },
+): SignalRow[] {
   const names = [...asked.filter((n) => n in scene.signals), ...Object.keys(scene.signals).filter((n) => !asked.includes(n))];
   return names
     .filter((name) => !SHOWN.has(name))
     .map((name) => {
-      const notes = conditions.filter((c) => speaksOf(c.condition, name)).map(measured);
-      const row: SignalRow = { name, column: columnOf(scene.signals[name] ?? []) };
-      return notes.length > 0 ? { ...row, note: notes.join("; ") } : row;
+      const about = scene.about[name];
+      const scale = scaleOf(about?.unit, reader.speeds);
+      const column = columnOf(scene.signals[name] ?? [], about?.kind ?? "category");
+      return {
+        name,
+        column: column?.kind === "line" ? { ...column, values: scaled(column.values, scale) } : column,
+        scale,
+        meaning: about?.meaning[reader.lang] ?? "",
+        note: noteOf([name], conditions),
+      };
     });
 }

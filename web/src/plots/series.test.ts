@@ -36,8 +36,10 @@ test("ticks are whole steps inside the span", () => {
   assert.deepEqual(ticks({ from: -2.2, to: 6 }, 8), [-2, 0, 2, 4, 6]);
 });
 
-test("a column is what its first known value is", () => {
-  assert.equal(columnOf([null, null]), null);
-  assert.deepEqual(columnOf([null, true]), { kind: "flags", values: [null, true] });
-  assert.deepEqual(columnOf([1, "x"]), { kind: "line", values: [1, null] });
+test("a column is what the server says it is; none is endless, unknown a gap", () => {
+  assert.equal(columnOf([null, null], "number"), null);
+  assert.deepEqual(columnOf([null, true], "flag"), { kind: "flags", values: [null, true] });
+  assert.deepEqual(columnOf([1, "none", null], "number"), { kind: "line", values: [1, Infinity, null] });
+  assert.deepEqual(columnOf(["none", "none"], "number"), { kind: "line", values: [Infinity, Infinity] });
+  assert.deepEqual(columnOf(["none", "car"], "category"), { kind: "words", values: ["none", "car"] });
 });

@@ -104,17 +104,15 @@ export type Column =
   | { kind: "words"; values: (string | null)[] }
   | { kind: "flags"; values: (boolean | null)[] };
 
-/** A signal's column by the first value that is known; null when none is. */
-export function columnOf(values: readonly unknown[]): Column | null {
-  const first = values.find((v) => v !== null && v !== undefined);
-  switch (typeof first) {
+/** A signal's column by what the server says it is; null when no value is known. Known to be none is `Infinity`. */
+export function columnOf(values: readonly unknown[], kind: "number" | "flag" | "category"): Column | null {
+  if (!values.some((v) => v !== null && v !== undefined)) return null;
+  switch (kind) {
     case "number":
-      return { kind: "line", values: values.map((v) => (typeof v === "number" ? v : null)) };
-    case "string":
+      return { kind: "line", values: values.map((v) => (typeof v === "number" ? v : v === "none" ? Infinity : null)) };
+    case "category":
       return { kind: "words", values: values.map((v) => (typeof v === "string" ? v : null)) };
-    case "boolean":
+    case "flag":
       return { kind: "flags", values: values.map((v) => (typeof v === "boolean" ? v : null)) };
-    default:
-      return null;
   }
 }

@@ -65,6 +65,7 @@ export const labelWords = {
   "plot.yaw": ["横摆角速度", "Yaw rate"],
   "plot.turn_signal": ["转向灯", "Turn signal"],
   "plot.no_steering": ["日志中没有方向盘转角", "no steering in the log"],
+  "plot.none": ["无", "none"],
   "plot.unavailable": ["日志中没有", "not in the log"],
 
   "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: history only, name the components"],

@@ -214,6 +214,7 @@ export const screenWords = {
   "dash.nothing": ["还没有数据。", "Nothing yet."],
 
   "settings.looks": ["语言与外观", "Language and appearance"],
+  "settings.speeds": ["速度单位", "Speeds in"],
   "settings.account": ["账户", "Account"],
   "settings.present_password": ["现密码", "Present password"],
   "settings.new_password": ["新密码", "New password"],

@@ -1,5 +1,6 @@
 //! For tests of single parts: a service on an empty SQLite store with the project `p` and no drives, and a task of it.
 
+use crate::api::wire::scene::SignalAbout;
 use crate::app::App;
 use crate::recordings::Recordings;
 use crate::service::tasks::TaskRow;
@@ -22,6 +23,9 @@ impl Recordings for NoDrives {
     }
     fn signals(&self, _: &Drive) -> SignalTable {
         unreachable!("no drive was given")
+    }
+    fn about(&self, _: &str) -> Option<SignalAbout> {
+        None
     }
     fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
         unreachable!("no drive was given")

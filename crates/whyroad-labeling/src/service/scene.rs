@@ -15,7 +15,7 @@ use crate::problem::{Answer, Problem};
 use crate::service::tasks::TaskRow;
 use crate::service::visible;
 use columns::{number, tracks, word};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
@@ -81,7 +81,10 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     }
     let Shown { drive, frames } = shown(app, t)?;
     let signals = app.recordings.signals(&drive);
-    let view = Arc::new(view(t, stage, &drive, frames, &signals));
+    let mut view = view(t, stage, &drive, frames, &signals);
+    let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
+    view.about = view.signals.keys().filter_map(about).collect();
+    let view = Arc::new(view);
     app.scenes.put(&t.id, stage, &view);
     Ok(view)
 }
@@ -111,6 +114,7 @@ fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &
         },
         cameras: cameras(t, drive, times),
         signals: columns::signals(t, &PLOTTED, signals, frames),
+        about: BTreeMap::new(),
         hidden_until: (stage == Stage::Stage1).then(|| "stage2".to_owned()),
     }
 }

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use whyroad_labeling::api::wire::scene::{SignalAbout, SignalKind};
 use whyroad_labeling::recordings::Recordings;
 use whyroad_model::messages::{
     CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Keyframe, KeyframeType, MatchedCondition,
@@ -237,6 +238,16 @@ impl Recordings for Recorded {
             target_columns: [("target.gap".to_owned(), number(vec![gap; n]))].into(),
             unavailable: BTreeMap::new(),
         }
+    }
+
+    fn about(&self, name: &str) -> Option<SignalAbout> {
+        let unit = match name {
+            "ego.mean_speed" => "m/s",
+            "target.gap" => "m",
+            _ => return None,
+        };
+        let meaning = Bilingual::new("信号", "a signal");
+        Some(SignalAbout { kind: SignalKind::Number, unit: Some(unit.to_owned()), meaning })
     }
 
     fn draft(&self, drive: &Drive, signals: &SignalTable, e: &EpisodeRecord, _: Lang) -> CocLabel {

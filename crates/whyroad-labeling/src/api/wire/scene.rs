@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
 
 /// Numbers of one column; null is unknown.
 pub type Numbers = Vec<Option<f64>>;
@@ -35,9 +36,35 @@ pub struct SceneView {
     /// Camera frames.
     pub cameras: Vec<CameraView>,
     /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or words.
+    /// In a column of numbers the word `none` is what is known not to be there (no lead, no conflict: endless).
     pub signals: BTreeMap<String, Vec<Value>>,
+    /// What each of `signals` is.
+    pub about: BTreeMap<String, SignalAbout>,
     /// `stage2` while the future is withheld.
     pub hidden_until: Option<String>,
+}
+
+/// What a signal is: how to read its column.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SignalAbout {
+    /// What values it has.
+    pub kind: SignalKind,
+    /// Unit of its numbers, a base unit (`m`, `m/s2`, `rad`); null for pure numbers, truth values and words.
+    pub unit: Option<String>,
+    /// What it means.
+    pub meaning: Bilingual,
+}
+
+/// What values a signal has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SignalKind {
+    /// Numbers.
+    Number,
+    /// True or false.
+    Flag,
+    /// Words.
+    Category,
 }
 
 /// The ego, a value a moment in each column.

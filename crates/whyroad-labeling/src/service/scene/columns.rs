@@ -7,6 +7,9 @@ use std::collections::BTreeMap;
 use whyroad_model::scene::Track;
 use whyroad_model::{Column, Drive, FrameRange, SignalTable, TrackId};
 
+/// A number that is known to be none: no lead, no conflict.
+const NONE: &str = "none";
+
 /// To a thousandth: a millimetre, a millisecond, a twentieth of a degree. A scene is half as large so.
 pub(super) fn rounded(x: f64) -> f64 {
     let r = (x * 1000.0).round() / 1000.0;
@@ -87,6 +90,8 @@ pub(super) fn signals(
 
 fn value(column: &Column, row: usize) -> Value {
     match column {
+        // Unknown and known to be none are two things, and JSON has no word for the endless.
+        Column::Number(_) if column.number(row).is_some_and(f64::is_infinite) => Value::from(NONE),
         Column::Number(_) => number(column.number(row)).map_or(Value::Null, Value::from),
         Column::Flag(_) => column.flag(row).known().map_or(Value::Null, Value::from),
         Column::Category { .. } => column.category(row).map_or(Value::Null, Value::from),

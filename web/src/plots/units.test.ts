@@ -1,0 +1,23 @@
+// What a number on the wire is for people. Factors by definition: 1 m/s = 3.6 km/h, pi rad = 180 degrees.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { scaled, scaleOf } from "./units.ts";
+
+test("speeds are shown in the unit that the reader chose", () => {
+  assert.equal(scaleOf("m/s", "km/h").unit, "km/h");
+  assert.deepEqual(scaled([10, null, Infinity], scaleOf("m/s", "km/h")), [36, null, Infinity]);
+  assert.deepEqual(scaled([10, null], scaleOf("m/s", "m/s")), [10, null]);
+});
+
+test("angles are shown in degrees, powers as people write them", () => {
+  const half = scaled([Math.PI], scaleOf("rad", "km/h"))[0] ?? 0;
+  assert.ok(Math.abs(half - 180) < 1e-9);
+  assert.equal(scaleOf("rad/s", "m/s").unit, "°/s");
+  assert.equal(scaleOf("m/s2", "m/s").unit, "m/s²");
+});
+
+test("pure numbers have no unit, and an unknown unit is not dropped", () => {
+  assert.equal(scaleOf(null, "km/h").unit, "");
+  assert.equal(scaleOf("kg", "km/h").unit, "kg");
+  assert.equal(scaleOf("kg", "km/h").by, 1);
+});

@@ -1,0 +1,36 @@
+// Units for people: the wire has base units (m/s, rad), a row shows what annotators think in. Pure.
+
+export type SpeedUnit = "km/h" | "m/s";
+
+/** How a quantity is shown. */
+export interface Scale {
+  /** As it stands beside the number; empty for pure numbers. */
+  unit: string;
+  /** Shown number = number on the wire times this. */
+  by: number;
+  digits: number;
+  /** Least height of an axis, in the shown unit, so that noise does not fill a row. */
+  least: number;
+}
+
+const DEGREES = 180 / Math.PI;
+const SCALES: Readonly<Record<string, Scale>> = {
+  m: { unit: "m", by: 1, digits: 2, least: 1 },
+  s: { unit: "s", by: 1, digits: 2, least: 1 },
+  "m/s2": { unit: "m/s²", by: 1, digits: 2, least: 2 },
+  "m/s3": { unit: "m/s³", by: 1, digits: 2, least: 2 },
+  rad: { unit: "°", by: DEGREES, digits: 1, least: 10 },
+  "rad/s": { unit: "°/s", by: DEGREES, digits: 1, least: 10 },
+  "1/m": { unit: "1/m", by: 1, digits: 4, least: 0.01 },
+};
+
+/** How numbers that the wire has in `unit` are shown; null is a pure number. A unit nobody here knows is shown as it is. */
+export function scaleOf(unit: string | null | undefined, speeds: SpeedUnit): Scale {
+  if (unit === "m/s") return speeds === "km/h" ? { unit: "km/h", by: 3.6, digits: 1, least: 20 } : { unit: "m/s", by: 1, digits: 2, least: 5 };
+  return SCALES[unit ?? ""] ?? { unit: unit ?? "", by: 1, digits: 2, least: 1 };
+}
+
+/** A column in the shown unit; unknown stays unknown. */
+export function scaled(values: readonly (number | null)[] | undefined, scale: Scale): (number | null)[] {
+  return (values ?? []).map((v) => (v === null ? null : v * scale.by));
+}
