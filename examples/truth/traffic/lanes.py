@@ -1,6 +1,6 @@
 """Changes of lane: the ego's own by the simulator's reason, other vehicles' into its lane as cut-ins, ramps, the bus lane.
 
-The simulator logs a change at its middle; a change takes 3 s (`--lanechange.duration`), so it began 1.5 s before.
+The simulator logs a change at its middle; a change takes 3 s (`--lanechange.duration`), so the motion began 1.5 s before.
 """
 
 import math
@@ -8,6 +8,26 @@ import math
 from log import nearest_on, runs
 
 HALF = 15
+
+
+def intends(run, ego, c, mine):
+    """When the ego formed the intention to change lane (LABELING.md 4, row lane_change): its indicator to that side went on and stayed on until it
+    moved over. SUMO switches it on with the wish to change, before it can. Not longer ago than a clip lasts, nor before the end of the last of
+    its changes (`mine`) or of a junction; at the latest where the motion begins. Where no indicator goes on before half of the way, the default
+    of its L1: 2 s before it has moved 0.3 m.
+    """
+    rows, first = run.rows[ego], c.k - HALF
+    old, new = run.road.lanes[c.start], run.road.lanes[c.to]
+    bit = 2 if new.index > old.index else 1
+    earliest = max([first - 200, min(rows)] + [o.k + HALF for o in mine if o.k < c.k]
+                   + [k + 1 for k in range(first - 200, first) if k in rows and rows[k].lane.startswith(":")])
+    on = next((k for k in range(first, c.k) if k in rows and rows[k].signals & bit), None)
+    if on is None:
+        moved = first + math.ceil(2 * HALF * 0.3 / ((old.width + new.width) / 2))
+        return max(min(moved - 20, first), earliest)
+    while on > earliest and on - 1 in rows and rows[on - 1].signals & bit:
+        on -= 1
+    return min(on, first)
 
 
 def own_changes(run, ego):
@@ -22,11 +42,12 @@ def own_changes(run, ego):
     mine = [c for c in run.changes if c.id == ego and c.k in rows]
     for i, c in enumerate(mine):
         start, end = c.k - HALF, c.k + HALF
+        intent = intends(run, ego, c, mine)
         edge = run.road.edges[c.start.rsplit("_", 1)[0]]
         if edge.function != "normal":
             # Inside a junction: two lanes side by side through it; whether that is a change is not defined.
             for leaf in ("", ".navigation", ".efficiency", ".overtake"):
-                yield run.entry(f"proactive.lane_change{leaf}", ego, start, start, end + 10, optional=True)
+                yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
             continue
         if rows[c.k].speed < 2:
             # A car that stands slides sideways in SUMO; a log sees the change when it moves off.
@@ -36,7 +57,7 @@ def own_changes(run, ego):
         if edge.id in run.road.ring:
             # A change in a ring is lane_in_roundabout; what else it is stays secondary.
             for leaf in ("", ".navigation", ".efficiency", ".overtake"):
-                yield run.entry(f"proactive.lane_change{leaf}", ego, start, start, end + 10, optional=True)
+                yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
             continue
         blurred = any(abs(o.k - c.k) < 40 for o in mine if o is not c) or rows[c.k].speed < 2 or start not in rows or end not in rows
         # Into the shorter queue at a light: passing or gaining, as one likes.
@@ -47,7 +68,7 @@ def own_changes(run, ego):
         if old.acceleration or is_exit_lane(run, new):
             # Joining and leaving are merge_interaction; the change itself stays secondary.
             for leaf in ("", ".navigation", ".efficiency", ".overtake"):
-                yield run.entry(f"proactive.lane_change{leaf}", ego, start, start, end + 10, optional=True)
+                yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
             continue
         if "bus" in old.allow or "bus" in new.allow:
             # Out of the bus lane or into it: its rule, keyframe 0.5 s before the ego moves across (the L1 default's fallback).
@@ -56,9 +77,9 @@ def own_changes(run, ego):
         if reason == "strategic" and any(l.to in run.road.ring for l in run.road.out[c.start] + run.road.out[c.to]):
             # Both lanes lead into the ring and round it: that one of them suits the route better is the simulator's own wish.
             for leaf in ("", ".navigation", ".efficiency", ".overtake"):
-                yield run.entry(f"proactive.lane_change{leaf}", ego, start, start, end + 10, optional=True)
+                yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
         elif reason == "strategic":
-            yield run.entry("proactive.lane_change.navigation", ego, start, start, end + 10, optional=blurred)
+            yield run.entry("proactive.lane_change.navigation", ego, intent, intent, end + 10, optional=blurred)
         elif reason == "speedGain":
             before = rows.get(start - 5) or rows[c.k]
             lead = before.leader if before.leader in run.rows and before.gap < 60 and run.rows[before.leader].get(c.k) else None
@@ -66,21 +87,21 @@ def own_changes(run, ego):
             stood = all(rows[k].speed < 1 for k in range(start - 30, start) if k in rows)
             if queues:
                 for leaf in ("", ".efficiency", ".overtake", ".escape"):
-                    yield run.entry(f"proactive.lane_change{leaf}", ego, start, start, end + 10, optional=True)
+                    yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
             elif lead_in_lane and passes(run, ego, lead, c.k):
-                yield run.entry("proactive.lane_change.overtake", ego, start, start, end + 10, lead, optional=blurred)
+                yield run.entry("proactive.lane_change.overtake", ego, intent, intent, end + 10, lead, optional=blurred)
             elif lead_in_lane and not stood:
                 gains = any(rows[k].speed > run.rows[lead][start - 5].speed + 5 / 3.6 for k in range(c.k, c.k + 150) if k in rows)
-                yield run.entry("proactive.lane_change.efficiency", ego, start, start, end + 10, optional=blurred or not gains)
+                yield run.entry("proactive.lane_change.efficiency", ego, intent, intent, end + 10, optional=blurred or not gains)
                 if not gains:
-                    yield run.entry("proactive.lane_change", ego, start, start, end + 10, optional=True)
+                    yield run.entry("proactive.lane_change", ego, intent, intent, end + 10, optional=True)
             else:
                 # What it gains on is not in view: the change is plain, its reason is not.
-                yield run.entry("proactive.lane_change", ego, start, start, end + 10, optional=True)
+                yield run.entry("proactive.lane_change", ego, intent, intent, end + 10, optional=True)
                 for leaf in ("efficiency", "overtake", "escape"):
-                    yield run.entry(f"proactive.lane_change.{leaf}", ego, start, start, end + 10, optional=True)
+                    yield run.entry(f"proactive.lane_change.{leaf}", ego, intent, intent, end + 10, optional=True)
         else:
-            yield run.entry("proactive.lane_change", ego, start, start, end + 10, optional=blurred)
+            yield run.entry("proactive.lane_change", ego, intent, intent, end + 10, optional=blurred)
 
 
 def passes(run, ego, lead, k0):
