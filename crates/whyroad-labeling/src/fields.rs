@@ -6,6 +6,8 @@ use serde_json::{Map, Value};
 
 /// Greatest size of a draft in bytes.
 pub const MAX_DRAFT: usize = 256 * 1024;
+/// Deepest nesting of a draft. A label needs five; what is nested beyond 128 could be stored but never be read again.
+pub const MAX_DEPTH: usize = 32;
 /// Most changes of one request.
 pub const MAX_CHANGES: usize = 100;
 
@@ -56,6 +58,32 @@ pub fn apply(draft: &mut Value, change: &FieldChange) -> Answer<()> {
         _ => return Err(wrong()),
     }
     Ok(())
+}
+
+/// Refuses a draft that is larger or nested deeper than any label.
+pub fn bounded(draft: &Value) -> Answer<()> {
+    if draft.to_string().len() > MAX_DRAFT {
+        return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
+    }
+    if depth(draft) > MAX_DEPTH {
+        return Err(Problem::new(
+            422,
+            "draft.too_deep",
+            format!("草稿嵌套超过 {MAX_DEPTH} 层"),
+            format!("the draft is nested more than {MAX_DEPTH} deep"),
+        ));
+    }
+    Ok(())
+}
+
+/// How deep lists and objects are nested; 0 for a plain value. serde_json reads nothing deeper than 128, and a change
+/// adds at most eight, so the recursion is bounded.
+fn depth(value: &Value) -> usize {
+    match value {
+        Value::Array(items) => 1 + items.iter().map(depth).max().unwrap_or(0),
+        Value::Object(fields) => 1 + fields.values().map(depth).max().unwrap_or(0),
+        _ => 0,
+    }
 }
 
 fn parts(path: &str) -> Answer<Vec<String>> {

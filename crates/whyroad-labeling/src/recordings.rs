@@ -13,6 +13,12 @@ pub trait Recordings: Send + Sync {
     /// A drive; an error in words when it is not to be had.
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String>;
 
+    /// What differs when the drive on disk was changed; what was made from an older one is then made anew. The same for
+    /// ever where drives do not change.
+    fn version(&self, _: &DriveId) -> String {
+        String::new()
+    }
+
     /// Signals of `drive`. The service hands in drives that were cut at the keyframe, so the result must depend on
     /// nothing but the drive that is given.
     fn signals(&self, drive: &Drive) -> SignalTable;

@@ -9,11 +9,11 @@ mod postgres;
 mod sql;
 mod sqlite;
 
-pub use dump::{backup, restore};
+pub use dump::{backup, backup_to, restore};
 pub use sql::{Row, Tx, Value};
 
 use crate::problem::{Answer, Problem};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 /// Where a store is.
@@ -39,6 +39,8 @@ impl Place {
 #[derive(Clone)]
 pub struct Store {
     backend: Arc<dyn Backend>,
+    /// What was kept of the store before its tables were brought forward, where they were: a file to go back to.
+    pub kept: Option<PathBuf>,
 }
 
 impl std::fmt::Debug for Store {
@@ -59,14 +61,22 @@ trait Backend: Send + Sync {
 }
 
 impl Store {
-    /// Opens the store and brings its tables up to date; before that, a file is copied aside
-    /// (`<file>.before-<version>`).
+    /// Opens the store and brings its tables up to date, after keeping what is there: a file is copied
+    /// (`<file>.before-<version>`), a server's tables are backed up into the working folder.
     pub fn open(place: &Place) -> Answer<Self> {
-        let backend: Arc<dyn Backend> = match place {
-            Place::File(path) => Arc::new(sqlite::Sqlite::open(path)?),
-            Place::Server(url) => Arc::new(postgres::Postgres::open(url)?),
-        };
-        Ok(Self { backend })
+        Self::open_keeping(place, Path::new(""))
+    }
+
+    /// The same, with `aside` as the folder for the backup of a server's tables (`store.before-<version>.jsonl`, which
+    /// [`restore`] reads).
+    pub fn open_keeping(place: &Place, aside: &Path) -> Answer<Self> {
+        fn shared(opened: (impl Backend + 'static, Option<PathBuf>)) -> Store {
+            Store { backend: Arc::new(opened.0), kept: opened.1 }
+        }
+        Ok(match place {
+            Place::File(path) => shared(sqlite::Sqlite::open(path)?),
+            Place::Server(url) => shared(postgres::Postgres::open(url, aside)?),
+        })
     }
 
     /// Runs `job` in a transaction. What it returns is returned only after the commit.

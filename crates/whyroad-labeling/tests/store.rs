@@ -6,6 +6,7 @@
 #[allow(dead_code)]
 mod postgres;
 
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 use whyroad_labeling::problem::Problem;
 use whyroad_labeling::store::{Place, Store, backup, restore};
@@ -98,29 +99,36 @@ fn transactions_on_postgresql() {
 
 const FIRST: &str = include_str!("../migrations/0001_tables.sql");
 
+/// A project with a task, as tables of version 1 hold them.
+const OF_VERSION_1: &str = "
+    CREATE TABLE schema_version (version BIGINT NOT NULL); INSERT INTO schema_version VALUES (1);
+    INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 0);
+    INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
+      keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
+      fence, seq, created, updated)
+    VALUES ('t', 'p', 'e', 0, 1, 'd', 'c', 's', 0, 0, 0, '{}', '{}', '{}', 1, 0, 'open', '[]', 0, 0, 0, 0, 0, 0);";
+
+/// The task of [`OF_VERSION_1`], with the column that version 2 added.
+fn task(store: &Store) -> (String, String) {
+    let row = store.read(|tx| tx.row("SELECT id, lang FROM tasks", &[])).unwrap().unwrap();
+    (row.text(0).unwrap(), row.text(1).unwrap())
+}
+
 #[test]
 fn an_older_store_comes_forward_and_is_copied_aside_before() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s");
     let old = rusqlite::Connection::open(&path).unwrap();
     old.execute_batch(FIRST).unwrap();
-    old.execute_batch(
-        "CREATE TABLE schema_version (version BIGINT NOT NULL); INSERT INTO schema_version VALUES (1);
-         INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 0);
-         INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
-           keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
-           fence, seq, created, updated)
-         VALUES ('t', 'p', 'e', 0, 1, 'd', 'c', 's', 0, 0, 0, '{}', '{}', '{}', 1, 0, 'open', '[]', 0, 0, 0, 0, 0, 0);",
-    )
-    .unwrap();
+    old.execute_batch(OF_VERSION_1).unwrap();
     drop(old);
     let store = Store::open(&Place::File(path.clone())).unwrap();
-    let row = store.read(|tx| tx.row("SELECT id, lang FROM tasks", &[])).unwrap().unwrap();
-    assert_eq!((row.text(0).unwrap(), row.text(1).unwrap()), ("t".into(), String::new()));
-    let aside = rusqlite::Connection::open(dir.path().join("s.before-2")).unwrap();
+    assert_eq!(task(&store), ("t".into(), String::new()));
+    let aside = rusqlite::Connection::open(store.kept.as_ref().unwrap()).unwrap();
     let version: i64 = aside.query_row("SELECT max(version) FROM schema_version", [], |r| r.get(0)).unwrap();
     let tasks: i64 = aside.query_row("SELECT count(*) FROM tasks", [], |r| r.get(0)).unwrap();
     assert_eq!((version, tasks), (1, 1), "the copy is the store as it was");
+    assert_eq!(Store::open(&Place::File(path.clone())).unwrap().kept, None, "nothing to bring forward");
 
     // A store of a newer program is not touched.
     store.write(|tx| tx.run("INSERT INTO schema_version (version) VALUES (99)", &[])).unwrap();
@@ -139,7 +147,11 @@ fn fill(store: &Store) {
     put(store, "csrf_key");
     store
         .write(|tx| {
-            tx.run("INSERT INTO users VALUES ('u', 'ann', '安<b>', 0, 'zh', 'h', 0, 5)", &[])?;
+            tx.run(
+                "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+                 VALUES ('u', 'ann', '安<b>', 0, 'zh', 'h', 0, 5)",
+                &[],
+            )?;
             tx.run("INSERT INTO projects VALUES ('p', 'town', 'a\nb', '{}', '{}', 7)", &[])?;
             tx.run("INSERT INTO members VALUES ('p', 'u', '[\"lead\"]', '[]')", &[])
         })
@@ -154,18 +166,103 @@ fn a_backup_restores_into_either_store_and_back() {
     let bytes = dump(&first);
     let second = Store::open(&file(dir.path(), "second")).unwrap();
     put(&second, "made on its first start");
-    restore(&second, &mut &bytes[..]).unwrap();
+    let of = |part: &[u8]| {
+        let part = part.to_vec();
+        move || Ok(Cursor::new(part.clone()))
+    };
+    restore(&second, of(&bytes)).unwrap();
     assert_eq!(String::from_utf8(dump(&second)).unwrap(), String::from_utf8(bytes.clone()).unwrap());
 
-    assert_eq!(restore(&second, &mut &bytes[..]).unwrap_err().code, "restore.not_empty");
+    assert_eq!(restore(&second, of(&bytes)).unwrap_err().code, "restore.not_empty");
     let third = Store::open(&file(dir.path(), "third")).unwrap();
     let cut = bytes.iter().rposition(|b| *b == b'{').unwrap();
-    assert_eq!(restore(&third, &mut &bytes[..cut]).unwrap_err().code, "restore.broken");
-    assert_eq!(restore(&third, &mut &b"{}\n{}"[..]).unwrap_err().code, "restore.broken");
+    assert_eq!(restore(&third, of(&bytes[..cut])).unwrap_err().code, "restore.broken");
+    assert_eq!(restore(&third, of(b"{}\n{}")).unwrap_err().code, "restore.broken");
     assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
 
     let Some(server) = postgres::Server::start() else { return };
     let far = Store::open(&Place::parse(&server.database())).unwrap();
-    restore(&far, &mut &bytes[..]).unwrap();
+    restore(&far, of(&bytes)).unwrap();
     assert_eq!(dump(&far), bytes);
+}
+
+#[test]
+fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_either() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(server) = postgres::Server::start() else { return };
+    let url = server.database();
+    let mut client = ::postgres::Client::connect(&url, ::postgres::NoTls).unwrap();
+    client.batch_execute(FIRST).unwrap();
+    client.batch_execute(OF_VERSION_1).unwrap();
+    let store = Store::open_keeping(&Place::parse(&url), dir.path()).unwrap();
+    assert_eq!(task(&store), ("t".into(), String::new()));
+    let kept = store.kept.clone().unwrap();
+    assert_eq!(kept.parent(), Some(dir.path()));
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
+    // A backup of an older program goes into a store of this one, of either kind.
+    for place in [file(dir.path(), "fresh"), Place::parse(&server.database())] {
+        let fresh = Store::open(&place).unwrap();
+        let from = kept.clone();
+        let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
+        assert_eq!((rows, task(&fresh)), (2, ("t".into(), String::new())));
+        assert_eq!(dump(&fresh), dump(&store));
+        // What is there is not mixed with what comes: a project without any user is something too.
+        let from = kept.clone();
+        let again = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?)));
+        assert_eq!(again.unwrap_err().code, "restore.not_empty");
+    }
+}
+
+#[test]
+fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = Store::open(&file(dir.path(), "s")).unwrap();
+    store
+        .write(|tx| {
+            // More than two pages, with keys that only the second column tells apart.
+            tx.run("INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 7)", &[])?;
+            for i in 0..2500_i64 {
+                let user = format!("u{i:04}");
+                tx.run(
+                    "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+                     VALUES ($1, $2, 'd', 0, 'zh', 'h', 0, 5)",
+                    values![&user, &user],
+                )?;
+                tx.run("INSERT INTO members VALUES ('p', $1, '[]', '[]')", values![&user])?;
+            }
+            Ok(())
+        })
+        .unwrap();
+    let bytes = dump(&store);
+    let other = Store::open(&file(dir.path(), "other")).unwrap();
+    let copy = bytes.clone();
+    assert_eq!(restore(&other, move || Ok(Cursor::new(copy.clone()))).unwrap(), 5001);
+    assert_eq!(dump(&other), bytes);
+
+    let empty = Store::open(&file(dir.path(), "empty")).unwrap();
+    for (head, why) in
+        [(r#"{"whyroad_backup":1,"schema_version":99}"#, "knows up to"), ("", "empty"), ("[", "EOF")]
+    {
+        let told = restore(&empty, move || Ok(Cursor::new(head))).unwrap_err();
+        assert!(told.code == "restore.broken" && told.text.en.contains(why), "{told}");
+    }
+    // A line without an end does not fill the memory.
+    let endless = || Ok(BufReader::new(std::io::repeat(b'x')));
+    assert!(restore(&empty, endless).unwrap_err().text.en.contains("longer than"));
+}
+
+#[test]
+fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
+    let dir = tempfile::tempdir().unwrap();
+    let check = |store: &Store| {
+        let odd =
+            store.write(|tx| tx.run("INSERT INTO settings (name, value) VALUES ($1, 'x')", values!["a\0b"]));
+        assert_eq!(odd.unwrap_err().code, "text.nul");
+        let odd = store.read(|tx| tx.rows("SELECT 1 FROM settings WHERE name = $1", values!["\0"]));
+        assert_eq!(odd.unwrap_err().code, "text.nul");
+    };
+    check(&Store::open(&file(dir.path(), "s")).unwrap());
+    let Some(server) = postgres::Server::start() else { return };
+    check(&Store::open(&Place::parse(&server.database())).unwrap());
 }

@@ -74,6 +74,14 @@ impl Lake {
         self.dir.join("drives").join(id.as_str())
     }
 
+    /// The folder of a drive. An id that is no folder name cannot be in the lake, and must not be joined to a path.
+    pub(crate) fn checked_dir(&self, id: &DriveId) -> Result<PathBuf, LakeError> {
+        if !validity::is_folder_safe(id.as_str()) {
+            return Err(LakeError::DriveMissing(id.clone()));
+        }
+        Ok(self.drive_dir(id))
+    }
+
     /// Ids of all drives, sorted.
     pub fn drive_ids(&self) -> Vec<DriveId> {
         let Ok(entries) = fs::read_dir(self.dir.join("drives")) else { return Vec::new() };
@@ -90,11 +98,7 @@ impl Lake {
     }
 
     pub(crate) fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
-        // An id that is no folder name cannot be in the lake, and must not be joined to a path.
-        if !validity::is_folder_safe(id.as_str()) {
-            return Err(LakeError::DriveMissing(id.clone()));
-        }
-        let path = self.drive_dir(id).join(MANIFEST);
+        let path = self.checked_dir(id)?.join(MANIFEST);
         let text = match fs::read_to_string(&path) {
             Ok(t) => t,
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => {

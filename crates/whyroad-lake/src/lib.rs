@@ -16,6 +16,7 @@ mod manifest;
 mod media;
 mod outline;
 pub mod signals;
+mod stamp;
 mod tables;
 mod validity;
 
@@ -24,6 +25,7 @@ pub use error::{CODES, LakeError};
 pub use lake::{Lake, WriteOutcome};
 pub use outline::Outline;
 pub use signals::SignalFile;
+pub use stamp::Stamp;
 
 /// Version of the lake's layout. Raised when a reader of the old one would misread the new one.
 pub const LAKE_VERSION: u32 = 1;

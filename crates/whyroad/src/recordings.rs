@@ -4,12 +4,12 @@
 use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use whyroad_dataset::{draft, mined};
 use whyroad_framework::Framework;
 use whyroad_labeling::api::wire::scene::{SignalAbout, SignalKind};
 use whyroad_labeling::recordings::Recordings;
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, Stamp};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
@@ -22,13 +22,20 @@ const EPISODES: &str = "episodes.jsonl";
 /// Pictures that browsers show.
 const PICTURES: &[&str] = &["jpg", "jpeg", "png", "webp"];
 
-/// Recordings of one lake.
+/// Recordings of one lake. Drives, pictures and mined folders that come while the service runs are seen at once.
 pub(crate) struct LakeRecordings {
     lake: Lake,
     framework: &'static Framework,
-    mined: BTreeMap<String, PathBuf>,
+    mined: Vec<PathBuf>,
     media: Vec<PathBuf>,
-    kept: Mutex<VecDeque<(DriveId, Arc<Drive>)>>,
+    kept: Mutex<VecDeque<Kept>>,
+}
+
+/// A drive in memory, with the stamp that it had on disk before it was read.
+struct Kept {
+    id: DriveId,
+    stamp: Stamp,
+    drive: Arc<Drive>,
 }
 
 impl LakeRecordings {
@@ -40,17 +47,24 @@ impl LakeRecordings {
         mined: &[PathBuf],
         media: &[PathBuf],
     ) -> anyhow::Result<Self> {
-        let mut folders = BTreeMap::new();
         for dir in mined {
-            let found = mined_folders(dir)?;
-            if found.is_empty() {
+            if mined_folders(dir)?.is_empty() {
                 bail!("{} has no {EPISODES}; `whyroad mine --out DIR` writes it", dir.display());
             }
-            folders.extend(found);
         }
         let own = lake.dir().join("media");
-        let media = media.iter().chain([&own]).filter_map(|d| d.canonicalize().ok()).collect();
-        Ok(Self { lake, framework, mined: folders, media, kept: Mutex::default() })
+        let media = media.iter().chain([&own]).cloned().collect();
+        Ok(Self { lake, framework, mined: mined.to_vec(), media, kept: Mutex::default() })
+    }
+
+    /// Mined folders by name, as they are now. One that cannot be read at the moment has none.
+    fn folders(&self) -> BTreeMap<String, PathBuf> {
+        self.mined.iter().filter_map(|dir| mined_folders(dir).ok()).flatten().collect()
+    }
+
+    /// The drives in memory. What is in there stays whole even when a thread that held it has died.
+    fn kept(&self) -> MutexGuard<'_, VecDeque<Kept>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -69,21 +83,21 @@ fn mined_folders(dir: &Path) -> anyhow::Result<BTreeMap<String, PathBuf>> {
 
 impl Recordings for LakeRecordings {
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
-        let of = |kept: &VecDeque<(DriveId, Arc<Drive>)>| {
-            kept.iter().find(|(k, _)| k == id).map(|(_, d)| Arc::clone(d))
-        };
-        // What is in there stays whole even when a thread that held it has died.
-        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(drive) = of(&lock()) {
-            return Ok(drive);
+        let stamp = self.lake.stamp(id).map_err(|e| e.to_string())?;
+        if let Some(kept) = self.kept().iter().find(|k| k.id == *id && k.stamp == stamp) {
+            return Ok(Arc::clone(&kept.drive));
         }
         let drive = Arc::new(self.lake.read_drive(id).map_err(|e| e.to_string())?);
-        let mut kept = lock();
-        if of(&kept).is_none() {
-            kept.push_front((id.clone(), Arc::clone(&drive)));
-            kept.truncate(KEPT);
-        }
+        let mut kept = self.kept();
+        kept.retain(|k| k.id != *id);
+        kept.push_front(Kept { id: id.clone(), stamp, drive: Arc::clone(&drive) });
+        kept.truncate(KEPT);
         Ok(drive)
+    }
+
+    fn version(&self, id: &DriveId) -> String {
+        // A drive that is not to be had says so when it is asked for.
+        self.lake.stamp(id).map_or_else(|_| String::new(), |stamp| format!("{stamp:?}"))
     }
 
     fn signals(&self, drive: &Drive) -> SignalTable {
@@ -108,11 +122,11 @@ impl Recordings for LakeRecordings {
     }
 
     fn mined(&self) -> Vec<String> {
-        self.mined.keys().cloned().collect()
+        self.folders().into_keys().collect()
     }
 
     fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>> {
-        let path = self.mined.get(name)?.join(EPISODES);
+        let path = self.folders().get(name)?.join(EPISODES);
         let text = std::fs::read_to_string(&path).ok()?;
         let (episodes, problems) = mined::read_episodes(&text, &path.display().to_string());
         for d in &problems {
@@ -128,7 +142,9 @@ impl Recordings for LakeRecordings {
         }
         // As the log names it: from its own folder, or from the folder of all logs.
         let places = |root: &PathBuf| [root.join(drive.as_str()).join(&frame.uri), root.join(&frame.uri)];
-        let found = self.media.iter().flat_map(|root| places(root).map(|p| (root, p)));
+        // Looked up each time: the lake's own folder comes with the first `whyroad media add --copy`.
+        let roots: Vec<PathBuf> = self.media.iter().filter_map(|d| d.canonicalize().ok()).collect();
+        let found = roots.iter().flat_map(|root| places(root).map(|p| (root, p)));
         // A name with `..` or a link must not lead out of the folder that was opened to the service.
         found
             .filter_map(|(root, path)| Some((root, path.canonicalize().ok()?)))
@@ -188,6 +204,41 @@ mod tests {
         assert_eq!(unit("target.emerges"), Some((SignalKind::Flag, None)));
         assert_eq!(unit("lead.class"), Some((SignalKind::Category, None)));
         assert_eq!(unit("ego.no_such"), None);
+    }
+
+    #[test]
+    fn what_comes_while_the_service_runs_is_seen() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |p: &str| dir.path().join(p);
+        std::fs::create_dir_all(at("mined/week1")).unwrap();
+        std::fs::write(at("mined/week1").join(EPISODES), "").unwrap();
+        let lake = Lake::create_or_open(at("lake")).unwrap();
+        let recordings =
+            LakeRecordings::open(lake.clone(), Framework::bundled(), &[at("mined")], &[]).unwrap();
+        let id = DriveId::from("d1");
+        assert!(recordings.drive(&id).unwrap_err().contains("d1"));
+
+        let mut drive = Drive { times: vec![Nanos(0), Nanos(100_000_000)], ..Drive::default() };
+        drive.meta.drive_id = id.clone();
+        lake.write_drive(&drive).unwrap();
+        let first = recordings.drive(&id).unwrap();
+        assert!(first.media.is_none());
+        assert!(Arc::ptr_eq(&first, &recordings.drive(&id).unwrap()), "read once");
+
+        let before = recordings.version(&id);
+        std::fs::create_dir_all(lake.dir().join("media/d1")).unwrap();
+        std::fs::write(lake.dir().join("media/d1/1.jpg"), "picture").unwrap();
+        let picture = MediaFrame { time: drive.times[0], ..frame("1.jpg") };
+        lake.write_media(&id, std::slice::from_ref(&picture)).unwrap();
+        assert_ne!(recordings.version(&id), before);
+        assert_eq!(recordings.drive(&id).unwrap().media.as_deref(), Some(&[picture.clone()][..]));
+        assert!(recordings.media(&id, &picture).is_some(), "the lake's own folder came later");
+
+        assert_eq!(recordings.mined(), ["week1"]);
+        std::fs::create_dir_all(at("mined/week2")).unwrap();
+        std::fs::write(at("mined/week2").join(EPISODES), "").unwrap();
+        assert_eq!(recordings.mined(), ["week1", "week2"]);
+        assert_eq!(recordings.episodes("week2").map(|e| e.len()), Some(0));
     }
 
     #[test]

@@ -33,7 +33,16 @@ impl StoreArgs {
 
     /// Opens the store; makes it when there is none.
     pub(crate) fn open(&self, lang: Lang) -> anyhow::Result<Store> {
-        Store::open(&self.place()).map_err(|p| told(&p, lang))
+        let store = Store::open_keeping(&self.place(), &self.data).map_err(|p| told(&p, lang))?;
+        if let Some(kept) = store.kept.as_ref().map(|p| p.display()) {
+            match lang {
+                Lang::Zh => say!("存储已升级到本程序的版本；升级前的内容在 {kept}"),
+                Lang::En => {
+                    say!("the store was brought forward to this program's version; what it was is in {kept}")
+                }
+            }
+        }
+        Ok(store)
     }
 
     /// Opens the store of a service that has run before: a mistyped path must not make an empty one.

@@ -11,7 +11,9 @@ use crate::store::Tx;
 use crate::workflow::Position;
 use crate::{secret, values};
 use serde_json::Value;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
 use whyroad_model::messages::{Causes, CocLabel, EpisodeRecord};
 use whyroad_model::{Drive, Lang, Nanos, SignalTable};
@@ -41,7 +43,7 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
     let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
     let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
-    let mut drive = None;
+    let mut last = LastDrive::default();
     for episode in &episodes {
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
         let full = request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l));
@@ -56,10 +58,10 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
             out.known += 1;
             continue;
         }
-        match Source::of(app, episode, &mut drive) {
+        match last.of(app, episode) {
             Ok(source) => {
                 let lang = request.lang.clone().unwrap_or_default();
-                let first = row(app, &project, &source, episode, lang)?;
+                let first = row(app, &project, source, episode, lang, None)?;
                 for index in 0..overlap {
                     let (id, priority) = (secret::id()?, request.priority);
                     rows.push(TaskRow {
@@ -98,6 +100,12 @@ fn put(app: &App, rows: Vec<TaskRow>, actor: Option<&str>) -> Answer<Vec<String>
     })
 }
 
+/// Stores tasks, a few in each transaction; the number of those that are new. When the store fails on the way, what was
+/// stored stays, and doing it again makes the rest.
+pub fn put_all(app: &App, rows: &[TaskRow], actor: Option<&str>) -> Answer<u32> {
+    rows.chunks(AT_ONCE).try_fold(0, |made, part| Ok(made + put(app, part.to_vec(), actor)?.len() as u32))
+}
+
 fn episodes(app: &App, request: &CreateTasks) -> Answer<Vec<EpisodeRecord>> {
     let mut all = match (&request.mined, request.episodes.is_empty()) {
         (Some(name), true) => app.recordings.episodes(name).ok_or_else(Problem::missing)?,
@@ -117,36 +125,46 @@ fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
     app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
 }
 
-/// A drive with its signals, kept from one episode to the next.
-#[derive(Clone)]
+/// The drive that was needed last: episodes come drive by drive, and each is read and derived once.
+#[derive(Default)]
+pub struct LastDrive(Option<Source>);
+
+/// A drive, and its signals once they were asked for.
 struct Source {
-    drive: std::sync::Arc<Drive>,
-    signals: std::sync::Arc<SignalTable>,
+    drive: Arc<Drive>,
+    signals: OnceCell<SignalTable>,
 }
 
-impl Source {
-    fn of(app: &App, episode: &EpisodeRecord, last: &mut Option<Source>) -> Result<Source, String> {
-        if let Some(source) = last.as_ref().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
-            return Ok(source.clone());
-        }
-        let drive = app.recordings.drive(&episode.drive_id)?;
-        let signals = std::sync::Arc::new(app.recordings.signals(&drive));
-        let source = Source { drive, signals };
-        *last = Some(source.clone());
-        Ok(source)
+impl LastDrive {
+    /// The drive of `episode`; in words why it is not to be had, or why the episode cannot be one of it.
+    fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<&Source, String> {
+        let source = match self.0.take().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
+            Some(source) => source,
+            None => Source { drive: app.recordings.drive(&episode.drive_id)?, signals: OnceCell::new() },
+        };
+        let at = episode.keyframe.timestamp;
+        let within = source.drive.times.first().is_some_and(|t| *t <= at)
+            && source.drive.times.last().is_some_and(|t| at <= *t);
+        let source = self.0.insert(source);
+        if within { Ok(source) } else { Err(format!("its keyframe {at} is outside the drive")) }
     }
 }
 
-/// A task for an episode, not yet stored.
+impl Source {
+    fn signals(&self, app: &App) -> &SignalTable {
+        self.signals.get_or_init(|| app.recordings.signals(&self.drive))
+    }
+}
+
+/// A task for an episode, not yet stored; with `draft` in place of the rule's own, where there is one.
 pub fn prepare(
     app: &App,
     project: &Project,
     episode: &EpisodeRecord,
-    priority: i64,
-    overlap_index: i64,
-    overlap_count: i64,
+    draft: Option<Value>,
+    last: &mut LastDrive,
 ) -> Answer<TaskRow> {
-    let source = Source::of(app, episode, &mut None).map_err(|why| {
+    let source = last.of(app, episode).map_err(|why| {
         Problem::new(
             422,
             "drive.missing",
@@ -154,8 +172,7 @@ pub fn prepare(
             format!("the drive is not to be had: {why}"),
         )
     })?;
-    let row = row(app, project, &source, episode, String::new())?;
-    Ok(TaskRow { priority, overlap_index, overlap_count, ..row })
+    row(app, project, source, episode, String::new(), draft)
 }
 
 fn row(
@@ -164,9 +181,14 @@ fn row(
     source: &Source,
     episode: &EpisodeRecord,
     lang: String,
+    given: Option<Value>,
 ) -> Answer<TaskRow> {
     let words = if lang.is_empty() { &project.settings.lang } else { &lang };
-    let initial = draft(app, source, episode, words.parse().unwrap_or_default())?;
+    let initial = match given {
+        // Nothing is derived for what is thrown away.
+        Some(draft) => draft,
+        None => draft(app, source, episode, words.parse().unwrap_or_default())?,
+    };
     let keyframe = episode.keyframe.timestamp;
     let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
     let PackSpec { before_s, after_s, .. } = pack.unwrap_or_default();
@@ -204,7 +226,7 @@ fn row(
 }
 
 fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang) -> Answer<Value> {
-    let whole = app.recordings.draft(&source.drive, &source.signals, episode, lang);
+    let whole = app.recordings.draft(&source.drive, source.signals(app), episode, lang);
     let keyframe = episode.keyframe.timestamp;
     let history = scene::cut(&source.drive, keyframe);
     let signals = app.recordings.signals(&history);

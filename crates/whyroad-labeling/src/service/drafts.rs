@@ -66,9 +66,7 @@ pub fn save(
     for c in &changes {
         fields::apply(&mut draft, c)?;
     }
-    if draft.to_string().len() > fields::MAX_DRAFT {
-        return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
-    }
+    fields::bounded(&draft)?;
     t.draft = draft;
     t.version += 1;
     leases::extend(&mut t, settings, now);

@@ -29,18 +29,26 @@ const PLOTTED: [&str; 2] = ["ego.lane_offset", "ego.jerk"];
 /// Scenes that were asked for last, so that a reload does not derive all signals again.
 #[derive(Debug, Default)]
 pub struct SceneCache {
-    scenes: Mutex<VecDeque<(String, Stage, Arc<SceneView>)>>,
+    scenes: Mutex<VecDeque<(SceneKey, Arc<SceneView>)>>,
+}
+
+/// What a scene depends on: the task, how much of it is shown, and its drive as it was on disk.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct SceneKey {
+    task: String,
+    stage: Stage,
+    drive_version: String,
 }
 
 impl SceneCache {
-    fn get(&self, task: &str, stage: Stage) -> Option<Arc<SceneView>> {
+    fn get(&self, key: &SceneKey) -> Option<Arc<SceneView>> {
         let scenes = self.scenes.lock().ok()?;
-        scenes.iter().find(|(t, s, _)| t == task && *s == stage).map(|(_, _, scene)| Arc::clone(scene))
+        scenes.iter().find(|(k, _)| k == key).map(|(_, scene)| Arc::clone(scene))
     }
 
-    fn put(&self, task: &str, stage: Stage, scene: &Arc<SceneView>) {
+    fn put(&self, key: SceneKey, scene: &Arc<SceneView>) {
         if let Ok(mut scenes) = self.scenes.lock() {
-            scenes.push_front((task.to_owned(), stage, Arc::clone(scene)));
+            scenes.push_front((key, Arc::clone(scene)));
             scenes.truncate(KEPT);
         }
     }
@@ -76,7 +84,9 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
 /// The scene of a task.
 pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let stage = visible::stage(t.at.state);
-    if let Some(scene) = app.scenes.get(&t.id, stage) {
+    let drive_version = app.recordings.version(&t.drive_id.as_str().into());
+    let key = SceneKey { task: t.id.clone(), stage, drive_version };
+    if let Some(scene) = app.scenes.get(&key) {
         return Ok(scene);
     }
     let Shown { drive, frames } = shown(app, t)?;
@@ -85,7 +95,7 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();
     let view = Arc::new(view);
-    app.scenes.put(&t.id, stage, &view);
+    app.scenes.put(key, &view);
     Ok(view)
 }
 

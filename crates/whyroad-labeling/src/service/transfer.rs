@@ -10,9 +10,10 @@ use crate::api::wire::project::Project;
 use crate::api::wire::task::Imported;
 use crate::app::App;
 use crate::problem::{Answer, Problem};
+use crate::service::create::{self, LastDrive};
+use crate::service::projects;
 use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
-use crate::service::{create, projects};
 use crate::store::Tx;
 use crate::values;
 use crate::workflow::State;
@@ -140,52 +141,52 @@ fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> A
     }}))
 }
 
-/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. All that is
-/// good comes in together or, when the store fails, not at all.
+/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. When the store
+/// fails on the way, the same file again brings in what is missing.
 pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answer<Imported> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).collect();
     if lines.len() > MOST_LINES {
         return Err(Problem::request(format!("more than {MOST_LINES} lines; bring them in parts")));
     }
     let project = app.store.read(|tx| projects::get(tx, project))?;
-    let now = app.now();
-    let (mut good, mut lost) = (Vec::new(), Vec::new());
+    let (mut incoming, mut lost) = (Vec::new(), BTreeMap::new());
     for (number, line) in lines {
-        let made =
-            read_line(line).and_then(|incoming| prepare(app, &project, incoming).map_err(|p| p.text.en));
-        match made {
-            Ok(row) => good.push(row),
-            Err(why) => lost.push(format!("line {}: {why}", number + 1)),
+        match read_line(line) {
+            Ok(read) => incoming.push((number, read)),
+            Err(why) => drop(lost.insert(number, why)),
         }
     }
-    if lost.len() > MOST_REASONS {
-        let more = lost.len() - MOST_REASONS;
-        lost.truncate(MOST_REASONS);
-        lost.push(format!("and {more} more"));
-    }
-    let actor = actor.map(str::to_owned);
-    let (tasks, known) = app.store.write(move |tx| {
-        let (mut made, mut known) = (0, 0);
-        for row in &good {
-            if create::store(tx, row.clone(), actor.as_deref(), now)? {
-                made += 1;
-            } else {
-                known += 1;
-            }
+    // Drive by drive, so that each is read and derived once.
+    incoming.sort_by(|(_, a), (_, b)| a.episode.drive_id.cmp(&b.episode.drive_id));
+    let (mut last, mut rows) = (LastDrive::default(), Vec::new());
+    for (number, one) in incoming {
+        match prepare(app, &project, one, &mut last) {
+            Ok(row) => rows.push((number, row)),
+            Err(p) => drop(lost.insert(number, p.text.en)),
         }
-        Ok((made, known))
-    })?;
-    Ok(Imported { tasks, known, lost })
+    }
+    // In the order of the file, which is then the order of the queue.
+    rows.sort_by_key(|(number, _)| *number);
+    let rows: Vec<TaskRow> = rows.into_iter().map(|(_, row)| row).collect();
+    let tasks = create::put_all(app, &rows, actor)?;
+    Ok(Imported { tasks, known: rows.len() as u32 - tasks, lost: told(lost) })
 }
 
-fn prepare(app: &App, project: &Project, incoming: Incoming) -> Answer<TaskRow> {
-    let Incoming { episode, draft, priority, overlap } = incoming;
-    let mut row = create::prepare(app, project, &episode, priority, overlap.0, overlap.1)?;
-    if let Some(draft) = draft {
-        row.initial = draft.clone();
-        row.draft = draft;
+/// Reasons by line; beyond [`MOST_REASONS`] they are counted.
+fn told(lost: BTreeMap<usize, String>) -> Vec<String> {
+    let more = lost.len().saturating_sub(MOST_REASONS);
+    let mut out: Vec<String> =
+        lost.into_iter().take(MOST_REASONS).map(|(n, why)| format!("line {}: {why}", n + 1)).collect();
+    if more > 0 {
+        out.push(format!("and {more} more"));
     }
-    Ok(row)
+    out
+}
+
+fn prepare(app: &App, project: &Project, incoming: Incoming, last: &mut LastDrive) -> Answer<TaskRow> {
+    let Incoming { episode, draft, priority, overlap: (overlap_index, overlap_count) } = incoming;
+    let row = create::prepare(app, project, &episode, draft, last)?;
+    Ok(TaskRow { priority, overlap_index, overlap_count, ..row })
 }
 
 /// Counts by state, for `whyroad tasks list`.

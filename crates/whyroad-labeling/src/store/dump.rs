@@ -1,34 +1,37 @@
-//! Backup: all tables as JSON lines, the same for both databases, so that a backup of one restores into the other.
+//! Backup: all tables as JSON lines, the same for both databases, so that a backup of one restores into the other. Which
+//! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older program
+//! restores into tables of its own version, which are then brought forward like any other store.
 
+use super::Store;
+use super::migrate::{self, LATEST};
 use super::sql::{Tx, Value};
-use super::{Store, migrate};
 use crate::problem::{Answer, Problem};
 use serde_json::{Value as Json, json};
-use std::io::{BufRead, Write};
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{BufRead, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
 
-/// Tables and their columns, a table after those that it refers to. A test holds it against the scripts.
-pub(super) const TABLES: &[(&str, &str)] = &[
-    ("settings", "name,value"),
-    ("users", "id,name,display,admin,lang,password_hash,disabled,created"),
-    ("sessions", "hash,user_id,expires"),
-    ("api_tokens", "id,hash,user_id,name,created"),
-    ("projects", "id,name,guide,quota,settings,created"),
-    ("members", "project_id,user_id,roles,skills"),
-    (
-        "tasks",
-        "id,project_id,episode_id,overlap_index,overlap_count,drive_id,clip_id,scenario_id,keyframe_ns,from_ns,to_ns,\
-         episode,initial,draft,version,priority,state,authors,author,checker,auditor,checked,audited,adjudication,\
-         assigned,holder,fence,lease_until,seq,created,updated,lang",
-    ),
-    ("history", "task_id,seq,at,actor,action,from_state,to_state,changes,snapshot,note,version"),
-    ("comments", "id,task_id,path,author,body,at,resolved"),
-    ("seen", "user_id,task_id,drive_id,from_ns,to_ns"),
-    ("webhooks", "id,project_id,url,events,secret,last_error,created"),
-    ("outbox", "id,webhook_id,body,tries,due,created"),
+/// Tables, each after those that it refers to, with a key in the first two columns. A test holds it against the scripts.
+pub(super) const TABLES: &[&str] = &[
+    "settings",
+    "users",
+    "sessions",
+    "api_tokens",
+    "projects",
+    "members",
+    "tasks",
+    "history",
+    "comments",
+    "seen",
+    "webhooks",
+    "outbox",
 ];
 
 /// Rows fetched at once.
-const PAGE: i64 = 1000;
+const PAGE: usize = 1000;
+/// Longest line that is read: the greatest row is a task with two drafts.
+const MOST_BYTES: u64 = 16 * 1024 * 1024;
 
 /// Writes the whole store, one consistent state of it, as JSON lines; the number of rows.
 pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
@@ -37,77 +40,149 @@ pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
         if !tx.lock().is_empty() {
             tx.script("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ")?;
         }
-        line(out, &json!({"whyroad_backup": 1, "schema_version": migrate::LATEST}))?;
-        let mut rows = 0;
-        for (table, columns) in TABLES {
-            let mut from = 0;
-            loop {
-                let sql = format!("SELECT {columns} FROM {table} ORDER BY 1, 2 LIMIT $1 OFFSET $2");
-                let page = tx.rows(&sql, crate::values![PAGE, from])?;
-                let n = page.len() as i64;
-                for row in page {
-                    let values: Vec<Json> = row.0.into_iter().map(to_json).collect();
-                    line(out, &json!({"table": table, "row": values}))?;
-                }
-                rows += n as u64;
-                from += n;
-                if n < PAGE {
-                    break;
-                }
+        write_all(tx, LATEST, out)
+    })
+}
+
+/// The same into a file, aside and renamed, so that it is whole or not there; only its owner reads it.
+pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
+    to_file(path, |out| backup(store, out))
+}
+
+pub(super) fn to_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> Answer<u64>) -> Answer<u64> {
+    let cannot = |e: std::io::Error| Problem::store(format!("{}: {e}", path.display()));
+    if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
+        std::fs::create_dir_all(dir).map_err(cannot)?;
+    }
+    let aside = PathBuf::from(format!("{}.part", path.display()));
+    let mut options = File::options();
+    options.write(true).create(true).truncate(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let mut file = BufWriter::new(options.open(&aside).map_err(cannot)?);
+    let rows = write(&mut file)?;
+    file.flush().map_err(cannot)?;
+    file.get_ref().sync_all().map_err(cannot)?;
+    std::fs::rename(&aside, path).map_err(cannot)?;
+    Ok(rows)
+}
+
+/// All tables of a store of `version`.
+pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> Answer<u64> {
+    line(out, &json!({"whyroad_backup": 1, "schema_version": version}))?;
+    let mut rows = 0;
+    for table in TABLES {
+        // A table of a later version has no columns yet.
+        let columns = tx.columns(table)?;
+        let [one, two, ..] = &columns[..] else { continue };
+        let sql = |condition: &str| {
+            let all = columns.join(",");
+            format!("SELECT {all} FROM {table} {condition} ORDER BY {one}, {two} LIMIT {PAGE}")
+        };
+        let mut page = tx.rows(&sql(""), &[])?;
+        while let Some(last) = page.last().map(|row| [row.0[0].clone(), row.0[1].clone()]) {
+            let full = page.len() == PAGE;
+            rows += page.len() as u64;
+            for row in page {
+                let values: Vec<Json> = row.0.into_iter().map(to_json).collect();
+                line(out, &json!({"table": table, "row": values}))?;
+            }
+            // From the last key on: an offset would be counted off anew for each page.
+            let after = format!("WHERE ({one}, {two}) > ($1, $2)");
+            page = if full { tx.rows(&sql(&after), &last)? } else { vec![] };
+        }
+    }
+    line(out, &json!({"end": true, "rows": rows}))?;
+    out.flush().map_err(Problem::store)?;
+    Ok(rows)
+}
+
+/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused. `open` gives
+/// the backup from its beginning: the database may ask for the whole to be done again.
+pub fn restore<R: BufRead>(
+    store: &Store,
+    mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,
+) -> Answer<u64> {
+    store.write(move |tx| {
+        let mut lines = Lines(open().map_err(Problem::store)?);
+        let head = lines.next()?.ok_or_else(|| broken("empty"))?;
+        let version = head["schema_version"].as_i64().unwrap_or(0);
+        if head["whyroad_backup"] != 1 || version < 1 {
+            return Err(broken("not a backup of whyroad"));
+        }
+        if version > LATEST {
+            return Err(broken(format!("tables of version {version}, this program knows up to {LATEST}")));
+        }
+        for table in ["users", "projects"] {
+            if tx.row(&format!("SELECT 1 FROM {table} LIMIT 1"), &[])?.is_some() {
+                return Err(Problem::new(
+                    409,
+                    "restore.not_empty",
+                    "目标存储不是空的",
+                    "the store is not empty",
+                ));
             }
         }
-        line(out, &json!({"end": true, "rows": rows}))?;
-        out.flush().map_err(Problem::store)?;
+        tx.run("DELETE FROM settings", &[])?;
+        if version < LATEST {
+            TABLES.iter().rev().try_for_each(|t| tx.script(&format!("DROP TABLE IF EXISTS {t}")))?;
+            tx.run("DELETE FROM schema_version", &[])?;
+            migrate::to(tx, version)?;
+        }
+        let rows = read_all(tx, &mut lines)?;
+        migrate::to(tx, LATEST)?;
         Ok(rows)
     })
 }
 
-/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused.
-pub fn restore(store: &Store, input: &mut dyn BufRead) -> Answer<u64> {
-    let mut lines = Vec::new();
-    for line in input.lines() {
-        let line = line.map_err(Problem::store)?;
-        lines.push(serde_json::from_str::<Json>(&line).map_err(Problem::request)?);
-    }
-    let (Some(head), Some(tail)) = (lines.first(), lines.last()) else { return Err(broken("empty")) };
-    if head["whyroad_backup"] != 1 {
-        return Err(broken("not a backup of whyroad"));
-    }
-    if head["schema_version"] != migrate::LATEST {
-        return Err(broken(format!(
-            "tables of version {}, this program has {}",
-            head["schema_version"],
-            migrate::LATEST
-        )));
-    }
-    if tail["end"] != true || tail["rows"] != (lines.len() - 2) as u64 {
-        return Err(broken("it is cut off"));
-    }
-    store.write(move |tx| {
-        if tx.row("SELECT 1 FROM users LIMIT 1", &[])?.is_some() {
-            return Err(Problem::new(409, "restore.not_empty", "目标存储不是空的", "the store is not empty"));
+fn read_all(tx: &mut dyn Tx, lines: &mut Lines<impl BufRead>) -> Answer<u64> {
+    let mut rows = 0;
+    let mut columns: HashMap<&str, Vec<String>> = HashMap::new();
+    while let Some(entry) = lines.next()? {
+        if entry["end"] == true {
+            let whole = entry["rows"] == rows && lines.next()?.is_none();
+            return if whole { Ok(rows) } else { Err(broken("rows are missing")) };
         }
-        tx.run("DELETE FROM settings", &[])?;
-        for entry in &lines[1..lines.len() - 1] {
-            put(tx, entry)?;
+        let name = entry["table"].as_str().unwrap_or_default();
+        let Some(table) = TABLES.iter().find(|t| **t == name) else {
+            return Err(broken(format!("unknown table '{name}'")));
+        };
+        if !columns.contains_key(table) {
+            columns.insert(table, tx.columns(table)?);
         }
-        Ok((lines.len() - 2) as u64)
-    })
+        put(tx, table, &columns[table], &entry)?;
+        rows += 1;
+    }
+    Err(broken("it is cut off"))
 }
 
-fn put(tx: &mut dyn Tx, entry: &Json) -> Answer<()> {
-    let name = entry["table"].as_str().unwrap_or_default();
-    let Some((table, columns)) = TABLES.iter().find(|(t, _)| *t == name) else {
-        return Err(broken(format!("unknown table '{name}'")));
-    };
+fn put(tx: &mut dyn Tx, table: &str, columns: &[String], entry: &Json) -> Answer<()> {
     let values = entry["row"].as_array().map(|r| r.iter().map(from_json).collect::<Answer<Vec<_>>>());
     let values = values.ok_or_else(|| broken("a row is missing"))??;
-    if values.len() != columns.split(',').count() {
-        return Err(broken(format!("a row of '{name}' has {} values", values.len())));
+    if values.is_empty() || values.len() != columns.len() {
+        return Err(broken(format!("a row of '{table}' has {} values", values.len())));
     }
     let holes: Vec<String> = (1..=values.len()).map(|i| format!("${i}")).collect();
-    tx.run(&format!("INSERT INTO {table} ({columns}) VALUES ({})", holes.join(",")), &values)?;
+    let sql = format!("INSERT INTO {table} ({}) VALUES ({})", columns.join(","), holes.join(","));
+    tx.run(&sql, &values)?;
     Ok(())
+}
+
+/// A backup line by line: it may be larger than the memory.
+struct Lines<R>(R);
+
+impl<R: BufRead> Lines<R> {
+    fn next(&mut self) -> Answer<Option<Json>> {
+        let mut text = String::new();
+        let n = (&mut self.0).take(MOST_BYTES).read_line(&mut text).map_err(broken)?;
+        if n == 0 {
+            return Ok(None);
+        }
+        if n as u64 == MOST_BYTES {
+            return Err(broken(format!("a line is longer than {MOST_BYTES} bytes")));
+        }
+        serde_json::from_str(&text).map(Some).map_err(broken)
+    }
 }
 
 fn line(out: &mut dyn Write, value: &Json) -> Answer<()> {
@@ -145,17 +220,17 @@ mod tests {
     use super::*;
     use crate::store::Place;
 
-    /// A column that is not in [`TABLES`] would be lost by a backup without a word.
+    /// A table that is not in [`TABLES`] would be lost by a backup without a word.
     #[test]
-    fn every_table_and_column_is_in_a_backup() {
+    fn every_table_is_in_a_backup() {
         let dir = tempfile::tempdir().unwrap();
         let store = Store::open(&Place::File(dir.path().join("s"))).unwrap();
-        let sql = "SELECT m.name, group_concat(c.name, ',') FROM sqlite_master m, pragma_table_info(m.name) c
-                   WHERE m.type = 'table' AND m.name <> 'schema_version' GROUP BY m.name ORDER BY m.name";
+        let sql =
+            "SELECT name FROM sqlite_master WHERE type = 'table' AND name <> 'schema_version' ORDER BY name";
         let there = store.read(|tx| tx.rows(sql, &[])).unwrap();
-        let there: Vec<_> = there.iter().map(|r| (r.text(0).unwrap(), r.text(1).unwrap())).collect();
-        let mut kept: Vec<_> = TABLES.iter().map(|(t, c)| ((*t).to_owned(), (*c).to_owned())).collect();
-        kept.sort();
+        let there: Vec<_> = there.iter().map(|r| r.text(0).unwrap()).collect();
+        let mut kept = TABLES.to_vec();
+        kept.sort_unstable();
         assert_eq!(there, kept);
     }
 }

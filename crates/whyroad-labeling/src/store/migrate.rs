@@ -15,21 +15,22 @@ pub(super) const LATEST: i64 = SCRIPTS.len() as i64;
 pub(super) fn version(tx: &mut dyn Tx) -> Answer<i64> {
     tx.script("CREATE TABLE IF NOT EXISTS schema_version (version BIGINT NOT NULL)")?;
     let row = tx.row("SELECT max(version) FROM schema_version", &[])?;
-    Ok(row.map(|r| r.maybe_int(0)).transpose()?.flatten().unwrap_or(0))
-}
-
-/// Brings the tables to [`LATEST`].
-pub(super) fn migrate(tx: &mut dyn Tx) -> Answer<()> {
-    let now = version(tx)?;
-    if now > LATEST {
+    let version = row.map(|r| r.maybe_int(0)).transpose()?.flatten().unwrap_or(0);
+    if version > LATEST {
         return Err(Problem::new(
             503,
             "store.newer",
-            format!("存储的版本为 {now}，本程序只认识到 {LATEST}"),
-            format!("the store is of version {now}, this program knows up to {LATEST}"),
+            format!("存储的版本为 {version}，本程序只认识到 {LATEST}"),
+            format!("the store is of version {version}, this program knows up to {LATEST}"),
         ));
     }
-    for (number, script) in (1..).zip(SCRIPTS).skip(now as usize) {
+    Ok(version)
+}
+
+/// Brings the tables forward to `wanted`.
+pub(super) fn to(tx: &mut dyn Tx, wanted: i64) -> Answer<()> {
+    let now = version(tx)?;
+    for (number, script) in (1..=wanted).zip(SCRIPTS).skip(now as usize) {
         tx.script(script)?;
         tx.run("INSERT INTO schema_version (version) VALUES ($1)", values![number])?;
     }

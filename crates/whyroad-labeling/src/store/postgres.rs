@@ -1,12 +1,13 @@
 //! PostgreSQL: a pool of connections; a transaction that meets a restart or a deadlock before its commit is run again.
 
-use super::sql::{Row, Tx, Value};
-use super::{Backend, Job, migrate};
+use super::sql::{Row, Tx, Value, holdable};
+use super::{Backend, Job, dump, migrate};
 use crate::problem::{Answer, Problem};
 use postgres::error::SqlState;
 use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
 use postgres::{Client, Config, NoTls, Statement, Transaction};
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
 use std::time::{Duration, Instant};
 
@@ -37,15 +38,24 @@ struct Connection {
 }
 
 impl Postgres {
-    pub(super) fn open(url: &str) -> Answer<Self> {
+    /// Opens the database; also where a backup of it was put in `aside` before its tables were brought forward.
+    pub(super) fn open(url: &str, aside: &Path) -> Answer<(Self, Option<PathBuf>)> {
         let mut config: Config = url.parse().map_err(Problem::store)?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
         let store = Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
+        let mut copy = None;
         store.read(&mut |tx| {
             tx.script(&format!("SELECT pg_advisory_xact_lock({MIGRATION_LOCK})"))?;
-            migrate::migrate(tx)
+            let version = migrate::version(tx)?;
+            if version > 0 && version < migrate::LATEST {
+                let path = aside.join(format!("store.before-{}.jsonl", migrate::LATEST));
+                lock_all(tx)?;
+                dump::to_file(&path, |out| dump::write_all(tx, version, out))?;
+                copy = Some(path);
+            }
+            migrate::to(tx, migrate::LATEST)
         })?;
-        Ok(store)
+        Ok((store, copy))
     }
 
     fn connection(&self) -> Answer<Connection> {
@@ -94,6 +104,16 @@ impl Postgres {
             }
         }
     }
+}
+
+/// Keeps everybody else off all tables until the transaction ends: what is copied is then what is brought forward.
+fn lock_all(tx: &mut dyn Tx) -> Answer<()> {
+    for table in dump::TABLES {
+        if !tx.columns(table)?.is_empty() {
+            tx.script(&format!("LOCK TABLE {table} IN ACCESS EXCLUSIVE MODE"))?;
+        }
+    }
+    Ok(())
 }
 
 enum Failure {
@@ -201,6 +221,7 @@ impl ToSql for Value {
 
 impl Tx for Running<'_> {
     fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64> {
+        holdable(values)?;
         let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
         let statement = self.statement(sql)?;
         let result = self.transaction.execute(&statement, &values);
@@ -208,6 +229,7 @@ impl Tx for Running<'_> {
     }
 
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
+        holdable(values)?;
         let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
         let statement = self.statement(sql)?;
         let result = self.transaction.query(&statement, &values);
@@ -217,6 +239,12 @@ impl Tx for Running<'_> {
     fn script(&mut self, sql: &str) -> Answer<()> {
         let result = self.transaction.batch_execute(sql);
         self.noted(result)
+    }
+
+    fn columns(&mut self, table: &str) -> Answer<Vec<String>> {
+        let sql = "SELECT CAST(column_name AS TEXT) FROM information_schema.columns
+                   WHERE table_schema = current_schema() AND table_name = $1 ORDER BY ordinal_position";
+        self.rows(sql, crate::values![table])?.iter().map(|r| r.text(0)).collect()
     }
 
     fn lock(&self) -> &'static str {

@@ -13,6 +13,16 @@ pub enum Value {
     Text(String),
 }
 
+/// Refuses what not every database can hold: PostgreSQL's texts have no U+0000, and what goes into one store must go into
+/// the other.
+pub(super) fn holdable(values: &[Value]) -> Answer<()> {
+    let odd = |v: &Value| matches!(v, Value::Text(t) if t.as_bytes().contains(&0));
+    if !values.iter().any(odd) {
+        return Ok(());
+    }
+    Err(Problem::new(422, "text.nul", "文本中不能含有字符 U+0000", "a text cannot hold the character U+0000"))
+}
+
 impl From<i64> for Value {
     fn from(v: i64) -> Self {
         Self::Int(v)
@@ -81,6 +91,8 @@ pub trait Tx {
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>>;
     /// Runs several statements without parameters.
     fn script(&mut self, sql: &str) -> Answer<()>;
+    /// Columns of a table in the order in which they were made; none where there is no such table.
+    fn columns(&mut self, table: &str) -> Answer<Vec<String>>;
     /// What makes a SELECT keep its rows from other writers: ` FOR UPDATE`, or nothing where there is one writer.
     fn lock(&self) -> &'static str;
 

@@ -1,6 +1,6 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
-use super::sql::{Row, Tx, Value};
+use super::sql::{Row, Tx, Value, holdable};
 use super::{Backend, Job, migrate};
 use crate::problem::{Answer, Problem};
 use rusqlite::types::ValueRef;
@@ -29,19 +29,21 @@ struct Waiting {
 }
 
 impl Sqlite {
-    pub(super) fn open(path: &Path) -> Answer<Self> {
+    /// Opens the file; also where a copy of it was put before its tables were brought forward.
+    pub(super) fn open(path: &Path) -> Answer<(Self, Option<PathBuf>)> {
         if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
             std::fs::create_dir_all(dir).map_err(Problem::store)?;
         }
         let mut writer = connect(path)?;
         writer.execute_batch("PRAGMA journal_mode = WAL").map_err(problem)?;
         let version = migrate::version(&mut Plain(&mut writer))?;
-        if version > 0 && version < migrate::LATEST {
-            let aside = PathBuf::from(format!("{}.before-{}", path.display(), migrate::LATEST));
-            writer.backup("main", &aside, None::<fn(rusqlite::backup::Progress)>).map_err(problem)?;
+        let copy = (version > 0 && version < migrate::LATEST)
+            .then(|| PathBuf::from(format!("{}.before-{}", path.display(), migrate::LATEST)));
+        if let Some(aside) = &copy {
+            writer.backup("main", aside, None::<fn(rusqlite::backup::Progress)>).map_err(problem)?;
         }
         writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;
-        migrate::migrate(&mut Plain(&mut writer))?;
+        migrate::to(&mut Plain(&mut writer), migrate::LATEST)?;
         writer.execute_batch("COMMIT").map_err(problem)?;
         let readers = (0..READERS).map(|_| connect(path)).collect::<Answer<Vec<_>>>()?;
         let (jobs, queue) = channel();
@@ -49,7 +51,7 @@ impl Sqlite {
             .name("whyroad-store".to_owned())
             .spawn(move || write_loop(writer, &queue))
             .map_err(Problem::store)?;
-        Ok(Self { jobs: Mutex::new(jobs), readers: Mutex::new(readers), free: Condvar::new() })
+        Ok((Self { jobs: Mutex::new(jobs), readers: Mutex::new(readers), free: Condvar::new() }, copy))
     }
 }
 
@@ -145,12 +147,14 @@ impl ToSql for Value {
 
 impl Tx for Plain<'_> {
     fn run(&mut self, sql: &str, values: &[Value]) -> Answer<u64> {
+        holdable(values)?;
         let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
         let n = statement.execute(rusqlite::params_from_iter(values)).map_err(problem)?;
         Ok(n as u64)
     }
 
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
+        holdable(values)?;
         let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
         let columns = statement.column_count();
         let rows = statement.query_map(rusqlite::params_from_iter(values), |row| {
@@ -169,6 +173,11 @@ impl Tx for Plain<'_> {
 
     fn script(&mut self, sql: &str) -> Answer<()> {
         self.0.execute_batch(sql).map_err(problem)
+    }
+
+    fn columns(&mut self, table: &str) -> Answer<Vec<String>> {
+        let sql = "SELECT name FROM pragma_table_info($1) ORDER BY cid";
+        self.rows(sql, crate::values![table])?.iter().map(|r| r.text(0)).collect()
     }
 
     fn lock(&self) -> &'static str {

@@ -4,10 +4,10 @@
 use crate::{Global, output, store_place};
 use anyhow::{Context as _, bail};
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write as _};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_labeling::store::{backup, restore};
+use whyroad_labeling::store::{backup_to, restore};
 use whyroad_model::Lang;
 
 /// Arguments of `whyroad backup`.
@@ -30,39 +30,23 @@ pub(crate) struct RestoreArgs {
     from: PathBuf,
 }
 
-/// Writes aside and renames, so that a backup is whole or not there; never over an older one.
+/// Never over an older one.
 pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<ExitCode> {
     let store = args.store.open_existing(global.lang)?;
     if args.out.exists() {
         bail!("{} is there already", args.out.display());
     }
-    if let Some(dir) = args.out.parent().filter(|d| !d.as_os_str().is_empty()) {
-        std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
-    }
-    let aside = args.out.with_added_extension("part");
-    let cannot = || format!("cannot write {}", aside.display());
-    let mut file = BufWriter::new(private_file(&aside).with_context(cannot)?);
-    let rows = backup(&store, &mut file).map_err(|p| store_place::told(&p, global.lang))?;
-    file.flush().with_context(cannot)?;
-    file.get_ref().sync_all().with_context(cannot)?;
-    std::fs::rename(&aside, &args.out).with_context(|| format!("cannot write {}", args.out.display()))?;
+    let rows = backup_to(&store, &args.out).map_err(|p| store_place::told(&p, global.lang))?;
     tell_rows(rows, &args.out, global.lang);
     Ok(output::FINE)
 }
 
-/// A new file that only its owner reads, where the system knows owners.
-fn private_file(path: &Path) -> std::io::Result<File> {
-    let mut options = File::options();
-    options.write(true).create(true).truncate(true);
-    #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    options.open(path)
-}
-
 pub(crate) fn run_restore(global: &Global, args: RestoreArgs) -> anyhow::Result<ExitCode> {
-    let file = File::open(&args.from).with_context(|| format!("cannot read {}", args.from.display()))?;
+    File::open(&args.from).with_context(|| format!("cannot read {}", args.from.display()))?;
     let store = args.store.open(global.lang)?;
-    let rows = restore(&store, &mut BufReader::new(file)).map_err(|p| store_place::told(&p, global.lang))?;
+    let from = args.from.clone();
+    let rows = restore(&store, move || File::open(&from).map(BufReader::new))
+        .map_err(|p| store_place::told(&p, global.lang))?;
     tell_rows(rows, &args.from, global.lang);
     Ok(output::FINE)
 }

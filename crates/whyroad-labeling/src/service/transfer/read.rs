@@ -1,6 +1,6 @@
 //! One line of an import: an episode as `whyroad mine` writes it, a task as the export writes it, or a label.
 
-use crate::fields::MAX_DRAFT;
+use crate::fields::{self, MAX_DRAFT};
 use crate::secret;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -43,9 +43,7 @@ fn of_task(task: &Value) -> Result<Incoming, String> {
     let episode = serde_json::from_value(task["episode"].clone()).map_err(|e| format!("its episode: {e}"))?;
     let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
     let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
-    if draft.as_ref().is_some_and(|d| d.to_string().len() > MAX_DRAFT) {
-        return Err("its draft is too long".to_owned());
-    }
+    draft.as_ref().map_or(Ok(()), fields::bounded).map_err(|p| p.text.en)?;
     let count = number("overlap_count", 1).clamp(1, 10);
     let index = number("overlap_index", 0).clamp(0, count - 1);
     Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
@@ -53,10 +51,8 @@ fn of_task(task: &Value) -> Result<Incoming, String> {
 
 /// A label names no episode: one is made from what it says, under an id that is the same each time.
 fn of_label(value: &Value) -> Result<Incoming, String> {
+    fields::bounded(value).map_err(|p| p.text.en)?;
     let text = value.to_string();
-    if text.len() > MAX_DRAFT {
-        return Err("it is too long".to_owned());
-    }
     let label: CocLabel =
         serde_json::from_value(value.clone()).map_err(|e| format!("it is no label: {e}"))?;
     let (drive, number) = label.clip_id.rsplit_once('_').unwrap_or_default();

@@ -1,0 +1,42 @@
+//! Telling whether a drive on disk is still the one that was read, without reading it again.
+
+use crate::LakeError;
+use crate::lake::{Lake, MANIFEST};
+use std::fs;
+use std::time::SystemTime;
+use whyroad_model::DriveId;
+
+/// What differs when a drive was written anew or its pictures were changed: both put another `drive.json` in place. Made
+/// *before* reading the drive, it is never newer than what was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    modified: Option<SystemTime>,
+    length: u64,
+}
+
+impl Lake {
+    /// The stamp of a drive as it is now.
+    pub fn stamp(&self, id: &DriveId) -> Result<Stamp, LakeError> {
+        let path = self.checked_dir(id)?.join(MANIFEST);
+        match fs::metadata(&path) {
+            Ok(data) => Ok(Stamp { modified: data.modified().ok(), length: data.len() }),
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Err(LakeError::DriveMissing(id.clone())),
+            Err(e) => Err(LakeError::io(&path)(e)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_that_is_not_there_has_none_and_no_id_leads_out_of_the_lake() {
+        let dir = tempfile::tempdir().unwrap();
+        let lake = Lake::create_or_open(dir.path().join("lake")).unwrap();
+        fs::write(dir.path().join(MANIFEST), "{}").unwrap();
+        for id in ["d1", "../..", "..", "", "a/b"] {
+            assert!(matches!(lake.stamp(&id.into()), Err(LakeError::DriveMissing(_))), "{id}");
+        }
+    }
+}
