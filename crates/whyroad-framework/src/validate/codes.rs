@@ -80,6 +80,7 @@ pub const CODES: &[&str] = &[
     "message.clip.frames",
     "message.keyframe.outside_range",
     "message.frame.timestamp_mismatch",
+    "message.query.clause",
     "message.query.value",
     "message.query.unit",
     "message.result.count",

@@ -1,7 +1,8 @@
 //! The slow path for the messages that are no labels (DATA_FORMAT.md 2.2, 3 and 5): told apart by their outer
 //! key. There is no fast path; nobody checks gigabytes of these.
 
-mod mining;
+mod query;
+mod result;
 mod task;
 
 use super::class_index::{ClassIndex, OTHER};
@@ -112,8 +113,8 @@ pub(super) fn check(walk: &mut Walk<'_>, kind: Kind, classes: &ClassIndex) {
         Kind::ClipMetadata => task::clip_metadata(walk, inner, classes),
         Kind::ScenarioPreLabel => task::scenario_pre_label(walk, inner, classes),
         Kind::KeyframeSuggestion => task::keyframe_suggestion(walk, inner),
-        Kind::MiningQuery => mining::query(walk, inner, classes),
-        Kind::MiningResult => mining::result(walk, inner, classes),
+        Kind::MiningQuery => query::query(walk, inner, classes),
+        Kind::MiningResult => result::result(walk, inner, classes),
         Kind::CocLabel => {}
     }
 }

@@ -224,6 +224,47 @@ const SAMPLES: &[(&str, Kind)] = &[
     ),
 ];
 
+/// A query with every clause that docs/rules.md adds to 5.1.
+const CLAUSES: &str = r#"{"mining_query":{"scenario_id":"reactive_agent.cutin","conditions":[{"any":[{"field":"ttc","operator":"<","value":5,"unit":"s"},{"not":{"rule":"ego.standstill"}}]},{"all":[{"field":"light.state","operator":"in","value":["red"]}]},{"temporal":"for","seconds":2,"condition":{"rule":"ego.standstill"}},{"temporal":"within","seconds":2,"condition":{"rule":"ego.standstill"}},{"temporal":"previously","condition":{"rule":"ego.standstill"}},{"temporal":"rises","condition":{"rule":"ego.standstill"}},{"temporal":"falls","condition":{"rule":"ego.standstill"}},{"temporal":"then","seconds":1.5,"first":{"rule":"ego.standstill"},"second":{"rule":"ego.moves_off"}},{"temporal":"since","first":{"rule":"ego.standstill"},"second":{"rule":"ego.brake"}},{"temporal":"until","seconds":3,"first":{"rule":"ego.standstill"},"second":{"rule":"ego.brake"}}]}}"#;
+
+#[test]
+fn a_query_of_clauses_passes_and_what_is_wrong_with_one_is_told() {
+    assert_eq!(slowly(CLAUSES).1, vec![]);
+    let wrong = [
+        (r#""temporal":"for""#, r#""temporal":"fro""#, vec!["message.enum"]),
+        (r#""temporal":"for","seconds":2,"#, r#""temporal":"for","#, vec!["message.required"]),
+        (r#""temporal":"rises","#, r#""temporal":"rises","seconds":2,"#, vec!["message.unknown_field"]),
+        (r#""seconds":1.5,"#, r#""seconds":-1.5,"#, vec!["message.range"]),
+        (
+            r#""second":{"rule":"ego.moves_off"}"#,
+            "\"secnd\":1",
+            vec!["message.required", "message.unknown_field"],
+        ),
+        (
+            r#"{"not":{"rule":"ego.standstill"}}"#,
+            r#"{"not":{"rule":1},"any":[]}"#,
+            vec!["message.query.clause"],
+        ),
+        (
+            r#"{"all":[{"field":"light.state","operator":"in","value":["red"]}]}"#,
+            r#"{"all":[]}"#,
+            vec!["message.query.clause"],
+        ),
+        (r#""operator":"in""#, r#""operator":"=>""#, vec!["message.enum", "message.query.value"]),
+    ];
+    for (from, to, codes) in wrong {
+        assert!(CLAUSES.contains(from), "{from}");
+        let found = slowly(&CLAUSES.replacen(from, to, 1)).1;
+        let mut said: Vec<&str> = found.iter().map(|d| d.code).collect();
+        said.sort_unstable();
+        assert_eq!(said, codes, "{from} -> {to}: {found:#?}");
+        let line = |d: &Diagnostic| {
+            d.place.pointer.as_ref().is_some_and(|p| p.starts_with("/mining_query/conditions/"))
+        };
+        assert!(found.iter().all(line), "{found:#?}");
+    }
+}
+
 /// Whether the shared types take a message of this kind.
 fn typed_reads(kind: Kind, text: &str) -> bool {
     match kind {
@@ -250,7 +291,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 
     #[test]
-    fn messages_that_pass_can_be_read(sample in prop::sample::select(SAMPLES.to_vec()), edits in prop::collection::vec(edit(), 1..4)) {
+    fn messages_that_pass_can_be_read(sample in prop::sample::select([SAMPLES, &[(CLAUSES, Kind::MiningQuery)]].concat()), edits in prop::collection::vec(edit(), 1..4)) {
         let text = apply(sample.0, &edits);
         let (verdict, found) = slowly(&text);
         for d in &found {

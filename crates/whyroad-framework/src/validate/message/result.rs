@@ -1,125 +1,12 @@
-//! The mining interface: query and result (DATA_FORMAT.md 5). Whether a query's fields are signals is asked by
-//! whyroad-mining, which knows them.
+//! What came of a mining query (DATA_FORMAT.md 5.2).
 
-use super::{out_of_range, scenario_id, share};
-use crate::taxonomy::did_you_mean;
+use super::{scenario_id, share};
 use crate::validate::class_index::ClassIndex;
-use crate::validate::json::{Kind, Node};
+use crate::validate::json::Node;
 use crate::validate::rules::{Finding, Sink, Words};
 use crate::validate::view::Slot;
 use crate::validate::walk::{Object, Walk};
 use whyroad_model::Severity;
-use whyroad_model::units::UNITS;
-
-const OPERATORS: &[&str] = &[">", ">=", "<", "<=", "==", "!=", "in"];
-
-pub(super) fn query<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &ClassIndex) {
-    let Some(mut o) = walk.object(node, "/mining_query".into()) else { return };
-    let (n, at) = (o.get("query_id"), o.at("query_id"));
-    walk.text(n, &at);
-    let n = walk.need(&mut o, "scenario_id");
-    scenario_id(walk, n, "/mining_query/scenario_id", classes);
-    let (n, at) = (walk.need(&mut o, "conditions"), o.at("conditions"));
-    if let Slot::Is(items) = walk.list(n, &at) {
-        for (i, item) in items.iter().enumerate() {
-            condition(walk, item, format!("{at}/{i}"));
-        }
-    }
-    if let Some(n) = o.get("time_constraints") {
-        time_constraints(walk, n);
-    }
-    let (n, at) = (o.get("output_limit"), o.at("output_limit"));
-    walk.frame(n, &at);
-    // A misspelt field of a query would silently ask another question.
-    walk.close(o, Severity::Error);
-}
-
-fn condition<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
-    let Some(mut o) = walk.object(node, pointer) else { return };
-    let (n, at) = (walk.need(&mut o, "field"), o.at("field"));
-    walk.text(n, &at);
-    let (n, at) = (walk.need(&mut o, "operator"), o.at("operator"));
-    let operator = walk.text(n, &at).get();
-    if let Some(op) = operator.filter(|op| !OPERATORS.contains(op)) {
-        walk.report(Finding::error("message.enum", at), &|| {
-            let words = Words::new(format!("'{op}' 不是比较符"), format!("'{op}' is not an operator"));
-            let meant = match op {
-                "=" | "===" | "eq" => Some("=="),
-                "≥" | "=>" => Some(">="),
-                "≤" | "=<" => Some("<="),
-                "<>" | "≠" => Some("!="),
-                _ => None,
-            };
-            match meant {
-                Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(
-                    format!("可选：{}", OPERATORS.join(" ")),
-                    format!("choose one of: {}", OPERATORS.join(" ")),
-                ),
-            }
-        });
-    }
-    let (n, at) = (walk.need(&mut o, "value"), o.at("value"));
-    if let Some(n) = n {
-        let plain = |n: &Node<'_>| matches!(n.kind, Kind::Number(_) | Kind::Text(_) | Kind::Flag(_));
-        let fits = match (&n.kind, operator) {
-            (Kind::List(items), Some("in") | None) => items.iter().all(plain),
-            (Kind::List(_), _) | (Kind::Map(_) | Kind::Null, _) => false,
-            (Kind::Text(_) | Kind::Flag(_), Some(">" | ">=" | "<" | "<=")) => false,
-            (_, Some("in")) => false,
-            _ => true,
-        };
-        if !fits {
-            let op = operator.unwrap_or_default();
-            walk.report(Finding::error("message.query.value", at), &|| {
-                Words::new(
-                    format!("该值不能用于比较符 '{op}'"),
-                    format!("this value does not go with the operator '{op}'"),
-                )
-                .hint("大小比较用数字，in 用列表", "numbers for < and >, a list for in")
-            });
-        }
-    }
-    let (n, at) = (o.get("unit"), o.at("unit"));
-    if let Some(unit) = walk.any_text(n, &at).get().filter(|u| UNITS.iter().all(|k| k.symbol != *u)) {
-        walk.report(Finding::error("message.query.unit", at), &|| {
-            let words = Words::new(format!("未知单位 '{unit}'"), format!("unknown unit '{unit}'"));
-            let symbols: Vec<&str> = UNITS.iter().map(|u| u.symbol).filter(|s| !s.is_empty()).collect();
-            match did_you_mean(&unit.to_lowercase(), symbols.iter().copied()) {
-                Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(
-                    format!("可选：{}", symbols.join("、")),
-                    format!("choose one of: {}", symbols.join(", ")),
-                ),
-            }
-        });
-    }
-    walk.close(o, Severity::Error);
-}
-
-fn time_constraints<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>) {
-    let Some(mut o) = walk.object(node, "/mining_query/time_constraints".into()) else { return };
-    let mut seconds = |walk: &mut Walk<'d>, key| {
-        let (n, at) = (o.get(key), o.at(key));
-        let v = walk.number(n, &at).get()?;
-        if v < 0.0 {
-            out_of_range(walk, &at, &v.to_string(), "不小于 0", "0 or more");
-        }
-        Some((v, at))
-    };
-    let (min, max) = (seconds(walk, "condition_duration_min"), seconds(walk, "condition_duration_max"));
-    if let (Some((min, _)), Some((max, at))) = (min, max)
-        && min > max
-    {
-        walk.report(Finding::error("message.order", at), &|| {
-            Words::new(
-                format!("最长 {max} s 短于最短 {min} s"),
-                format!("the maximum {max} s is less than the minimum {min} s"),
-            )
-        });
-    }
-    walk.close(o, Severity::Error);
-}
 
 pub(super) fn result<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &ClassIndex) {
     let Some(mut o) = walk.object(node, "/mining_result".into()) else { return };
