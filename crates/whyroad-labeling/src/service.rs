@@ -14,6 +14,7 @@ pub mod people;
 pub mod permissions;
 pub mod pickers;
 pub mod projects;
+pub mod queue;
 pub mod scene;
 pub mod tasks;
 pub mod transfer;

@@ -97,6 +97,9 @@ pub const ROUTES: &[Route] = &[
     )
     .takes::<NextTask>()
     .gives::<Task>(),
+    Route::get("/projects/{p}/queue", Access::Member, "Why `tasks:next` has nothing for one", tasks::queue)
+        .query(&[("kind", "`label` (when not given), `check` or `audit`")])
+        .gives::<QueueState>(),
     Route::get("/tasks/{t}", Access::TaskReader, "One task as far as it may be seen", tasks::show)
         .gives::<Task>(),
     Route::post("/tasks/{t}/lease", Access::Member, "Take, keep or give back a lease", tasks::lease)

@@ -122,7 +122,7 @@ fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &
             longitudinal: words(signals.frame_columns.get("ego.meta_longitudinal"), frames),
             lateral: words(signals.frame_columns.get("ego.meta_lateral"), frames),
         },
-        cameras: cameras(t, drive, times),
+        cameras: cameras(t, stage, drive, times),
         signals: columns::signals(t, &PLOTTED, signals, frames),
         about: BTreeMap::new(),
         hidden_until: (stage == Stage::Stage1).then(|| "stage2".to_owned()),
@@ -209,7 +209,9 @@ fn pictures<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d Medi
     out
 }
 
-fn cameras(t: &TaskRow, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
+/// Cameras in the order in which the drive names them. One that the drive names and that has no picture here is told once
+/// nothing is withheld: that it has none may come from later on.
+fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
     let keyframe = Nanos(t.keyframe_ns);
     let camera = |(camera, frames): (&str, Vec<&MediaFrame>)| CameraView {
         camera: camera.to_owned(),
@@ -224,7 +226,14 @@ fn cameras(t: &TaskRow, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
             })
             .collect(),
     };
-    pictures(drive, times).into_iter().map(camera).collect()
+    let mut out: Vec<CameraView> = pictures(drive, times).into_iter().map(camera).collect();
+    let named = &drive.meta.video;
+    if stage == Stage::Stage2 {
+        let without: Vec<&String> = named.iter().filter(|n| out.iter().all(|c| c.camera != **n)).collect();
+        out.extend(without.into_iter().map(|n| CameraView { camera: n.clone(), frames: vec![] }));
+    }
+    out.sort_by_key(|c| named.iter().position(|n| *n == c.camera).unwrap_or(named.len()));
+    out
 }
 
 /// The file of picture `index` of `camera` among those that may be seen.

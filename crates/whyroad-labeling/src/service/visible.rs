@@ -97,6 +97,7 @@ fn suggestion(t: &TaskRow) -> Suggestion {
     }
     Suggestion {
         keyframe,
+        second_keyframe: e.second_keyframe.clone().filter(|_| whole),
         range_start: e.time_range.start_timestamp.to_string(),
         range_end: whole.then(|| e.time_range.end_timestamp.to_string()),
         target_id: e.target_id.as_ref().map(ToString::to_string),

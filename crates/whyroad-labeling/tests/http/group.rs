@@ -121,6 +121,43 @@ pub fn audits_follow_the_share_and_the_record(world: &World) {
     assert_eq!(audit.act("accept", &json!({})).fine()["task"]["state"], "accepted");
 }
 
+fn why_nothing(who: &Person, project: &str, kind: &str) -> Vec<String> {
+    let told = who.get(&format!("/projects/{project}/queue?kind={kind}")).fine();
+    told["reasons"].as_array().unwrap().iter().map(|r| r.as_str().unwrap().to_owned()).collect()
+}
+
+pub fn an_empty_queue_says_why(world: &World) {
+    let admin = world.admin();
+    let project =
+        world.project(&admin, "town", &json!({ "audit_min_percent": 100, "audit_max_percent": 100 }));
+    let ann = world.person(&admin, &project, "ann", &["annotator", "checker"]);
+    let bob = world.person(&admin, &project, "bob", &["annotator", "checker", "auditor"]);
+    assert_eq!(why_nothing(&ann, &project, "label"), ["no_tasks"]);
+    let ids = world.tasks(&admin, &project, &["drive1"], 2);
+    assert_eq!(why_nothing(&ann, &project, "label"), [""; 0], "there is something");
+    assert_eq!(why_nothing(&ann, &project, "audit"), ["role"]);
+    assert_eq!(why_nothing(&ann, &project, "check"), ["finished"], "nothing is submitted yet");
+    let before = admin.get(&format!("/tasks/{}", ids[0])).fine();
+    Work::take(&ann, &ids[0]);
+    assert_eq!(why_nothing(&bob, &project, "label"), [""; 0]);
+    assert_eq!(
+        admin.get(&format!("/tasks/{}", ids[1])).fine()["version"],
+        before["version"],
+        "asking takes nothing"
+    );
+    admin.post(&format!("/tasks/{}/assign", ids[1]), &json!({ "user": "admin" })).fine();
+    assert_eq!(why_nothing(&bob, &project, "label"), ["held", "assigned"]);
+    admin.post(&format!("/tasks/{}/assign", ids[1]), &json!({ "user": null })).fine();
+    Work::label(&ann, &ids[0]);
+    assert_eq!(why_nothing(&ann, &project, "check"), ["own_work"]);
+    // Both are of one episode: who was shown the end of the first has seen what comes after the second's keyframe.
+    assert_eq!(why_nothing(&ann, &project, "label"), ["future_seen"]);
+    let mut check = Work::take(&bob, &ids[0]);
+    check.act("accept", &json!({})).fine();
+    assert_eq!(why_nothing(&bob, &project, "audit"), ["own_check"]);
+    assert_eq!(bob.get(&format!("/projects/{project}/queue?kind=sleep")).refusal().0, 400);
+}
+
 pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));
@@ -147,6 +184,7 @@ pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     };
     skills(json!(["proactive"]));
     assert_eq!(next(&ann), None, "not her classes");
+    assert_eq!(why_nothing(&ann, &project, "label"), ["language", "classes"]);
     skills(json!(["reactive_agent.cutin"]));
     assert_eq!(next(&ann), Some(soon.clone()), "by priority, in her language");
     ann.patch(&format!("/users/{}", ann.id), &json!({ "lang": "en" })).fine();

@@ -5,7 +5,7 @@
 //! same; every answer must be the same, byte for byte and header for header. Random ids are replaced by the order in which
 //! they come up.
 
-use crate::recorded::Future;
+use crate::recorded::{Future, episode};
 use crate::work::{Work, components};
 use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
@@ -224,7 +224,7 @@ pub fn nothing_of_the_future_is_in_any_answer_of_stage_one(world: &World) {
     let project = world.project(&admin, "town", &json!({}));
     let ann = world.person(&admin, &project, "ann", &["annotator"]);
     let ids = world.tasks(&admin, &project, &["drive1"], 1);
-    let work = Work::take(&ann, &ids[0]);
+    let mut work = Work::take(&ann, &ids[0]);
     // Staff sees no more of a task in Stage I than its annotator.
     for who in [&ann, &admin] {
         for path in readings(&project, &work.task, &ann.id) {
@@ -254,6 +254,17 @@ pub fn nothing_of_the_future_is_in_any_answer_of_stage_one(world: &World) {
     assert_eq!((picture.status, picture.text()), (200, "picture of frame 94".to_owned()));
     let next = format!("/media/front%20left/{}", frames.len());
     assert_eq!(ann.get(&work.path(&next)).status, 404);
+    // With the lock all of it is there: the rule's second keyframe, and the camera that is named and has no picture.
+    work.stage1();
+    work.act("lock_stage1", &json!({})).fine();
+    let second = serde_json::to_value(episode("drive1", 1, world.future)).unwrap()["second_keyframe"].clone();
+    assert_eq!(work.view()["suggestion"]["second_keyframe"], second);
+    let cameras = ann.get(&work.path("/scene")).fine()["cameras"].clone();
+    let names: Vec<&Value> = cameras.as_array().unwrap().iter().map(|c| &c["camera"]).collect();
+    if world.future == Future::Brakes {
+        assert_eq!(names, ["roof", "front left"], "in the order of the drive's list");
+        assert_eq!(cameras[0]["frames"], json!([]));
+    }
 }
 
 pub fn who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it(world: &World) {

@@ -65,6 +65,7 @@ suite! {
     group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,
     group::what_cannot_be_labelled_is_left_out_with_a_reason_and_comes_back,
     group::audits_follow_the_share_and_the_record,
+    group::an_empty_queue_says_why,
     group::the_queue_goes_by_hand_skill_language_and_priority,
     group::lists_come_page_by_page_and_filtered,
     wire::unchanged_answers_are_not_sent_again,

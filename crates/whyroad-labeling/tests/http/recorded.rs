@@ -87,6 +87,8 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
             drive_id: id.clone(),
             format: "test".into(),
             content_hash: format!("{future:?}"),
+            // One whose first picture comes late, or never.
+            video: if brakes { vec!["roof".into(), "front left".into()] } else { vec!["front left".into()] },
             ..DriveMeta::default()
         },
         times: (0..frames).map(at).collect(),

@@ -5,12 +5,13 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::api::wire::people::User;
 use crate::api::wire::task::{
-    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, Task,
+    Assign, CreateTasks, Kind, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState,
+    Task,
 };
 use crate::app::App;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{Entry, TaskRow};
-use crate::service::{create, leases, list as listing, people, projects, tasks, visible};
+use crate::service::{actions, create, leases, list as listing, people, projects, queue, tasks, visible};
 use crate::store::Tx;
 use crate::workflow::{Actor, Role};
 
@@ -57,10 +58,26 @@ pub fn next(call: &Call<'_>) -> Answer<Reply> {
     let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
     let found = call.app.store.write(move |tx| {
         let project = projects::get(tx, &project)?;
-        let Some(t) = leases::next(tx, &project, &user, &roles, kind, now)? else { return Ok(None) };
+        let Some(t) = queue::next(tx, &project, &user, &roles, kind, now)? else { return Ok(None) };
         answer(&app, tx, &t, &user).map(Some)
     })?;
     found.map_or_else(|| Ok(Reply::nothing()), |task| Reply::json(&task))
+}
+
+/// `GET /projects/{p}/queue`
+pub fn queue(call: &Call<'_>) -> Answer<Reply> {
+    let kind = match call.query("kind") {
+        None | Some("label") => Kind::Label,
+        Some("check") => Kind::Check,
+        Some("audit") => Kind::Audit,
+        Some(other) => return Err(Problem::request(format!("'{other}' is no kind: label, check or audit"))),
+    };
+    let (user, now) = (call.user()?, call.app.now());
+    let reasons = call.app.store.read(|tx| {
+        let project = projects::get(tx, call.grant.project()?)?;
+        queue::why_nothing(tx, &project, user, &call.grant.roles, kind, now)
+    })?;
+    Reply::json(&QueueState { reasons: reasons.into_iter().collect() })
 }
 
 /// Reads a task for showing it. Who is shown the time after the keyframe is noted as one who knows it.
@@ -114,7 +131,8 @@ pub fn lease(call: &Call<'_>) -> Answer<Reply> {
                 if holds || !actor.is(Role::Lead) {
                     leases::held(&t, &user.id, request.fence)?;
                 }
-                leases::release(tx, &mut t, &actor, now)?;
+                let reason = actions::reason(request.reason.as_deref())?;
+                leases::release(tx, &mut t, &actor, reason, now)?;
             }
         }
         Ok(leases::lease(&t))

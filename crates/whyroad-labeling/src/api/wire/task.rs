@@ -102,6 +102,9 @@ pub struct Task {
 pub struct Suggestion {
     /// The keyframe; in Stage I without the end of its range.
     pub keyframe: Keyframe,
+    /// The second keyframe, of classes that have two; withheld in Stage I.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_keyframe: Option<Keyframe>,
     /// Start of the range.
     pub range_start: String,
     /// End of the range; withheld in Stage I.
@@ -153,6 +156,43 @@ pub enum Kind {
     Audit,
 }
 
+/// Why `tasks:next` has nothing for the caller.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct QueueState {
+    /// Each reason that holds for some waiting task; none when there is something to take after all.
+    pub reasons: Vec<QueueReason>,
+}
+
+/// A reason why a task that waits is not for somebody, or why none waits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum QueueReason {
+    /// The caller does not have the role for this kind of work.
+    Role,
+    /// The project has no task at all.
+    NoTasks,
+    /// No task waits for this kind of work.
+    Finished,
+    /// Others have it in hands now.
+    Held,
+    /// It was given to somebody else.
+    Assigned,
+    /// Its draft is in another language.
+    Language,
+    /// It is of a class that the caller does not label.
+    Classes,
+    /// The caller was shown what comes after its keyframe.
+    FutureSeen,
+    /// The caller labels another copy of the same episode.
+    OverlapTwice,
+    /// The caller wrote it.
+    OwnWork,
+    /// The caller checked it.
+    OwnCheck,
+    /// Something else.
+    Other,
+}
+
 /// Body of `POST /tasks/{t}/lease`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -162,6 +202,9 @@ pub struct LeaseRequest {
     /// For heartbeat and release.
     #[serde(default)]
     pub fence: Option<i64>,
+    /// For release: why it is given back; the history keeps it.
+    #[serde(default)]
+    pub reason: Option<String>,
 }
 
 /// What about a lease.

@@ -1,0 +1,178 @@
+//! The queue: what somebody is given next, and why there is nothing where there is nothing.
+
+use crate::api::wire::people::User;
+use crate::api::wire::project::Project;
+use crate::api::wire::task::{Kind, QueueReason};
+use crate::problem::Answer;
+use crate::service::tasks::TaskRow;
+use crate::service::{leases, projects, tasks};
+use crate::store::{Tx, Value as Cell};
+use crate::values;
+use crate::workflow::{Role, State};
+use std::collections::BTreeSet;
+
+/// Candidates that are looked at in one go.
+const PAGE: usize = 100;
+/// Tasks that are asked why they are not for somebody: enough for every reason that there is.
+const MOST_ASKED: i64 = 1000;
+
+/// Takes the next task of the queue for `user`: their own unfinished ones first, then what was given to them, then what
+/// is free, by priority, age and time in the drive.
+pub fn next(
+    tx: &mut dyn Tx,
+    project: &Project,
+    user: &User,
+    roles: &[Role],
+    kind: Kind,
+    now: i64,
+) -> Answer<Option<TaskRow>> {
+    let skills = projects::skills(tx, &project.id, &user.id)?;
+    for condition in queue(kind) {
+        let mut from = 0;
+        loop {
+            let found = candidates(tx, condition, &project.id, user, now, from)?;
+            for (id, scenario) in &found {
+                let own = condition.contains("holder = $2") || condition.contains("assigned = $2");
+                if !own && !fits(scenario, &skills) {
+                    continue;
+                }
+                let mut t = tasks::get_for_change(tx, id)?;
+                let actor = tasks::actor(tx, &t, &user.id, roles, project.settings.history)?;
+                match leases::take(tx, &mut t, &actor, &project.settings, now) {
+                    Ok(()) => return Ok(Some(t)),
+                    Err(e) if e.status < 500 => {}
+                    Err(e) => return Err(e),
+                }
+            }
+            if found.len() < PAGE {
+                break;
+            }
+            from += PAGE;
+        }
+    }
+    Ok(None)
+}
+
+/// Why the queue has nothing for `user`: each reason that holds for some task, and no number of tasks, which might tell how
+/// many episodes a drive has. Empty when there is something after all.
+pub fn why_nothing(
+    tx: &mut dyn Tx,
+    project: &Project,
+    user: &User,
+    roles: &[Role],
+    kind: Kind,
+    now: i64,
+) -> Answer<BTreeSet<QueueReason>> {
+    let (role, states) = match kind {
+        Kind::Label => (Role::Annotator, "'open', 'stage1'"),
+        Kind::Check => (Role::Checker, "'submitted', 'in_check'"),
+        Kind::Audit => (Role::Auditor, "'checked', 'in_audit'"),
+    };
+    if !roles.contains(&role) {
+        return Ok([QueueReason::Role].into());
+    }
+    let skills = projects::skills(tx, &project.id, &user.id)?;
+    let sql = format!(
+        "project_id = $1 AND state IN ({states}) AND (adjudication IS NULL OR adjudication = 'chosen')
+         ORDER BY id LIMIT {MOST_ASKED}"
+    );
+    let waiting = tasks::select(tx, &sql, values![&project.id])?;
+    if waiting.is_empty() {
+        let any = tx.row("SELECT 1 FROM tasks WHERE project_id = $1 LIMIT 1", values![&project.id])?;
+        return Ok([if any.is_some() { QueueReason::Finished } else { QueueReason::NoTasks }].into());
+    }
+    let mut reasons = BTreeSet::new();
+    for t in waiting {
+        match why_not(tx, &t, project, user, roles, &skills, now)? {
+            Some(reason) => drop(reasons.insert(reason)),
+            None => return Ok(BTreeSet::new()),
+        }
+    }
+    Ok(reasons)
+}
+
+/// Why the queue does not give `t` to `user`; `None` when it would. The first reason that holds, the one that lasts first.
+fn why_not(
+    tx: &mut dyn Tx,
+    t: &TaskRow,
+    project: &Project,
+    user: &User,
+    roles: &[Role],
+    skills: &[String],
+    now: i64,
+) -> Answer<Option<QueueReason>> {
+    let mine =
+        t.assigned.as_deref() == Some(user.id.as_str()) || t.at.holder.as_deref() == Some(user.id.as_str());
+    let beginning = matches!(t.at.state, State::Open | State::Stage1);
+    if beginning && t.assigned.as_deref().is_some_and(|a| a != user.id) {
+        return Ok(Some(QueueReason::Assigned));
+    }
+    if !mine && !t.lang.is_empty() && t.lang != user.lang {
+        return Ok(Some(QueueReason::Language));
+    }
+    if !mine && !fits(&t.episode.scenario_id.to_string(), skills) {
+        return Ok(Some(QueueReason::Classes));
+    }
+    let actor = tasks::actor(tx, t, &user.id, roles, project.settings.history)?;
+    match leases::may_take(tx, t, &actor, now) {
+        Ok(_) => Ok(None),
+        Err(p) if p.status >= 500 => Err(p),
+        Err(p) => Ok(Some(match p.code {
+            "lease.held" => QueueReason::Held,
+            "task.future_seen" => QueueReason::FutureSeen,
+            "task.overlap_twice" => QueueReason::OverlapTwice,
+            "task.own_work" => QueueReason::OwnWork,
+            "task.own_check" => QueueReason::OwnCheck,
+            _ => QueueReason::Other,
+        })),
+    }
+}
+
+/// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
+/// order. `$2` is the user, `$3` now, `$4` the user's language; all are in each, as PostgreSQL wants it.
+fn queue(kind: Kind) -> &'static [&'static str] {
+    match kind {
+        Kind::Label => &[
+            "holder = $2 AND state IN ('stage1', 'stage2', 'rework') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
+            "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
+            "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
+            "state = 'open' AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
+            "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> ''",
+        ],
+        Kind::Check => &[
+            "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
+            "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
+             AND (lang = '' OR lang = $4) AND CAST($3 AS BIGINT) >= 0",
+            "state = 'in_check' AND lease_until < $3 AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
+             AND (lang = '' OR lang = $4)",
+        ],
+        Kind::Audit => &[
+            "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
+            "state = 'checked' AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)
+             AND CAST($3 AS BIGINT) >= 0",
+            "state = 'in_audit' AND lease_until < $3 AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)",
+        ],
+    }
+}
+
+fn candidates(
+    tx: &mut dyn Tx,
+    condition: &str,
+    project: &str,
+    user: &User,
+    now: i64,
+    from: usize,
+) -> Answer<Vec<(String, String)>> {
+    let sql = format!(
+        "SELECT id, scenario_id FROM tasks WHERE project_id = $1 AND {condition}
+         ORDER BY priority DESC, created, overlap_index, keyframe_ns, id LIMIT {PAGE} OFFSET {from}"
+    );
+    let values: [Cell; 4] = [project.into(), (&user.id).into(), now.into(), (&user.lang).into()];
+    tx.rows(&sql, &values)?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+}
+
+/// True when a class is among the skills, which are full ids or their first parts; no skills are all.
+fn fits(scenario: &str, skills: &[String]) -> bool {
+    let within = |skill: &String| scenario == skill || scenario.starts_with(&format!("{skill}."));
+    skills.is_empty() || skills.iter().any(within)
+}
