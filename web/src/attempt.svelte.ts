@@ -26,6 +26,11 @@ export class Attempt {
     this.#error = text;
   }
 
+  /** Takes over what went wrong elsewhere: before this screen was there. */
+  takeOver(error: unknown): void {
+    this.#error = error;
+  }
+
   /** Forgets what went wrong. */
   clear(): void {
     this.#error = null;

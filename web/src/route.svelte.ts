@@ -6,6 +6,9 @@ export type Route =
   | { screen: "label"; task: string }
   | { screen: "users" | "settings" | "unknown" };
 
+/** Where the identity provider sends the browser back to; no screen, for it is left at once. */
+export const CALLBACK = "/oidc/callback";
+
 const PROJECT_SCREENS = ["tasks", "dashboard", "members", "exchange"] as const;
 
 /** The screen of a path. A project without a further word is its settings; `tasks` is where its people work. */
@@ -55,6 +58,12 @@ function follow(): void {
 /** Goes to a screen; `query` begins with `?` or is empty. */
 export function go(to: Route | string, query = ""): void {
   history.pushState(null, "", (typeof to === "string" ? to : pathOf(to)) + query);
+  follow();
+}
+
+/** Goes to a path of this page in place of the present one: what was there is not to be gone back to. */
+export function replace(path: string): void {
+  history.replaceState(null, "", new URL(path, location.origin).pathname + new URL(path, location.origin).search);
   follow();
 }
 

@@ -16,10 +16,16 @@ export const api = {
   signIn: (name: string, password: string) => session("POST", "/session", { name, password }),
   setup: (first: { name: string; display: string; password: string; lang: string; token?: string }) =>
     session("POST", "/setup", first),
-  signOut: () => call("DELETE", "/session"),
+  signOut: async () => (await call<T.SignedOut>("DELETE", "/session")).data,
+  /** The address at the identity provider, to which the browser goes next. */
+  beginAtProvider: async (purpose: "sign_in" | "link") =>
+    (await call<T.ProviderAddress>("POST", "/oidc/begin", { purpose })).data.url,
+  finishAtProvider: (returned: T.Returned) => session("POST", "/oidc/finish", returned),
+  identities: async () => (await call<{ items: T.Identity[] }>("GET", "/identities")).data.items,
+  unlink: (identity: string) => call("DELETE", `/identities/${id(identity)}`),
 
   users: async () => (await call<{ items: T.User[] }>("GET", "/users")).data.items,
-  newUser: async (user: { name: string; display: string; password: string; admin: boolean; lang: string }) =>
+  newUser: async (user: { name: string; display: string; password: string | null; email: string | null; admin: boolean; lang: string }) =>
     (await call<T.User>("POST", "/users", user)).data,
   changeUser: async (u: string, change: Partial<T.UserChange>) =>
     (await call<T.User>("PATCH", `/users/${id(u)}`, change)).data,
@@ -47,6 +53,10 @@ export const api = {
     const { data, status } = await call<T.Task>("POST", `/projects/${id(p)}/tasks:next`, { kind });
     return status === 204 ? null : data;
   },
+
+  /** Why `next` has nothing. */
+  whyNothing: async (p: string, kind: T.Kind) =>
+    (await call<{ reasons: T.QueueReason[] }>("GET", `/projects/${id(p)}/queue${query({ kind })}`)).data.reasons,
 
   task: async (t: string) => (await call<T.Task>("GET", `/tasks/${id(t)}`)).data,
   lease: async (t: string, action: "take" | "heartbeat" | "release", fence?: number | null) =>

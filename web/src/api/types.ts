@@ -5,6 +5,10 @@ type Schemas = components["schemas"];
 
 export type Session = Schemas["Session"];
 export type User = Schemas["User"];
+export type SignedOut = Schemas["SignedOut"];
+export type ProviderAddress = Schemas["ProviderAddress"];
+export type Returned = Schemas["Returned"];
+export type Identity = Schemas["Identity"];
 export type Project = Schemas["Project"];
 export type Member = Schemas["Member"];
 export type Role = Schemas["Role"];
@@ -40,6 +44,7 @@ export type LaneView = Schemas["LaneView"];
 export type FrameworkView = Schemas["FrameworkView"];
 export type NewProject = Schemas["NewProject"];
 export type Kind = Schemas["Kind"];
+export type QueueReason = Schemas["QueueReason"];
 
 /** In `more` of a 409 `draft.conflict`, which the document does not describe (crates/whyroad-labeling/src/api/wire/task.rs). */
 export interface Conflicts {

@@ -40,6 +40,8 @@ export const actions = {
   previousObject: act("选上一个目标", "Pick the previous object", "P"),
   targetObject: act("选规则的目标", "Pick the rule's target", "T"),
   names: act("显示目标编号", "Show object names", "M"),
+  nextCamera: act("下一个相机", "Next camera", "V"),
+  previousCamera: act("上一个相机", "Previous camera", "Shift+V"),
   occlusion: act("显示遮挡区", "Show hidden areas", "H"),
   addComponent: act("把选中的目标加为要素", "Make the picked object a component", "C"),
   linkObject: act("把选中的目标关联到当前要素", "Link the picked object to the component", "O"),

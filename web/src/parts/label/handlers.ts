@@ -2,6 +2,7 @@
 import type { Handlers } from "../../keys/keys.svelte.ts";
 import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn } from "../../label/edits.ts";
 import type { Work } from "../../label/work.svelte.ts";
+import { cameraBeside } from "../../scene/cameras.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
 import { toSection } from "./focus.ts";
@@ -37,6 +38,11 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     keepLayers();
   }
 
+  function look(by: 1 | -1): void {
+    layers.camera = cameraBeside(work.scene?.cameras ?? [], layers.camera, by);
+    keepLayers();
+  }
+
   function acceptField(): void {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     if (field !== undefined && work.unaccepted.includes(field)) work.accept(field);
@@ -68,6 +74,8 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     targetObject: () => (work.picked = work.target),
     names: () => flip("names"),
     occlusion: () => flip("occlusion"),
+    nextCamera: () => look(1),
+    previousCamera: () => look(-1),
     addComponent: () => void add(),
     linkObject: () => work.picked !== null && toggleIn(work, work.current, "linked_objects", work.picked),
     evidence: () => evidenceNow(work),

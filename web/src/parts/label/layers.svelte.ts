@@ -7,6 +7,8 @@ interface Layers {
   history: boolean;
   names: boolean;
   occlusion: boolean;
+  /** Name of the camera that was looked at last; empty for a drive's first. */
+  camera: string;
   /** The class's specification is shown above the form. */
   spec: boolean;
   /** Zooms the view that is there now, about its middle. */
@@ -29,12 +31,14 @@ export const layers = $state<Layers>({
   history: own.history !== false,
   names: own.names === true,
   occlusion: own.occlusion !== false,
+  camera: typeof own.camera === "string" ? own.camera : "",
   spec: own.spec !== false,
   zoom: null,
 });
 
 export function keepLayers(): void {
-  localStorage.setItem(KEY, JSON.stringify({ history: layers.history, names: layers.names, occlusion: layers.occlusion, spec: layers.spec }));
+  const { history, names, occlusion, camera, spec } = layers;
+  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, camera, spec }));
 }
 
 /** Where a splitter stands in this browser, in percent. */
