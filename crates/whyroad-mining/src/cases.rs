@@ -6,12 +6,13 @@ mod table;
 mod trace;
 
 use crate::drive::mine_drive;
+use crate::episode::Episode;
 use crate::evaluate::STEP;
-use crate::rule::RuleSet;
+use crate::rule::{OTHER, RuleSet};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use table::table;
-use whyroad_model::{Bilingual, Diagnostic, Nanos, ObjectClass, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, ObjectClass, Place, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// What a case shows about its rule. Every rule has at least one of each.
@@ -32,9 +33,10 @@ pub enum CaseKind {
 #[serde(deny_unknown_fields)]
 struct CaseFile {
     #[serde(rename = "version")]
-    _version: String,
-    l1: String,
-    l2: String,
+    _version: Option<String>,
+    /// Class of the rules; neither is there beside a rule that belongs to no class.
+    l1: Option<String>,
+    l2: Option<String>,
     /// Signals that the cases have in common.
     #[serde(default)]
     base: BTreeMap<String, String>,
@@ -100,13 +102,15 @@ pub fn run_cases(file: &str, text: &str, rules: &RuleSet, catalogue: &Catalogue)
         Ok(f) => f,
         Err(e) => {
             let line = e.location().map(|l| l.line());
-            tally.failures.push(failure(file, line, "", &e.to_string()));
+            let words =
+                Bilingual::new(format!("用例文件无法读取：{e}"), format!("the cases cannot be read: {e}"));
+            tally.failures.push(said(file, line, words));
             return tally;
         }
     };
     for case in &parsed.cases {
-        let scenario =
-            ScenarioId { l1: parsed.l1.clone(), l2: Some(parsed.l2.clone()), l3: case.leaf.clone() };
+        let l1 = parsed.l1.clone().unwrap_or_else(|| OTHER.to_owned());
+        let scenario = ScenarioId { l1, l2: parsed.l2.clone(), l3: case.leaf.clone() };
         let line =
             text.lines().position(|l| l.trim_end().ends_with(&format!("name: {}", case.name))).map(|i| i + 1);
         if let Err(reason) = run(case, &parsed.base, &scenario, rules, catalogue) {
@@ -117,9 +121,18 @@ pub fn run_cases(file: &str, text: &str, rules: &RuleSet, catalogue: &Catalogue)
     tally
 }
 
-fn failure(file: &str, line: Option<usize>, name: &str, reason: &str) -> Diagnostic {
-    let message =
-        Bilingual::new(format!("用例 '{name}' 不成立：{reason}"), format!("case '{name}' fails: {reason}"));
+/// Why a case does not hold.
+type Reason = Bilingual;
+
+fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("用例 '{name}' 不成立：{}", reason.zh),
+        format!("case '{name}' fails: {}", reason.en),
+    );
+    said(file, line, message)
+}
+
+fn said(file: &str, line: Option<usize>, message: Bilingual) -> Diagnostic {
     Diagnostic::error("rule.case", message).at(Place {
         file: Some(file.to_owned()),
         line,
@@ -133,65 +146,91 @@ fn run(
     scenario: &ScenarioId,
     rules: &RuleSet,
     catalogue: &Catalogue,
-) -> Result<(), String> {
+) -> Result<(), Reason> {
     let rule =
-        rules.rules.iter().find(|r| r.scenario == *scenario).ok_or(format!("{scenario} has no rule"))?;
+        rules.rules.iter().find(|r| r.scenario == *scenario).ok_or_else(|| {
+            Bilingual::new(format!("{scenario} 没有规则"), format!("{scenario} has no rule"))
+        })?;
     let table = table(case, base, catalogue)?;
     for signal in rule.signals() {
         let said = table.frame_columns.contains_key(&signal)
             || table.target_columns.contains_key(&signal)
             || case.lacks.contains(&signal);
         if !said && rule.subject.is_some_and(|_| case.target.is_some()) {
-            return Err(format!("it says nothing of {signal}, which the rule reads"));
+            return Err(Bilingual::new(
+                format!("没有说明规则所用的 {signal}"),
+                format!("it says nothing of {signal}, which the rule reads"),
+            ));
         }
     }
     let l2 = ScenarioId { l3: None, ..scenario.clone() };
     let found = mine_drive(&rules.clone().restricted_to(&[l2]), &table);
-    let seconds = |frame: usize| frame as f64 * STEP.as_secs_f64();
     let ours: Vec<_> = found.episodes.iter().filter(|e| e.scenario == *scenario).collect();
-    let told = || {
-        let each = ours.iter().map(|e| {
-            format!(
-                "keyframe {:.1} s in {:.1} to {:.1} s",
-                seconds(e.keyframe),
-                seconds(e.range.start),
-                seconds(e.range.end)
-            )
-        });
-        let list: Vec<String> = each.collect();
-        if list.is_empty() { "nothing".to_owned() } else { list.join("; ") }
-    };
+    let told = told(&ours);
     if ours.len() != case.expect.len() {
-        return Err(format!("{} expected, found {}", case.expect.len(), told()));
+        let n = case.expect.len();
+        return Err(Bilingual::new(
+            format!("应有 {n} 个，实际{}", told.zh),
+            format!("{n} expected, found {}", told.en),
+        ));
     }
     for (e, x) in ours.iter().zip(&case.expect) {
-        let near = |wanted: &str, frame: usize| -> Result<bool, String> {
-            let seconds = if frame == usize::MAX { f64::INFINITY } else { seconds(frame) };
-            Ok((duration(wanted)?.as_secs_f64() - seconds).abs() < 0.051)
-        };
-        let mut agrees = near(&x.keyframe, e.keyframe)?;
         let second = e.second_keyframe.unwrap_or(usize::MAX);
-        let moments = [(&x.start, e.range.start), (&x.end, e.range.end), (&x.second_keyframe, second)];
+        let moments = [
+            (Some(&x.keyframe), e.keyframe),
+            (x.start.as_ref(), e.range.start),
+            (x.end.as_ref(), e.range.end),
+            (x.second_keyframe.as_ref(), second),
+        ];
         for (wanted, frame) in moments {
-            agrees &= wanted.as_ref().map_or(Ok(true), |w| near(w, frame))?;
-        }
-        if !agrees {
-            return Err(format!("keyframe {} expected, found {}", x.keyframe, told()));
+            if let Some(text) = wanted
+                && !is_at(text, frame)?
+            {
+                return Err(Bilingual::new(
+                    format!("应在 {text}，实际{}", told.zh),
+                    format!("{text} expected, found {}", told.en),
+                ));
+            }
         }
     }
     let missing = found.missing.get(scenario).cloned().unwrap_or_default();
     if missing != case.not_observable {
-        return Err(format!(
-            "not observable for lack of {:?} expected, found {missing:?}",
-            case.not_observable
+        let (wanted, missing) = (case.not_observable.join(", "), missing.join(", "));
+        return Err(Bilingual::new(
+            format!("应因缺少 [{wanted}] 而不可观测，实际缺少 [{missing}]"),
+            format!("not observable for lack of [{wanted}] expected, found [{missing}]"),
         ));
     }
     Ok(())
 }
 
-fn duration(text: &str) -> Result<Nanos, String> {
-    match trace::value(text)? {
-        trace::Value::Number(seconds) => Ok(Nanos::from_secs_f64(seconds)),
-        _ => Err(format!("'{text}' is not a time")),
+fn seconds(frame: usize) -> f64 {
+    frame as f64 * STEP.as_secs_f64()
+}
+
+fn is_at(wanted: &str, frame: usize) -> Result<bool, Reason> {
+    // There is no second keyframe.
+    let at = if frame == usize::MAX { f64::INFINITY } else { seconds(frame) };
+    Ok((trace::time(wanted)?.as_secs_f64() - at).abs() < 0.051)
+}
+
+/// What was found, in words.
+fn told(found: &[&Episode]) -> Bilingual {
+    if found.is_empty() {
+        return Bilingual::new("没有找到", "nothing");
     }
+    let each = |one: &dyn Fn(&Episode) -> String| found.iter().map(|e| one(e)).collect::<Vec<_>>();
+    let second = |e: &Episode, word: &str| match e.second_keyframe {
+        Some(frame) => format!("{word}{:.1} s", seconds(frame)),
+        None => String::new(),
+    };
+    let zh = each(&|e| {
+        let (from, to) = (seconds(e.range.start), seconds(e.range.end));
+        format!("关键帧 {:.1} s{}，范围 {from:.1} 至 {to:.1} s", seconds(e.keyframe), second(e, "，第二个 "))
+    });
+    let en = each(&|e| {
+        let (from, to) = (seconds(e.range.start), seconds(e.range.end));
+        format!("keyframe {:.1} s{} in {from:.1} to {to:.1} s", seconds(e.keyframe), second(e, ", second "))
+    });
+    Bilingual::new(zh.join("；"), en.join("; "))
 }

@@ -1,6 +1,7 @@
 //! A rule: one program that says when a scenario happens, and how its moments are found. Made from a
 //! `mining:` block and the leaf's labelling spec ([`source`]) or from a JSON query ([`query`]).
 
+mod block;
 pub mod file;
 pub mod lint;
 pub mod origin;

@@ -99,8 +99,7 @@ const PRINTED: &str = r#"{
 }"#;
 
 fn query_faults(text: &str) -> String {
-    let taxonomy = &Framework::bundled().taxonomy;
-    let found = match parse_query(text, "query.json", taxonomy) {
+    let found = match parse_query(text, "query.json", Framework::bundled()) {
         Err(found) => found,
         Ok(q) => compile_query(&q, Catalogue::bundled(), text, "query.json").err().unwrap_or_default(),
     };
@@ -109,7 +108,7 @@ fn query_faults(text: &str) -> String {
 
 #[test]
 fn the_printed_query_is_a_rule() {
-    let query = parse_query(PRINTED, "query.json", &Framework::bundled().taxonomy).unwrap();
+    let query = parse_query(PRINTED, "query.json", Framework::bundled()).unwrap();
     let rule = compile_query(&query, Catalogue::bundled(), PRINTED, "query.json").unwrap();
     let texts: Vec<&str> = rule.atoms.iter().map(|a| a.text.as_str()).collect();
     // The first is printed in DATA_FORMAT.md 5.2.

@@ -124,7 +124,7 @@ fn a_query_is_not_nested_beyond_sense_either() {
     };
     let found = |n: usize| {
         let text = query(n);
-        match parse_query(&text, "q.json", &Framework::bundled().taxonomy) {
+        match parse_query(&text, "q.json", Framework::bundled()) {
             Err(found) => found.len(),
             Ok(q) => compile_query(&q, Catalogue::bundled(), &text, "q.json").err().unwrap_or_default().len(),
         }

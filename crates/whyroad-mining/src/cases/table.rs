@@ -1,13 +1,16 @@
 //! The signal table of a case: 10 Hz, the target first, then other objects by name.
 
+use super::trace::time as duration;
 use super::trace::{self, Segment, segments};
-use super::{CaseText, duration};
+use super::{CaseText, Reason};
 use crate::evaluate::STEP;
+use crate::language::check::nearest;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, FrameRange, Nanos, SignalTable, Tri};
+use whyroad_model::units::Dimension;
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, Tri};
 use whyroad_signals::{Catalogue, SignalKind};
 
 /// The table that the case describes.
@@ -15,7 +18,7 @@ pub(super) fn table(
     case: &CaseText,
     base: &BTreeMap<String, String>,
     catalogue: &Catalogue,
-) -> Result<SignalTable, String> {
+) -> Result<SignalTable, Reason> {
     let n = frame_of(duration(&case.duration)?);
     let mut table = SignalTable {
         drive_id: "case".into(),
@@ -44,12 +47,13 @@ pub(super) fn table(
         if lacks(&signal) {
             continue;
         }
-        let def = catalogue.get(&signal).ok_or(format!("there is no signal '{name}'"))?;
+        let def = catalogue.get(&signal).ok_or_else(|| no_signal(name, &signal, catalogue))?;
         let of_object = def.name.starts_with("target.");
         if of_object && object == "target" && case.target.is_none() {
             continue;
         }
-        let column = column(&segments(text)?, &def.kind, n).map_err(|e| format!("{name}: {e}"))?;
+        let column = column(&segments(text)?, &def.kind, n)
+            .map_err(|e| Bilingual::new(format!("{name}：{}", e.zh), format!("{name}: {}", e.en)))?;
         if of_object {
             let spans = table.targets.clone();
             let rows = table
@@ -73,22 +77,25 @@ fn frame_of(t: Nanos) -> usize {
     usize::try_from(t.0 / STEP.0).unwrap_or(0)
 }
 
-fn frames(seen: Option<&[String; 2]>, n: usize) -> Result<FrameRange, String> {
+fn frames(seen: Option<&[String; 2]>, n: usize) -> Result<FrameRange, Reason> {
     match seen {
         Some([from, to]) => Ok(FrameRange::new(frame_of(duration(from)?), frame_of(duration(to)?).min(n))),
         None => Ok(FrameRange::new(0, n)),
     }
 }
 
-fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, String> {
+fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, Reason> {
     let values = trace::expand(segments, n);
     match kind {
-        SignalKind::Number(_) => {
+        SignalKind::Number(dimension) => {
             let number = |v: &trace::Value| match v {
-                trace::Value::Number(x) => Ok(*x),
+                trace::Value::Number(x, unit) if unit == dimension => Ok(*x),
+                trace::Value::Number(_, unit) => Err(units_differ(*dimension, *unit)),
                 trace::Value::Word(w) if w == "unknown" => Ok(f64::NAN),
                 trace::Value::Word(w) if w == "never" => Ok(f64::INFINITY),
-                trace::Value::Word(w) => Err(format!("'{w}' is not a number")),
+                trace::Value::Word(w) => {
+                    Err(Bilingual::new(format!("'{w}' 不是数"), format!("'{w}' is not a number")))
+                }
             };
             values.iter().map(number).collect::<Result<_, _>>().map(Column::Number)
         }
@@ -97,24 +104,56 @@ fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, S
                 trace::Value::Word(w) if w == "true" => Ok(Tri::True),
                 trace::Value::Word(w) if w == "false" => Ok(Tri::False),
                 trace::Value::Word(w) if w == "unknown" => Ok(Tri::Unknown),
-                other => Err(format!("{other:?} is neither true nor false")),
+                _ => {
+                    Err(Bilingual::new("应为 true、false 或 unknown", "it is a flag: true, false or unknown"))
+                }
             };
             values.iter().map(flag).collect::<Result<_, _>>().map(Column::Flag)
         }
         SignalKind::Category(names) => {
             let code = |v: &trace::Value| match v {
-                trace::Value::Word(w) if w == "unknown" => Ok(UNKNOWN_CODE),
-                trace::Value::Word(w) => names
-                    .iter()
-                    .position(|n| n == w)
-                    .and_then(|i| u16::try_from(i).ok())
-                    .ok_or(format!("'{w}' is not one of {}", names.join(", "))),
-                trace::Value::Number(x) => Err(format!("{x} is not a name")),
+                trace::Value::Word(w) if w == "unknown" => Some(UNKNOWN_CODE),
+                trace::Value::Word(w) => {
+                    names.iter().position(|n| n == w).and_then(|i| u16::try_from(i).ok())
+                }
+                trace::Value::Number(..) => None,
             };
-            let codes = values.iter().map(code).collect::<Result<_, _>>()?;
+            let all = names.join(", ");
+            let codes = values.iter().map(code).collect::<Option<_>>().ok_or_else(|| {
+                Bilingual::new(
+                    format!("应为 {all} 或 unknown 之一"),
+                    format!("it is a category: one of {all}, or unknown"),
+                )
+            })?;
             Ok(Column::Category { codes, names: Arc::clone(names) })
         }
     }
+}
+
+fn units_differ(wanted: Dimension, written: Dimension) -> Reason {
+    let (wanted, written) = (wanted.base().symbol, written.base().symbol);
+    let name = |symbol: &'static str, zh: bool| match symbol {
+        "" if zh => "无单位",
+        "" => "no unit",
+        symbol => symbol,
+    };
+    Bilingual::new(
+        format!("单位不一致：信号为 {}，此处为 {}", name(wanted, true), name(written, true)),
+        format!(
+            "units do not match: the signal has {}, this has {}",
+            name(wanted, false),
+            name(written, false)
+        ),
+    )
+}
+
+fn no_signal(written: &str, meant: &str, catalogue: &Catalogue) -> Reason {
+    let near = nearest(meant, catalogue.iter().map(|d| d.name.as_str()));
+    let (zh, en) = match near {
+        Some(near) => (format!("；是否想写 '{near}'？"), format!("; did you mean '{near}'?")),
+        None => (String::new(), String::new()),
+    };
+    Bilingual::new(format!("没有名为 '{written}' 的信号{zh}"), format!("there is no signal '{written}'{en}"))
 }
 
 /// A column like `like` for all objects, in which nothing is said yet.

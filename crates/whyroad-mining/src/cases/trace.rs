@@ -1,15 +1,18 @@
 //! A signal over time in run lengths, as a person writes it: `10 m/s for 3 s, 10 m/s to 0 m/s for 2 s, unknown`.
 //! A segment is a value or a ramp, and how long it lasts; the last one goes on to the end.
 
+use super::Reason;
 use crate::evaluate::STEP;
-use whyroad_model::Nanos;
-use whyroad_model::units::Unit;
+use crate::language::Span;
+use crate::language::token::unknown_unit;
+use whyroad_model::units::{Dimension, Unit};
+use whyroad_model::{Bilingual, Nanos};
 
 /// A value at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// In the base unit.
-    Number(f64),
+    /// In the base unit of its dimension.
+    Number(f64, Dimension),
     /// `true`, `left`, `unknown`, `never` (infinite).
     Word(String),
 }
@@ -23,22 +26,30 @@ pub struct Segment {
 }
 
 /// `0.5 s`, `true`, `left`.
-pub fn value(text: &str) -> Result<Value, String> {
+pub fn value(text: &str) -> Result<Value, Reason> {
     let text = text.trim();
     let (number, unit) = text.split_once(' ').unwrap_or((text, ""));
     let Ok(number) = number.parse::<f64>() else { return Ok(Value::Word(text.to_owned())) };
-    let unit = Unit::parse(unit.trim()).ok_or(format!("'{unit}' is not a unit"))?;
-    Ok(Value::Number(number * unit.to_base))
+    let unit = Unit::parse(unit.trim()).ok_or_else(|| unknown_unit(unit, Span::default()).message)?;
+    Ok(Value::Number(number * unit.to_base, unit.dimension))
+}
+
+/// `0.5 s`.
+pub fn time(text: &str) -> Result<Nanos, Reason> {
+    match value(text)? {
+        Value::Number(seconds, Dimension::Time) => Ok(Nanos::from_secs_f64(seconds)),
+        _ => Err(Bilingual::new(
+            format!("'{text}' 不是时长，应如 0.5 s"),
+            format!("'{text}' is not a time such as 0.5 s"),
+        )),
+    }
 }
 
 /// The segments of a trace.
-pub fn segments(text: &str) -> Result<Vec<Segment>, String> {
+pub fn segments(text: &str) -> Result<Vec<Segment>, Reason> {
     let one = |part: &str| {
         let (values, lasts) = match part.rsplit_once(" for ") {
-            Some((values, time)) => match value(time)? {
-                Value::Number(s) => (values, Some(Nanos::from_secs_f64(s))),
-                Value::Word(w) => return Err(format!("'{w}' is not a time")),
-            },
+            Some((values, lasts)) => (values, Some(time(lasts)?)),
             None => (part, None),
         };
         let (from, to) = match values.split_once(" to ") {
@@ -63,8 +74,8 @@ pub fn expand(segments: &[Segment], n: usize) -> Vec<Value> {
         };
         for k in 0..frames {
             out.push(match (&s.from, &s.to) {
-                (Value::Number(a), Some(Value::Number(b))) => {
-                    Value::Number(a + (b - a) * k as f64 / frames as f64)
+                (Value::Number(a, unit), Some(Value::Number(b, _))) => {
+                    Value::Number(a + (b - a) * k as f64 / frames as f64, *unit)
                 }
                 (from, _) => from.clone(),
             });

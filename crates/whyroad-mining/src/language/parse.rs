@@ -18,8 +18,9 @@
 //! `a for 1 s and b` is refused, not guessed at: it wants parentheses.
 
 use super::Fault;
+use super::check::nearest;
 use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Span};
-use super::token::{Token, tokens};
+use super::token::{KEYWORDS, Token, tokens};
 
 /// The expression in `text`, or the first fault.
 pub fn parse(text: &str) -> Result<Expr, Fault> {
@@ -39,18 +40,18 @@ pub fn parse(text: &str) -> Result<Expr, Fault> {
     match parser.peek() {
         None if !expr.extent(&|_| Extent::default()).is_sane() => Err(too_large(expr.span)),
         None => Ok(expr),
-        Some(Token::Keyword(k @ ("and" | "or"))) => {
-            let k = *k;
-            Err(Fault::new(
-                "rule.syntax",
-                parser.span(),
-                format!("`for`、`within` 之后的 `{k}` 有歧义"),
-                format!("`{k}` after `for` or `within` can be read in two ways"),
-            )
-            .hint("请加括号，例如 (a for 1 s) and b", "write parentheses, as in (a for 1 s) and b"))
-        }
-        Some(_) => {
-            Err(parser.unexpected("rule.syntax", "表达式应在此结束", "the expression should end here"))
+        Some(Token::Keyword(k @ ("and" | "or"))) => Err(two_readings(k, parser.span())),
+        Some(token) => {
+            let meant = match token {
+                Token::Name(name) => nearest(&name.to_lowercase(), KEYWORDS.iter().copied().chain(["gaps"])),
+                _ => None,
+            };
+            let fault =
+                parser.unexpected("rule.syntax", "表达式应在此结束", "the expression should end here");
+            Err(match meant {
+                Some(word) => fault.hint(format!("是否想写 `{word}`？"), format!("did you mean `{word}`?")),
+                None => fault,
+            })
         }
     }
 }
@@ -70,6 +71,17 @@ pub fn too_large(span: Span) -> Fault {
         format!("nested more than {} deep, or more than {} parts in all", most.height, most.size),
     )
     .hint("请写得简单些", "write it more simply")
+}
+
+/// The fault for `a for 1 s and b`.
+fn two_readings(word: &str, span: Span) -> Fault {
+    Fault::new(
+        "rule.syntax",
+        span,
+        format!("`for`、`within` 之后的 `{word}` 有歧义"),
+        format!("`{word}` after `for` or `within` can be read in two ways"),
+    )
+    .hint("请加括号，例如 (a for 1 s) and b", "write parentheses, as in (a for 1 s) and b")
 }
 
 struct Parser {
@@ -119,6 +131,9 @@ impl Parser {
     fn expect(&mut self, sign: char) -> Result<(), Fault> {
         if self.sign(sign) {
             return Ok(());
+        }
+        if let Some(Token::Keyword(k @ ("and" | "or"))) = self.peek() {
+            return Err(two_readings(k, self.span()));
         }
         Err(self.unexpected("rule.syntax", &format!("缺少 '{sign}'"), &format!("expected '{sign}'")))
     }

@@ -104,6 +104,13 @@ impl Lexer<'_> {
             '&' => fault.hint("与写作 and", "write `and`"),
             '|' => fault.hint("或写作 or，绝对值写作 abs(x)", "write `or`; an absolute value is abs(x)"),
             '!' => fault.hint("非写作 not", "write `not`"),
+            '/' => fault.hint(
+                "规则中没有除法；比较 x < 2 * y，或乘以小数",
+                "there is no division: compare x < 2 * y, or multiply by a fraction",
+            ),
+            '（' | '）' | '｛' | '｝' | '，' | '＜' | '＞' | '＝' | '＋' | '－' | '＊' | '％' => {
+                fault.hint("请用半角符号", "write the half-width sign")
+            }
             _ => fault,
         })
     }

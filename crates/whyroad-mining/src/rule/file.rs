@@ -3,7 +3,7 @@
 
 use super::lint::lint;
 use super::origin::Origin;
-use super::{OTHER, RuleSet, source};
+use super::{OTHER, Rule, RuleSet, source};
 use crate::cases::run_cases;
 use serde_yaml_ng::Value;
 use std::collections::BTreeMap;
@@ -52,7 +52,7 @@ pub fn check_file(
             catalogue,
         );
     }
-    bare(file, yaml.get("mining").unwrap_or(&yaml), catalogue)
+    bare(file, cases, &yaml, catalogue)
 }
 
 fn unreadable(file: Named<'_>, e: &serde_yaml_ng::Error) -> Diagnostic {
@@ -100,11 +100,25 @@ fn scenarios(
     Checked { found, ..checked }
 }
 
-fn bare(file: Named<'_>, block: &Value, catalogue: &Catalogue) -> Checked {
+/// The rule of a file that holds a `mining:` block, or only what stands in one: it belongs to no class, and its moments
+/// are those of the match.
+pub fn bare_rule(file: Named<'_>, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+    let yaml = serde_yaml_ng::from_str(file.text).map_err(|e| vec![unreadable(file, &e)])?;
+    rule_of(file, &yaml, catalogue)
+}
+
+fn rule_of(file: Named<'_>, yaml: &Value, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
     let origin = Origin { file: file.name, text: file.text, line: 1, owner: String::new() };
     let nameless = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
-    match source::compile(&nameless, block, None, catalogue, &origin) {
-        Ok(_) => Checked { rules: 1, ..Checked::default() },
-        Err(found) => Checked { found, ..Checked::default() },
-    }
+    source::compile(&nameless, yaml.get("mining").unwrap_or(yaml), None, catalogue, &origin)
+}
+
+fn bare(file: Named<'_>, cases: Option<Named<'_>>, yaml: &Value, catalogue: &Catalogue) -> Checked {
+    let rule = match rule_of(file, yaml, catalogue) {
+        Ok(rule) => rule,
+        Err(found) => return Checked { found, ..Checked::default() },
+    };
+    let rules = RuleSet { rules: vec![rule], ..RuleSet::default() };
+    let tally = cases.map(|c| run_cases(c.name, c.text, &rules, catalogue)).unwrap_or_default();
+    Checked { rules: 1, cases: tally.cases.values().sum(), found: tally.failures }
 }

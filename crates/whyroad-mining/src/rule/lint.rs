@@ -2,6 +2,7 @@
 //! moments of labelling specs, also of classes that have no rule yet. Mining needs only the rules ([`RuleSet`]).
 
 use super::RuleSet;
+use super::block::scalar;
 use super::origin::Origin;
 use super::source::inherit;
 use crate::language::Checker;
@@ -48,7 +49,7 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
     let roles = block.get("roles").and_then(Value::as_mapping).cloned().unwrap_or_default();
     checker.roles = super::roles::names(block.get("target").and_then(Value::as_str), &roles);
     let names = |key: &str| block.get(key).and_then(Value::as_mapping).cloned().unwrap_or_default();
-    let text = |value: &Value| value.as_str().and_then(|t| parse(t).ok());
+    let text = |value: &Value| scalar(value).and_then(|t| parse(&t).ok());
     let (parameters, definitions): (Mapping, Mapping) = (names("parameters"), names("define"));
     for (name, parameter) in &parameters {
         let value = parameter.get("value").and_then(text).and_then(|e| quantity(e.kind));
@@ -57,9 +58,9 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
         }
     }
     for (name, definition) in &definitions {
-        if let (Some(name), Some(text)) = (name.as_str(), definition.as_str()) {
+        if let (Some(name), Some(text)) = (name.as_str(), scalar(definition)) {
             // What is wrong with it is said where the rule is read.
-            let _ = checker.define(name, text);
+            let _ = checker.define(name, &text);
         }
     }
 }

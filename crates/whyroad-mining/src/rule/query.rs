@@ -8,29 +8,20 @@ use crate::language::program::{Kind, Op};
 use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
 use clause::Reader;
-use whyroad_framework::Taxonomy;
+use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
+use whyroad_framework::validate::Checker as MessageChecker;
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
-use whyroad_model::{Bilingual, Diagnostic, Nanos, Place};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, Place, Severity};
 use whyroad_signals::Catalogue;
 
 /// The query in a JSON text, its class resolved. `file` is its name in diagnostics.
-pub fn parse_query(text: &str, file: &str, taxonomy: &Taxonomy) -> Result<MiningQuery, Vec<Diagnostic>> {
-    let message: MiningQueryMessage = serde_json::from_str(text).map_err(|e| {
-        let place = Place {
-            file: Some(file.to_owned()),
-            line: Some(e.line()),
-            column: Some(e.column().max(1)),
-            snippet: text.lines().nth(e.line().saturating_sub(1)).map(str::to_owned),
-            span: 1,
-            ..Place::default()
-        };
-        let said = Bilingual::new(format!("查询无法读取：{e}"), format!("the query cannot be read: {e}"));
-        vec![Diagnostic::error("mine.query.syntax", said).at(place)]
-    })?;
+pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<MiningQuery, Vec<Diagnostic>> {
+    let message: MiningQueryMessage =
+        serde_json::from_str(text).map_err(|e| unreadable(text, file, framework, &e))?;
     let mut query = message.mining_query;
     let written = query.scenario_id.to_string();
-    let problem = match taxonomy.resolve(&written) {
+    let problem = match framework.taxonomy.resolve(&written) {
         Resolution::Found(id) => {
             query.scenario_id = id;
             return Ok(query);
@@ -43,6 +34,29 @@ pub fn parse_query(text: &str, file: &str, taxonomy: &Taxonomy) -> Result<Mining
     };
     let place = locate(text, file, "/mining_query/scenario_id", &format!("\"{written}\""), 0);
     Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(place)])
+}
+
+/// All that is wrong with the form of a query, as the checker of messages tells it.
+fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Error) -> Vec<Diagnostic> {
+    let mut found = MessageChecker::new(framework).check_text(text);
+    // A class may be written by a short name here.
+    found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
+    for d in &mut found {
+        d.place.file = Some(file.to_owned());
+    }
+    if found.is_empty() {
+        let place = Place {
+            file: Some(file.to_owned()),
+            line: Some(e.line()),
+            column: Some(e.column().max(1)),
+            snippet: text.lines().nth(e.line().saturating_sub(1)).map(str::to_owned),
+            span: 1,
+            ..Place::default()
+        };
+        let said = Bilingual::new(format!("查询无法读取：{e}"), format!("the query cannot be read: {e}"));
+        found.push(Diagnostic::error("mine.query.syntax", said).at(place));
+    }
+    found
 }
 
 /// Place of a JSON value: its pointer, and line and column of the `nth` occurrence of its text.
@@ -99,20 +113,29 @@ pub fn compile_query(
         found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
     }
     let bounds = query.time_constraints.clone().unwrap_or_default();
-    for (name, bound) in [
-        ("condition_duration_min", bounds.condition_duration_min),
-        ("condition_duration_max", bounds.condition_duration_max),
-    ] {
+    let (least, most) = (bounds.condition_duration_min, bounds.condition_duration_max);
+    let mut refuse = |name: &str, zh: String, en: String| {
+        let pointer = format!("/mining_query/time_constraints/{name}");
+        let fault = Fault::new("mine.query.syntax", Span::default(), zh, en);
+        found.push(fault.at(locate(text, file, &pointer, &format!("\"{name}\""), 0)));
+    };
+    for (name, bound) in [("condition_duration_min", least), ("condition_duration_max", most)] {
         if bound.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
-            let fault = Fault::new(
-                "mine.query.syntax",
-                Span::default(),
+            refuse(
+                name,
                 format!("{name} 应为非负的秒数"),
                 format!("{name} is a number of seconds, zero or more"),
             );
-            let pointer = Some(format!("/mining_query/time_constraints/{name}"));
-            found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
         }
+    }
+    if let (Some(least), Some(most)) = (least, most)
+        && least > most
+    {
+        refuse(
+            "condition_duration_max",
+            format!("最长 {most} s 短于最短 {least} s，不会有匹配"),
+            format!("the longest, {most} s, is shorter than the shortest, {least} s: nothing can match"),
+        );
     }
     if !found.is_empty() {
         return Err(found);

@@ -1,55 +1,22 @@
 //! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
 
+use super::block;
 use super::origin::Origin;
 use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::program::{Kind, Moment, NodeId, Op, Subject};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
-use serde::Deserialize;
-use serde_yaml_ng::{Mapping, Value};
+use serde_yaml_ng::Value;
 use std::collections::BTreeSet;
 use whyroad_framework::ResolvedSpec;
 use whyroad_framework::spec::MomentSpec;
 use whyroad_model::units::Dimension;
-use whyroad_model::{Bilingual, Diagnostic, Nanos, ScenarioId};
+use whyroad_model::{Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// Matches nearer together than this are one unless the block says otherwise: a signal that drops out for a
 /// few frames does not make a second event.
 pub(super) const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
-
-/// The block as written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Block {
-    target: Option<String>,
-    #[serde(default)]
-    roles: Mapping,
-    #[serde(default)]
-    parameters: Mapping,
-    #[serde(default)]
-    define: Mapping,
-    when: OneOrMany,
-    #[serde(default)]
-    require: Vec<String>,
-    min_duration: Option<String>,
-    max_duration: Option<String>,
-    merge_gap: Option<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum OneOrMany {
-    One(String),
-    Many(Vec<String>),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ParameterBlock {
-    value: String,
-    reason: String,
-}
 
 /// A leaf's block over that of its L2: `parameters` and `define` add up, `require` is appended, the rest of
 /// the L2's is replaced by what the leaf says.
@@ -63,14 +30,18 @@ pub fn inherit(l2: Option<&Value>, leaf: &Value) -> Value {
                 both.extend(b.clone());
                 Value::Mapping(both)
             }
-            (Some("require"), Some(Value::Sequence(a)), Value::Sequence(b)) => {
-                Value::Sequence(a.iter().chain(b).cloned().collect())
-            }
+            (Some("require"), Some(a), b) => Value::Sequence(items(a).chain(items(b)).cloned().collect()),
             _ => value.clone(),
         };
         out.insert(key.clone(), merged);
     }
     Value::Mapping(out)
+}
+
+/// A list, or a single text as a list of one.
+fn items(value: &Value) -> impl Iterator<Item = &Value> {
+    let list = value.as_sequence();
+    list.into_iter().flatten().chain(list.is_none().then_some(value))
 }
 
 /// The rule of a block, or everything that is wrong with it.
@@ -81,28 +52,21 @@ pub fn compile(
     catalogue: &Catalogue,
     origin: &Origin<'_>,
 ) -> Result<Rule, Vec<Diagnostic>> {
-    let block: Block = match serde_yaml_ng::from_value(block.clone()) {
-        Ok(block) => block,
-        Err(e) => {
-            let message = Bilingual::new(
-                format!("{scenario} 的 mining 块有误：{e}"),
-                format!("the mining block of {scenario}: {e}"),
-            );
-            return Err(vec![Diagnostic::error("rule.block", message).at(origin.place("/mining"))]);
-        }
+    let mut found = Vec::new();
+    let block = block::read(block, origin, &mut found);
+    let mut c = Compiler {
+        checker: Checker::new(catalogue),
+        origin,
+        found,
+        broken: block.broken.into_iter().collect(),
     };
-    let mut c =
-        Compiler { checker: Checker::new(catalogue), origin, found: Vec::new(), broken: BTreeSet::new() };
     let roles = c.roles(block.target.as_deref(), &block.roles);
     c.parameters(&block.parameters);
     c.define(&block.define);
     let subject = roles.target;
-    let whens = match block.when {
-        OneOrMany::One(text) => vec![text],
-        OneOrMany::Many(all) => all,
-    };
     let mut told = Told::default();
-    let when: Vec<NodeId> = whens.iter().filter_map(|t| c.condition(t, PartPlace::When, &mut told)).collect();
+    let when: Vec<NodeId> =
+        block.when.iter().filter_map(|t| c.condition(t, PartPlace::When, &mut told)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|t| c.condition(t, PartPlace::Require, &mut told)).collect();
     let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
@@ -202,58 +166,41 @@ impl Compiler<'_> {
             return Some(Nanos::from_secs_f64(q.base()));
         }
         let span = Span { start: 0, end: text.len() };
-        self.report(key, text, Fault::new("rule.unit.mismatch", span, "此处应为时长", "expected a time"));
+        self.report(
+            key,
+            text,
+            Fault::new("rule.unit.mismatch", span, "此处应为时长", "expected a time")
+                .hint("例如 0.5 s", "such as 0.5 s"),
+        );
         None
     }
 
-    fn parameters(&mut self, block: &Mapping) {
-        for (name, value) in block {
-            let Some(name) = name.as_str() else { continue };
+    fn parameters(&mut self, parameters: &[(String, String)]) {
+        for (name, value) in parameters {
             let key = format!("/mining/parameters/{name}");
-            let parameter: ParameterBlock = match serde_yaml_ng::from_value(value.clone()) {
-                Ok(p) => p,
-                Err(e) => {
-                    let span = Span { start: 0, end: name.len() };
-                    let fault = Fault::new(
-                        "rule.block",
-                        span,
-                        format!("参数须写明 value 与 reason：{e}"),
-                        format!("a parameter has a value and a reason: {e}"),
-                    );
-                    self.report(&key, name, fault);
-                    self.broken.insert(name.to_owned());
-                    continue;
-                }
-            };
-            let span = Span { start: 0, end: name.len() };
-            if parameter.reason.trim().is_empty() {
-                let fault = Fault::new("rule.block", span, "参数缺少理由", "the parameter has no reason");
-                self.report(&key, name, fault);
-            }
             if !self.claim(&key, name) {
                 continue;
             }
-            match self.quantity(&parameter.value, &key) {
+            match self.quantity(value, &key) {
                 Some(q) => {
-                    self.checker.parameters.insert(name.to_owned(), q);
+                    self.checker.parameters.insert(name.clone(), q);
                 }
                 None => {
-                    self.broken.insert(name.to_owned());
+                    self.broken.insert(name.clone());
                 }
             }
         }
     }
 
-    fn define(&mut self, block: &Mapping) {
-        for (name, value) in block {
-            let (Some(name), Some(text)) = (name.as_str(), value.as_str()) else { continue };
+    fn define(&mut self, definitions: &[(String, String)]) {
+        for (name, text) in definitions {
             let key = format!("/mining/define/{name}");
             if !self.claim(&key, name) {
                 continue;
             }
             if let Err(fault) = self.checker.define(name, text) {
                 self.report(&key, text, fault);
-                self.broken.insert(name.to_owned());
+                self.broken.insert(name.clone());
             }
         }
     }

@@ -162,7 +162,7 @@ fn of_text(text: &str, target: Option<&str>, framework: &Framework, catalogue: &
 fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue) -> anyhow::Result<Planned> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
     let name = file.display().to_string();
-    let query = match parse_query(&text, &name, &framework.taxonomy) {
+    let query = match parse_query(&text, &name, framework) {
         Ok(q) => q,
         Err(found) => return Ok(Err(found)),
     };

@@ -2,6 +2,7 @@
 
 use super::super::syntax::Span;
 use super::Fault;
+use whyroad_signals::SignalKind;
 use whyroad_signals::catalogue::Catalogue;
 
 /// Prefixes that name a target and at the same time say what it is (DATA_FORMAT.md 5.1 `target_vehicle.`).
@@ -22,10 +23,20 @@ pub(super) fn unknown<'n>(
     );
     let prefix = TARGET_PREFIXES.iter().find(|p| written.starts_with(**p));
     let plain = prefix.map_or(written.to_owned(), |p| format!("target.{}", &written[p.len()..]));
-    let known = catalogue
-        .iter()
-        .flat_map(|d| std::iter::once(d.name.as_str()).chain(d.aliases.iter().map(String::as_str)));
-    match nearest(&plain, known.chain(own)) {
+    let known = || {
+        catalogue
+            .iter()
+            .flat_map(|d| std::iter::once(d.name.as_str()).chain(d.aliases.iter().map(String::as_str)))
+    };
+    let own: Vec<&str> = own.collect();
+    let near = if plain.contains('.') {
+        nearest(&plain, known().chain(own))
+    } else if let Some(near) = nearest(&plain, known().filter(|n| !n.contains('.')).chain(own)) {
+        Some(near)
+    } else {
+        return of_a_word(catalogue, &plain, fault);
+    };
+    match near {
         Some(n) => {
             let n = match (prefix, n.strip_prefix("target.")) {
                 (Some(p), Some(rest)) => format!("{p}{rest}"),
@@ -33,8 +44,39 @@ pub(super) fn unknown<'n>(
             };
             fault.hint(format!("是否想写 '{n}'？"), format!("did you mean '{n}'?"))
         }
-        None => fault.hint("可用信号见 schema/signals.yaml", "the signals are listed in schema/signals.yaml"),
+        None => see_the_list(fault),
     }
+}
+
+/// `speed` may have been meant as `ego.speed`; `left` is what a category is compared with.
+fn of_a_word(catalogue: &Catalogue, word: &str, fault: Fault) -> Fault {
+    let names = || catalogue.iter().map(|d| d.name.as_str());
+    let whole: Vec<&str> = names().filter(|n| n.rsplit('.').next() == Some(word)).take(3).collect();
+    if !whole.is_empty() {
+        let quoted: Vec<String> = whole.iter().map(|n| format!("'{n}'")).collect();
+        return fault.hint(
+            format!("是否想写 {}？", quoted.join(" 或 ")),
+            format!("did you mean {}?", quoted.join(" or ")),
+        );
+    }
+    let of = catalogue.iter().find(|d| match &d.kind {
+        SignalKind::Category(values) => values.iter().any(|v| v == word),
+        _ => false,
+    });
+    if let Some(signal) = of.map(|d| &d.name) {
+        return fault.hint(
+            format!("'{word}' 是类别的取值，只能与类别信号比较，如 {signal} == {word}"),
+            format!("'{word}' is a value of a category: compare it with one, as in {signal} == {word}"),
+        );
+    }
+    see_the_list(fault)
+}
+
+fn see_the_list(fault: Fault) -> Fault {
+    fault.hint(
+        "可用信号见 `whyroad signals list`（docs/signals.md）",
+        "`whyroad signals list` (docs/signals.md) shows the signals",
+    )
 }
 
 /// The fault for a word that is both a value of a category and a name of the rule.
