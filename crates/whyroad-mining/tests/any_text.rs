@@ -126,7 +126,7 @@ const QUERY: &str = r#"{"mining_query": {"scenario_id": "reactive_agent.cutin", 
 const LABEL: &str = include_str!("../../../examples/cutin_urgent_example.en.json");
 
 fn query(text: &str) {
-    match parse_query(text, "q.json", &Framework::bundled().taxonomy) {
+    match parse_query(text, "q.json", Framework::bundled()) {
         Err(found) => told(&found),
         Ok(q) => match compile_query(&q, Catalogue::bundled(), text, "q.json") {
             Err(found) => told(&found),
