@@ -4,6 +4,7 @@
 pub mod access;
 pub mod call;
 pub mod handlers;
+mod incoming;
 pub mod openapi;
 pub mod pages;
 pub mod reply;

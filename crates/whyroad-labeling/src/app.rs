@@ -4,6 +4,7 @@ use crate::limits::Limits;
 use crate::problem::Answer;
 use crate::recordings::Recordings;
 use crate::service::scene::SceneCache;
+use crate::service::webhooks::Reach;
 use crate::store::Store;
 use crate::{secret, values};
 use std::sync::Arc;
@@ -13,6 +14,9 @@ use whyroad_framework::validate::Checker;
 
 /// Milliseconds since 1970, as the service takes them; tests turn it.
 pub type Clock = Arc<dyn Fn() -> i64 + Send + Sync>;
+
+/// Takes one line for whoever runs the service.
+pub type Tell = Arc<dyn Fn(&str) + Send + Sync>;
 
 /// The service.
 pub struct App {
@@ -34,6 +38,12 @@ pub struct App {
     pub csrf_key: String,
     /// Whether cookies are for HTTPS only.
     pub cookies: Cookies,
+    /// Where webhooks may go.
+    pub reach: Reach,
+    /// Whom to believe about where a request came from.
+    pub origin: Origin,
+    /// Tells whoever runs the service what went wrong; by itself it tells nobody.
+    pub tell: Tell,
     /// What the maker of the first account has to show; none where only this machine reaches the service.
     pub setup_token: Option<String>,
 }
@@ -45,6 +55,15 @@ pub enum Cookies {
     Plain,
     /// `Secure`.
     Secure,
+}
+
+/// Whom to believe about where a request came from; failed sign-ins are counted by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The connection itself.
+    Connection,
+    /// A proxy in front: the last address in its `x-forwarded-for`, which it wrote itself.
+    Proxy,
 }
 
 impl App {
@@ -69,6 +88,9 @@ impl App {
             scenes: SceneCache::default(),
             csrf_key,
             cookies: Cookies::Plain,
+            reach: Reach::default(),
+            origin: Origin::Connection,
+            tell: Arc::new(|_| {}),
             setup_token: None,
         })
     }

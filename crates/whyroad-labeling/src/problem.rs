@@ -79,6 +79,18 @@ impl Problem {
         )
     }
 
+    /// The same without what only concerns whoever runs the service: names of hosts and tables, messages of a database.
+    #[must_use]
+    pub fn for_strangers(self) -> Self {
+        if self.code != "store.unavailable" {
+            return self;
+        }
+        Self {
+            text: Bilingual::new("存储暂不可用，未保存", "the store is not available, nothing was saved"),
+            ..self
+        }
+    }
+
     /// The disk is full.
     pub fn disk_full() -> Self {
         Self::new(507, "store.full", "磁盘已满，未保存", "the disk is full, nothing was saved")

@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod audits;
+pub mod classes;
 pub mod create;
 pub mod dashboard;
 pub mod drafts;

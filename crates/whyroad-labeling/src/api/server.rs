@@ -3,7 +3,7 @@
 use super::access;
 use super::call::{Call, Request};
 use super::deliver::{Kind, Wishes, deliver, problem};
-use super::handlers::session::COOKIE;
+use super::incoming::{forwarded, request_of};
 use super::pages;
 use super::patience::{Patient, Peer};
 use super::reply::Reply;
@@ -14,13 +14,14 @@ use crate::problem::{Answer, Problem};
 use crate::service::webhooks;
 use axum::Router;
 use axum::body::{Body, to_bytes};
-use axum::extract::{ConnectInfo, Query};
-use axum::http::{HeaderMap, Method, Response, Uri, header};
+use axum::extract::ConnectInfo;
+use axum::http::{Method, Response};
 use std::collections::BTreeMap;
 use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::Semaphore;
+use whyroad_model::Nanos;
 
 /// Everything of the API is below this.
 const ROOT: &str = "/api/v1";
@@ -88,6 +89,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     };
     let peer = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.clone());
     let address = peer.as_ref().map(|p| p.address.ip().to_string()).unwrap_or_default();
+    let address = forwarded(&parts.headers, app.origin).unwrap_or(address);
     let mut request = request_of(&parts.headers, &parts.uri, params, address);
     // Much is taken in only from who may send it.
     if is_bulk(route) {
@@ -104,17 +106,23 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let _working = peer.map(|p| p.works());
     // The semaphore is never closed.
     let turn = turns.acquire_owned().await;
+    let (tell, clock) = (Arc::clone(&app.tell), Arc::clone(&app.clock));
     let work = tokio::task::spawn_blocking(move || {
         let _turn = turn;
         run(&app, route, &request)
     });
-    match work.await {
+    let p = match work.await {
         Ok(Ok(reply)) => {
-            deliver(reply, if route.verb == Verb::Get { Kind::Read } else { Kind::Done }, &wishes)
+            return deliver(reply, if route.verb == Verb::Get { Kind::Read } else { Kind::Done }, &wishes);
         }
-        Ok(Err(p)) => refuse(&p),
-        Err(_) => refuse(&Problem::new(500, "internal", "内部错误", "an internal error")),
+        Ok(Err(p)) => p,
+        Err(_) => Problem::new(500, "internal", "内部错误", "an internal error"),
+    };
+    if p.status >= 500 {
+        // The route as the table has it: ids and what was sent are nothing for a log.
+        tell(&format!("{} {} {} {}: {p}", Nanos(clock() * 1_000_000), p.status, parts.method, route.path));
     }
+    refuse(&p.for_strangers())
 }
 
 /// What is not the API: the page.
@@ -149,29 +157,6 @@ async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
             format!("the request is not whole or is larger than {limit} bytes"),
         )),
         Err(_) => Err(Problem::new(408, "request.slow", "请求太慢", "the request came in too slowly")),
-    }
-}
-
-fn request_of(headers: &HeaderMap, uri: &Uri, params: BTreeMap<String, String>, address: String) -> Request {
-    let text = |name: &str| headers.get(name).and_then(|v| v.to_str().ok());
-    let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
-    let cookie = cookies
-        .flat_map(|c| c.split(';'))
-        .filter_map(|c| c.trim().split_once('='))
-        .find(|(name, value)| *name == COOKIE && !value.is_empty())
-        .map(|(_, value)| value.to_owned());
-    let token = text("authorization").and_then(|v| v.split_once(' '));
-    let token =
-        token.filter(|(kind, _)| kind.eq_ignore_ascii_case("bearer")).map(|(_, t)| t.trim().to_owned());
-    Request {
-        params,
-        query: Query::try_from_uri(uri).map(|Query(q)| q).unwrap_or_default(),
-        body: vec![],
-        cookie,
-        token,
-        csrf: text("x-csrf-token").map(str::to_owned),
-        address,
-        host: text("host").unwrap_or_default().to_owned(),
     }
 }
 

@@ -132,7 +132,9 @@ pub const ROUTES: &[Route] = &[
     )
     .takes::<Validate>()
     .gives::<Findings>(),
-    Route::get("/tasks/{t}/history", Access::TaskReader, "Who did what", talk::history).gives::<History>(),
+    Route::get("/tasks/{t}/history", Access::TaskReader, "Who did what", talk::history)
+        .query(&[("cursor", "from the page before"), ("limit", "at most so many; all when not given")])
+        .gives::<History>(),
     Route::get(
         "/tasks/{t}/history/{seq}",
         Access::TaskReader,

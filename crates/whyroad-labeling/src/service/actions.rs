@@ -29,8 +29,8 @@ pub fn act(
 ) -> Answer<TaskRow> {
     let mut t = tasks::get_for_change(tx, id)?;
     let now = app.now();
-    let reason = request.reason.as_deref().map(str::trim).filter(|r| !r.is_empty());
-    check_texts(reason, &request.comments)?;
+    let reason = reason(request.reason.as_deref())?;
+    check_texts(&request.comments)?;
     let Some(action) = request.action.in_workflow() else {
         match request.action {
             ActionName::Restore => restore(tx, &mut t, actor, project, request, now)?,
@@ -96,7 +96,7 @@ pub fn act(
 
 /// Writes a remark on a field; its id.
 pub fn remark(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, now: i64) -> Answer<String> {
-    check_texts(None, std::slice::from_ref(comment))?;
+    check_texts(std::slice::from_ref(comment))?;
     let id = secret::id()?;
     tx.run(
         "INSERT INTO comments (id, task_id, path, author, body, at, resolved) VALUES ($1, $2, $3, $4, $5, $6, 0)",
@@ -105,15 +105,27 @@ pub fn remark(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, 
     Ok(id)
 }
 
-fn check_texts(reason: Option<&str>, comments: &[NewComment]) -> Answer<()> {
-    let long = |text: &str| text.chars().count() > TEXT;
+/// A reason as it is kept; none where there is only white space.
+pub fn reason(given: Option<&str>) -> Answer<Option<&str>> {
+    let reason = given.map(str::trim).filter(|r| !r.is_empty());
+    if reason.is_some_and(is_long) {
+        return Err(Problem::request(format!("a reason has at most {TEXT} characters")));
+    }
+    Ok(reason)
+}
+
+fn check_texts(comments: &[NewComment]) -> Answer<()> {
     let bad = |c: &NewComment| {
-        c.text.trim().is_empty() || long(&c.text) || c.path.len() > 200 || !is_pointer(&c.path)
+        c.text.trim().is_empty() || is_long(&c.text) || c.path.len() > 200 || !is_pointer(&c.path)
     };
-    if reason.is_some_and(long) || comments.len() > 100 || comments.iter().any(bad) {
+    if comments.len() > 100 || comments.iter().any(bad) {
         return Err(Problem::request(format!("texts of 1 to {TEXT} characters, paths as JSON pointers")));
     }
     Ok(())
+}
+
+fn is_long(text: &str) -> bool {
+    text.chars().count() > TEXT
 }
 
 fn is_pointer(path: &str) -> bool {

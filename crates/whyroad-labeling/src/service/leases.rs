@@ -132,8 +132,13 @@ pub fn release(
     let from = t.at.state;
     t.at = workflow::step(&t.at, actor, Action::Release, Draw::Pass)?;
     t.lease_until = None;
-    let entry =
-        Entry { action: "release", actor: Some(&actor.id), from: Some(from), note: reason, ..Entry::default() };
+    let entry = Entry {
+        action: "release",
+        actor: Some(&actor.id),
+        from: Some(from),
+        note: reason,
+        ..Entry::default()
+    };
     tasks::record(tx, t, &entry, now)?;
     tasks::update(tx, t)
 }

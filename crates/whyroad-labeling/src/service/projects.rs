@@ -6,6 +6,7 @@ use crate::service::people;
 use crate::store::{Row, Tx};
 use crate::values;
 use crate::workflow::Role;
+use std::collections::BTreeSet;
 
 const COLUMNS: &str = "id, name, guide, quota, settings";
 
@@ -152,4 +153,11 @@ pub fn leads_any(tx: &mut dyn Tx, user: &str) -> Answer<bool> {
     let row = tx
         .row("SELECT 1 FROM members WHERE user_id = $1 AND roles LIKE '%\"lead\"%' LIMIT 1", values![user])?;
     Ok(row.is_some())
+}
+
+/// Users who are in a project with `user`.
+pub fn fellows(tx: &mut dyn Tx, user: &str) -> Answer<BTreeSet<String>> {
+    let sql =
+        "SELECT o.user_id FROM members m JOIN members o ON o.project_id = m.project_id WHERE m.user_id = $1";
+    tx.rows(sql, values![user])?.iter().map(|r| r.text(0)).collect()
 }

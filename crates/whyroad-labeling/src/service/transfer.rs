@@ -7,7 +7,7 @@
 mod read;
 
 use crate::api::wire::project::Project;
-use crate::api::wire::task::Imported;
+use crate::api::wire::task::{Imported, LostLine};
 use crate::app::App;
 use crate::problem::{Answer, Problem};
 use crate::service::create::{self, LastDrive};
@@ -162,25 +162,17 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
     for (number, one) in incoming {
         match prepare(app, &project, one, &mut last) {
             Ok(row) => rows.push((number, row)),
-            Err(p) => drop(lost.insert(number, p.text.en)),
+            Err(p) => drop(lost.insert(number, p.text)),
         }
     }
     // In the order of the file, which is then the order of the queue.
     rows.sort_by_key(|(number, _)| *number);
     let rows: Vec<TaskRow> = rows.into_iter().map(|(_, row)| row).collect();
     let tasks = create::put_all(app, &rows, actor)?;
-    Ok(Imported { tasks, known: rows.len() as u32 - tasks, lost: told(lost) })
-}
-
-/// Reasons by line; beyond [`MOST_REASONS`] they are counted.
-fn told(lost: BTreeMap<usize, String>) -> Vec<String> {
-    let more = lost.len().saturating_sub(MOST_REASONS);
-    let mut out: Vec<String> =
-        lost.into_iter().take(MOST_REASONS).map(|(n, why)| format!("line {}: {why}", n + 1)).collect();
-    if more > 0 {
-        out.push(format!("and {more} more"));
-    }
-    out
+    let more = lost.len().saturating_sub(MOST_REASONS) as u32;
+    let told = lost.into_iter().take(MOST_REASONS);
+    let lost = told.map(|(number, text)| LostLine { line: number as u32 + 1, text }).collect();
+    Ok(Imported { tasks, known: rows.len() as u32 - tasks, lost, more })
 }
 
 fn prepare(app: &App, project: &Project, incoming: Incoming, last: &mut LastDrive) -> Answer<TaskRow> {

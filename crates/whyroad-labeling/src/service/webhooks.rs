@@ -7,8 +7,10 @@
 //! is a proxy's job.
 
 mod post;
+mod reach;
 
 pub use post::{Receiver, post};
+pub use reach::Reach;
 
 use crate::api::wire::project::Webhook;
 use crate::app::App;
@@ -16,15 +18,17 @@ use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::store::Tx;
+use crate::workflow::Action;
 use crate::{secret, values};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
+use whyroad_model::Bilingual;
 
-/// What is never told: it happens every second and changes no state.
-const QUIET: &[&str] = &["edit", "heartbeat"];
+/// What is told beside the steps of the work flow. Edits are not: they happen every second and change no state.
+const FURTHER_EVENTS: &[&str] = &["create", "assign", "adjudicate", "restore"];
 /// Wait after the first failure, ms; doubles with each further one.
 const FIRST_WAIT_MS: i64 = 5_000;
 /// Longest wait, ms.
@@ -40,9 +44,14 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Webhooks of one project.
 const MOST_HOOKS: i64 = 20;
 
+/// True for what webhooks can be told of.
+fn is_event(word: &str) -> bool {
+    Action::from_word(word).is_some() || FURTHER_EVENTS.contains(&word)
+}
+
 /// Puts what `entry` says of `t` into the outbox of each webhook of its project that wants it.
 pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
-    if QUIET.contains(&entry.action) {
+    if !is_event(entry.action) {
         return Ok(());
     }
     let hooks = tx.rows("SELECT id, events FROM webhooks WHERE project_id = $1", values![&t.project])?;
@@ -69,7 +78,9 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
 /// Webhooks of a project, by URL.
 pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
     let rows = tx.rows(
-        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id)
+        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id),
+           (SELECT max(o.tries) FROM outbox o WHERE o.webhook_id = w.id),
+           (SELECT min(o.due) FROM outbox o WHERE o.webhook_id = w.id)
          FROM webhooks w WHERE w.project_id = $1 ORDER BY w.url, w.id",
         values![project],
     )?;
@@ -79,8 +90,10 @@ pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
                 id: r.text(0)?,
                 url: r.text(1)?,
                 events: parse(&r.text(2)?)?,
-                last_error: r.maybe_text(3)?,
+                last_error: r.maybe_text(3)?.map(|text| parse(&text)).transpose()?,
                 pending: r.int(4)?,
+                failures: r.maybe_int(5)?.unwrap_or(0),
+                next_try: r.maybe_int(6)?,
                 secret: None,
             })
         })
@@ -88,18 +101,32 @@ pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
 }
 
 /// Adds a webhook; its secret is in the answer and nowhere else.
-pub fn create(tx: &mut dyn Tx, project: &str, url: &str, events: &[String], now: i64) -> Answer<Webhook> {
-    if url.len() > 500 || events.len() > 30 || events.iter().any(|e| e.len() > 30) {
-        return Err(Problem::request("a webhook's address or events are too long"));
+pub fn create(
+    tx: &mut dyn Tx,
+    project: &str,
+    url: &str,
+    events: &[String],
+    reach: &Reach,
+    now: i64,
+) -> Answer<Webhook> {
+    if url.len() > 500 {
+        return Err(Problem::request("a webhook's address has at most 500 characters"));
     }
-    Receiver::parse(url).map_err(|why| {
+    if let Some(unknown) = events.iter().find(|e| !is_event(e)) {
+        return Err(no_event(unknown));
+    }
+    let to = Receiver::parse(url).map_err(|why| {
         Problem::new(
             422,
             "webhook.url",
-            format!("网址无效：{why}；须为 http://主机[:端口]/路径"),
-            format!("the address is invalid: {why}; it must be http://host[:port]/path"),
+            format!("网址无效：{}；须为 http://主机[:端口]/路径", why.zh),
+            format!("the address is invalid: {}; it must be http://host[:port]/path", why.en),
         )
     })?;
+    if !to.may_be_reached(reach) {
+        let why = post::not_reached(to.host());
+        return Err(Problem::new(422, "webhook.address", why.zh, why.en));
+    }
     let count = tx.row("SELECT count(*) FROM webhooks WHERE project_id = $1", values![project])?;
     if count.map_or(Ok(0), |r| r.int(0))? >= MOST_HOOKS {
         return Err(Problem::request(format!("a project has at most {MOST_HOOKS} webhooks")));
@@ -114,9 +141,23 @@ pub fn create(tx: &mut dyn Tx, project: &str, url: &str, events: &[String], now:
         url: url.to_owned(),
         events: events.to_vec(),
         pending: 0,
+        failures: 0,
+        next_try: None,
         last_error: None,
         secret: Some(key),
     })
+}
+
+fn no_event(word: &str) -> Problem {
+    let known: Vec<&str> =
+        Action::ALL.iter().map(|a| a.word()).chain(FURTHER_EVENTS.iter().copied()).collect();
+    let known = known.join(", ");
+    Problem::new(
+        422,
+        "webhook.event",
+        format!("没有事件 '{word}'；可选：{known}"),
+        format!("there is no event '{word}'; there are: {known}"),
+    )
 }
 
 /// Removes a webhook with what it still had to send.
@@ -169,8 +210,8 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
         let sent_at = app.now();
         let signature = signature(&secret, sent_at, &message.body);
         let headers = [("x-whyroad-signature", signature.as_str()), ("x-whyroad-delivery", &message.id)];
-        let outcome =
-            Receiver::parse(&message.url).and_then(|to| post(&to, &headers, message.body.as_bytes()));
+        let outcome = Receiver::parse(&message.url)
+            .and_then(|to| post(&to, &app.reach, &headers, message.body.as_bytes()));
         if outcome.is_ok() {
             taken += 1;
         } else {
@@ -190,14 +231,15 @@ fn claim(app: &App, id: &str, was_due: i64) -> Answer<bool> {
     })
 }
 
-fn settle(app: &App, message: Message, outcome: Result<(), String>, now: i64) -> Answer<()> {
+fn settle(app: &App, message: Message, outcome: Result<(), Bilingual>, now: i64) -> Answer<()> {
     app.store.write(move |tx| {
         let failures = message.tries + 1;
         let error = match &outcome {
             Ok(()) => None,
-            Err(why) if failures >= MOST_TRIES => {
-                Some(format!("message {} given up after {failures} tries: {why}", message.id))
-            }
+            Err(why) if failures >= MOST_TRIES => Some(Bilingual::new(
+                format!("消息 {} 试了 {failures} 次后放弃：{}", message.id, why.zh),
+                format!("message {} given up after {failures} tries: {}", message.id, why.en),
+            )),
             Err(why) => Some(why.clone()),
         };
         if error.is_none() || failures >= MOST_TRIES {
@@ -208,6 +250,7 @@ fn settle(app: &App, message: Message, outcome: Result<(), String>, now: i64) ->
                 values![failures, now + wait_ms(failures), &message.id],
             )?;
         }
+        let error = error.map(|e| json(&e)).transpose()?;
         tx.run("UPDATE webhooks SET last_error = $1 WHERE id = $2", values![error, &message.webhook])?;
         Ok(())
     })

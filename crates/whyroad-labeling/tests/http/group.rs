@@ -250,3 +250,35 @@ pub fn lists_come_page_by_page_and_filtered(world: &World) {
         assert_eq!(admin.get(&format!("/projects/{project}/tasks?{bad}")).refusal().0, 400, "{bad}");
     }
 }
+
+pub fn what_is_given_back_says_why_and_the_history_comes_in_pages(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let work = Work::take(&ann, &task);
+    let give_back = |reason: &str| json!({ "action": "release", "fence": work.fence, "reason": reason });
+    let lease = work.path("/lease");
+    assert_eq!(ann.post(&lease, &give_back(&"x".repeat(4001))).refusal(), (400, "request.invalid".into()));
+    ann.post(&lease, &give_back(" the camera is dark ")).fine();
+    let history = |query: &str| admin.get(&format!("/tasks/{task}/history{query}"));
+    // An admin sees of a Stage I only their own: they made the task.
+    assert_eq!(history("").fine()["items"].as_array().unwrap().len(), 1);
+    Work::label(&ann, &task);
+    let all = history("").fine();
+    let all = all["items"].as_array().unwrap();
+    let given_back = all.iter().find(|e| e["action"] == "release").unwrap();
+    assert_eq!(given_back["comment"], "the camera is dark");
+    let (mut paged, mut cursor) = (vec![], String::new());
+    loop {
+        let page = history(&format!("?limit=2{cursor}")).fine();
+        assert!(page["items"].as_array().unwrap().len() <= 2);
+        paged.extend(page["items"].as_array().unwrap().clone());
+        let Some(next) = page["next"].as_str() else { break };
+        cursor = format!("&cursor={next}");
+    }
+    assert_eq!(&paged, all);
+    for odd in ["?limit=0", "?cursor=x", "?limit=-1"] {
+        assert_eq!(history(odd).refusal(), (400, "request.invalid".into()), "{odd}");
+    }
+}

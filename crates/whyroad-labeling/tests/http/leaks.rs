@@ -274,7 +274,7 @@ pub fn who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it(world: &World)
     let both = world.person(&admin, &project, "both", &["annotator", "checker"]);
     // Two episodes of one drive with the same keyframe, and one of another drive.
     let ids = world.tasks(&admin, &project, &["drive1"], 1);
-    let other = json!({ "episodes": [crate::recorded::episode("drive1", 2, Future::Brakes)] });
+    let other = json!({ "episodes": [episode("drive1", 2, Future::Brakes)] });
     let made = admin.post(&format!("/projects/{project}/tasks:create"), &other).fine();
     let second = made["tasks"][0].as_str().unwrap().to_owned();
     let work = Work::label(&ann, &ids[0]);

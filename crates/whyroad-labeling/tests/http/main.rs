@@ -8,6 +8,7 @@
 mod postgres;
 
 mod access;
+mod attacks;
 mod clock;
 mod drafts;
 mod ending;
@@ -68,6 +69,12 @@ suite! {
     group::an_empty_queue_says_why,
     group::the_queue_goes_by_hand_skill_language_and_priority,
     group::lists_come_page_by_page_and_filtered,
+    attacks::a_draft_nested_too_deep_is_refused_and_nobody_else_feels_it,
+    attacks::texts_that_one_of_the_databases_cannot_hold_are_refused_by_both,
+    attacks::an_episode_that_cannot_be_of_its_drive_makes_no_task,
+    attacks::people_know_whom_they_work_with_and_no_others,
+    attacks::what_leads_name_has_to_be_there,
+    group::what_is_given_back_says_why_and_the_history_comes_in_pages,
     wire::unchanged_answers_are_not_sent_again,
     wire::what_is_wrong_is_said_as_problem_json,
     wire::what_is_too_large_is_refused,

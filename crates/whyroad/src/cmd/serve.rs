@@ -12,6 +12,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use whyroad_labeling::App;
+use whyroad_labeling::app::Origin;
+use whyroad_labeling::service::webhooks::Reach;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 
@@ -33,6 +35,14 @@ pub(crate) struct Args {
     /// The page is reached by https (a proxy in front has the certificate): cookies are for https only
     #[arg(long)]
     https: bool,
+    /// A proxy in front tells where requests come from (the last address of x-forwarded-for): failed sign-ins are counted
+    /// by it. Not without a proxy, or anybody writes what they like
+    #[arg(long)]
+    behind_proxy: bool,
+    /// Webhooks go only to this host; may be repeated. Without it they go anywhere but to link-local addresses and, when
+    /// the service listens beyond this machine, to this machine
+    #[arg(long, value_name = "HOST[:PORT]")]
+    webhook_to: Vec<String>,
     #[command(flatten)]
     store: store_place::StoreArgs,
 }
@@ -54,6 +64,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if args.https {
         app.cookies = whyroad_labeling::app::Cookies::Secure;
     }
+    if args.behind_proxy {
+        app.origin = Origin::Proxy;
+    }
+    app.reach = match args.webhook_to {
+        hosts if !hosts.is_empty() => Reach::Only(hosts),
+        _ if at.ip().is_loopback() && !args.https && !args.behind_proxy => Reach::OwnMachine,
+        // A proxy on this machine lets others in, although the service listens to this machine alone.
+        _ => Reach::Network,
+    };
+    app.tell = Arc::new(|what| say!("{what}"));
     first_run::offer_project(&app, global.lang)?;
     let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
     say!("{}", where_to_look(at, &account, drives, global.lang));

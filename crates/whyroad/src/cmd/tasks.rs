@@ -60,6 +60,12 @@ struct Create {
     /// Greater is sooner
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     priority: i64,
+    /// Secondary episodes too
+    #[arg(long)]
+    secondary: bool,
+    /// Language that the labels are written in: the queue gives these tasks only to people of it
+    #[arg(long, value_name = "LANG", value_parser = ["zh", "en"])]
+    label_lang: Option<String>,
     #[command(flatten)]
     store: store_place::StoreArgs,
 }
@@ -166,6 +172,8 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
         per_leaf: a.per_leaf,
         overlap: a.overlap,
         priority: a.priority,
+        secondary: a.secondary,
+        lang: a.label_lang.clone(),
         ..CreateTasks::default()
     };
     let made = create::create(&app, &project, &request, None).map_err(|p| told(&p, global.lang))?;
@@ -231,8 +239,10 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
         std::fs::read_to_string(&a.file).with_context(|| format!("cannot read {}", a.file.display()))?;
     let (app, project) = service(global, &a.store, &a.lake, &[], &a.project)?;
     let made = transfer::import(&app, &project, &text, None).map_err(|p| told(&p, global.lang))?;
-    made.lost.iter().for_each(|why| say!("{}: {why}", a.file.display()));
-    let (new, known, lost) = (made.tasks, made.known, made.lost.len());
+    for lost in &made.lost {
+        say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));
+    }
+    let (new, known, lost) = (made.tasks, made.known, made.lost.len() + made.more as usize);
     output::put(&match global.lang {
         Lang::Zh => format!("{new} 个新任务；已有 {known}；无法读取 {lost} 行\n"),
         Lang::En => format!("{new} tasks made; {known} were there; {lost} lines could not be read\n"),

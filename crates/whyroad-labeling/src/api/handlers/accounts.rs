@@ -4,7 +4,7 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::api::wire::people::{Done, NewToken, NewUser, Token, Tokens, User, UserChange, Users};
 use crate::problem::{Answer, Problem};
-use crate::service::people;
+use crate::service::{people, projects};
 use crate::{secret, values};
 
 /// API tokens of one user.
@@ -12,7 +12,14 @@ const MOST_TOKENS: usize = 50;
 
 /// `GET /users`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
-    Reply::json(&Users { items: call.app.store.read(people::all)? })
+    let caller = call.user()?;
+    let (mut items, fellows) = call.app.store.read(|tx| {
+        // Who gives work out may give it to anybody; others know whom they work with.
+        let all = caller.admin || projects::leads_any(tx, &caller.id)?;
+        Ok((people::all(tx)?, if all { None } else { Some(projects::fellows(tx, &caller.id)?) }))
+    })?;
+    items.retain(|u| u.id == caller.id || fellows.as_ref().is_none_or(|f| f.contains(&u.id)));
+    Reply::json(&Users { items })
 }
 
 /// `POST /users`

@@ -6,8 +6,9 @@ use crate::api::reply::Reply;
 use crate::api::wire::project::{MemberChange, Members, NewProject, Project, ProjectChange, Projects};
 use crate::problem::{Answer, Problem};
 use crate::secret;
-use crate::service::{dashboard, people, projects};
+use crate::service::{classes, dashboard, people, projects};
 use crate::workflow::Role;
+use std::collections::BTreeMap;
 
 /// `GET /projects`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -28,6 +29,7 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
 /// `POST /projects`
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let wanted: NewProject = call.body()?;
+    classes::check_quota(&call.app.framework.taxonomy, &wanted.quota, &BTreeMap::new())?;
     let project = Project {
         id: secret::id()?,
         name: wanted.name,
@@ -55,6 +57,7 @@ pub fn show(call: &Call<'_>) -> Answer<Reply> {
 pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let change: ProjectChange = call.body()?;
     let (id, roles) = (call.grant.project()?.to_owned(), call.grant.roles.clone());
+    let taxonomy = &call.app.framework.taxonomy;
     let project = call.app.store.write(move |tx| {
         let mut project = projects::get(tx, &id)?;
         if let Some(name) = &change.name {
@@ -69,6 +72,9 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
             project.name.clone_from(name);
         }
         project.guide = change.guide.clone().unwrap_or(project.guide);
+        if let Some(quota) = &change.quota {
+            classes::check_quota(taxonomy, quota, &project.quota)?;
+        }
         project.quota = change.quota.clone().unwrap_or(project.quota);
         project.settings = change.settings.clone().unwrap_or(project.settings);
         projects::update(tx, &project)?;
@@ -89,6 +95,7 @@ pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
     if change.skills.len() > 200 || change.skills.iter().any(|s| s.len() > 100) {
         return Err(Problem::request("at most 200 skills of 100 characters"));
     }
+    classes::check_skills(&call.app.framework.taxonomy, &change.skills)?;
     let project = call.grant.project()?.to_owned();
     let items = call.app.store.write(move |tx| {
         let user = people::find(tx, &change.user)?.ok_or_else(Problem::missing)?;

@@ -12,7 +12,20 @@ use crate::values;
 /// `GET /tasks/{t}/history`
 pub fn history(call: &Call<'_>) -> Answer<Reply> {
     let (t, user) = (look(call)?, call.user()?);
-    Reply::json(&History { items: call.app.store.read(|tx| visible::history(tx, &t, &user.id))? })
+    let number = |name: &str, usual: i64| match call.query(name) {
+        None => Ok(usual),
+        Some(text) => {
+            let wrong = || Problem::request(format!("{name} is no number from 1 on"));
+            text.parse().ok().filter(|n| *n >= 1).ok_or_else(wrong)
+        }
+    };
+    let (after, limit) = (number("cursor", 0)?, number("limit", i64::MAX)?);
+    let mut items = call.app.store.read(|tx| visible::history(tx, &t, &user.id))?;
+    items.retain(|e| e.seq > after);
+    let more = items.len() as i64 > limit;
+    items.truncate(limit as usize);
+    let next = items.last().filter(|_| more).map(|e| e.seq.to_string());
+    Reply::json(&History { items, next })
 }
 
 /// `GET /tasks/{t}/history/{seq}`

@@ -17,8 +17,11 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let wanted: NewWebhook = call.body()?;
     let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
-    let hook =
-        call.app.store.write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, now))?;
+    let reach = call.app.reach.clone();
+    let hook = call
+        .app
+        .store
+        .write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, &reach, now))?;
     Reply::json(&hook)
 }
 

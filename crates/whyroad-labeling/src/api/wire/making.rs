@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use whyroad_model::Bilingual;
 use whyroad_model::messages::EpisodeRecord;
 
 /// Body of `POST /projects/{p}/tasks:create`. One of `episodes` and `mined`.
@@ -65,6 +66,17 @@ pub struct Imported {
     pub tasks: u32,
     /// Tasks that were there already.
     pub known: u32,
-    /// Lines that could not be read, with the reason.
-    pub lost: Vec<String>,
+    /// Lines that could not be read, with the reason: the first hundred.
+    pub lost: Vec<LostLine>,
+    /// Further lines that could not be read.
+    pub more: u32,
+}
+
+/// A line that could not be read.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct LostLine {
+    /// Its number, from 1.
+    pub line: u32,
+    /// Why.
+    pub text: Bilingual,
 }

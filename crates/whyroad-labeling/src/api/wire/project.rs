@@ -5,6 +5,7 @@ use crate::workflow::Role;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
 
 /// A project.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -258,9 +259,14 @@ pub struct Webhook {
     pub events: Vec<String>,
     /// Messages that were not delivered yet.
     pub pending: i64,
+    /// How often the message that was tried most was not taken.
+    pub failures: i64,
+    /// When the next message is due, ms since 1970.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next_try: Option<i64>,
     /// What went wrong last.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub last_error: Option<String>,
+    pub last_error: Option<Bilingual>,
     /// Key of the signature; shown once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub secret: Option<String>,

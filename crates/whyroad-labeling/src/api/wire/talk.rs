@@ -11,6 +11,9 @@ use serde_json::Value;
 pub struct History {
     /// Oldest first. In Stage I only the caller's own.
     pub items: Vec<HistoryEntry>,
+    /// Value for `cursor`, where there are more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next: Option<String>,
 }
 
 /// One entry of the history.

@@ -21,43 +21,49 @@ pub(super) struct Incoming {
 }
 
 /// Reads a line; in words why it cannot be.
-pub(super) fn read_line(line: &str) -> Result<Incoming, String> {
+pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
     if line.len() > 16 * MAX_DRAFT {
-        return Err("it is too long".to_owned());
+        return Err(Bilingual::new("该行过长", "it is too long"));
     }
-    let value: Value = serde_json::from_str(line).map_err(|e| format!("it is no JSON: {e}"))?;
+    let value: Value = serde_json::from_str(line)
+        .map_err(|e| Bilingual::new(format!("不是 JSON：{e}"), format!("it is no JSON: {e}")))?;
     if value.get("task").is_some() {
         return of_task(&value["task"]);
     }
     if value.get("episode_id").is_some() {
-        let episode = serde_json::from_value(value).map_err(|e| format!("it is no episode: {e}"))?;
+        let episode = serde_json::from_value(value)
+            .map_err(|e| Bilingual::new(format!("不是片段：{e}"), format!("it is no episode: {e}")))?;
         return Ok(Incoming { episode, draft: None, priority: 0, overlap: (0, 1) });
     }
     if value.get("clip_id").is_some() {
         return of_label(&value);
     }
-    Err("it is neither a task, an episode nor a label".to_owned())
+    Err(Bilingual::new("既不是任务、片段，也不是标注", "it is neither a task, an episode nor a label"))
 }
 
-fn of_task(task: &Value) -> Result<Incoming, String> {
-    let episode = serde_json::from_value(task["episode"].clone()).map_err(|e| format!("its episode: {e}"))?;
+fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
+    let episode = serde_json::from_value(task["episode"].clone())
+        .map_err(|e| Bilingual::new(format!("任务的片段：{e}"), format!("its episode: {e}")))?;
     let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
     let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
-    draft.as_ref().map_or(Ok(()), fields::bounded).map_err(|p| p.text.en)?;
+    draft.as_ref().map_or(Ok(()), fields::bounded).map_err(|p| p.text)?;
     let count = number("overlap_count", 1).clamp(1, 10);
     let index = number("overlap_index", 0).clamp(0, count - 1);
     Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
 }
 
 /// A label names no episode: one is made from what it says, under an id that is the same each time.
-fn of_label(value: &Value) -> Result<Incoming, String> {
-    fields::bounded(value).map_err(|p| p.text.en)?;
+fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
+    fields::bounded(value).map_err(|p| p.text)?;
     let text = value.to_string();
-    let label: CocLabel =
-        serde_json::from_value(value.clone()).map_err(|e| format!("it is no label: {e}"))?;
+    let label: CocLabel = serde_json::from_value(value.clone())
+        .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("it is no label: {e}")))?;
     let (drive, number) = label.clip_id.rsplit_once('_').unwrap_or_default();
     if drive.is_empty() || number.parse::<u32>().is_err() {
-        return Err(format!("clip '{}' names no drive", label.clip_id));
+        return Err(Bilingual::new(
+            format!("从 clip '{}' 看不出行程", label.clip_id),
+            format!("clip '{}' names no drive", label.clip_id),
+        ));
     }
     let episode = EpisodeRecord {
         episode_id: format!("label-{}", &secret::hash(&text)[..20]),
@@ -118,11 +124,11 @@ mod tests {
             (r#"{"episode_id": 1}"#, "no episode"),
             (r#"{"task": {}}"#, "episode"),
         ] {
-            let told = read_line(line).unwrap_err();
+            let told = read_line(line).unwrap_err().en;
             assert!(told.contains(why), "{line}: {told}");
         }
         let mut odd = label();
         odd["clip_id"] = json!("nodrive");
-        assert!(read_line(&odd.to_string()).unwrap_err().contains("names no drive"));
+        assert!(read_line(&odd.to_string()).unwrap_err().en.contains("names no drive"));
     }
 }

@@ -1,10 +1,18 @@
 //! Export and import on tasks made by hand; round trips over real drives are in the binary's tests.
 
 use super::*;
+use crate::api::wire::scene::SignalAbout;
 use crate::api::wire::task::FieldChange;
+use crate::recordings::Recordings;
 use crate::service::fixtures::{self, task};
 use crate::service::tasks::Entry;
 use serde_json::json;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, Lang, Nanos, SignalTable};
 
 fn label(trace: &str) -> Value {
     json!({
@@ -84,10 +92,89 @@ fn lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest() {
     let text = format!("nonsense\n\n{}\n{}\n", label("t"), json!({"other": 1}));
     let made = import(&app, "p", &text, None).unwrap();
     assert_eq!((made.tasks, made.known), (0, 0));
-    let heads: Vec<&str> = made.lost.iter().map(|l| l.split(':').next().unwrap()).collect();
+    let lines: Vec<u32> = made.lost.iter().map(|l| l.line).collect();
     // The label is sound, but there is no drive `d` here.
-    assert_eq!(heads, ["line 1", "line 3", "line 4"]);
-    assert!(made.lost[1].contains("drive"), "{}", made.lost[1]);
+    assert_eq!((lines, made.more), (vec![1, 3, 4], 0));
+    let why = &made.lost[1].text;
+    assert!(why.en.contains("drive") && why.zh.contains("行程"), "{why:?}");
+    let made = import(&app, "p", &"{}\n".repeat(103), None).unwrap();
+    assert_eq!((made.lost.len(), made.more), (100, 3), "many are counted");
     let many = "{}\n".repeat(MOST_LINES + 1);
     assert_eq!(import(&app, "p", &many, None).unwrap_err().code, "request.invalid");
+}
+
+/// One drive of two frames around the fixtures' keyframes; counts how often it is read and derived.
+#[derive(Default)]
+struct Counted {
+    read: AtomicUsize,
+    derived: AtomicUsize,
+}
+
+impl Recordings for Counted {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+        self.read.fetch_add(1, Ordering::SeqCst);
+        let time = |text: &str| Nanos::parse_iso(text).unwrap();
+        let times = vec![time("2026-01-01T00:00:00Z"), time("2026-01-01T00:00:09Z")];
+        let mut drive = Drive { times, ..Drive::default() };
+        drive.meta.drive_id = id.clone();
+        Ok(Arc::new(drive))
+    }
+    fn signals(&self, _: &Drive) -> SignalTable {
+        self.derived.fetch_add(1, Ordering::SeqCst);
+        SignalTable::default()
+    }
+    fn about(&self, _: &str) -> Option<SignalAbout> {
+        None
+    }
+    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
+        serde_json::from_value(label("drafted")).unwrap()
+    }
+    fn mined(&self) -> Vec<String> {
+        vec![]
+    }
+    fn episodes(&self, _: &str) -> Option<Vec<EpisodeRecord>> {
+        None
+    }
+    fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
+        None
+    }
+}
+
+fn counted() -> (App, Arc<Counted>, tempfile::TempDir) {
+    let (mut app, dir) = fixtures::app();
+    let recordings = Arc::new(Counted::default());
+    app.recordings = Arc::clone(&recordings) as Arc<dyn Recordings>;
+    (app, recordings, dir)
+}
+
+#[test]
+fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
+    let (app, recordings, _dir) = counted();
+    // Lines of two drives in turn, as other tools write them.
+    let line = |i: usize| {
+        let mut label = label(&format!("trace {i}"));
+        label["clip_id"] = json!(format!("{}_000", ["d", "e"][i % 2]));
+        format!("{label}\n")
+    };
+    let text: String = (0..40).map(line).collect();
+    assert_eq!(import(&app, "p", &text, None).unwrap().tasks, 40);
+    let count = |n: &AtomicUsize| n.load(Ordering::SeqCst);
+    assert_eq!((count(&recordings.read), count(&recordings.derived)), (2, 0));
+    let stored = app.store.read(|tx| tasks_of(tx, "p", None)).unwrap();
+    assert_eq!(stored.iter().filter(|t| t.drive_id == "e").count(), 20);
+    assert_eq!(import(&app, "p", &text, None).unwrap().known, 40, "the same again makes nothing");
+    // The last line once more, with one that cannot be of its drive.
+    let mut late = label("late");
+    late["keyframe"]["timestamp"] = json!("2026-01-01T01:00:00.000Z");
+    let made = import(&app, "p", &format!("{late}\n"), None).unwrap();
+    assert!(made.lost[0].text.en.contains("outside the drive"), "{:?}", made.lost);
+}
+
+#[test]
+fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
+    let (app, recordings, _dir) = counted();
+    let text: String = (0..10).map(|i| format!("{}\n", fixtures::episode(&format!("e{i}")))).collect();
+    assert_eq!(import(&app, "p", &text, None).unwrap().tasks, 10);
+    // Once the whole, and for each what was known at its keyframe.
+    assert_eq!(recordings.derived.load(Ordering::SeqCst), 11);
 }

@@ -53,12 +53,12 @@ fn tell(app: &App, action: &'static str) {
 
 fn hook(app: &App, url: &str, events: &[&str]) -> Webhook {
     let (url, events) = (url.to_owned(), events.iter().map(|e| (*e).to_owned()).collect::<Vec<_>>());
-    app.store.write(move |tx| create(tx, "p", &url, &events, 0)).unwrap()
+    app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::OwnMachine, 0)).unwrap()
 }
 
 fn pending(app: &App) -> (i64, Option<String>) {
     let hooks = app.store.read(|tx| list(tx, "p")).unwrap();
-    (hooks[0].pending, hooks[0].last_error.clone())
+    (hooks[0].pending, hooks[0].last_error.clone().map(|e| e.en))
 }
 
 #[test]
@@ -93,6 +93,8 @@ fn what_was_not_taken_is_sent_again_later_and_later() {
     let turn = |ms: i64| s.clock.fetch_add(ms, Ordering::SeqCst);
     assert_eq!(deliver_due(&s.app).unwrap(), 0);
     assert_eq!(pending(&s.app), (1, Some("the receiver answered with status 500".into())));
+    let told_of = s.app.store.read(|tx| list(tx, "p")).unwrap().remove(0);
+    assert_eq!((told_of.failures, told_of.next_try), (1, Some(s.app.now() + 5_000)));
     turn(4_999);
     assert_eq!((deliver_due(&s.app).unwrap(), told.try_iter().count()), (0, 1));
     turn(1);
@@ -137,11 +139,40 @@ fn two_senders_do_not_send_one_message_twice() {
 }
 
 #[test]
+fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
+    let mut s = scene();
+    s.app.reach = Reach::Network;
+    let make = |url: &str, event: &str| {
+        let (url, events) = (url.to_owned(), vec![event.to_owned()]);
+        let made = s.app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::Network, 0));
+        made.map_or_else(|p| p.code, |_| "made")
+    };
+    for (url, event, outcome) in [
+        ("http://127.0.0.1/", "submit", "webhook.address"),
+        ("http://[::1]/", "submit", "webhook.address"),
+        ("http://169.254.169.254/latest", "submit", "webhook.address"),
+        ("http://ci/", "submitted", "webhook.event"),
+        ("http://ci/", "edit", "webhook.event"),
+    ] {
+        assert_eq!(make(url, event), outcome, "{url} {event}");
+    }
+    // A name is judged by what it leads to, when it is called.
+    let (url, inbox) = receiver(&[200]);
+    assert_eq!(make(&url.replace("127.0.0.1", "localhost"), "submit"), "made");
+    tell(&s.app, "submit");
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    assert!(inbox.try_recv().is_err(), "nothing was sent");
+    let (left, error) = pending(&s.app);
+    assert!(left == 1 && error.as_ref().unwrap().contains("sends nothing to localhost"), "{error:?}");
+}
+
+#[test]
 fn only_plain_addresses_are_taken() {
     let s = scene();
     for bad in ["https://a/", "file:///etc/passwd", "http://a\r\nx"] {
         let url = bad.to_owned();
-        let refused = s.app.store.write(move |tx| create(tx, "p", &url, &[], 0)).unwrap_err();
+        let refused =
+            s.app.store.write(move |tx| create(tx, "p", &url, &[], &Reach::OwnMachine, 0)).unwrap_err();
         assert_eq!(refused.code, "webhook.url", "{bad}");
     }
 }

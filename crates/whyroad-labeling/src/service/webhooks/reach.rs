@@ -1,0 +1,90 @@
+//! Where webhooks may go. Who leads a project types an address, and the *service* calls it: from inside its network, where
+//! other doors are open than from the lead's own desk. So addresses are judged after names are looked up, at each sending,
+//! and the connection goes to the very address that was judged.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
+
+/// Where webhooks may go.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Reach {
+    /// Anywhere, also to this machine itself: for a service that only this machine reaches.
+    #[default]
+    OwnMachine,
+    /// Anywhere but this machine: for a service that others reach, who must not get at what listens here for this machine
+    /// alone.
+    Network,
+    /// Only to these hosts: `host` for all its ports, or `host:port`, as an address writes them.
+    Only(Vec<String>),
+}
+
+/// Where clouds tell a machine its own secrets and that is no link-local address: AWS over IPv6, Alibaba, Oracle.
+const SECRETS: [IpAddr; 3] = [
+    IpAddr::V6(Ipv6Addr::new(0xfd00, 0xec2, 0, 0, 0, 0, 0, 0x254)),
+    IpAddr::V4(Ipv4Addr::new(100, 100, 100, 200)),
+    IpAddr::V4(Ipv4Addr::new(192, 0, 0, 192)),
+];
+
+impl Reach {
+    /// Whether a message to `host` and `port` may go to `ip`, which the host's name led to.
+    pub fn allows(&self, host: &str, port: u16, ip: IpAddr) -> bool {
+        // ::ffff:127.0.0.1 is 127.0.0.1.
+        let ip = ip.to_canonical();
+        match self {
+            // Who started the service has named it: they know their network.
+            Self::Only(hosts) => hosts.iter().any(|h| *h == host || *h == format!("{host}:{port}")),
+            Self::OwnMachine => !is_plumbing(ip),
+            Self::Network => !is_plumbing(ip) && !ip.is_loopback(),
+        }
+    }
+}
+
+/// Addresses that are no receivers: of the link itself (clouds tell secrets there), of groups, of nobody.
+fn is_plumbing(ip: IpAddr) -> bool {
+    let link_local = match ip {
+        IpAddr::V4(v4) => v4.is_link_local() || v4.is_broadcast() || v4.octets()[0] == 0,
+        IpAddr::V6(v6) => v6.is_unicast_link_local(),
+    };
+    link_local || ip.is_multicast() || ip.is_unspecified() || SECRETS.contains(&ip)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reached(reach: &Reach, ip: &str) -> bool {
+        reach.allows("h", 80, ip.parse().unwrap())
+    }
+
+    #[test]
+    fn what_is_nobodys_receiver_is_never_called_and_this_machine_only_by_itself() {
+        for ip in [
+            "169.254.169.254",
+            "::ffff:169.254.169.254",
+            "fe80::1",
+            "0.0.0.0",
+            "::",
+            "0.1.2.3",
+            "224.0.0.1",
+            "ff02::1",
+            "255.255.255.255",
+            "fd00:ec2::254",
+            "100.100.100.200",
+        ] {
+            assert!(!reached(&Reach::OwnMachine, ip) && !reached(&Reach::Network, ip), "{ip}");
+        }
+        for ip in ["127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1"] {
+            assert!(reached(&Reach::OwnMachine, ip) && !reached(&Reach::Network, ip), "{ip}");
+        }
+        for ip in ["10.1.2.3", "192.168.0.9", "fd12::1", "93.184.216.34", "2606:2800::1"] {
+            assert!(reached(&Reach::OwnMachine, ip) && reached(&Reach::Network, ip), "{ip}");
+        }
+    }
+
+    #[test]
+    fn named_hosts_are_the_only_ones() {
+        let only = Reach::Only(vec!["ci".into(), "127.0.0.1:9000".into()]);
+        let may = |host: &str, port| only.allows(host, port, IpAddr::V4(Ipv4Addr::LOCALHOST));
+        assert!(may("ci", 80) && may("ci", 8080) && may("127.0.0.1", 9000));
+        assert!(!may("127.0.0.1", 9001) && !may("ci.evil", 80) && !may("localhost", 9000));
+    }
+}
