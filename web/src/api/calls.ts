@@ -68,7 +68,17 @@ export const api = {
     t: string,
     action: { fence: number | null; action: T.ActionName; reason?: string | null; comments?: T.NewComment[]; seq?: number },
   ) => (await call<T.Task>("POST", `/tasks/${id(t)}/actions`, action)).data,
-  history: async (t: string) => (await call<{ items: T.HistoryEntry[] }>("GET", `/tasks/${id(t)}/history`)).data.items,
+  /** All of it, page by page. */
+  history: async (t: string): Promise<T.HistoryEntry[]> => {
+    const all: T.HistoryEntry[] = [];
+    let cursor: string | undefined;
+    do {
+      const { items, next } = (await call<{ items: T.HistoryEntry[]; next?: string | null }>("GET", `/tasks/${id(t)}/history${query({ cursor })}`)).data;
+      all.push(...items);
+      cursor = next ?? undefined;
+    } while (cursor !== undefined);
+    return all;
+  },
   /** The draft as it was after an entry of the history; 1 is the task's making. */
   draftAt: async (t: string, seq: number) => (await call<T.DraftAt>("GET", `/tasks/${id(t)}/history/${seq}`)).data.draft,
   validate: async (t: string, label: unknown) => (await call<{ findings: T.Finding[] }>("POST", `/tasks/${id(t)}/validate`, { label })).data.findings,
