@@ -1,6 +1,6 @@
 // Values of a label in words, for conflicts, comparisons and what a field was before.
 import type { Lang } from "../text/text.svelte.ts";
-import { categoryOf, type Framework } from "./framework.ts";
+import { categoryOf, className, type Framework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
 
@@ -62,6 +62,24 @@ export function readable(value: Json | undefined, words: Words, lang: Lang): str
     .sort(([a], [b]) => order(a) - order(b))
     .map(([key, v]) => `${KEYS[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
   return id + parts.join(zh ? "；" : "; ");
+}
+
+const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
+const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
+
+/** A sentence of the checker with moments in seconds from the keyframe and ids of classes and decisions by their names. */
+export function inWords(sentence: string, words: Words, lang: Lang): string {
+  const f = words.framework;
+  const named = (id: string): string => {
+    const found = f ? ([...f.longitudinal, ...f.lateral, ...f.categories].find((d) => d.id === id)?.name ?? className(f.leaves, id)) : null;
+    return found ? (lang === "zh" ? `“${found.zh}”` : `“${found.en}”`) : id;
+  };
+  return sentence
+    .replace(MOMENTS, (iso) => {
+      const s = words.second(iso);
+      return s === null ? iso : `${signed(s, 1)} s`;
+    })
+    .replace(IDS, named);
 }
 
 function text(value: string, words: Words, lang: Lang): string {
