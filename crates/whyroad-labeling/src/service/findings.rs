@@ -5,6 +5,7 @@ use crate::api::wire::task::{Finding, Stage};
 use crate::app::App;
 use crate::service::visible;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
 /// Marks with which drafts open (whyroad-dataset `draft`); a trace that has one was not written by a person.
@@ -25,7 +26,7 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
             found
         }
         Stage::Stage2 => {
-            let mut found = check(app, draft);
+            let mut found = check(app, &with_causes(draft));
             let trace = draft.get("coc_trace").and_then(Value::as_str).unwrap_or_default();
             if DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
                 found.push(marked());
@@ -33,6 +34,17 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
             found
         }
     }
+}
+
+/// The draft with empty causes where it has none. A label from elsewhere may do without them, as those of format 2.0 do; one
+/// that is made here names a cause of each decision, or UNOBSERVED with a reason (LABELING.md 6).
+fn with_causes(draft: &Value) -> Cow<'_, Value> {
+    if draft.get("causes").is_some_and(|c| !c.is_null()) {
+        return Cow::Borrowed(draft);
+    }
+    let mut whole = draft.clone();
+    whole["causes"] = json!({});
+    Cow::Owned(whole)
 }
 
 /// True when one of them is an error.

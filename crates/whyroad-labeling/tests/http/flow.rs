@@ -99,3 +99,31 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     assert_ne!(first["draft"]["coc_trace"], json!(better));
     assert_eq!(first["draft"]["provenance"]["by"], "ann");
 }
+
+pub fn a_label_made_here_names_a_cause_of_each_decision(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let mut work = Work::take(&ann, &task);
+    work.stage1();
+    work.act("lock_stage1", &json!({})).fine();
+    work.stage2();
+    let made = work.view()["draft"]["causes"].clone();
+    // Taken away, null and empty: as a label of format 2.0 comes in, or as somebody clears the field.
+    let body = json!({ "fence": work.fence, "base_version": work.version,
+        "changes": [{ "path": "/causes", "remove": true }] });
+    work.version = ann.patch(&work.path("/draft"), &body).fine()["version"].as_i64().unwrap();
+    for causes in [None, Some(Value::Null), Some(json!({}))] {
+        if let Some(causes) = causes {
+            assert_eq!(work.set(&[("/causes", causes)]).status, 200);
+        }
+        let refused = work.act("submit", &json!({}));
+        assert_eq!(refused.refusal(), (422, "label.findings".into()));
+        let found = refused.json()["more"]["findings"].clone();
+        let missing = |f: &&Value| f["code"] == "label.cause.missing" && f["severity"] == "error";
+        assert!(found.as_array().unwrap().iter().any(|f| missing(&f)), "{found}");
+    }
+    assert_eq!(work.set(&[("/causes", made)]).status, 200);
+    work.act("submit", &json!({})).fine();
+}

@@ -45,6 +45,7 @@ macro_rules! suite {
 
 suite! {
     flow::the_whole_path_from_setup_to_export,
+    flow::a_label_made_here_names_a_cause_of_each_decision,
     leaks::nothing_of_the_future_is_in_any_answer_of_stage_one,
     leaks::who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it,
     leaks::a_second_person_begins_stage_one_with_the_suggestion,
