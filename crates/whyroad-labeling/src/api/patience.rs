@@ -1,5 +1,6 @@
-//! Connections that do not wait for ever: one that sends or takes nothing for a while is closed, so that slow or dead
-//! clients cannot use up all there are. While the service itself works on a request, the connection may be silent.
+//! Connections that do not wait for ever: one that sends or takes nothing for a while is closed, and so is one that feeds
+//! the head of a request drop by drop; slow, dead or ill-meaning clients cannot use up all there are. While the service
+//! itself works on a request, the connection may be silent.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};
@@ -17,32 +18,55 @@ use tokio::time::{Instant, Sleep, sleep};
 
 /// Longest silence, both ways. A page that is open sends a heartbeat more often than that, or opens a new connection.
 const SILENCE: Duration = Duration::from_secs(75);
+/// Longest time that the head of a request may take to come in. Bodies have a limit of their own.
+const HEAD: Duration = Duration::from_secs(20);
 
-/// A listener whose connections have patience for [`SILENCE`].
-pub(super) struct Patient(pub(super) TcpListener);
+/// A listener whose connections have that much patience.
+pub(super) struct Patient {
+    listener: TcpListener,
+    head: Duration,
+}
+
+impl Patient {
+    pub(super) fn new(listener: TcpListener) -> Self {
+        Self { listener, head: HEAD }
+    }
+}
 
 impl Listener for Patient {
     type Io = Timed;
     type Addr = SocketAddr;
 
     async fn accept(&mut self) -> (Timed, SocketAddr) {
-        let (stream, address) = Listener::accept(&mut self.0).await;
+        let (stream, address) = Listener::accept(&mut self.listener).await;
         // Small answers go at once.
         let _ = stream.set_nodelay(true);
-        (Timed { stream, timer: Box::pin(sleep(SILENCE)), at_work: Arc::default() }, address)
+        let timer = Box::pin(sleep(SILENCE));
+        (Timed { stream, timer, head: self.head, begun: None, requests: Arc::default() }, address)
     }
 
     fn local_addr(&self) -> Result<SocketAddr> {
-        self.0.local_addr()
+        self.listener.local_addr()
     }
+}
+
+/// Requests of one connection.
+#[derive(Debug, Default)]
+struct Requests {
+    /// Those whose head is there and whose answer is not.
+    open: AtomicUsize,
+    /// Those that are being worked on.
+    at_work: AtomicUsize,
 }
 
 /// A connection with a timer that each byte sets back.
 pub(super) struct Timed {
     stream: TcpStream,
     timer: Pin<Box<Sleep>>,
-    /// Requests of this connection that are being worked on.
-    at_work: Arc<AtomicUsize>,
+    head: Duration,
+    /// When the first byte of a head came.
+    begun: Option<Instant>,
+    requests: Arc<Requests>,
 }
 
 impl Timed {
@@ -52,24 +76,39 @@ impl Timed {
             return result;
         }
         while self.timer.as_mut().poll(cx).is_ready() {
-            if self.at_work.load(Ordering::SeqCst) == 0 {
+            if self.requests.at_work.load(Ordering::SeqCst) == 0 {
                 return Poll::Ready(Err(Error::new(ErrorKind::TimedOut, "silent for too long")));
             }
             self.timer.as_mut().reset(Instant::now() + SILENCE);
         }
         Poll::Pending
     }
+
+    /// False once a head has been coming in for too long.
+    fn head_in_time(&mut self) -> bool {
+        if self.requests.open.load(Ordering::SeqCst) > 0 {
+            self.begun = None;
+            return true;
+        }
+        self.begun.get_or_insert_with(Instant::now).elapsed() <= self.head
+    }
 }
 
 impl AsyncRead for Timed {
     fn poll_read(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &mut ReadBuf<'_>) -> Poll<Result<()>> {
         let result = Pin::new(&mut self.stream).poll_read(cx, buf);
+        // Looked at with each byte: who sends none is silent.
+        if result.is_ready() && !self.head_in_time() {
+            return Poll::Ready(Err(Error::new(ErrorKind::TimedOut, "the head of a request took too long")));
+        }
         self.checked(cx, result)
     }
 }
 
 impl AsyncWrite for Timed {
     fn poll_write(mut self: Pin<&mut Self>, cx: &mut Context<'_>, buf: &[u8]) -> Poll<Result<usize>> {
+        // An answer: what comes next is another head.
+        self.begun = None;
         let result = Pin::new(&mut self.stream).poll_write(cx, buf);
         self.checked(cx, result)
     }
@@ -87,28 +126,98 @@ impl AsyncWrite for Timed {
 #[derive(Clone, Debug)]
 pub(super) struct Peer {
     pub(super) address: SocketAddr,
-    at_work: Arc<AtomicUsize>,
+    requests: Arc<Requests>,
 }
 
 impl Peer {
+    /// Says that the head of a request is there, until the answer to this is dropped.
+    pub(super) fn asks(&self) -> Counted {
+        Counted::up(&self.requests, |r| &r.open)
+    }
+
     /// Says that a request of this connection is being worked on, until the answer to this is dropped.
-    pub(super) fn works(self) -> AtWork {
-        self.at_work.fetch_add(1, Ordering::SeqCst);
-        AtWork(self.at_work)
+    pub(super) fn works(&self) -> Counted {
+        Counted::up(&self.requests, |r| &r.at_work)
     }
 }
 
-/// See [`Peer::works`].
-pub(super) struct AtWork(Arc<AtomicUsize>);
+/// One more, until it is dropped.
+pub(super) struct Counted {
+    requests: Arc<Requests>,
+    which: fn(&Requests) -> &AtomicUsize,
+}
 
-impl Drop for AtWork {
+impl Counted {
+    fn up(requests: &Arc<Requests>, which: fn(&Requests) -> &AtomicUsize) -> Self {
+        which(requests).fetch_add(1, Ordering::SeqCst);
+        Self { requests: Arc::clone(requests), which }
+    }
+}
+
+impl Drop for Counted {
     fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
+        (self.which)(&self.requests).fetch_sub(1, Ordering::SeqCst);
     }
 }
 
 impl Connected<IncomingStream<'_, Patient>> for Peer {
     fn connect_info(stream: IncomingStream<'_, Patient>) -> Self {
-        Self { address: *stream.remote_addr(), at_work: Arc::clone(&stream.io().at_work) }
+        Self { address: *stream.remote_addr(), requests: Arc::clone(&stream.io().requests) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::extract::ConnectInfo;
+    use std::io::{Read, Write};
+    use std::time;
+
+    const STEP: Duration = Duration::from_millis(60);
+
+    /// Sends the parts one a [`STEP`]; what came back and how long it took.
+    fn drip(at: SocketAddr, parts: &[&str]) -> (String, Duration) {
+        let mut stream = std::net::TcpStream::connect(at).unwrap();
+        let start = time::Instant::now();
+        for part in parts {
+            // The other end may have gone.
+            if stream.write_all(part.as_bytes()).is_err() {
+                break;
+            }
+            std::thread::sleep(STEP);
+        }
+        let mut text = String::new();
+        let _ = stream.read_to_string(&mut text);
+        (text, start.elapsed())
+    }
+
+    #[test]
+    fn a_head_may_not_drip_but_a_body_may_and_a_connection_lives_on() {
+        let runtime =
+            tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().unwrap();
+        let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).unwrap();
+        let at = listener.local_addr().unwrap();
+        let length = async |ConnectInfo(peer): ConnectInfo<Peer>, request: axum::extract::Request| {
+            let _open = peer.asks();
+            axum::body::to_bytes(request.into_body(), 1000).await.map_or(0, |b| b.len()).to_string()
+        };
+        let service = axum::Router::new().fallback(length).into_make_service_with_connect_info::<Peer>();
+        let patient = Patient { head: 4 * STEP, ..Patient::new(listener) };
+        runtime.spawn(async { axum::serve(patient, service).await });
+
+        let mut head = vec!["GET / HTTP/1.1\r\nx: "];
+        head.extend(["y"; 100]);
+        let (text, took) = drip(at, &head);
+        assert!(text.is_empty() && took < 50 * STEP, "{text} after {took:?}");
+
+        let mut body = vec!["POST / HTTP/1.1\r\nconnection: close\r\ncontent-length: 12\r\n\r\n"];
+        body.extend(["y"; 12]);
+        let (text, took) = drip(at, &body);
+        assert!(text.ends_with("\r\n\r\n12") && took > 8 * STEP, "{text}");
+
+        // One request after another, together longer than one head may take.
+        let mut many = vec!["GET / HTTP/1.1\r\n\r\n"; 8];
+        many.push("GET / HTTP/1.1\r\nconnection: close\r\n\r\n");
+        assert_eq!(drip(at, &many).0.matches("200 OK").count(), 9);
     }
 }

@@ -48,7 +48,7 @@ pub async fn serve(
         shutdown.await;
         let _ = told.send(());
     };
-    let server = axum::serve(Patient(listener), service).with_graceful_shutdown(signal);
+    let server = axum::serve(Patient::new(listener), service).with_graceful_shutdown(signal);
     // An open connection that says nothing must not keep the service from ending.
     let late = async move {
         if ends.await.is_ok() {
@@ -76,6 +76,8 @@ pub fn router(app: Arc<App>) -> Router {
 
 async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Request) -> Response<Body> {
     let (parts, body) = request.into_parts();
+    let peer = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.clone());
+    let _open = peer.as_ref().map(Peer::asks);
     let head = parts.method == Method::HEAD;
     let wishes = Wishes::of(&parts.headers, head);
     let path = parts.uri.path();
@@ -87,7 +89,6 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         Ok(found) => found,
         Err(p) => return refuse(&p),
     };
-    let peer = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.clone());
     let address = peer.as_ref().map(|p| p.address.ip().to_string()).unwrap_or_default();
     let address = forwarded(&parts.headers, app.origin).unwrap_or(address);
     let mut request = request_of(&parts.headers, &parts.uri, params, address);
@@ -103,7 +104,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         Ok(bytes) => request.body = bytes,
         Err(p) => return refuse(&p),
     }
-    let _working = peer.map(|p| p.works());
+    let _working = peer.as_ref().map(Peer::works);
     // The semaphore is never closed.
     let turn = turns.acquire_owned().await;
     let (tell, clock) = (Arc::clone(&app.tell), Arc::clone(&app.clock));
