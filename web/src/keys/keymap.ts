@@ -20,7 +20,7 @@ export const actions = {
   save: act("立即保存", "Save now", "Ctrl+S", "always"),
   undo: act("撤销", "Undo", "Ctrl+Z"),
   redo: act("重做", "Redo", "Ctrl+Shift+Z"),
-  acceptField: act("采纳当前项的草稿", "Accept the draft of this field", "Alt+A", "always"),
+  acceptField: act("采纳当前项的草稿，到下一项", "Accept the draft of this field, on to the next", "Alt+A", "always"),
   advance: act("锁定阶段一 / 提交", "Lock Stage I / submit", "Ctrl+Enter", "always"),
   play: act("播放 / 暂停", "Play / pause", "Space"),
   back: act("上一帧", "Frame back", "ArrowLeft"),

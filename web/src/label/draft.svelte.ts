@@ -123,19 +123,22 @@ export class Draft {
     this.#steps();
   }
 
-  undo(): void {
+  /** Takes the last deed back; the field that changed, null when there is nothing to take back. */
+  undo(): string | null {
     const steps = this.#done.pop();
-    if (!steps) return;
+    if (!steps) return null;
     this.#undone.push(steps);
     this.#lastAt = 0;
     for (const step of [...steps].reverse()) this.#write({ path: step.path, value: step.before });
+    return steps[0]?.path ?? null;
   }
 
-  redo(): void {
+  redo(): string | null {
     const steps = this.#undone.pop();
-    if (!steps) return;
+    if (!steps) return null;
     this.#done.push(steps);
     for (const step of steps) this.#write({ path: step.path, value: step.value });
+    return steps[0]?.path ?? null;
   }
 
   /** The lease is gone: nothing is sent any more, what was not sent stays on this machine. */

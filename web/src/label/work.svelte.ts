@@ -37,6 +37,8 @@ export class Work {
   returned = $state.raw<{ by: string; why: string } | null>(null);
   /** Track id of the object that is picked in the view. */
   picked = $state<string | null>(null);
+  /** What was just done, for a screen reader: undo may change what is out of sight. */
+  said = $state("");
   /** Component that evidence and objects go to. */
   current = $state(0);
   readonly id: string;

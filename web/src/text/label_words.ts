@@ -196,6 +196,8 @@ export const labelWords = {
   "act.comment": ["意见", "remark"],
   "act.restore_this": ["恢复到此", "Back to this"],
   "app.undo": ["撤销", "Undo"],
+  "app.undone": ["已撤销：{field}", "Undone: {field}"],
+  "app.redone": ["已重做：{field}", "Redone: {field}"],
   "app.redo": ["重做", "Redo"],
   "stage.take_again": ["重新领取", "Take it again"],
   "stage.discard": ["放弃未保存的修改", "Throw away what was not saved"],

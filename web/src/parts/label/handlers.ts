@@ -5,8 +5,9 @@ import type { Work } from "../../label/work.svelte.ts";
 import { cameraBeside } from "../../scene/cameras.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
-import { toSection } from "./focus.ts";
+import { toField, toSection } from "./focus.ts";
 import { keepLayers, layers } from "./layers.svelte.ts";
+import { undo, redo } from "./undo.ts";
 
 /** What the screen itself answers for. */
 interface Deeds {
@@ -43,17 +44,24 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     keepLayers();
   }
 
-  function acceptField(): void {
+  /** What is in the focused field is good; on to the next that nobody has looked at, at last to the safety filter. */
+  async function acceptField(): Promise<void> {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
-    if (field !== undefined && work.unaccepted.includes(field)) work.accept(field);
+    const before = work.unaccepted;
+    const at = before.indexOf(field ?? "");
+    if (field !== undefined && at >= 0) work.accept(field);
+    await tick();
+    const next = work.unaccepted.find((p) => before.indexOf(p) > at) ?? work.unaccepted[0];
+    if (next !== undefined) toField(next);
+    else if (work.edits && work.stage === "stage2") toSection("safety");
   }
 
   return {
     leave: () => (document.activeElement instanceof HTMLElement ? document.activeElement.blur() : undefined),
     save: () => void work.draft.flush(),
-    undo: () => work.edits && work.draft.undo(),
-    redo: () => work.edits && work.draft.redo(),
-    acceptField,
+    undo: () => undo(work),
+    redo: () => redo(work),
+    acceptField: () => void acceptField(),
     advance: deeds.advance,
     play: () => player.toggle(),
     back: () => player.step(-1),
