@@ -35,7 +35,7 @@ class Simulation:
                 self.at[t, o.get("id")] = {
                     "x": float(o.get("x")), "y": float(o.get("y")), "speed": float(o.get("speed")),
                     "angle": float(o.get("angle")), "lane": o.get("lane") or o.get("edge"),
-                    "type": o.get("type"), "person": o.tag == "person",
+                    "type": o.get("type"), "person": o.tag == "person", "signals": int(o.get("signals") or 0),
                 }
         net = read(drive, "net")
         self.turn = {c.get("via"): c.get("dir") for c in net.iter("connection") if c.get("via")}
@@ -93,15 +93,26 @@ def turns(sim):
             run = []
 
 
+def intention(sim, t, indicator):
+    """When the ego formed the intention to change lane (LABELING.md 4, row lane_change): its indicator (bit of SUMO's `signals`) went on, and
+    stayed on until it moved; at most a clip ago, at the latest where the motion begins: 1.5 s before SUMO logs the change, which takes 3 s.
+    Where it did not indicate by then, the default of the L1: 2 s before it has moved 0.3 m.
+    """
+    first = round(t - 1.5, 1)
+    on = next((u for u in sim.times if first <= u < t and sim.at[u, "ego"]["signals"] & indicator), None)
+    if on is None:
+        return round(first + math.ceil(30 * 0.3 / LANE_M) / 10 - 2, 1)
+    while on > first - 20 and (u := round(on - 0.1, 1), "ego") in sim.at and sim.at[u, "ego"]["signals"] & indicator:
+        on = u
+    return min(on, first)
+
+
 def lane_changes(sim):
     """The ego's own, and others' into its lane in front of it. On the straights of these networks y is lateral."""
     for c in read(sim.drive, "lanechange"):
         t, name = round(float(c.get("time")), 1), c.get("id")
         if name == "ego":
-            start = t
-            # Back to where it left its centre line by 0.3 m (1/10 of the way of a 3 s change).
-            while start > t - 1.5 + 0.05:
-                start = round(start - 0.1, 1)
+            start = intention(sim, t, 2 if c.get("dir") == "1" else 1)
             # "strategic" is for the route. "speedGain" overtakes whom it left behind it, or else only gains speed.
             leaf = {"strategic": "navigation", "speedGain": "efficiency"}[c.get("reason").split("|")[0]]
             old, me = c.get("from"), sim.at[t, "ego"]

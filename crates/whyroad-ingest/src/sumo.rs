@@ -19,6 +19,7 @@ mod net;
 mod objects;
 mod open;
 mod ramps;
+mod roundabouts;
 mod sensing;
 mod shapes;
 mod vehicle_types;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::sumo::{Egos, Occlusion, Sensing};
 use whyroad_ingest::{Format, Options, SourceReport, find_sources, sumo};
 use whyroad_model::Drive;
-use whyroad_model::road_map::LaneKind;
+use whyroad_model::road_map::{LaneKind, Point3};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
@@ -239,4 +239,47 @@ fn a_roundabout_is_a_facility_and_closed_lanes_have_their_users() {
     assert_eq!(lane.speed_limit_mps, Some(8.33));
     // The grade: 2 m of height over 40 m.
     assert_eq!((lane.centre[0].z, lane.centre[1].z), (1.0, 3.0));
+}
+
+/// Crossings of a ray to the east with the outline: odd inside.
+fn within(outline: &[Point3], p: Point3) -> bool {
+    let crosses = |w: &&[Point3]| {
+        let (a, b) = (w[0], w[1]);
+        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+    };
+    outline.windows(2).filter(crosses).count() % 2 == 1
+}
+
+#[test]
+fn a_roundabout_reaches_to_the_give_way_lines() {
+    // A ring of four arms by netconvert: a road's lanes end at its give-way line and begin where the exit's mouth ends.
+    let dir = tempfile::tempdir().unwrap();
+    let net = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/truth/traffic/seen-ring/net.xml.gz");
+    let options = Options { net: Some(net), ..Options::default() };
+    let file = log(dir.path(), &[("ego", CAR, 0.0, 0.0, 1.0)]);
+    let map = all(&file, &options).remove(0).0.unwrap().map.unwrap();
+    let area = &map.facilities.iter().find(|f| f.kind == "roundabout").unwrap().boundary;
+    let between = |a: Point3, b: Point3, m: f64| {
+        let f = m / (b.x - a.x).hypot(b.y - a.y);
+        Point3 { x: a.x + f * (b.x - a.x), y: a.y + f * (b.y - a.y), z: 0.0 }
+    };
+    let (mut arms, mut inside) = (0, 0);
+    for lane in &map.lanes {
+        let (first, last) = (&lane.centre[..2], &lane.centre[lane.centre.len() - 2..]);
+        if lane.id.starts_with("ring") || lane.id.starts_with(':') {
+            let midst = lane.centre.iter().skip(1).take(lane.centre.len().saturating_sub(2));
+            assert!(midst.clone().all(|p| within(area, *p)), "{}", lane.id);
+            inside += midst.count();
+        } else if lane.id.starts_with('o') {
+            // Half a metre before and beyond the line.
+            assert!(!within(area, between(last[1], last[0], 0.5)), "{}", lane.id);
+            assert!(within(area, between(last[1], last[0], -0.5)), "{}", lane.id);
+            arms += 1;
+        } else {
+            assert!(within(area, between(first[0], first[1], -0.5)), "{}", lane.id);
+            assert!(!within(area, between(first[0], first[1], 0.5)), "{}", lane.id);
+            arms += 1;
+        }
+    }
+    assert!(arms >= 8 && inside > 50, "{arms} {inside}");
 }

@@ -159,7 +159,8 @@ pub struct EgoBus {
     pub aeb: Vec<Option<bool>>,
     /// Cruise control active.
     pub cruise: Vec<Option<bool>>,
-    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`.
+    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none` where it
+    /// asks for nothing now.
     pub route_command: Vec<Option<String>>,
 }
 

@@ -2,19 +2,15 @@
 
 use crate::ego_lane::{OVER_LINE_M, lateral_extent};
 use crate::interaction::Interaction;
-use crate::lane_change::{self, Change, Side};
+use crate::lane_change::{self, Side};
+use crate::lane_change_intention::formed;
 use crate::placement::MOVING_MPS;
 use crate::road::Road;
 use crate::series::GAP_S;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
 use whyroad_model::road_map::LaneKind;
-use whyroad_model::scene::TurnSignal;
 
-/// An indicator is on for at most this long before a lane change because of it, s.
-const PREPARE_LONGEST_S: f64 = 10.0;
-/// Preparation where the log tells no indicator, s (LABELING.md 4: widened by 2 s).
-const PREPARE_S: f64 = 2.0;
 /// Within this of the lane's centre it is centred, m (LABELING.md 4).
 const CENTRED_M: f64 = 0.3;
 /// Farther off the centre than this it has left it, m.
@@ -30,35 +26,33 @@ const PREPARE: u16 = 1;
 const EXECUTE: u16 = 2;
 const COMPLETE: u16 = 3;
 
-fn shows(signal: TurnSignal, side: Side) -> bool {
-    matches!((signal, side), (TurnSignal::Left, Side::Left) | (TurnSignal::Right, Side::Right))
+/// A lane change or an attempt at one, by its phases.
+struct Phases {
+    side: Side,
+    /// First frame of `execute`.
+    first: usize,
+    /// One past the last frame of `execute`.
+    until: usize,
+    /// One past the last frame of `complete`; `until` for an attempt, which has no such phase.
+    end: usize,
 }
 
-/// First frame of the preparation for `change`.
-fn prepared_from(scene: &Interaction<'_>, change: &Change, earliest: usize) -> usize {
-    let times = scene.times;
-    let signals = scene.drive.ego.as_ref().map_or(&[][..], |e| &e.bus.turn_signal[..]);
-    let signal = |i: usize| signals.get(i).copied().flatten();
-    let told = signal(change.start).is_some();
-    let longest = if told { PREPARE_LONGEST_S } else { PREPARE_S };
-    let mut from = change.start;
-    while from > earliest
-        && times[change.start] - times[from - 1] <= longest + 0.02
-        && times[from] - times[from - 1] <= GAP_S
-        && (!told || signal(from - 1).is_some_and(|s| shows(s, change.side)))
-    {
-        from -= 1;
-    }
-    from
-}
-
-fn phases(scene: &Interaction<'_>, changes: &[Change], known: impl Fn(usize) -> bool) -> Vec<Option<u16>> {
+fn codes(
+    scene: &Interaction<'_>,
+    road: &Road,
+    mut all: Vec<Phases>,
+    known: impl Fn(usize) -> bool,
+) -> Vec<Option<u16>> {
+    let Some(lanes) = scene.around.lanes else { return Vec::new() };
+    all.sort_by_key(|p| p.first);
     let mut codes: Vec<Option<u16>> = (0..scene.times.len()).map(|i| known(i).then_some(NONE)).collect();
-    for change in changes {
-        let earliest = (0..change.start).rfind(|&i| codes[i] != Some(NONE)).map_or(0, |i| i + 1);
-        codes[prepared_from(scene, change, earliest)..change.start].fill(Some(PREPARE));
-        codes[change.start..change.crossing].fill(Some(EXECUTE));
-        codes[change.crossing..change.end].fill(Some(COMPLETE));
+    // In a junction the indicator is for the turn.
+    let turns = |i: usize| lanes.at(i).is_some_and(|on| road.lanes[on.lane].in_junction);
+    for p in all {
+        let earliest = (0..p.first).rfind(|&i| codes[i] != Some(NONE) || turns(i)).map_or(0, |i| i + 1);
+        codes[formed(scene, p.side, p.first, earliest)..p.first].fill(Some(PREPARE));
+        codes[p.first..p.until].fill(Some(EXECUTE));
+        codes[p.until..p.end].fill(Some(COMPLETE));
     }
     codes
 }
@@ -137,14 +131,21 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     };
     let changes = lane_change::found(road, &rows);
     let known = |i: usize| lanes.places[i].is_some();
-    table.category("ego.lane_change_phase", phases(scene, &changes, known));
+    let mut all: Vec<Phases> = changes
+        .iter()
+        .map(|c| Phases { side: c.side, first: c.start, until: c.crossing, end: c.end })
+        .collect();
     let mut aborted: Vec<Tri> =
         (0..ego.len()).map(|i| if known(i) { Tri::False } else { Tri::Unknown }).collect();
-    for range in excursions(scene, road).iter().filter_map(|x| given_up(scene, road, x)) {
+    for x in &excursions(scene, road) {
         let changing = |i: usize| changes.iter().any(|c| (c.start..c.end).contains(&i));
-        if !range.clone().any(changing) {
-            aborted[range].fill(Tri::True);
-        }
+        let Some(back) = given_up(scene, road, x).filter(|range| !range.clone().any(changing)) else {
+            continue;
+        };
+        let side = if x.side == 0 { Side::Left } else { Side::Right };
+        all.push(Phases { side, first: x.first, until: back.start, end: back.start });
+        aborted[back].fill(Tri::True);
     }
+    table.category("ego.lane_change_phase", codes(scene, road, all, known));
     table.flag("ego.lane_change_aborted", aborted);
 }

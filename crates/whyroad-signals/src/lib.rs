@@ -42,6 +42,7 @@ mod crosswalk;
 mod derive;
 mod gaps;
 mod lane_change;
+mod lane_change_intention;
 mod lane_ids;
 mod line_crossing;
 mod occluders;

@@ -1,4 +1,4 @@
-//! What targets and the ego do over time, traffic, the light's history and the phases of a lane change, against motions
+//! What targets and the ego do over time, traffic and the light's history, against motions
 //! given by formulas. Expected values are worked out in the comments.
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ use whyroad_model::Nanos;
 use whyroad_model::ObjectClass::Truck;
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Point3, StopLine};
-use whyroad_model::scene::{LightColour, LightState, TurnSignal};
+use whyroad_model::scene::{LightColour, LightState};
 
 /// 3.5 m to the left between 4 and 8 s, as a cosine.
 fn shift(t: f64) -> f64 {
@@ -26,46 +26,6 @@ fn when(t: &Table, name: &str, frames: usize) -> Option<(usize, usize)> {
 fn when_of(t: &Table, target: &str, name: &str, frames: usize) -> Option<(usize, usize)> {
     let on: Vec<usize> = (0..frames).filter(|&i| t.flag(target, name, i) == True).collect();
     Some((*on.first()?, *on.last()?))
-}
-
-#[test]
-fn phases_of_a_lane_change() {
-    let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
-    d.map = Some(road());
-    // Execute from 4.1 s (as ego.lane_change); half of it is over the line at 6 s (the lane assignment may be two frames
-    // late); complete to 8.0 s; without an indicator in the log the 2 s before prepare.
-    let t = Table::of(&d);
-    assert_eq!(t.span("ego.lane_change_phase", "prepare"), Some((21, 40)));
-    let execute = t.span("ego.lane_change_phase", "execute").unwrap();
-    assert!(execute.0 == 41 && (58..=63).contains(&execute.1), "{execute:?}");
-    assert_eq!(t.span("ego.lane_change_phase", "complete"), Some((execute.1 + 1, 80)));
-    assert_eq!(t.span("ego.lane_change_phase", "none"), Some((0, 119)));
-    // With an indicator: from when it is on.
-    let bus = &mut d.ego.as_mut().unwrap().bus;
-    bus.turn_signal =
-        (0..120).map(|i| Some(if i >= 12 { TurnSignal::Left } else { TurnSignal::Off })).collect();
-    assert_eq!(Table::of(&d).span("ego.lane_change_phase", "prepare"), Some((12, 40)));
-}
-
-#[test]
-fn a_lane_change_given_up() {
-    // 1.2 m out by 6 s and back by 8 s, along a cosine: 0.6 (1 - cos(pi (t-4)/2)); within 0.3 m again where the cosine is
-    // 0.5: pi (t-4)/2 = 2 pi - pi/3, t = 7.33 s.
-    let out = |t: f64| 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos());
-    let mut d = drive(120, move |t| (12.0 * t, out(t), 0.0));
-    d.map = Some(road());
-    let t = Table::of(&d);
-    let (first, last) = when(&t, "ego.lane_change_aborted", 120).unwrap();
-    // 0.05 m under the peak 0.26 s after 6 s.
-    assert!((61..=64).contains(&first) && last == 73, "{first} {last}");
-    // To the right is no lane: keeping off the edge is nothing given up.
-    let mut d = drive(120, move |t| (12.0 * t, -out(t), 0.0));
-    d.map = Some(road());
-    assert_eq!(when(&Table::of(&d), "ego.lane_change_aborted", 120), None);
-    // Nor is a lane change that is carried through.
-    let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
-    d.map = Some(road());
-    assert_eq!(when(&Table::of(&d), "ego.lane_change_aborted", 120), None);
 }
 
 #[test]

@@ -7,8 +7,8 @@
 //! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
 
 use super::border::Border;
-use super::ramps;
 use super::xml::{Element, Tag, for_each_tag};
+use super::{ramps, roundabouts};
 use crate::geometry::{beside, between, distance};
 use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -45,13 +45,14 @@ pub(super) struct Net {
 }
 
 #[derive(Default)]
-struct Edge {
-    from: String,
-    to: String,
+pub(super) struct Edge {
+    pub(super) from: String,
+    pub(super) to: String,
     function: String,
     /// `highway.motorway_link`; empty where the network does not tell.
     kind: String,
-    lanes: Vec<String>,
+    /// Ids of its lanes, from the right.
+    pub(super) lanes: Vec<String>,
 }
 
 struct Connection {
@@ -230,7 +231,7 @@ fn connection(e: &Element) -> Option<Connection> {
 }
 
 fn assemble(raw: Raw, net: &mut Net) {
-    let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts } = raw;
+    let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts: rings } = raw;
     let junctions = real_junctions(&edges, &lanes);
 
     for edge in edges.values() {
@@ -290,7 +291,7 @@ fn assemble(raw: Raw, net: &mut Net) {
             Some(StopLine { id: format!("stop_{id}"), line, lane_ids: vec![id.to_owned()] })
         })
         .collect();
-    net.map.facilities = roundabouts.iter().filter_map(|r| roundabout(r, &edges, &lanes)).collect();
+    net.map.facilities = rings.iter().filter_map(|r| roundabouts::area(r, &edges, &lanes, &nodes)).collect();
     net.map.facilities.extend(nodes.iter().filter(|(id, shape)| lit.contains(*id) && shape.len() >= 3).map(
         |(id, shape)| {
             let boundary = shape.iter().chain(shape.first()).copied().collect();
@@ -311,44 +312,6 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
-}
-
-/// The area within the outer edge of a roundabout's ring, island included. Named by its first edge in alphabetical order.
-fn roundabout(
-    ring: &[String],
-    edges: &BTreeMap<String, Edge>,
-    lanes: &BTreeMap<String, Lane>,
-) -> Option<Facility> {
-    // In driving order: each edge begins where the one before ends.
-    let mut left: Vec<&String> = ring.iter().filter(|id| edges.contains_key(*id)).collect();
-    left.sort();
-    let name = left.first()?.to_string();
-    let mut order = vec![left.remove(0)];
-    while let Some(i) = left.iter().position(|id| edges[*id].from == edges[order[order.len() - 1]].to) {
-        order.push(left.remove(i));
-    }
-    let along = |lane: fn(&Edge) -> Option<&String>, line: fn(&Lane) -> &Vec<Point3>| -> Vec<Point3> {
-        order
-            .iter()
-            .filter_map(|id| lanes.get(lane(&edges[*id])?))
-            .flat_map(|l| line(l).iter().copied())
-            .collect()
-    };
-    let centre = along(|e| e.lanes.first(), |l| &l.centre);
-    let next = centre.iter().cycle().skip(1);
-    let doubled_area: f64 = centre.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum();
-    // Driven counter-clockwise the right edge is outside, clockwise (left-hand traffic) the left one.
-    let mut boundary = if doubled_area > 0.0 {
-        along(|e| e.lanes.first(), |l| &l.right)
-    } else {
-        along(|e| e.lanes.last(), |l| &l.left)
-    };
-    boundary.extend(boundary.first().copied());
-    (boundary.len() >= 4).then(|| Facility {
-        id: format!("roundabout_{name}"),
-        kind: "roundabout".into(),
-        boundary,
-    })
 }
 
 fn set(lanes: &mut BTreeMap<String, Lane>, id: &str, change: impl FnOnce(&mut Lane)) {

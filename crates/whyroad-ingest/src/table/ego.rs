@@ -35,7 +35,7 @@ pub(super) const COLUMNS: &[&str] = &[
 ];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["x_m"], &["y_m"], &["heading_rad", "heading_deg"]];
 
-const ROUTES: &[&str] = &["left", "right", "straight", "uturn", "exit"];
+const ROUTES: &[&str] = &["none", "left", "right", "straight", "uturn", "exit"];
 
 /// The rows that can be kept, ascending in time.
 pub(super) struct EgoRows {
@@ -83,7 +83,7 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
         _ => None,
     });
     let turn_signal = sheet.words("turn_signal", "one of off, left, right, hazard", p);
-    let route = sheet.parsed("route_command", "one of left, right, straight, uturn, exit", p, |t| {
+    let route = sheet.parsed("route_command", "one of none, left, right, straight, uturn, exit", p, |t| {
         ROUTES.contains(&t).then(|| t.to_owned())
     });
 
