@@ -96,10 +96,15 @@ export class Work {
       ? DRAFTED.filter((p) => {
           const before = this.was(p);
           const filled = before !== undefined && before !== null && before !== "";
-          return filled && same(before, this.draft.at(p)) && !this.accepted.has(p);
+          return filled && same(before, this.draft.at(p)) && !this.accepted.has(p) && !this.mustRewrite(p);
         })
       : [],
   );
+
+  /** The checker wants these words written anew: a draft that cannot be taken as it is. */
+  mustRewrite(path: string): boolean {
+    return this.findingsAt(path).some((f) => f.code === "label.trace.draft");
+  }
 
   accept(path: string): void {
     this.accepted = new Set([...this.accepted, path]);

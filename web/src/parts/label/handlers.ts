@@ -44,7 +44,7 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     keepLayers();
   }
 
-  /** What is in the focused field is good; on to the next that nobody has looked at, at last to the safety filter. */
+  /** What is in the focused field is good; on to the next that nobody has looked at, then to what has to be mended, at last to the safety filter. */
   async function acceptField(): Promise<void> {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = work.unaccepted;
@@ -53,7 +53,13 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     await tick();
     const next = work.unaccepted.find((p) => before.indexOf(p) > at) ?? work.unaccepted[0];
     if (next !== undefined) toField(next);
-    else if (work.edits && work.stage === "stage2") toSection("safety");
+    else if (work.edits && work.stage === "stage2") {
+      const wrong = work.draft.findings.find((f) => f.severity === "error");
+      if (wrong) toField(wrong.pointer);
+      else toSection("safety");
+      // Words that have to be written anew: the first letter replaces them.
+      if (wrong && work.mustRewrite(wrong.pointer) && document.activeElement instanceof HTMLTextAreaElement) document.activeElement.select();
+    }
   }
 
   return {

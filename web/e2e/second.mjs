@@ -1,0 +1,253 @@
+// A drive of its own, with a leaf that has two keyframes and with pictures of two cameras: simulated by the project
+// (examples/truth/agents), brought into a lake, mined and served as anybody would. Handles are dragged with the pointer.
+import assert from "node:assert/strict";
+import { mkdirSync, writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { deflateSync } from "node:zlib";
+import { look, person } from "./people.mjs";
+import { serve, whyroad } from "./service.mjs";
+import { shot } from "./shots.mjs";
+
+const PASSWORD = "海内存知己-天涯若比邻";
+const DRIVE = "seen_avenue_01-ego";
+const LEAF = "reactive_agent.vehicle_abnormal.cutout_reveal";
+const folder = resolve(import.meta.dirname, "../../examples/truth/agents/seen/seen_avenue_01");
+
+const saved = (page) => page.locator('[data-saving="saved"]').waitFor();
+
+function crc(bytes) {
+  let c = -1;
+  for (const b of bytes) {
+    c ^= b;
+    for (let k = 0; k < 8; k++) c = (c >>> 1) ^ (c & 1 ? 0xedb88320 : 0);
+  }
+  return ~c >>> 0;
+}
+
+/** A picture of one colour, PNG. */
+function picture(width, height, [r, g, b]) {
+  const chunk = (type, data) => {
+    const body = Buffer.concat([Buffer.from(type, "latin1"), data]);
+    const out = Buffer.alloc(body.length + 8);
+    out.writeUInt32BE(data.length, 0);
+    body.copy(out, 4);
+    out.writeUInt32BE(crc(body), body.length + 4);
+    return out;
+  };
+  const head = Buffer.alloc(13);
+  head.writeUInt32BE(width, 0);
+  head.writeUInt32BE(height, 4);
+  head.set([8, 2, 0, 0, 0], 8);
+  const row = Buffer.concat([Buffer.from([0]), Buffer.alloc(width * 3, Buffer.from([r, g, b]))]);
+  const rows = deflateSync(Buffer.concat(Array(height).fill(row)));
+  return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", rows), chunk("IEND", Buffer.alloc(0))]);
+}
+
+async function prepare(day) {
+  const lake = join(day.scratch, "second-lake");
+  const mined = join(day.scratch, "second-mined");
+  whyroad("ingest", "--lake", lake, "sumo", folder);
+  for (const [camera, colour] of [["前视", [40, 90, 160]], ["左视", [150, 60, 60]]]) {
+    const pictures = join(day.scratch, `pictures-${camera}`);
+    mkdirSync(pictures);
+    for (let n = 0; n < 60; n++) writeFileSync(join(pictures, `${n}.png`), picture(64, 36, colour.map((c) => c + n)));
+    // Around the keyframe, 131.9 s after the drive's start: examples/truth says when the lead leaves.
+    whyroad("media", "add", "--lake", lake, "--drive", DRIVE, "--camera", camera, "--pictures", pictures, "--rate", "5", "--offset", "126", "--copy");
+  }
+  whyroad("mine", "--lake", lake, "--scenario", LEAF, "--out", mined);
+  day.own = await serve({ data: join(day.scratch, "second-data"), lake, mined });
+  const someone = await person(day.browser, day.own.url, { faults: day.faults });
+  const { page } = (day.people.own = someone);
+  await page.getByLabel("用户名").fill("own");
+  await page.getByLabel("显示名").fill("一个人");
+  await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
+  await page.getByLabel("再输入一次密码").fill(PASSWORD);
+  await page.keyboard.press("Enter");
+  await page.getByRole("button", { name: "新建项目" }).click();
+  await page.getByRole("dialog").getByLabel("项目名").fill("两个关键帧");
+  await page.getByRole("dialog").getByRole("button", { name: "建立" }).click();
+  await page.getByRole("link", { name: "任务" }).click();
+  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  await page.getByRole("dialog").getByRole("button", { name: "建立任务" }).click();
+  await page.getByRole("dialog").getByText("已建立 1 个任务").waitFor({ timeout: 60_000 });
+  await page.keyboard.press("Escape");
+}
+
+async function cameras(day) {
+  const { page } = day.people.own;
+  await page.getByRole("button", { name: "领取下一个标注任务" }).click();
+  await page.locator('[data-deed="lock"]').waitFor();
+  const image = page.locator(".camera img");
+  await image.waitFor();
+  const shown = () => page.getByLabel("相机", { exact: true }).inputValue();
+  assert.equal(await shown(), "前视");
+  await page.keyboard.press("v");
+  assert.equal(await shown(), "左视");
+  assert.match(await image.getAttribute("alt"), /左视/);
+  assert.ok(await image.evaluate((i) => i.decode().then(() => i.naturalWidth === 64)));
+  await page.keyboard.press("Shift+V");
+  assert.equal(await shown(), "前视");
+  await page.keyboard.press("v");
+  // It stays with who chose it: after a reload, and so in the next task.
+  await page.reload();
+  await image.waitFor();
+  assert.equal(await shown(), "左视");
+  await page.getByLabel("相机", { exact: true }).selectOption("前视");
+  await page.locator("canvas").first().click({ position: { x: 5, y: 200 } });
+  await look(page, "cameras");
+}
+
+/** Where the middle of a handle is. */
+async function middle(handle) {
+  const box = await handle.boundingBox();
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+}
+
+const seconds = async (handle) => Number(await handle.getAttribute("aria-valuenow"));
+const at = (draft, pointer) => pointer.split("/").slice(1).reduce((value, key) => value?.[key], draft);
+const task = (day) => day.people.own.page.evaluate(async (t) => (await fetch(`/api/v1/tasks/${t}`)).json(), day.ownTask);
+
+/** Drags by so many seconds of the time axis; what the handle then says. */
+async function drag(page, handle, by) {
+  const from = await middle(handle);
+  const [now, least, most] = await handle.evaluate((e) => ["now", "min", "max"].map((k) => Number(e.getAttribute(`aria-value${k}`))));
+  const width = await handle.evaluate((e) => e.parentElement.getBoundingClientRect().width);
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x + (by / 2 / (most - least)) * width, from.y, { steps: 4 });
+  await page.mouse.move(from.x + (by / (most - least)) * width, from.y, { steps: 4 });
+  const moment = Number((await page.locator(".transport .now b").innerText()).replace("−", "-").replace(" s", ""));
+  assert.ok(Math.abs(moment - (now + by)) < 0.11, `the scene shows the moment under the pointer: ${moment}`);
+  await page.mouse.up();
+  return seconds(handle);
+}
+
+async function dragging(day) {
+  const { page } = day.people.own;
+  day.ownTask = new URL(page.url()).pathname.split("/")[2];
+  // Stage I: the keyframe goes back, never on.
+  const keyframe = page.getByRole("slider", { name: "关键帧", exact: true });
+  assert.ok(Math.abs((await drag(page, keyframe, -0.8)) + 0.8) < 0.06);
+  await saved(page);
+  await page.getByText("与建议相差 −0.8 s").waitFor();
+  const { draft, suggestion } = await task(day);
+  assert.equal(Date.parse(draft.keyframe.timestamp) - Date.parse(suggestion.keyframe.timestamp), -800, "a whole frame of the 10 Hz drive");
+  assert.equal(draft.keyframe.frame_idx, suggestion.keyframe.frame_idx - 8);
+  await shot(day, page, "dragged-stage1");
+  await page.getByRole("button", { name: "采用建议" }).click();
+  await page.getByText("与建议相差").waitFor({ state: "detached" });
+  await page.keyboard.press("Control+z");
+  await page.getByText("与建议相差 −0.8 s").waitFor();
+  await page.keyboard.press("Control+Shift+z");
+  await saved(page);
+  // This leaf asks for high uncertainty: the lead hid the obstacle.
+  if ((await page.locator("[data-component]").count()) === 0) {
+    await page.keyboard.press("t");
+    await page.keyboard.press("c");
+    await page.keyboard.press("Escape");
+  }
+  const first = page.locator('[data-component="0"]');
+  await first.locator("textarea").fill("前车开始驶离本车道，挡住了前方视野");
+  await first.getByLabel("高").check();
+  await saved(page);
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("Control+Enter");
+  await page.locator('[data-section="decisions"]').waitFor();
+}
+
+/** The second keyframe: proposed by the rule, dragged, put back; the checker's warning when it is missing is gone. */
+async function secondKeyframe(day) {
+  const { page } = day.people.own;
+  // What comes after is there a moment later than the fields.
+  await page.locator(".board .later").waitFor({ state: "detached", timeout: 60_000 });
+  const second = page.getByRole("slider", { name: "第二关键帧" });
+  // 1.2 s after the first, by the rule: the obstacle is first visible.
+  const before = await task(day);
+  const wanted = (Date.parse(before.suggestion.second_keyframe.timestamp) - Date.parse(before.suggestion.keyframe.timestamp)) / 1000;
+  assert.ok(wanted > 0);
+  assert.ok(Math.abs((await seconds(second)) - wanted) < 1e-6);
+  await drag(page, second, 0.7);
+  await saved(page);
+  await page.getByText("与建议相差 +0.7 s").waitFor();
+  await page.keyboard.press("Escape");
+  // By key, too: at the moment shown.
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Shift+K");
+  await page.getByText("与建议相差 +0.8 s").waitFor();
+  await saved(page);
+  const start = page.getByRole("slider", { name: "时间范围 起点" });
+  const end = page.getByRole("slider", { name: "时间范围 终点" });
+  await drag(page, start, -0.5);
+  await drag(page, end, 0.6);
+  await page.getByText("与建议相差 起点 −0.5 s, 终点 +0.6 s").waitFor();
+  await saved(page);
+  await look(page, "dragged");
+  await shot(day, page, "dragged");
+  const { draft, suggestion, changed_from_suggestion } = await task(day);
+  const apart = (pointer, was) => Date.parse(at(draft, pointer)) - Date.parse(was);
+  assert.equal(apart("/second_keyframe/timestamp", suggestion.second_keyframe.timestamp), 800);
+  assert.equal(apart("/time_range/start_timestamp", suggestion.range_start), -500);
+  assert.equal(apart("/time_range/end_timestamp", suggestion.range_end), 600);
+  assert.ok(changed_from_suggestion.some((p) => p.startsWith("/second_keyframe")), `${changed_from_suggestion}`);
+  assert.ok(changed_from_suggestion.some((p) => p.startsWith("/time_range")), `${changed_from_suggestion}`);
+}
+
+/** All the way: submitted with its second keyframe, which the exported task keeps beside what was suggested. */
+async function handedIn(day) {
+  const { page } = day.people.own;
+  await page.keyboard.press("2");
+  await page.locator('[data-choices=longitudinal] input[value="avoid_static"], [data-choices=longitudinal] input').first().waitFor();
+  const changes = [
+    { path: "/driving_decision/longitudinal", value: "yield_to_agent" },
+    { path: "/driving_decision/lateral", value: null },
+    { path: "/causes/longitudinal", value: { components: ["c1"] } },
+    { path: "/coc_trace", value: "前车驶离本车道后露出前方静止的障碍物，原有车速和车距不足以从容停下，需要及时让出空间，因此自车减速让行。" },
+  ];
+  const reply = await page.evaluate(
+    async ([t, changes]) => {
+      const { csrf } = await (await fetch("/api/v1/session")).json();
+      const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
+      const { fence, version } = await (await fetch(`/api/v1/tasks/${t}`)).json();
+      const body = JSON.stringify({ fence, base_version: version, changes });
+      const saved = await (await fetch(`/api/v1/tasks/${t}/draft`, { method: "PATCH", headers, body })).json();
+      return { fence, findings: saved.findings, saved };
+    },
+    [day.ownTask, changes],
+  );
+  assert.deepEqual(reply.findings.filter((f) => f.severity === "error" || f.code.includes("second_keyframe")), []);
+  await page.reload();
+  await page.locator('[data-deed="submit"]').waitFor();
+  await page.waitForLoadState("networkidle");
+  // What the draft got right takes one key a field, which leads on to the next, and at last to the safety filter.
+  const inSafety = () => page.evaluate(() => document.activeElement?.closest("[data-section=safety]") !== null && document.activeElement?.closest("[data-section=safety]") !== undefined);
+  for (let n = 0; n < 6 && !(await inSafety()); n++) await page.keyboard.press("Alt+a");
+  assert.ok(await inSafety(), "the last field leads to the safety filter");
+  await page.keyboard.press("y");
+  await saved(page);
+  await page.locator('[data-deed="submit"]').click();
+  await page.locator('[data-deed="next"]').waitFor();
+  // One person alone: nothing is left, and it says why.
+  await page.locator('[data-deed="next"]').click();
+  await page.getByText("没有任务在等这一步").waitFor();
+  await page.goto(`${day.own.url}/projects/${(await task(day)).task.project}/tasks`);
+  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
+  await page.getByText("有的是您自己写的，须由别人检查。").waitFor();
+  await look(page, "nothing next");
+  await shot(day, page, "nothing-next");
+  await page.getByRole("button", { name: "English" }).click();
+  await page.getByText("Some you wrote yourself: somebody else has to judge them.").waitFor();
+  const exported = await page.evaluate(async (p) => (await fetch(`/api/v1/projects/${p}/export?format=tasks`)).text(), (await task(day)).task.project);
+  const { task: line } = JSON.parse(exported.trim());
+  assert.equal(Date.parse(line.draft.second_keyframe.timestamp) - Date.parse(line.initial.second_keyframe.timestamp), 800, "the difference is kept");
+  assert.equal(await day.own.stop(), "0");
+  await day.people.own.context.close();
+  delete day.people.own;
+}
+
+export const second = [
+  ["a drive with two cameras and a leaf with two keyframes is served", prepare],
+  ["cameras are switched by key and stay chosen", cameras],
+  ["the keyframe is dragged, the difference is shown, undone and saved", dragging],
+  ["a second keyframe and the range are dragged in Stage II", secondKeyframe],
+  ["a label with two keyframes is handed in; an empty queue says why", handedIn],
+];
