@@ -43,6 +43,7 @@ pub fn missing_name(word: &str) -> Bilingual {
         "camera pictures" => "相机图像",
         "lidar points in boxes" => "框内点云数",
         "object classes and sizes" => "目标类别与尺寸",
+        "object classes" => "目标类别",
         "object sizes" => "目标尺寸",
         "turn signals" => "转向灯",
         "visibility" => "可见性",

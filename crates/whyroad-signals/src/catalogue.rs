@@ -19,6 +19,7 @@ pub const NEEDS: &[&str] = &[
     "traffic lights",
     "vehicle bus",
     "object sizes",
+    "object classes",
     "turn signals",
     "visibility",
     "elevation",

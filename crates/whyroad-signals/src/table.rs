@@ -8,7 +8,7 @@ use whyroad_model::road_map::{Lane, LaneMark};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
-use whyroad_model::{Column, Drive, SignalTable, Tri};
+use whyroad_model::{Column, Drive, ObjectClass, SignalTable, Tri};
 
 /// What this log lacks, in the words of [`crate::catalogue::NEEDS`].
 pub fn missing(drive: &Drive) -> BTreeSet<&'static str> {
@@ -31,6 +31,10 @@ pub fn missing(drive: &Drive) -> BTreeSet<&'static str> {
     let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());
     if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
         missing.insert("object sizes");
+    }
+    // A radar tells no classes: that none of its targets is a vehicle, or a pedestrian, would claim too much.
+    if !drive.tracks.is_empty() && drive.tracks.iter().all(|t| t.class == ObjectClass::Unknown) {
+        missing.insert("object classes");
     }
     if !drive.tracks.iter().any(|t| !t.turn_signal.is_empty()) {
         missing.insert("turn signals");

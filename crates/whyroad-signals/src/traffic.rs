@@ -6,6 +6,7 @@ use crate::interaction::Interaction;
 use crate::placement::{MOVING_MPS, Placement};
 use crate::road::Road;
 use crate::table::TableBuilder;
+use crate::target_lanes::drives;
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_4;
 use whyroad_model::{Column, RoadMap, Tri};
@@ -68,7 +69,7 @@ fn next_line(road: &Road, lines: &BTreeMap<&str, P2>, on: OnCorridor<'_>, front:
     None
 }
 
-/// Number of standing vehicles between the ego and its line in each frame; NaN where the ego has no lane.
+/// Number of standing vehicles, bicycles included, between the ego and its line in each frame; NaN where the ego has no lane.
 fn queue(scene: &Interaction<'_>, road: &Road, map: &RoadMap) -> Vec<f64> {
     let ego = scene.around.ego;
     let front = ego.length / 2.0;
@@ -79,7 +80,7 @@ fn queue(scene: &Interaction<'_>, road: &Road, map: &RoadMap) -> Vec<f64> {
     };
     let distance: Vec<Option<f64>> = (0..ego.len()).map(ahead).collect();
     let mut count: Vec<f64> = distance.iter().map(|d| if d.is_some() { 0.0 } else { f64::NAN }).collect();
-    for target in scene.targets.iter().filter(|t| t.track.class.is_vehicle()) {
+    for target in scene.targets.iter().filter(|t| drives(t.track.class)) {
         for p in target.places.iter().flatten() {
             let to_line = distance[p.frame].unwrap_or(f64::NEG_INFINITY);
             let between = p.ahead > 0.0 && p.near - front <= to_line;

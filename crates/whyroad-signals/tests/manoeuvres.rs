@@ -303,6 +303,18 @@ fn what_a_log_lacks_is_named_and_never_given() {
     near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);
     assert_eq!(t.flag("point", "target.in_ego_lane", 5), True);
 
+    // A radar tells no classes: whether what drives ahead is a vehicle is not known, and so not that there is no lead.
+    let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
+    add(&mut d, "blip", whyroad_model::ObjectClass::Unknown, (4.0, 1.8), |t| (20.0 + 10.0 * t, 0.0, 0.0));
+    let t = Table::of(&d);
+    for name in ["lead.gap", "lead.exists", "target.is_lead", "target.class", "traffic.density"] {
+        assert_eq!(t.0.unavailable[name], ["object classes"], "{name}");
+    }
+    assert_eq!(t.flag("blip", "target.in_ego_lane", 5), True);
+    // One known class, and the log tells classes.
+    car(&mut d, "lead", |t| (40.0 + 10.0 * t, 0.0, 0.0));
+    assert_eq!(Table::of(&d).flag("lead", "target.is_lead", 5), True);
+
     // An ego whose pose is lost for a second: unknown then, known again after.
     let mut d = drive(40, |t| (10.0 * t, 0.0, 0.0));
     car(&mut d, "lead", |t| (20.0 + 10.0 * t, 0.0, 0.0));
