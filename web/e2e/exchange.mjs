@@ -144,7 +144,11 @@ async function tasksIn(day) {
   await upload(day, "in-tasks.jsonl", lines);
   await page.getByText(`已导入 ${tasks.length} 个任务，0 个原已存在。`).waitFor({ timeout: 120_000 });
   assert.match(await page.locator(".lost li").innerText(), /^第 2 行/);
-  await upload(day, "in-tasks.jsonl", tasks);
+  // Changed on the disk since it was chosen: told in words, and chosen again.
+  writeFileSync(join(day.scratch, "in-tasks.jsonl"), "{}");
+  await page.getByRole("button", { name: "导入", exact: true }).click();
+  await page.getByText("文件在选择之后有了改动").waitFor();
+  await upload(day, "again.jsonl", tasks);
   await page.getByText(`已导入 0 个任务，${tasks.length} 个原已存在。`).waitFor({ timeout: 120_000 });
   assert.equal(await page.locator(".lost li").count(), 0);
 }

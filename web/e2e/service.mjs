@@ -23,11 +23,11 @@ export function whyroad(...args) {
   return execFileSync(binary(), args, { encoding: "utf8", stdio: ["ignore", "pipe", "inherit"], timeout: 300_000 });
 }
 
-/** A running service: its address, and how to stop it. `demo` is what `whyroad demo --out` wrote; else `lake` and `mined`. */
-export async function serve({ data, demo, lake = demo && `${demo}/lake`, mined = demo && `${demo}/mined`, port = 0 }) {
+/** A running service: its address, and how to stop it. `demo` is what `whyroad demo --out` wrote. */
+export async function serve({ data, demo, lake = demo && `${demo}/lake`, mined = demo && `${demo}/mined`, port = 0, environment = {} }) {
   const args = ["--lang", "zh", "serve", "--data", data, "--listen", `127.0.0.1:${port}`];
   if (lake) args.push("--lake", lake, "--mined", mined);
-  const child = spawn(binary(), args, { stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(binary(), args, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...environment } });
   let said = "";
   const ended = new Promise((done) => child.once("exit", (code, signal) => done(`${code ?? signal}`)));
   const address = new Promise((found, failed) => {

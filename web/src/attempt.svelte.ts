@@ -13,6 +13,8 @@ export class Attempt {
     if (error === null) return null;
     if (error instanceof ApiError) return lang.now === "zh" ? error.zh : error.en;
     if (error instanceof Offline) return t("app.offline");
+    // What a browser says of a chosen file that has changed on the disk since, in its own language.
+    if (error instanceof DOMException && error.name === "NotReadableError") return t("app.file_changed");
     return error instanceof Error ? error.message : String(error);
   }
 

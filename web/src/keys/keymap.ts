@@ -46,6 +46,7 @@ export const actions = {
   addComponent: act("把选中的目标加为要素", "Make the picked object a component", "C"),
   linkObject: act("把选中的目标关联到当前要素", "Link the picked object to the component", "O"),
   evidence: act("把此刻记为证据时刻", "Add this moment as evidence", "E"),
+  uncertain: act("当前要素的不确定性：低 / 高", "Uncertainty of the component: low / high", "X"),
   keyframe: act("关键帧设在此刻", "Keyframe here", "K"),
   keyframe2: act("第二关键帧设在此刻", "Second keyframe here", "Shift+K"),
   keyStart: act("关键帧范围起点设在此刻", "Keyframe range starts here", "Shift+I"),

@@ -3,7 +3,7 @@ import { storage } from "../testing.ts";
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { SceneView, Task, User } from "../api/types.ts";
-import { addComponent, decide, evidenceNow, removeComponent, setKeyframe, setRange, toggleIn } from "./edits.ts";
+import { addComponent, decide, evidenceNow, removeComponent, setKeyframe, setRange, toggleIn, toggleUncertainty } from "./edits.ts";
 import { readFramework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
@@ -117,4 +117,18 @@ deed("nothing after the keyframe is evidence", () => {
   work.player.seek(-1);
   evidenceNow(work);
   assert.deepEqual(work.draft.at("/critical_components/0/evidence_times"), [iso(3)]);
+});
+
+deed("uncertainty goes between low and high, in Stage I and in rework only", () => {
+  const components = [{ id: "c1", description: "lorry" }];
+  const work = opened("stage1", { critical_components: components });
+  toggleUncertainty(work, 0);
+  assert.equal(work.draft.at("/critical_components/0/uncertainty"), "high");
+  toggleUncertainty(work, 0);
+  assert.equal(work.draft.at("/critical_components/0/uncertainty"), "low");
+  toggleUncertainty(work, 3);
+  assert.equal(work.components.length, 1, "no component is made by it");
+  const locked = opened("stage2", { critical_components: components });
+  toggleUncertainty(locked, 0);
+  assert.equal(locked.draft.at("/critical_components/0/uncertainty"), undefined);
 });

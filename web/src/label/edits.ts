@@ -75,6 +75,12 @@ export function toggleIn(work: Work, n: number, list: "evidence_times" | "linked
   work.draft.set(path, next.length === 0 ? undefined : list === "evidence_times" ? next.sort() : next);
 }
 
+/** Uncertainty of component `n`: high where it was low or not said, else low. */
+export function toggleUncertainty(work: Work, n: number): void {
+  const path = `/critical_components/${n}/uncertainty`;
+  if (work.components[n] && work.open(path)) work.draft.set(path, work.draft.at(path) === "high" ? "low" : "high");
+}
+
 /** Moment of evidence: now, but never after the keyframe. */
 export function evidenceNow(work: Work): void {
   const keyframe = work.second(work.draft.at("/keyframe/timestamp")) ?? 0;

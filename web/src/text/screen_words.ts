@@ -281,6 +281,7 @@ export const screenWords = {
   "exchange.take": ["导入", "Import"],
   "exchange.taken": ["已导入 {n} 个任务，{known} 个原已存在。", "{n} tasks imported, {known} were there already."],
   "exchange.lost": ["{n} 行无法读取：", "{n} lines could not be read:"],
+  "app.file_changed": ["文件在选择之后有了改动，浏览器不能再读取；请重新选择。", "The file has changed since it was chosen, so the browser cannot read it: choose it again."],
   "exchange.line": ["第 {n} 行", "Line {n}"],
   "exchange.more": ["另有 {n} 行未列出。", "{n} more are not listed."],
   "hooks.title": ["Webhook", "Webhooks"],

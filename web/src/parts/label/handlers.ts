@@ -1,6 +1,6 @@
 // What each action of the keyboard does on the labelling screen.
 import type { Handlers } from "../../keys/keys.svelte.ts";
-import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn } from "../../label/edits.ts";
+import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn, toggleUncertainty } from "../../label/edits.ts";
 import type { Work } from "../../label/work.svelte.ts";
 import { cameraBeside } from "../../scene/cameras.ts";
 import { objectsAt } from "../../scene/objects.ts";
@@ -93,6 +93,7 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     addComponent: () => void add(),
     linkObject: () => work.picked !== null && toggleIn(work, work.current, "linked_objects", work.picked),
     evidence: () => evidenceNow(work),
+    uncertain: () => toggleUncertainty(work, work.current),
     keyframe: () => setKeyframe(work, "keyframe"),
     keyframe2: () => setKeyframe(work, "second_keyframe"),
     keyStart: () => setKeyRange(work, "range_start"),
