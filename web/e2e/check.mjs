@@ -26,7 +26,8 @@ async function sendBack(day) {
   await trace.getByText(COMMENT).waitFor();
   await look(page, "check");
   await shot(day, page, "check");
-  await page.locator('[data-deed="send_back"]').click();
+  // By key, from where the remark left the focus.
+  await page.keyboard.press("b");
   const dialog = page.getByRole("dialog");
   await dialog.getByRole("textbox").fill("请补充车距。");
   await dialog.locator("button.primary").click();

@@ -54,6 +54,8 @@ export const actions = {
   rangeStart: act("时间范围起点设在此刻", "Range starts here", "I"),
   rangeEnd: act("时间范围终点设在此刻", "Range ends here", "U"),
   safe: act("合法且安全", "Legal and safe", "Y"),
+  reject: act("剔除…", "Reject…", "D"),
+  sendBack: act("退回…（检查、审计）", "Send back… (check, audit)", "B"),
   toComponents: act("到关键要素", "Go to the components", "1"),
   toLongitudinal: act("到纵向决策", "Go to the longitudinal decision", "2"),
   toLateral: act("到横向决策", "Go to the lateral decision", "3"),

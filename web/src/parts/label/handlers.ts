@@ -13,6 +13,7 @@ import { undo, redo } from "./undo.ts";
 interface Deeds {
   advance: () => void;
   reject: () => void;
+  sendBack: () => void;
 }
 
 export function handlers(work: Work, deeds: Deeds): Handlers {
@@ -101,6 +102,8 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     rangeStart: () => setRange(work, "start"),
     rangeEnd: () => setRange(work, "end"),
     safe: () => work.edits && work.stage === "stage2" && work.setSafe(!work.safe),
+    reject: deeds.reject,
+    sendBack: deeds.sendBack,
     toComponents: () => toSection("components"),
     toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
     toLateral: () => toSection("decisions", "[data-choices=lateral]"),
