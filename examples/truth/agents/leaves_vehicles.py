@@ -69,9 +69,14 @@ def steady(log):
         def holds(t):
             e, o = log.ego[t], track[t]
             return (e.v > 3.5 and o.v > 3.5 and abs(e.v - o.v) < 2 and abs(e.a) < 1 and log.gap(i, t) < 3 * e.v and log.lead(t) == i)
-        for t0, t1 in runs(sorted(track), holds, 1.0):
-            if t1 - t0 >= 3:
-                yield R + "following.steady", t0, t0, t1, i
+        # A state seen in a frame lasts until the next. Whether 3 s are met within two frames, and whether a break of about 1 s parts two
+        # stretches, is left open.
+        parted, joined = runs(sorted(track), holds, 1.0 - DT), runs(sorted(track), holds, 1.0 + 2 * DT)
+        for t0, t1 in parted + [r for r in joined if r not in parted]:
+            lasts = t1 - t0 + DT
+            if lasts >= 3 - 2.5 * DT:
+                left_open = [t0, t1] not in parted or [t0, t1] not in joined or lasts < 3 + 2.5 * DT
+                yield R + "following.steady", t0, t0, t1, i, left_open
 
 
 def creeping(log):

@@ -99,9 +99,26 @@ class Log:
         o = self.tracks[i][t]
         return abs(self.off_path(i, t)) < self.half(i, o)[1] + self.size("ego")[1] / 2
 
-    def ttc(self, i, t, margin=0.0):
+    def gap_in_way(self, i, t, margin=0.0):
+        """To the nearest part of its box that is in the strip which the ego sweeps (wider by the margin on either side), m: of a box that
+        stands at an angle, the corner that is in the way is not the nearest one. Infinite without such a part."""
+        o, e = self.tracks[i][t], self.ego[t]
+        length, width = self.size(i)
+        c, k = math.cos(o.psi), math.sin(o.psi)
+        box = [(o.s + a * length / 2 * c - b * width / 2 * k, o.d + a * length / 2 * k + b * width / 2 * c)
+               for a, b in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+        edge = self.size("ego")[1] / 2 + margin
+        off = lambda p: p[1] - self.path_d(p[0])
+        inside = [s for s, d in box if abs(off((s, d))) < edge]
+        for p, q in zip(box, box[1:] + box[:1]):
+            for line in (-edge, edge):
+                if (off(p) - line) * (off(q) - line) < 0:
+                    inside.append(p[0] + (q[0] - p[0]) * (line - off(p)) / (off(q) - off(p)))
+        return min(inside, default=math.inf) - e.s - self.half("ego", e)[0]
+
+    def ttc(self, i, t, margin=0.0, gap=None):
         """Along the path, s; infinite where the two do not close or it is not in the way (by so much, m)."""
-        gap = self.gap(i, t)
+        gap = self.gap(i, t) if gap is None else gap
         o, e = self.tracks[i][t], self.ego[t]
         closing = e.v - o.v * math.cos(o.psi)
         reach = self.half(i, o)[1] + self.size("ego")[1] / 2 + margin
