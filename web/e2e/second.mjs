@@ -159,7 +159,7 @@ async function dragging(day) {
 async function secondKeyframe(day) {
   const { page } = day.people.own;
   // What comes after is there a moment later than the fields.
-  await page.locator(".board .later").waitFor({ state: "detached", timeout: 60_000 });
+  await page.locator(".board .later").waitFor({ state: "detached", timeout: 180_000 });
   const second = page.getByRole("slider", { name: "第二关键帧" });
   // 1.2 s after the first, by the rule: the obstacle is first visible.
   const before = await task(day);
