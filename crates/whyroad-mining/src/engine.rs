@@ -70,13 +70,35 @@ pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveI
     mine_lake_with(lake, rules, &Options { lang, ..Options::default() }, done)
 }
 
-/// Mines every drive of the lake as the options say.
+/// Mines every drive of the lake as the options say, and keeps all of it.
 pub fn mine_lake_with(
     lake: &Lake,
     rules: &RuleSet,
     options: &Options,
     done: impl Fn(&DriveId) + Sync,
 ) -> MinedLake {
+    let mut drives = Vec::new();
+    let kept: Result<_, std::convert::Infallible> = mine_each(lake, rules, options, done, |drive| {
+        drives.push(drive);
+        Ok(())
+    });
+    let Ok(diagnostics) = kept;
+    MinedLake { drives, diagnostics }
+}
+
+/// Drives that are mined for each core before what came of them is handed on: what is held does not grow with the lake,
+/// and a core that is done early waits for the others once in so many drives.
+const DRIVES_A_CORE: usize = 32;
+
+/// Mines every drive of the lake as the options say, and hands what came of each to `each`, in the order of their ids; an
+/// error of `each` ends it. Gives an error a drive that could not be read.
+pub fn mine_each<E: Send>(
+    lake: &Lake,
+    rules: &RuleSet,
+    options: &Options,
+    done: impl Fn(&DriveId) + Sync,
+    mut each: impl FnMut(MinedDrive) -> Result<(), E>,
+) -> Result<Vec<Diagnostic>, E> {
     let ids = lake.drive_ids();
     let run = Run {
         lake,
@@ -86,31 +108,32 @@ pub fn mine_lake_with(
         options,
         unwritable: AtomicBool::new(false),
     };
-    let all = || -> Vec<Result<MinedDrive, Box<Diagnostic>>> {
-        let one = |id: &DriveId| {
-            let mined = run.mine_one(id);
-            done(id);
-            mined
-        };
-        // Drives one by one: their sizes differ, and each is work enough.
-        ids.par_iter().with_max_len(1).map(one).collect()
+    let one = |id: &DriveId| {
+        let mined = run.mine_one(id);
+        done(id);
+        mined
     };
     let pool = options.jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
-    let each = match pool {
-        Some(pool) => pool.install(all),
-        None => all(),
-    };
-    let mut out = MinedLake::default();
-    for result in each {
-        match result {
-            Ok(drive) => out.drives.push(drive),
-            Err(d) => out.diagnostics.push(*d),
+    let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
+    let mut diagnostics = Vec::new();
+    for some in ids.chunks(cores.max(1) * DRIVES_A_CORE) {
+        // Drives one by one: their sizes differ, and each is work enough.
+        let all = || -> Vec<_> { some.par_iter().with_max_len(1).map(one).collect() };
+        let mined = match &pool {
+            Some(pool) => pool.install(all),
+            None => all(),
+        };
+        for result in mined {
+            match result {
+                Ok(drive) => each(drive)?,
+                Err(d) => diagnostics.push(*d),
+            }
         }
     }
     if run.unwritable.load(Ordering::Relaxed) {
-        out.diagnostics.push(unwritable(lake));
+        diagnostics.push(unwritable(lake));
     }
-    out
+    Ok(diagnostics)
 }
 
 /// What all drives of one run share.

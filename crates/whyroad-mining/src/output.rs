@@ -7,5 +7,7 @@ pub mod folder;
 pub mod record;
 pub mod result;
 
-pub use folder::write_folder;
+pub use coverage::Searched;
+pub use folder::{FolderWriter, Summary, write_folder};
 pub use record::MinedEpisode;
+pub use result::Question;

@@ -121,6 +121,31 @@ fn a_rule_in_one_line_is_mined() {
     assert_eq!(run.code, 0, "{}", run.err);
     let episodes = std::fs::read_to_string(out.path().join("episodes.jsonl")).unwrap();
     assert!(episodes.contains("\"target_id\":\"cutter\""), "{episodes}");
+    // Where to look is told at once: the clip, the moment in it, the target, the measured value.
+    assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
+    assert!(run.out.contains("multilane-ego_000   16.9 s  cutter"), "{}", run.out);
+    assert!(run.out.contains("1 drives, 1 episodes\n"), "of classes nothing is told: {}", run.out);
+    let coverage = std::fs::read_to_string(out.path().join("coverage.json")).unwrap();
+    assert!(coverage.contains("\"leaves\": []"), "{coverage}");
     let wrong = mine("target.whel_over_line");
     assert!(wrong.code == 1 && wrong.err.contains("did you mean 'target.wheel_over_line'?"), "{}", wrong.err);
+}
+
+#[test]
+fn a_rule_file_is_mined_as_its_text_would_be() {
+    let (lake, out) = (lake(), tempfile::tempdir().unwrap());
+    let file = out.path().join("mine.yaml");
+    let rule = "mining:\n  target: vehicle\n  define: { close: \"target.ttc < 3 s\" }\n  when: \"target.wheel_over_line and close\"\n";
+    std::fs::write(&file, rule).unwrap();
+    let mine = |rule: &str, more: &[&str]| {
+        let args = ["mine", "--lake", text(lake.path()), "--out", text(out.path()), "--rule", rule];
+        let run = whyroad_in(&root(), &[&args[..], more].concat());
+        (run, std::fs::read(out.path().join("episodes.parquet")).unwrap_or_default())
+    };
+    let (of_file, found) = mine(text(&file), &[]);
+    assert_eq!(of_file.code, 0, "{}", of_file.err);
+    let (_, of_text) = mine("target.wheel_over_line and target.ttc < 3 s", &["--target", "vehicle"]);
+    assert!(!found.is_empty() && found == of_text);
+    let (twice, _) = mine(text(&file), &["--target", "vru"]);
+    assert!(twice.code == 1 && twice.err.contains("leave out --target"), "{}", twice.err);
 }

@@ -54,7 +54,7 @@ fn a_leaf_of_another_taxonomy_is_named() {
 #[test]
 fn missing_signals_of_several_drives_are_named_once() {
     let gap = |drive: &str, signals: &[&str]| DriveGap {
-        drive_id: drive.into(),
+        drives: vec![drive.into()],
         missing_signals: signals.iter().map(|s| (*s).to_owned()).collect(),
     };
     let mut told = leaf("reactive_rule.traffic_light.red_stop", CoverageState::NotObservable);

@@ -82,10 +82,11 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
     for (i, signal) in row.missing_signals().iter().enumerate() {
         m.raw(if i == 0 { "<code>" } else { ", <code>" }).text(signal).raw("</code>");
     }
-    if !row.gaps.is_empty() && row.drives_searched > 0 {
+    let blind: usize = row.gaps.iter().map(|g| g.drives.len()).sum();
+    if blind > 0 && row.drives_searched > 0 {
         m.raw(" <span class=\"faint\">")
             .say("（", "(")
-            .int(row.gaps.len())
+            .int(blind)
             .say(" 个行程）", " drives)")
             .raw("</span>");
     }

@@ -1,24 +1,25 @@
 //! The folder that `whyroad mine --out` writes.
 
-use super::coverage::coverage;
+use super::coverage::{Counts, Searched};
 use super::episode_table::{EPISODES_VERSION, episode_batch};
 use super::record::MinedEpisode;
-use super::result::mining_result;
-use crate::engine::MinedLake;
+use super::result::{Answer, LinePlace, Question};
+use crate::engine::{MinedDrive, MinedLake};
 use crate::rule::OTHER;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use serde::Serialize;
+use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use whyroad_framework::Taxonomy;
 use whyroad_model::ScenarioId;
 use whyroad_model::messages::{
-    ClipMetadata, ClipMetadataMessage, Coverage, KeyframeSuggestionMessage, MiningResultMessage,
-    PreLabelScenario, PreLabels, ScenarioPreLabelMessage,
+    ClipMetadata, ClipMetadataMessage, Coverage, KeyframeSuggestionMessage, MinedClip, PreLabelScenario,
+    PreLabels, ScenarioPreLabelMessage,
 };
 
 /// The folder could not be written.
@@ -42,27 +43,30 @@ pub enum WriteError {
     },
 }
 
-/// A question that was asked: a `mining_result` is written for each.
-#[derive(Clone, Debug)]
-pub struct Question {
-    /// Repeated in the result.
-    pub query_id: String,
-    /// Class asked for.
-    pub scenario: ScenarioId,
-    /// At most so many clips.
-    pub limit: Option<u32>,
-}
-
 /// What was written.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// One result a question.
-    pub results: Vec<MiningResultMessage>,
+    /// Drives that were searched.
+    pub drives: usize,
+    /// Episodes of the classes asked for.
+    pub episodes: usize,
     /// All leaves.
     pub coverage: Coverage,
+    /// Where one question was asked: the best of what was found for it.
+    pub best: Vec<MinedClip>,
+    /// Where one question was asked: how many matched.
+    pub matched: u64,
 }
 
-/// Writes everything. A single question's result is also `mining_result.json`.
+/// How many of the best a [`Summary`] names.
+const BEST: usize = 10;
+/// Episodes that are written to the Parquet file at once, and rows of its row groups.
+const EPISODES_AT_ONCE: usize = 4096;
+const ROWS_A_GROUP: usize = 1 << 16;
+/// Ending of files that are not finished: what an earlier run left stays until this one is done.
+const PART: &str = "part";
+
+/// Writes everything that is in memory. A single question's result is also `mining_result.json`.
 pub fn write_folder(
     out: &Path,
     mined: &MinedLake,
@@ -70,51 +74,174 @@ pub fn write_folder(
     taxonomy: &Taxonomy,
     rules: &[ScenarioId],
 ) -> Result<Summary, WriteError> {
-    let results_dir = out.join("mining_results");
-    fs::create_dir_all(&results_dir).map_err(io(&results_dir))?;
-    clear(&results_dir)?;
-    let single = out.join("mining_result.json");
-    match fs::remove_file(&single) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(&single)(e)),
-        _ => {}
+    let mut folder = FolderWriter::create(out, questions, rules)?;
+    for drive in &mined.drives {
+        folder.add(drive)?;
     }
-    let mut results = Vec::new();
-    for q in questions {
-        let message = mining_result(mined, &q.query_id, &q.scenario, q.limit);
-        write_json(&results_dir.join(format!("{}.json", q.scenario)), &message)?;
-        if questions.len() == 1 {
-            write_json(&single, &message)?;
+    folder.finish(taxonomy, Searched::Framework)
+}
+
+/// Writes the folder drive by drive; what it holds in memory does not grow with what was found, but for some hundred
+/// bytes an episode that a result without a limit has to put in order.
+pub struct FolderWriter {
+    out: PathBuf,
+    episodes: Lines,
+    pre_labels: Lines,
+    suggestions: Lines,
+    clips: Lines,
+    table: ArrowWriter<File>,
+    /// Episodes that are not in the table yet.
+    waiting: Vec<MinedEpisode>,
+    written: usize,
+    answers: Vec<Answer>,
+    counts: Counts,
+}
+
+impl FolderWriter {
+    /// A folder that is begun. `rules` are the classes for which a rule is run.
+    pub fn create(out: &Path, questions: &[Question], rules: &[ScenarioId]) -> Result<Self, WriteError> {
+        fs::create_dir_all(out).map_err(io(out))?;
+        let path = part(out, TABLE);
+        Ok(Self {
+            episodes: Lines::create(out, EPISODES)?,
+            pre_labels: Lines::create(out, PRE_LABELS)?,
+            suggestions: Lines::create(out, SUGGESTIONS)?,
+            clips: Lines::create(out, CLIPS)?,
+            table: table(&path)?,
+            out: out.to_owned(),
+            waiting: Vec::new(),
+            written: 0,
+            answers: questions.iter().cloned().map(Answer::new).collect(),
+            counts: Counts::new(rules),
+        })
+    }
+
+    /// Adds what came of a drive; drives come in the order of their ids. Episodes that nobody asked for are counted, and
+    /// not written.
+    pub fn add(&mut self, drive: &MinedDrive) -> Result<(), WriteError> {
+        self.counts.add(drive);
+        let asked = |e: &&MinedEpisode| {
+            let class = &e.record.scenario_id;
+            self.answers.iter().any(|a| class.is_within(&a.question().scenario))
+        };
+        let episodes: Vec<MinedEpisode> = drive.episodes.iter().filter(asked).cloned().collect();
+        for e in &episodes {
+            let place = self.episodes.put(&e.record)?;
+            self.answers.iter_mut().for_each(|answer| answer.add(&e.record, place));
+            let (episode_id, clip_id) =
+                (Some(e.record.episode_id.clone()), Some(e.record.clip_id.to_string()));
+            // What no class explains has no class to propose.
+            if e.record.scenario_id.l1 != OTHER {
+                self.pre_labels.put(&ScenarioPreLabelMessage {
+                    scenario_pre_label: e.pre_label.clone(),
+                    episode_id: episode_id.clone(),
+                    clip_id: clip_id.clone(),
+                })?;
+            }
+            self.suggestions.put(&KeyframeSuggestionMessage {
+                keyframe_suggestion: e.suggestion.clone(),
+                episode_id,
+                clip_id,
+            })?;
         }
-        results.push(message);
+        for clip in &drive.clips {
+            self.clips.put(&ClipMetadataMessage { clip_metadata: with_pre_labels(clip, &episodes) })?;
+        }
+        self.written += episodes.len();
+        self.waiting.extend(episodes);
+        if self.waiting.len() >= EPISODES_AT_ONCE { self.write_waiting() } else { Ok(()) }
     }
-    let episodes: Vec<&MinedEpisode> = mined.drives.iter().flat_map(|d| &d.episodes).collect();
-    write_lines(&out.join("episodes.jsonl"), episodes.iter().map(|e| &e.record))?;
-    write_lines(
-        &out.join("pre_labels.jsonl"),
-        // What no class explains has no class to propose.
-        episodes.iter().filter(|e| e.record.scenario_id.l1 != OTHER).map(|e| ScenarioPreLabelMessage {
-            scenario_pre_label: e.pre_label.clone(),
-            episode_id: Some(e.record.episode_id.clone()),
-            clip_id: Some(e.record.clip_id.to_string()),
-        }),
-    )?;
-    write_lines(
-        &out.join("keyframe_suggestions.jsonl"),
-        episodes.iter().map(|e| KeyframeSuggestionMessage {
-            keyframe_suggestion: e.suggestion.clone(),
-            episode_id: Some(e.record.episode_id.clone()),
-            clip_id: Some(e.record.clip_id.to_string()),
-        }),
-    )?;
-    let clips = mined.drives.iter().flat_map(|d| d.clips.iter().map(|c| with_pre_labels(c, &d.episodes)));
-    write_lines(
-        &out.join("clip_metadata.jsonl"),
-        clips.map(|clip_metadata| ClipMetadataMessage { clip_metadata }),
-    )?;
-    write_parquet(&out.join("episodes.parquet"), &episodes)?;
-    let coverage = coverage(mined, taxonomy, rules);
-    write_json(&out.join("coverage.json"), &coverage)?;
-    Ok(Summary { results, coverage })
+
+    fn write_waiting(&mut self) -> Result<(), WriteError> {
+        let path = part(&self.out, TABLE);
+        let waiting: Vec<&MinedEpisode> = self.waiting.iter().collect();
+        let batch = episode_batch(&waiting).map_err(encoding(&path))?;
+        self.table.write(&batch).map_err(encoding(&path))?;
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// Writes the results and the coverage, and puts everything in the place of what an earlier run left.
+    pub fn finish(mut self, taxonomy: &Taxonomy, searched: Searched) -> Result<Summary, WriteError> {
+        self.write_waiting()?;
+        let out = self.out;
+        self.table.close().map_err(encoding(&part(&out, TABLE)))?;
+        for lines in [self.episodes, self.pre_labels, self.suggestions, self.clips] {
+            lines.finish()?;
+        }
+        let results_dir = out.join("mining_results");
+        fs::create_dir_all(&results_dir).map_err(io(&results_dir))?;
+        clear(&results_dir)?;
+        let single = out.join("mining_result.json");
+        match fs::remove_file(&single) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(&single)(e)),
+            _ => {}
+        }
+        for name in [EPISODES, PRE_LABELS, SUGGESTIONS, CLIPS, TABLE] {
+            let path = out.join(name);
+            fs::rename(part(&out, name), &path).map_err(io(&path))?;
+        }
+        let path = out.join(EPISODES);
+        let episodes = RefCell::new(File::open(&path).map_err(io(&path))?);
+        let alone = self.answers.len() == 1;
+        for answer in &mut self.answers {
+            answer.close();
+            let message = answer.message(&self.counts, &episodes);
+            write_json(&results_dir.join(format!("{}.json", answer.question().scenario)), &message)?;
+            if alone {
+                write_json(&single, &message)?;
+            }
+        }
+        let of_one = self.answers.first().filter(|_| alone);
+        let best = of_one.map_or(Ok(vec![]), |a| a.best(BEST, &mut episodes.borrow_mut()));
+        let coverage = self.counts.coverage(taxonomy, searched);
+        write_json(&out.join("coverage.json"), &coverage)?;
+        Ok(Summary {
+            drives: self.counts.drives(),
+            episodes: self.written,
+            coverage,
+            best: best.map_err(io(&path))?,
+            matched: of_one.map_or(0, Answer::total),
+        })
+    }
+}
+
+const EPISODES: &str = "episodes.jsonl";
+const PRE_LABELS: &str = "pre_labels.jsonl";
+const SUGGESTIONS: &str = "keyframe_suggestions.jsonl";
+const CLIPS: &str = "clip_metadata.jsonl";
+const TABLE: &str = "episodes.parquet";
+
+fn part(out: &Path, name: &str) -> PathBuf {
+    out.join(format!(".{name}.{PART}"))
+}
+
+/// A file of JSON lines that is being written.
+struct Lines {
+    path: PathBuf,
+    out: BufWriter<File>,
+    bytes: u64,
+}
+
+impl Lines {
+    fn create(dir: &Path, name: &str) -> Result<Self, WriteError> {
+        let path = part(dir, name);
+        let file = File::create(&path).map_err(io(&path))?;
+        Ok(Self { path, out: BufWriter::new(file), bytes: 0 })
+    }
+
+    fn put(&mut self, message: &impl Serialize) -> Result<LinePlace, WriteError> {
+        let mut line = serde_json::to_vec(message).map_err(encoding(&self.path))?;
+        let place = LinePlace { start: self.bytes, len: line.len() };
+        line.push(b'\n');
+        self.bytes += line.len() as u64;
+        self.out.write_all(&line).map_err(io(&self.path))?;
+        Ok(place)
+    }
+
+    fn finish(mut self) -> Result<(), WriteError> {
+        self.out.flush().map_err(io(&self.path))
+    }
 }
 
 /// A clip's pre-label is its best primary episode: the highest score, then the earliest keyframe.
@@ -156,31 +283,20 @@ fn encoding<E: std::fmt::Display>(path: &Path) -> impl FnOnce(E) -> WriteError +
 }
 
 fn write_json(path: &Path, message: &impl Serialize) -> Result<(), WriteError> {
-    let mut text = serde_json::to_string_pretty(message).map_err(encoding(path))?;
-    text.push('\n');
-    fs::write(path, text).map_err(io(path))
-}
-
-fn write_lines<M: Serialize>(path: &Path, messages: impl Iterator<Item = M>) -> Result<(), WriteError> {
     let mut out = BufWriter::new(File::create(path).map_err(io(path))?);
-    for m in messages {
-        serde_json::to_writer(&mut out, &m).map_err(encoding(path))?;
-        out.write_all(b"\n").map_err(io(path))?;
-    }
-    out.flush().map_err(io(path))
+    serde_json::to_writer_pretty(&mut out, message).map_err(encoding(path))?;
+    out.write_all(b"\n").and_then(|()| out.flush()).map_err(io(path))
 }
 
-fn write_parquet(path: &Path, episodes: &[&MinedEpisode]) -> Result<(), WriteError> {
-    let batch = episode_batch(episodes).map_err(encoding(path))?;
+fn table(path: &Path) -> Result<ArrowWriter<File>, WriteError> {
+    let schema = episode_batch(&[]).map_err(encoding(path))?.schema();
     let version = KeyValue::new("whyroad.episodes_version".to_owned(), EPISODES_VERSION.to_string());
     let properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_created_by(format!("whyroad {}", env!("CARGO_PKG_VERSION")))
         .set_key_value_metadata(Some(vec![version]))
+        .set_max_row_group_row_count(Some(ROWS_A_GROUP))
         .build();
     let file = File::create(path).map_err(io(path))?;
-    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(encoding(path))?;
-    writer.write(&batch).map_err(encoding(path))?;
-    writer.close().map_err(encoding(path))?;
-    Ok(())
+    ArrowWriter::try_new(file, schema, Some(properties)).map_err(encoding(path))
 }

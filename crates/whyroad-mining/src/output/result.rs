@@ -1,64 +1,174 @@
-//! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over
-//! everything that matches.
+//! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over everything that
+//! matches. Of each match only its score, its id and its place in `episodes.jsonl` are kept; the rest is read from there
+//! when the result is written.
 
-use super::record::MinedEpisode;
-use crate::engine::MinedLake;
+use super::coverage::Counts;
+use serde::Serialize;
+use serde::ser::{Error as _, SerializeSeq, Serializer};
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use whyroad_model::ScenarioId;
-use whyroad_model::messages::{
-    MinedClip, MinedKeyframe, MiningResult, MiningResultMessage, MiningStatistics, NotObservable,
-};
+use whyroad_model::messages::{EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable};
 
-/// The result for a class: its episodes and those of everything below it.
-pub fn mining_result(
-    mined: &MinedLake,
-    query_id: &str,
-    scenario: &ScenarioId,
-    limit: Option<u32>,
-) -> MiningResultMessage {
-    let mut all: Vec<&MinedEpisode> = mined
-        .drives
-        .iter()
-        .flat_map(|d| &d.episodes)
-        .filter(|e| e.record.scenario_id.is_within(scenario))
-        .collect();
-    all.sort_by(|a, b| {
-        let (a, b) = (&a.record, &b.record);
-        b.score.total_cmp(&a.score).then_with(|| a.episode_id.cmp(&b.episode_id))
-    });
-    let mut distribution = BTreeMap::new();
-    for e in &all {
-        *distribution.entry(tenth(e.record.score)).or_insert(0u64) += 1;
+/// A question that was asked: a `mining_result` is written for each.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// Repeated in the result.
+    pub query_id: String,
+    /// Class asked for.
+    pub scenario: ScenarioId,
+    /// At most so many clips.
+    pub limit: Option<u32>,
+}
+
+/// Where an episode stands in `episodes.jsonl`: bytes.
+#[derive(Clone, Copy, Debug)]
+pub struct LinePlace {
+    /// From the start of the file.
+    pub start: u64,
+    /// Without the line's end.
+    pub len: usize,
+}
+
+struct Match {
+    score: f64,
+    episode_id: String,
+    place: LinePlace,
+}
+
+/// What was found for one question so far.
+pub struct Answer {
+    question: Question,
+    matches: Vec<Match>,
+    total: u64,
+    distribution: BTreeMap<String, u64>,
+}
+
+impl Answer {
+    /// Nothing found yet.
+    pub fn new(question: Question) -> Self {
+        Self { question, matches: Vec::new(), total: 0, distribution: BTreeMap::new() }
     }
-    let take = limit.map_or(all.len(), |l| usize::try_from(l).unwrap_or(usize::MAX).min(all.len()));
-    let clips: Vec<MinedClip> = all[..take].iter().map(|e| clip(e, scenario)).collect();
-    MiningResultMessage {
-        mining_result: MiningResult {
-            query_id: query_id.to_owned(),
-            scenario_id: scenario.clone(),
-            total_matched: all.len() as u64,
-            returned: clips.len() as u64,
-            clips,
-            statistics: MiningStatistics { score_distribution: distribution },
-            not_observable: not_observable(mined, scenario),
-        },
+
+    /// What was asked.
+    pub fn question(&self) -> &Question {
+        &self.question
+    }
+
+    /// Adds an episode that is of the class asked for, or below it; others are passed over.
+    pub fn add(&mut self, record: &EpisodeRecord, place: LinePlace) {
+        if !record.scenario_id.is_within(&self.question.scenario) {
+            return;
+        }
+        self.total += 1;
+        *self.distribution.entry(tenth(record.score)).or_default() += 1;
+        self.matches.push(Match { score: record.score, episode_id: record.episode_id.clone(), place });
+        // With a limit no more than twice as many are ever held.
+        if let Some(limit) = self.limit()
+            && self.matches.len() > 2 * limit + 1000
+        {
+            self.sort();
+            self.matches.truncate(limit);
+        }
+    }
+
+    fn limit(&self) -> Option<usize> {
+        self.question.limit.map(|l| usize::try_from(l).unwrap_or(usize::MAX / 4))
+    }
+
+    /// The best first; equal scores by id.
+    fn sort(&mut self) {
+        self.matches
+            .sort_by(|a, b| b.score.total_cmp(&a.score).then_with(|| a.episode_id.cmp(&b.episode_id)));
+    }
+
+    /// No more will come: the best first, and no more than asked for.
+    pub fn close(&mut self) {
+        self.sort();
+        if let Some(limit) = self.limit() {
+            self.matches.truncate(limit);
+        }
+    }
+
+    /// The best `n` of a closed answer, read from the episodes' file.
+    pub fn best(&self, n: usize, episodes: &mut File) -> std::io::Result<Vec<MinedClip>> {
+        self.matches.iter().take(n).map(|m| read(m.place, &self.question.scenario, episodes)).collect()
+    }
+
+    /// Everything that matched, whatever the limit.
+    pub fn total(&self) -> u64 {
+        self.total
+    }
+
+    /// The message of a closed answer, to be written: its clips are read from the episodes' file one by one.
+    pub fn message<'a>(&'a self, counts: &Counts, episodes: &'a RefCell<File>) -> impl Serialize + 'a {
+        Message {
+            mining_result: Body {
+                query_id: &self.question.query_id,
+                scenario_id: &self.question.scenario,
+                total_matched: self.total,
+                returned: self.matches.len() as u64,
+                clips: Clips { answer: self, episodes },
+                statistics: MiningStatistics { score_distribution: self.distribution.clone() },
+                not_observable: not_observable(counts, &self.question.scenario),
+            },
+        }
     }
 }
 
-fn clip(e: &MinedEpisode, asked: &ScenarioId) -> MinedClip {
-    let r = &e.record;
-    MinedClip {
+/// The same fields in the same order as [`whyroad_model::messages::MiningResultMessage`], which reads it.
+#[derive(Serialize)]
+struct Message<'a> {
+    mining_result: Body<'a>,
+}
+
+#[derive(Serialize)]
+struct Body<'a> {
+    query_id: &'a str,
+    scenario_id: &'a ScenarioId,
+    total_matched: u64,
+    returned: u64,
+    clips: Clips<'a>,
+    statistics: MiningStatistics,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    not_observable: Vec<NotObservable>,
+}
+
+struct Clips<'a> {
+    answer: &'a Answer,
+    episodes: &'a RefCell<File>,
+}
+
+impl Serialize for Clips<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.answer.matches.len()))?;
+        for m in &self.answer.matches {
+            let clip = read(m.place, &self.answer.question.scenario, &mut self.episodes.borrow_mut());
+            list.serialize_element(&clip.map_err(S::Error::custom)?)?;
+        }
+        list.end()
+    }
+}
+
+fn read(place: LinePlace, asked: &ScenarioId, episodes: &mut File) -> std::io::Result<MinedClip> {
+    let mut line = vec![0; place.len];
+    episodes.seek(SeekFrom::Start(place.start))?;
+    episodes.read_exact(&mut line)?;
+    let r: EpisodeRecord = serde_json::from_slice(&line)?;
+    Ok(MinedClip {
         clip_id: r.clip_id.to_string(),
         match_score: r.score,
         keyframe_suggestion: MinedKeyframe {
             timestamp: r.keyframe.timestamp,
             frame_idx: r.keyframe.frame_idx,
         },
-        conditions_matched: r.conditions_matched.clone(),
-        scenario_id: (r.scenario_id != *asked).then(|| r.scenario_id.clone()),
-        episode_id: Some(r.episode_id.clone()),
-        target_id: r.target_id.as_ref().map(ToString::to_string),
-    }
+        conditions_matched: r.conditions_matched,
+        scenario_id: (r.scenario_id != *asked).then_some(r.scenario_id),
+        episode_id: Some(r.episode_id),
+        target_id: r.target_id.map(|id| id.to_string()),
+    })
 }
 
 /// `0.8-0.9` holds scores from 0.8 up to but not 0.9; the last tenth holds 1 as well.
@@ -67,21 +177,17 @@ fn tenth(score: f64) -> String {
     format!("{:.1}-{:.1}", lower as f64 / 10.0, (lower + 1) as f64 / 10.0)
 }
 
-fn not_observable(mined: &MinedLake, scenario: &ScenarioId) -> Vec<NotObservable> {
-    let mut by_class: BTreeMap<&ScenarioId, (Vec<String>, BTreeSet<String>)> = BTreeMap::new();
-    for drive in &mined.drives {
-        for (class, missing) in &drive.missing {
-            if class.is_within(scenario) && !missing.is_empty() {
-                let (drives, signals) = by_class.entry(class).or_default();
-                drives.push(drive.drive_id.to_string());
-                signals.extend(missing.iter().cloned());
-            }
+fn not_observable(counts: &Counts, scenario: &ScenarioId) -> Vec<NotObservable> {
+    let row = |(scenario_id, gaps): (ScenarioId, Vec<whyroad_model::messages::DriveGap>)| {
+        let signals: BTreeSet<String> = gaps.iter().flat_map(|g| g.missing_signals.iter().cloned()).collect();
+        let drives: BTreeSet<String> = gaps.iter().flat_map(|g| &g.drives).map(ToString::to_string).collect();
+        NotObservable {
+            scenario_id,
+            drives: drives.into_iter().collect(),
+            missing_signals: signals.into_iter().collect(),
         }
-    }
-    let row = |(class, (drives, signals)): (&ScenarioId, (Vec<String>, BTreeSet<String>))| NotObservable {
-        scenario_id: class.clone(),
-        drives,
-        missing_signals: signals.into_iter().collect(),
     };
-    by_class.into_iter().map(row).collect()
+    let mut rows: Vec<NotObservable> = counts.gaps(scenario).into_iter().map(row).collect();
+    rows.sort_by(|a, b| a.scenario_id.cmp(&b.scenario_id));
+    rows
 }

@@ -43,6 +43,10 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
     for d in &mut found {
         d.place.file = Some(file.to_owned());
+        // A text that is no JSON is no label either.
+        if d.code == "label.json.syntax" {
+            d.code = "mine.query.syntax";
+        }
     }
     if found.is_empty() {
         let place = Place {

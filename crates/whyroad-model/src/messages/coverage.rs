@@ -13,7 +13,7 @@ pub struct Coverage {
     pub taxonomy_version: String,
     /// Drives that were searched, sorted.
     pub drives: Vec<DriveId>,
-    /// Every leaf of the taxonomy, in its order.
+    /// Every leaf of the taxonomy, in its order; after a question of the user's own (`--rule`, `--query`) only its class.
     pub leaves: Vec<LeafCoverage>,
     /// L2s with a rule of their own: what is known to be of the L2 while its variant is not. In taxonomy order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -47,16 +47,16 @@ pub struct LeafCoverage {
     pub primary_episodes: u64,
     /// Drives on which the rule could be decided.
     pub drives_searched: u64,
-    /// Drives on which it could not, with what they lack.
+    /// Drives on which it could not, by what they lack.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<DriveGap>,
 }
 
-/// Why a rule could not be decided on a drive.
+/// Why a rule could not be decided on some drives.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct DriveGap {
-    /// The drive.
-    pub drive_id: DriveId,
-    /// Signals that the rule needs and the drive cannot support, sorted.
+    /// The drives, sorted.
+    pub drives: Vec<DriveId>,
+    /// Signals that the rule needs and these drives cannot support, sorted.
     pub missing_signals: Vec<String>,
 }
