@@ -9,10 +9,17 @@
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
 //! or less a row (dictionary). Unknown is null on disk.
 
+mod bitmap;
+mod column;
+mod encodings;
+mod pages;
 mod read;
+mod steps;
+mod table;
 mod write;
 
-pub use read::{Range, Scope, SignalFile, StoredColumn};
+pub use column::StoredColumn;
+pub use read::{Range, Scope, SignalFile};
 pub use write::write_signals;
 
 use serde::{Deserialize, Serialize};
@@ -46,36 +53,52 @@ pub struct StoredDrive {
     pub content_hash: String,
     /// Number of frames.
     pub frames: usize,
-    targets: Vec<StoredTarget>,
+    /// The objects, each with the rows that it has in the targets' row group.
+    #[serde(with = "spans")]
+    pub targets: Vec<TargetSpan>,
     /// Signals that the log cannot support, with what it would need.
     pub unavailable: BTreeMap<String, Vec<String>>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct StoredTarget {
-    id: TrackId,
-    class: ObjectClass,
-    first: usize,
-    end: usize,
+impl StoredDrive {
+    /// Rows of the targets' row group.
+    pub fn target_rows(&self) -> usize {
+        self.targets.iter().map(|t| t.frames.len()).sum()
+    }
 }
 
-impl StoredDrive {
-    /// The objects, each with the rows that it has in the targets' row group.
-    pub fn targets(&self) -> Vec<TargetSpan> {
+/// Objects as the files state them: where their rows begin follows from their order.
+mod spans {
+    use super::{FrameRange, ObjectClass, TargetSpan, TrackId};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    struct Stated {
+        id: TrackId,
+        class: ObjectClass,
+        first: usize,
+        end: usize,
+    }
+
+    pub fn serialize<S: Serializer>(spans: &[TargetSpan], to: S) -> Result<S::Ok, S::Error> {
+        let stated = |t: &TargetSpan| {
+            let (id, frames) = (t.id.clone(), t.frames);
+            Stated { id, class: t.class, first: frames.start, end: frames.end }
+        };
+        spans.iter().map(stated).collect::<Vec<_>>().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<TargetSpan>, D::Error> {
+        let stated = Vec::<Stated>::deserialize(from)?;
         let mut first_row = 0;
-        let span = |t: &StoredTarget| {
+        let span = |t: Stated| {
             let frames = FrameRange::new(t.first, t.end);
-            let span = TargetSpan { id: t.id.clone(), class: t.class, first_row, frames };
+            let span = TargetSpan { id: t.id, class: t.class, first_row, frames };
             first_row += frames.len();
             span
         };
-        self.targets.iter().map(span).collect()
-    }
-
-    /// Rows of the targets' row group.
-    pub fn target_rows(&self) -> usize {
-        self.targets.iter().map(|t| t.end - t.first).sum()
+        Ok(stated.into_iter().map(span).collect())
     }
 }

@@ -12,6 +12,7 @@
 //! episodes with the same scores. Property tests hold the two equal. No I/O and no clock: who calls brings the columns.
 
 pub mod bits;
+mod compare;
 pub mod evaluation;
 mod margin;
 pub mod numbers;

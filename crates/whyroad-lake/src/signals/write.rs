@@ -1,6 +1,6 @@
 //! Signal tables to Parquet.
 
-use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, StoredTarget, TIME};
+use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME};
 use crate::file::ROW_ORDER_KEY;
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::types::UInt16Type;
@@ -53,16 +53,7 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
         drive_id: table.drive_id.clone(),
         content_hash: hash.to_owned(),
         frames: table.times.len(),
-        targets: table
-            .targets
-            .iter()
-            .map(|t| StoredTarget {
-                id: t.id.clone(),
-                class: t.class,
-                first: t.frames.start,
-                end: t.frames.end,
-            })
-            .collect(),
+        targets: table.targets.clone(),
         unavailable: table.unavailable.clone(),
         words: words.collect(),
     }

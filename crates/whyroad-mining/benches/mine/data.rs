@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use whyroad_ingest::{Options, find_sources, read};
 use whyroad_lake::SignalFile;
 use whyroad_lake::signals::write_signals;
@@ -13,12 +14,10 @@ use whyroad_model::{Column, FrameRange, Nanos, SignalTable};
 const DRIVE_ROWS: usize = 100_000;
 const DRIVES_A_FILE: usize = 8;
 
-/// One drive of the data: its file, its row group.
+/// One drive of the data: its store, its row group.
 pub struct Stored {
-    /// The file.
-    pub file: SignalFile,
-    /// Its folder.
-    pub folder: PathBuf,
+    /// The store, shared by the drives that are in it.
+    pub file: Arc<SignalFile>,
     /// Row group.
     pub drive: usize,
 }
@@ -50,11 +49,11 @@ pub fn bundled(names: &dyn Fn(&str) -> bool) -> Vec<SignalTable> {
     tables
 }
 
-/// Writes at least `rows` rows of targets below `dir`, and opens what was written.
-pub fn write(dir: &Path, tables: &[SignalTable], rows: usize) -> Vec<Stored> {
+/// Writes at least `rows` rows of targets below `dir`, some drives a folder; the folders.
+pub fn write(dir: &Path, tables: &[SignalTable], rows: usize) -> Vec<PathBuf> {
     let drives = rows.div_ceil(DRIVE_ROWS).max(1);
     let files: Vec<usize> = (0..drives.div_ceil(DRIVES_A_FILE)).collect();
-    files.par_iter().for_each(|f| {
+    let one = |f: &usize| {
         let folder = dir.join(format!("{f:03}"));
         std::fs::create_dir_all(&folder).expect("a folder");
         let of_file = f * DRIVES_A_FILE..drives.min((f + 1) * DRIVES_A_FILE);
@@ -62,16 +61,19 @@ pub fn write(dir: &Path, tables: &[SignalTable], rows: usize) -> Vec<Stored> {
             of_file.map(|d| (String::new(), long_drive(tables, d, DRIVE_ROWS))).collect();
         let borrowed: Vec<(String, &SignalTable)> = long.iter().map(|(h, t)| (h.clone(), t)).collect();
         write_signals(&folder, "bench", &borrowed).expect("written");
-    });
-    let open = |f: &usize| {
-        let folder = dir.join(format!("{f:03}"));
-        let file = SignalFile::open(&folder).expect("readable").expect("there");
-        let drives = 0..file.contents().drives.len();
-        drives
-            .map(move |drive| Stored { file: file.clone(), folder: folder.clone(), drive })
-            .collect::<Vec<_>>()
+        folder
     };
-    files.iter().flat_map(open).collect()
+    files.par_iter().map(one).collect()
+}
+
+/// The drives in these folders, their stores opened anew: nothing is known of them that is not in the files.
+pub fn open(folders: &[PathBuf]) -> Vec<Stored> {
+    let one = |folder: &PathBuf| {
+        let file = Arc::new(SignalFile::open(folder).expect("readable").expect("there"));
+        let drives = 0..file.contents().drives.len();
+        drives.map(|drive| Stored { file: file.clone(), drive }).collect::<Vec<_>>()
+    };
+    folders.par_iter().flat_map_iter(one).collect()
 }
 
 /// A factor near 1, from a counter: numbers are never the same twice, and nobody's clock or dice are asked.

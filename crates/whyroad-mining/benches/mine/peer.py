@@ -1,5 +1,5 @@
 """Answers the questions of the bench `mine` by DuckDB or Polars: argument 1 says which, argument 2 is the folder of the
-stored signals. Reads lines `condition<TAB>least_ns`, writes `seconds episodes`: unbroken runs of the condition, target by
+stored signals. Reads lines `condition<TAB>least_ns`, writes `seconds cpu_seconds episodes`: unbroken runs of the condition, target by
 target, that last at least so long (gaps and islands: the filter comes first, so that only rows that hold are numbered)."""
 
 import sys
@@ -52,6 +52,6 @@ elif engine == "polars":
 print("ready", flush=True)
 for line in sys.stdin:
     condition, least = line.rstrip("\n").split("\t")
-    start = time.perf_counter()
+    start, cpu = time.perf_counter(), time.process_time()
     count = ask(condition, int(least))
-    print(f"{time.perf_counter() - start} {count}", flush=True)
+    print(f"{time.perf_counter() - start} {time.process_time() - cpu} {count}", flush=True)

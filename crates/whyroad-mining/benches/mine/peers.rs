@@ -1,12 +1,11 @@
 //! Single rules against query engines: the same question, the same files, the same answer.
 
-use crate::data::Stored;
-use crate::timed;
+use crate::cost::{Cost, timed};
+use crate::data::{self, Stored};
 use rayon::prelude::*;
 use std::io::{BufRead, BufReader, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use whyroad_lake::SignalFile;
 use whyroad_mining::engine::find_stored;
 use whyroad_mining::fast::Plan;
 use whyroad_mining::rule::text::compile_text;
@@ -79,14 +78,15 @@ impl Peer {
         Some(Self { name, child, answers })
     }
 
-    /// Seconds and number of episodes.
-    fn ask(&mut self, q: &Question) -> Option<(f64, usize)> {
+    /// What it took, and the number of episodes.
+    fn ask(&mut self, q: &Question) -> Option<(Cost, usize)> {
         let stdin = self.child.stdin.as_mut()?;
         writeln!(stdin, "{}\t{}", q.sql, q.least_ns).ok()?;
         let mut line = String::new();
         self.answers.read_line(&mut line).ok()?;
-        let (seconds, episodes) = line.trim().split_once(' ')?;
-        Some((seconds.parse().ok()?, episodes.parse().ok()?))
+        let mut words = line.split_whitespace();
+        let (seconds, cpu) = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+        Some((Cost { seconds, cpu }, words.next()?.parse().ok()?))
     }
 }
 
@@ -98,47 +98,31 @@ impl Drop for Peer {
 }
 
 /// Each question to each engine in turn.
-pub fn run(dir: &Path, stored: &[Stored], total: usize, rounds: usize) {
-    let mut folders: Vec<&Path> = stored.iter().map(|s| s.folder.as_path()).collect();
-    folders.dedup();
+pub fn run(dir: &Path, folders: &[PathBuf], total: usize, rounds: usize) {
     let mut peers: Vec<Peer> = ["duckdb", "polars"].into_iter().filter_map(|n| Peer::start(n, dir)).collect();
     for q in QUESTIONS {
         let class = "proactive.turn.straight".parse().expect("a class");
         let mut rule = compile_text(q.rule, None, &class, Catalogue::bundled(), "bench").expect("a rule");
         rule.merge_gap = Nanos(0);
         let plan = Plan::of_rules([&rule]);
-        let ours = || -> usize {
-            // Like the peers, from the closed files on.
-            let opened: Vec<SignalFile> =
-                folders.par_iter().map(|f| SignalFile::open(f).expect("readable").expect("there")).collect();
-            let stored: Vec<(&SignalFile, usize)> =
-                opened.iter().flat_map(|f| (0..f.contents().drives.len()).map(move |d| (f, d))).collect();
-            let one = |(file, drive): &(&SignalFile, usize)| {
-                find_stored(&plan, file, *drive, &[0]).expect("readable")[0].episodes.len()
-            };
-            stored.par_iter().with_max_len(1).map(one).sum()
-        };
-        let mut best = vec![f64::INFINITY; peers.len() + 1];
+        let one =
+            |s: &Stored| find_stored(&plan, &s.file, s.drive, &[0]).expect("readable")[0].episodes.len();
+        // Like the peers, from the closed files on.
+        let ours = || -> usize { data::open(folders).par_iter().with_max_len(1).map(one).sum() };
+        let mut best = vec![Cost::WORST; peers.len() + 1];
         let mut counts = vec![0; peers.len() + 1];
         for _ in 0..rounds {
-            let (seconds, episodes) = timed(ours);
-            best[0] = best[0].min(seconds);
-            counts[0] = episodes;
-            for (k, peer) in peers.iter_mut().enumerate() {
-                let (seconds, episodes) = peer.ask(q).expect("an answer");
-                best[k + 1] = best[k + 1].min(seconds);
-                counts[k + 1] = episodes;
+            let asked = peers.iter_mut().map(|peer| peer.ask(q).expect("an answer"));
+            for (k, (cost, episodes)) in std::iter::once(timed(ours)).chain(asked).enumerate() {
+                best[k] = best[k].least(cost);
+                counts[k] = episodes;
             }
         }
-        print!("mine/one/{total} {} ({}): {} episodes {:.3} s", q.name, q.rule, counts[0], best[0]);
+        print!("mine/one/{total} {} ({}): {} episodes {}", q.name, q.rule, counts[0], best[0]);
         for (k, peer) in peers.iter().enumerate() {
-            print!(
-                "; {} {} episodes {:.3} s, {:.1} x",
-                peer.name,
-                counts[k + 1],
-                best[k + 1],
-                best[k + 1] / best[0]
-            );
+            let (theirs, episodes) = (best[k + 1], counts[k + 1]);
+            let ratio = theirs.seconds / best[0].seconds;
+            print!("; {} {episodes} episodes {theirs}, {ratio:.1} x", peer.name);
         }
         println!();
     }

@@ -1,7 +1,7 @@
 //! The robustness of one formula of signal temporal logic over one long signal, against rtamt (discrete time, offline):
 //! `eventually[0:10] always[0:5] (x < 3)`, in samples.
 
-use crate::timed;
+use crate::cost::timed;
 use std::process::Command;
 use whyroad_mining::fast::places::Place;
 use whyroad_mining::fast::{Evaluation, Plan, Signals};
@@ -34,8 +34,8 @@ pub fn run(n: usize, rounds: usize) {
     };
     let (mut best, mut margins) = (f64::INFINITY, Vec::new());
     for _ in 0..rounds * 5 {
-        let (seconds, out) = timed(ours);
-        best = best.min(seconds);
+        let (cost, out) = timed(ours);
+        best = best.min(cost.seconds);
         margins = out;
     }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mine/stl.py");

@@ -4,12 +4,13 @@
 use super::prefilter::{Verdict, verdict};
 use crate::episode::Found;
 use crate::fast::bits::Bits;
+use crate::fast::numbers::NumberColumn;
 use crate::fast::truth::Truth;
 use crate::fast::{Columns, Plan, Search, SignalColumn, Signals};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use whyroad_lake::signals::{Scope, StoredColumn};
+use whyroad_lake::signals::{Range, Scope, StoredColumn};
 use whyroad_lake::{LakeError, SignalFile};
 
 /// What comes of these rules of the plan, in their order, on one drive of a store.
@@ -19,11 +20,14 @@ pub fn find_stored(
     drive: usize,
     rules: &[usize],
 ) -> Result<Vec<Found>, LakeError> {
-    let named = file.signals(drive);
-    let ranges: BTreeMap<&str, _> = named.iter().map(|n| (*n, file.range(drive, n))).collect();
-    let known = |name: &str| ranges.get(name).copied().flatten().is_none_or(|r| r.known > 0);
-    let present: BTreeMap<String, bool> = named.iter().map(|n| ((*n).to_owned(), known(n))).collect();
-    let targets = file.contents().drives[drive].targets();
+    // Of a drive's many signals, those of which these rules speak.
+    let spoken_of: BTreeSet<&str> = rules.iter().flat_map(|r| plan.rules[*r].names()).collect();
+    let named = spoken_of.into_iter().filter(|n| file.has(drive, n));
+    let ranges: BTreeMap<&str, _> = named.map(|n| (n, file.range(drive, n))).collect();
+    let known = |range: &Option<Range>| range.is_none_or(|r| r.known > 0);
+    let present: BTreeMap<String, bool> =
+        ranges.iter().map(|(n, range)| ((*n).to_owned(), known(range))).collect();
+    let targets = file.contents().drives[drive].targets.as_slice();
 
     let verdicts: Vec<Verdict> = rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges)).collect();
     let open: BTreeSet<&str> = verdicts.iter().filter_map(Verdict::asks).collect();
@@ -74,13 +78,16 @@ pub fn read(file: &SignalFile, drive: usize, signals: BTreeSet<&str>) -> Result<
 }
 
 fn as_column(column: StoredColumn, rows: usize) -> SignalColumn<'static> {
+    let bits =
+        |words: Option<Vec<u64>>| words.map_or_else(|| Bits::ones(rows), |words| Bits::of_words(words, rows));
     match column {
         StoredColumn::Numbers(values, known) => {
-            let known = known.map_or_else(|| Bits::ones(rows), |words| Bits::of_words(words, rows));
-            SignalColumn::Numbers(Cow::Owned(values), Some(Rc::new(known)))
+            SignalColumn::Numbers(Rc::new(NumberColumn::of_known(values, bits(known))))
         }
         StoredColumn::Flags(yes, known) => {
-            SignalColumn::Packed(Truth::new(Bits::of_words(yes, rows), Bits::of_words(known, rows)))
+            let known = bits(known);
+            let yes = Bits::of_words(yes, known.count()).spread_over(&known);
+            SignalColumn::Packed(Truth::new(yes, known))
         }
         StoredColumn::Words(codes, names) => SignalColumn::Words(Cow::Owned(codes), names),
     }

@@ -179,6 +179,30 @@ impl Bits {
         out
     }
 
+    /// Of each 64 rows, how many bits are set before them.
+    pub fn counts_before(&self) -> Vec<usize> {
+        let mut before = 0;
+        let count = |word: &u64| {
+            let of_word = before;
+            before += word.count_ones() as usize;
+            of_word
+        };
+        self.words.iter().map(count).collect()
+    }
+
+    /// These bits one after another to the rows that are set in `rows`; 0 in the others.
+    #[must_use]
+    pub fn spread_over(&self, rows: &Bits) -> Bits {
+        let mut from = 0;
+        let word = |into: &u64| {
+            let n = into.count_ones() as usize;
+            let out = if n == 0 { 0 } else { deposited(self.word_at(from), *into) };
+            from += n;
+            out
+        };
+        Bits::of_words(rows.words.iter().map(word).collect(), rows.len)
+    }
+
     /// Each bit one row later; the first row gets 0, the last one is lost.
     #[must_use]
     pub fn later(&self) -> Bits {
@@ -243,6 +267,24 @@ impl Bits {
     }
 }
 
+/// The lowest bits to the places that are set in `into`. These are few stretches, nearly always one.
+fn deposited(mut bits: u64, mut into: u64) -> u64 {
+    if into == u64::MAX {
+        return bits;
+    }
+    let mut out = 0;
+    while into != 0 {
+        let start = into.trailing_zeros() as usize;
+        let long = (into >> start).trailing_ones() as usize;
+        let stretch = low(long) << start;
+        out |= (bits << start) & stretch;
+        // Less than 64, since not all are set.
+        bits >>= long;
+        into &= !stretch;
+    }
+    out
+}
+
 /// Maximal runs of 1.
 pub struct Runs<'a> {
     bits: &'a Bits,
@@ -304,6 +346,13 @@ mod tests {
             copied.copy_from(&bits, a..b, to);
             prop_assert_eq!(back(&copied)[to..to + b - a].to_vec(), v[a..b].to_vec());
             prop_assert_eq!(copied.count(), bits.count_in(a..b));
+            // Each set bit in its place again, with the bits of another vector.
+            let taken: Vec<bool> = (0..n).filter(|i| v[*i]).map(|i| i % 3 == 0).collect();
+            let spread = of(&taken).spread_over(&bits);
+            for (i, was) in v.iter().enumerate() {
+                prop_assert_eq!(spread.get(i), *was && i % 3 == 0);
+                prop_assert_eq!(bits.counts_before()[i / 64], bits.count_in(0..i / 64 * 64));
+            }
             let (mut set, mut clear) = (bits.clone(), bits.clone());
             set.set_range(a..b);
             clear.clear_range(a..b);

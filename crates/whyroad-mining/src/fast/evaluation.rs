@@ -2,7 +2,8 @@
 //! objects, and cut from there. Truth only; margins are computed for episodes alone ([`super::margin`]).
 
 use super::bits::Bits;
-use super::numbers::{Numbers, pack_all};
+use super::compare::pack_all;
+use super::numbers::Numbers;
 use super::places::{Place, Places};
 use super::plan::Plan;
 use super::signals::{Signals, Value};

@@ -1,21 +1,33 @@
-//! Numbers a row, and how they are compared: 64 rows make a word of truth. A column that is compared with a
-//! constant first gets the range of each 64 rows (signals change slowly), so that most words are settled
-//! without looking at their rows again, however many rules ask.
+//! Numbers a row, and how they are compared. A store hands out the numbers of the known rows alone, one after another:
+//! they are compared as they are, and only the bits that come of it are spread over the rows; so are the numbers where
+//! an operator needs one a row. A column that is compared again first gets the range of each 64 numbers (signals change
+//! slowly), so that most words are settled without looking at their numbers, however many rules ask.
 
 use super::bits::Bits;
+use super::compare::{
+    compare_columns, compare_slice, compare_word, holds, mirrored, pack_all, range, settled,
+};
 use super::truth::Truth;
 use crate::language::syntax::CompareOp;
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A column of numbers; NaN is unknown.
+/// A column of numbers.
 #[derive(Debug)]
 pub struct NumberColumn<'a> {
-    values: Cow<'a, [f64]>,
+    /// A number a row, NaN where it is unknown; or those of the known rows alone.
+    stored: Cow<'a, [f64]>,
+    /// Which rows the stored numbers are of, unless of all.
+    of_rows: Option<Rc<Bits>>,
     known: OnceCell<Rc<Bits>>,
-    /// Least and greatest known value of each 64 rows; infinity and minus infinity where none is known.
+    /// A number a row, once somebody has asked for them.
+    by_row: OnceCell<Vec<f64>>,
+    /// How many numbers are stored before each 64 rows.
+    before: OnceCell<Vec<usize>>,
+    compared: Cell<bool>,
+    /// Least and greatest known value of each 64 stored numbers; infinity and minus infinity where none is known.
     ranges: OnceCell<Vec<(f64, f64)>>,
 }
 
@@ -28,24 +40,100 @@ pub enum Numbers<'a> {
     Column(Rc<NumberColumn<'a>>, Range<usize>),
 }
 
+impl<'a> NumberColumn<'a> {
+    /// A number a row; NaN is unknown.
+    pub fn of_rows(values: impl Into<Cow<'a, [f64]>>) -> Self {
+        Self {
+            stored: values.into(),
+            of_rows: None,
+            known: OnceCell::new(),
+            by_row: OnceCell::new(),
+            before: OnceCell::new(),
+            compared: Cell::new(false),
+            ranges: OnceCell::new(),
+        }
+    }
+
+    /// The numbers of these rows, one after another; the others are unknown.
+    pub fn of_known(values: Vec<f64>, known: Bits) -> Self {
+        debug_assert_eq!(values.len(), known.count());
+        let known = Rc::new(known);
+        // As many numbers as rows: a number a row.
+        let of_rows = (values.len() < known.len()).then(|| known.clone());
+        Self { of_rows, known: known.into(), ..Self::of_rows(values) }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.of_rows.as_ref().map_or(self.stored.len(), |rows| rows.len())
+    }
+
+    /// True when there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Which rows are known.
+    pub fn known(&self) -> &Rc<Bits> {
+        self.known.get_or_init(|| Rc::new(pack_all(&self.stored, |x| !x.is_nan())))
+    }
+
+    /// A number a row; NaN where it is unknown.
+    pub fn values(&self) -> &[f64] {
+        let Some(rows) = &self.of_rows else { return &self.stored };
+        self.by_row.get_or_init(|| {
+            let mut out = vec![f64::NAN; rows.len()];
+            let mut from = 0;
+            for run in rows.runs(0..rows.len()) {
+                let n = run.len();
+                out[run].copy_from_slice(&self.stored[from..from + n]);
+                from += n;
+            }
+            out
+        })
+    }
+
+    /// The number in a row; NaN where it is unknown.
+    fn at(&self, row: usize) -> f64 {
+        let Some(rows) = &self.of_rows else { return self.stored[row] };
+        if !rows.get(row) {
+            return f64::NAN;
+        }
+        let before = self.before.get_or_init(|| rows.counts_before());
+        self.stored[before[row / 64] + rows.count_in(row / 64 * 64..row)]
+    }
+
+    fn compare(&self, op: CompareOp, bound: f64) -> Bits {
+        // What is asked once is not worth the ranges.
+        let yes = if self.compared.replace(true) {
+            let ranges = self.ranges.get_or_init(|| self.stored.chunks(64).map(range).collect());
+            let each =
+                self.stored.chunks(64).zip(ranges).map(|(rows, range)| match settled(op, *range, bound) {
+                    Some(true) => u64::MAX,
+                    Some(false) => 0,
+                    None => compare_word(op, rows, bound),
+                });
+            Bits::of_words(each.collect(), self.stored.len())
+        } else {
+            compare_slice(op, &self.stored, bound)
+        };
+        match &self.of_rows {
+            Some(rows) => yes.spread_over(rows),
+            None => yes.map2(self.known(), |y, k| y & k),
+        }
+    }
+}
+
 impl<'a> Numbers<'a> {
     /// All rows of a column.
     pub fn of(values: impl Into<Cow<'a, [f64]>>) -> Self {
-        let values = values.into();
-        let n = values.len();
-        let column = NumberColumn { values, known: OnceCell::new(), ranges: OnceCell::new() };
-        Self::Column(Rc::new(column), 0..n)
+        Self::all(Rc::new(NumberColumn::of_rows(values)))
     }
 
-    /// All rows of a column of which it is known already what is known.
-    pub fn with_known(values: impl Into<Cow<'a, [f64]>>, known: Option<Rc<Bits>>) -> Self {
-        let numbers = Self::of(values);
-        if let (Self::Column(column, rows), Some(known)) = (&numbers, known)
-            && known.len() == rows.len()
-        {
-            let _ = column.known.set(known);
-        }
-        numbers
+    /// All rows of a column.
+    pub fn all(column: Rc<NumberColumn<'a>>) -> Self {
+        let rows = 0..column.len();
+        Self::Column(column, rows)
     }
 
     /// Number of rows.
@@ -65,7 +153,7 @@ impl<'a> Numbers<'a> {
     pub fn at(&self, row: usize) -> f64 {
         match self {
             Self::Same(x, _) => *x,
-            Self::Column(column, rows) => column.values[rows.start + row],
+            Self::Column(column, rows) => column.at(rows.start + row),
         }
     }
 
@@ -106,7 +194,7 @@ impl<'a> Numbers<'a> {
     pub fn values(&self) -> Cow<'_, [f64]> {
         match self {
             Self::Same(x, n) => Cow::Owned(vec![*x; *n]),
-            Self::Column(column, rows) => Cow::Borrowed(&column.values[rows.clone()]),
+            Self::Column(column, rows) => Cow::Borrowed(&column.values()[rows.clone()]),
         }
     }
 
@@ -114,17 +202,8 @@ impl<'a> Numbers<'a> {
     pub fn known(&self) -> Rc<Bits> {
         match self {
             Self::Same(x, n) => Rc::new(if x.is_nan() { Bits::zeros(*n) } else { Bits::ones(*n) }),
-            Self::Column(column, rows) => match self.whole() {
-                Some(_) => column.known().clone(),
-                None => Rc::new(pack_all(&column.values[rows.clone()], |x| !x.is_nan())),
-            },
-        }
-    }
-
-    fn whole(&self) -> Option<&NumberColumn<'a>> {
-        match self {
-            Self::Column(column, rows) if *rows == (0..column.values.len()) => Some(column),
-            _ => None,
+            Self::Column(column, rows) if *rows == (0..column.len()) => column.known().clone(),
+            Self::Column(column, rows) => Rc::new(column.known().slice(rows.clone())),
         }
     }
 
@@ -152,149 +231,12 @@ impl<'a> Numbers<'a> {
             return Truth::unknown(self.len());
         }
         let known = self.known();
-        let yes = match self.whole() {
-            Some(column) => column.compare(op, bound, &known),
-            None => {
-                let yes = compare_slice(op, &self.values(), bound);
-                yes.map2(&known, |y, k| y & k)
-            }
+        let yes = match self {
+            Self::Column(column, rows) if *rows == (0..column.len()) => column.compare(op, bound),
+            _ => Bits::collect(self.len(), |i| known.get(i) && holds(op, self.at(i), bound)),
         };
         Truth { yes: Rc::new(yes), known }
     }
-}
-
-impl NumberColumn<'_> {
-    fn known(&self) -> &Rc<Bits> {
-        self.known.get_or_init(|| Rc::new(pack_all(&self.values, |x| !x.is_nan())))
-    }
-
-    fn compare(&self, op: CompareOp, bound: f64, known: &Bits) -> Bits {
-        let ranges = self.ranges.get_or_init(|| self.values.chunks(64).map(range).collect());
-        let words = self.values.chunks(64).zip(ranges).zip(known.words());
-        let each = words.map(|((rows, range), known)| match settled(op, *range, bound) {
-            Some(true) => *known,
-            Some(false) => 0,
-            None => compare_word(op, rows, bound) & known,
-        });
-        Bits::of_words(each.collect(), self.values.len())
-    }
-}
-
-/// What a comparison says for all values of a range, where it says the same for all.
-fn settled(op: CompareOp, (least, greatest): (f64, f64), bound: f64) -> Option<bool> {
-    if least > greatest {
-        return Some(false);
-    }
-    match op {
-        CompareOp::Less if greatest < bound => Some(true),
-        CompareOp::Less if least >= bound => Some(false),
-        CompareOp::LessOrEqual if greatest <= bound => Some(true),
-        CompareOp::LessOrEqual if least > bound => Some(false),
-        CompareOp::Greater if least > bound => Some(true),
-        CompareOp::Greater if greatest <= bound => Some(false),
-        CompareOp::GreaterOrEqual if least >= bound => Some(true),
-        CompareOp::GreaterOrEqual if greatest < bound => Some(false),
-        CompareOp::Equal if bound < least || bound > greatest => Some(false),
-        CompareOp::NotEqual if bound < least || bound > greatest => Some(true),
-        _ => None,
-    }
-}
-
-/// Least and greatest known value of up to 64 rows. Eight at a time: the comparisons skip NaN, and a
-/// compiler turns them into vector instructions.
-fn range(rows: &[f64]) -> (f64, f64) {
-    let (mut least, mut greatest) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
-    let (eights, rest) = rows.as_chunks::<8>();
-    for eight in eights {
-        for k in 0..8 {
-            least[k] = if eight[k] < least[k] { eight[k] } else { least[k] };
-            greatest[k] = if eight[k] > greatest[k] { eight[k] } else { greatest[k] };
-        }
-    }
-    for (k, x) in rest.iter().enumerate() {
-        least[k] = if *x < least[k] { *x } else { least[k] };
-        greatest[k] = if *x > greatest[k] { *x } else { greatest[k] };
-    }
-    let least = least.into_iter().fold(f64::INFINITY, f64::min);
-    (least, greatest.into_iter().fold(f64::NEG_INFINITY, f64::max))
-}
-
-fn holds(op: CompareOp, a: f64, b: f64) -> bool {
-    match op {
-        CompareOp::Less => a < b,
-        CompareOp::LessOrEqual => a <= b,
-        CompareOp::Greater => a > b,
-        CompareOp::GreaterOrEqual => a >= b,
-        CompareOp::Equal => a == b,
-        CompareOp::NotEqual => a != b,
-    }
-}
-
-fn mirrored(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::LessOrEqual => CompareOp::GreaterOrEqual,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::GreaterOrEqual => CompareOp::LessOrEqual,
-        same @ (CompareOp::Equal | CompareOp::NotEqual) => same,
-    }
-}
-
-/// Up to 64 rows to a word.
-fn compare_word(op: CompareOp, rows: &[f64], b: f64) -> u64 {
-    // One loop an operator: the operator is no longer asked for in each row.
-    match op {
-        CompareOp::Less => pack(rows, |a| a < b),
-        CompareOp::LessOrEqual => pack(rows, |a| a <= b),
-        CompareOp::Greater => pack(rows, |a| a > b),
-        CompareOp::GreaterOrEqual => pack(rows, |a| a >= b),
-        CompareOp::Equal => pack(rows, |a| a == b),
-        CompareOp::NotEqual => pack(rows, |a| a != b),
-    }
-}
-
-fn compare_slice(op: CompareOp, rows: &[f64], b: f64) -> Bits {
-    Bits::of_words(rows.chunks(64).map(|w| compare_word(op, w, b)).collect(), rows.len())
-}
-
-fn compare_columns(op: CompareOp, a: &[f64], b: &[f64]) -> Bits {
-    let words = a.chunks(64).zip(b.chunks(64)).map(|(a, b)| match op {
-        CompareOp::Less => pack2(a, b, |a, b| a < b),
-        CompareOp::LessOrEqual => pack2(a, b, |a, b| a <= b),
-        CompareOp::Greater => pack2(a, b, |a, b| a > b),
-        CompareOp::GreaterOrEqual => pack2(a, b, |a, b| a >= b),
-        CompareOp::Equal => pack2(a, b, |a, b| a == b),
-        CompareOp::NotEqual => pack2(a, b, |a, b| a != b),
-    });
-    Bits::of_words(words.collect(), a.len())
-}
-
-/// A bit an item.
-pub fn pack_all<T: Copy>(items: &[T], f: impl Fn(T) -> bool + Copy) -> Bits {
-    Bits::of_words(items.chunks(64).map(|w| pack(w, f)).collect(), items.len())
-}
-
-fn pack<T: Copy>(items: &[T], f: impl Fn(T) -> bool) -> u64 {
-    let mut flags = [0u8; 64];
-    for (flag, item) in flags.iter_mut().zip(items) {
-        *flag = u8::from(f(*item));
-    }
-    gathered(&flags)
-}
-
-fn pack2(a: &[f64], b: &[f64], f: impl Fn(f64, f64) -> bool) -> u64 {
-    let mut flags = [0u8; 64];
-    for ((flag, a), b) in flags.iter_mut().zip(a).zip(b) {
-        *flag = u8::from(f(*a, *b));
-    }
-    gathered(&flags)
-}
-
-/// 64 bytes of 0 or 1 to 64 bits. The product moves byte i of eight to bit 56 + i, with no carry between them.
-fn gathered(flags: &[u8; 64]) -> u64 {
-    let (eights, _) = flags.as_chunks::<8>();
-    let byte = |eight: &[u8; 8]| u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-    eights.iter().enumerate().fold(0, |word, (i, eight)| word | byte(eight) << (8 * i))
 }
 
 #[cfg(test)]
@@ -347,6 +289,22 @@ mod tests {
                         prop_assert_eq!(t.at(i), expected(op, *x, bound));
                         prop_assert_eq!(m.at(i), expected(op, bound, *x));
                     }
+                }
+                // As a store hands them out: those of the known rows alone. Twice, once without ranges and once with.
+                let known = Bits::collect(n, |i| !a[i].is_nan());
+                let stored = a.iter().copied().filter(|x| !x.is_nan()).collect();
+                let dense = Numbers::all(Rc::new(NumberColumn::of_known(stored, known)));
+                for _ in 0..2 {
+                    let t = dense.compare(op, &Numbers::Same(bound, n));
+                    for (i, x) in a.iter().enumerate() {
+                        prop_assert_eq!(t.at(i), expected(op, *x, bound));
+                        prop_assert_eq!(dense.at(i).to_bits(), x.to_bits());
+                    }
+                }
+                prop_assert!(dense.values().iter().zip(&a).all(|(x, y)| x.to_bits() == y.to_bits()));
+                let t = dense.slice(from..n).compare(op, &Numbers::Same(bound, n - from));
+                for i in 0..n - from {
+                    prop_assert_eq!(t.at(i), expected(op, a[from + i], bound));
                 }
                 let part = Numbers::of(a.clone()).slice(from..n);
                 let t = part.compare(op, &Numbers::Same(bound, n - from));

@@ -40,6 +40,12 @@ pub struct PlanRule<'r> {
 }
 
 impl PlanRule<'_> {
+    /// Every signal of which the rule speaks; some more than once.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let sets = [&self.needs, &self.signals, &self.when_signals, &self.later_signals];
+        sets.into_iter().flatten().map(String::as_str)
+    }
+
     /// The plan's node for a node of the rule.
     pub fn node(&self, id: NodeId) -> NodeId {
         self.nodes[id.0]

@@ -1,8 +1,7 @@
 //! What the fast evaluator reads: the columns of one drive, wherever they come from. Borrowed from a
 //! [`SignalTable`], or owned as a store decoded them.
 
-use super::bits::Bits;
-use super::numbers::Numbers;
+use super::numbers::{NumberColumn, Numbers};
 use super::places::{Place, Places};
 use super::truth::Truth;
 use std::borrow::Cow;
@@ -18,8 +17,8 @@ use whyroad_model::{Column, Nanos, SignalTable, Tri};
 /// One signal: a value a frame, or a value a row of the targets' table.
 #[derive(Debug)]
 pub enum SignalColumn<'a> {
-    /// Numbers; NaN is unknown. What is known as bits, where that is at hand.
-    Numbers(Cow<'a, [f64]>, Option<Rc<Bits>>),
+    /// Numbers.
+    Numbers(Rc<NumberColumn<'a>>),
     /// Truth values.
     Flags(Cow<'a, [Tri]>),
     /// Truth values, packed.
@@ -134,10 +133,11 @@ impl<'a> Signals<'a> {
         let column = self.column(name)?;
         let of_target = name.starts_with("target.");
         Some(match column {
-            SignalColumn::Numbers(values, known) => {
-                let cut = cut(places, place, of_target, values, f64::NAN);
-                let whole = matches!(&cut, Cow::Borrowed(v) if v.len() == values.len());
-                Value::Numbers(Numbers::with_known(cut, known.clone().filter(|_| whole)))
+            SignalColumn::Numbers(column) => {
+                Value::Numbers(match places.stored_rows(place, of_target, column.len()) {
+                    Some(rows) => Numbers::Column(column.clone(), rows),
+                    None => Numbers::of(cut(places, place, of_target, column.values(), f64::NAN)),
+                })
             }
             SignalColumn::Flags(values) => {
                 Value::Truth(packed(&cut(places, place, of_target, values, Tri::Unknown)))
@@ -156,8 +156,7 @@ impl<'a> SignalColumn<'a> {
     /// True when a value in these rows of the stored column is known.
     pub fn any_known(&self, mut rows: Range<usize>) -> bool {
         match self {
-            Self::Numbers(_, Some(known)) => known.any_in(rows),
-            Self::Numbers(values, None) => rows.any(|i| !values[i].is_nan()),
+            Self::Numbers(column) => column.known().any_in(rows),
             Self::Flags(values) => rows.any(|i| values[i] != Tri::Unknown),
             Self::Packed(truth) => truth.known.any_in(rows),
             Self::Words(codes, _) => rows.any(|i| codes[i] != UNKNOWN_CODE),
@@ -167,7 +166,7 @@ impl<'a> SignalColumn<'a> {
     /// A column of a table, without copying it.
     pub fn borrowed(column: &'a Column) -> Self {
         match column {
-            Column::Number(v) => Self::Numbers(Cow::Borrowed(v), None),
+            Column::Number(v) => Self::Numbers(Rc::new(NumberColumn::of_rows(v.as_slice()))),
             Column::Flag(v) => Self::Flags(Cow::Borrowed(v)),
             Column::Category { codes, names } => Self::Words(Cow::Borrowed(codes), names.clone()),
         }
@@ -185,8 +184,8 @@ fn cut<'v, T: Copy>(
 }
 
 fn packed(values: &[Tri]) -> Truth {
-    let yes = super::numbers::pack_all(values, |t| t == Tri::True);
-    Truth::new(yes, super::numbers::pack_all(values, |t| t != Tri::Unknown))
+    let yes = super::compare::pack_all(values, |t| t == Tri::True);
+    Truth::new(yes, super::compare::pack_all(values, |t| t != Tri::Unknown))
 }
 
 fn cut_packed(places: &Places, place: Place, of_target: bool, truth: &Truth) -> Truth {

@@ -1,0 +1,115 @@
+//! One of the two files of a store: its footer, and columns of one row group.
+
+use super::pages::{Dense, Values, read};
+use super::{FRAME, KEY, ROW_ORDER, StoredDrive};
+use crate::file::ROW_ORDER_KEY;
+use crate::{LAKE_VERSION, LakeError};
+use parquet::basic::Type;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub path: PathBuf,
+    pub metadata: Arc<ParquetMetaData>,
+    /// Columns by name.
+    pub columns: Arc<BTreeMap<String, usize>>,
+    /// Of each drive, whether the order of its rows has been checked: once is enough while the store is open.
+    in_order: Arc<[AtomicBool]>,
+}
+
+impl Table {
+    /// The table, and what it says of the contents of the store, as text.
+    pub fn open(path: &Path) -> Result<Option<(Self, String)>, LakeError> {
+        let file = match File::open(path) {
+            Ok(f) => f,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(LakeError::io(path)(e)),
+        };
+        let metadata =
+            ParquetMetaDataReader::new().parse_and_finish(&file).map_err(|e| LakeError::broken(path, e))?;
+        let stated = metadata.file_metadata().key_value_metadata();
+        let value = |key: &str| stated?.iter().find(|kv| kv.key == key)?.value.clone();
+        match value("whyroad.lake_version").and_then(|v| v.parse::<u32>().ok()) {
+            Some(LAKE_VERSION) => {}
+            Some(found) => return Err(LakeError::Version { path: path.to_owned(), found }),
+            None => return Err(LakeError::broken(path, "the file does not state its lake version")),
+        }
+        if value(ROW_ORDER_KEY).as_deref() != Some(ROW_ORDER) {
+            return Err(LakeError::broken(path, format!("the order of its rows is not '{ROW_ORDER}'")));
+        }
+        let contents = value(KEY).unwrap_or_default();
+        // Names have dots, and are one part of a path all the same.
+        let leaves = metadata.file_metadata().schema_descr().columns().iter().enumerate();
+        let named = leaves.filter_map(|(i, c)| match c.path().parts() {
+            [name] => Some((name.clone(), i)),
+            _ => None,
+        });
+        let columns = Arc::new(named.collect());
+        let in_order = metadata.row_groups().iter().map(|_| AtomicBool::new(false)).collect();
+        Ok(Some((Self { path: path.to_owned(), metadata: Arc::new(metadata), columns, in_order }, contents)))
+    }
+
+    /// Rows of each row group.
+    pub fn rows(&self) -> impl Iterator<Item = usize> {
+        self.metadata.row_groups().iter().map(|g| usize::try_from(g.num_rows()).unwrap_or(0))
+    }
+
+    pub fn wrong_type(&self, name: &str) -> LakeError {
+        LakeError::broken(&self.path, format!("column '{name}' is not of the expected type"))
+    }
+
+    /// How the values of a column are stored.
+    pub fn physical(&self, name: &str) -> Option<Type> {
+        let column = *self.columns.get(name)?;
+        Some(self.metadata.file_metadata().schema_descr().column(column).physical_type())
+    }
+
+    /// These columns of one row group; `None` where it has no rows.
+    pub fn read(&self, group: usize, names: &[&str]) -> Result<Option<Vec<Dense>>, LakeError> {
+        let groups = self.metadata.row_groups();
+        let rows = groups.get(group).map_or(0, |g| usize::try_from(g.num_rows()).unwrap_or(0));
+        let (Some(group), 1..) = (groups.get(group), rows) else { return Ok(None) };
+        // Every thread reads through a file of its own: a position is shared by all clones of a handle.
+        let mut file = File::open(&self.path).map_err(LakeError::io(&self.path))?;
+        let one = |name: &&str| {
+            let missing = || LakeError::broken(&self.path, format!("column '{name}' is missing"));
+            let column = *self.columns.get(*name).ok_or_else(missing)?;
+            read(&mut file, group.column(column), rows).map_err(|e| LakeError::broken(&self.path, e))
+        };
+        names.iter().map(one).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Checks that the rows of a drive are those that the store says, in the order that it says; the first time only.
+    pub fn check_order(
+        &self,
+        drive: usize,
+        expected: impl Iterator<Item = std::ops::Range<usize>>,
+    ) -> Result<(), LakeError> {
+        let checked = self.in_order.get(drive);
+        if checked.is_some_and(|c| c.load(Ordering::Relaxed)) {
+            return Ok(());
+        }
+        let Some(columns) = self.read(drive, &[FRAME])? else { return Ok(()) };
+        let [Dense { values: Values::Integers(frames), known: None }] = columns.as_slice() else {
+            return Err(self.wrong_type(FRAME));
+        };
+        let expected = expected.map(|frames| frames.start as i64..frames.end as i64);
+        if let Some(row) = frames.differ(expected) {
+            return Err(LakeError::RowOrder { path: self.path.clone(), row });
+        }
+        if let Some(of_drive) = checked {
+            of_drive.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+}
+
+/// The frames of each object of a drive, in the order of their rows.
+pub(super) fn frames_of_targets(of: &StoredDrive) -> impl Iterator<Item = std::ops::Range<usize>> {
+    of.targets.iter().map(|t| t.frames.start..t.frames.end)
+}
