@@ -60,6 +60,8 @@ enum Command {
     Serve(cmd::serve::Args),
     /// Make, list, export and import labelling tasks
     Tasks(cmd::tasks::Args),
+    /// List the accounts of the labelling service, and give one a new password
+    Accounts(cmd::accounts::Args),
     /// Write the store of the labelling service into one file
     Backup(cmd::backup::BackupArgs),
     /// Read a backup into an empty store
@@ -85,6 +87,7 @@ fn main() -> ExitCode {
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
+        Command::Accounts(a) => cmd::accounts::run(&cli.global, a),
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),

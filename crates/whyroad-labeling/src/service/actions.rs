@@ -200,15 +200,7 @@ fn restore(
     request: &TaskAction,
     now: i64,
 ) -> Answer<()> {
-    leases::held(t, &actor.id, request.fence)?;
-    if !t.at.state.is_editable() {
-        return Err(Problem::new(
-            409,
-            "task.wrong_state",
-            "当前状态下不能修改",
-            "it cannot be changed in this state",
-        ));
-    }
+    leases::may_edit(t, &actor.id, request.fence)?;
     let seq = request.seq.ok_or_else(|| Problem::request("seq is missing"))?;
     // Only what may be seen may come back.
     drafts::at_for(tx, t, &actor.id, seq)?;

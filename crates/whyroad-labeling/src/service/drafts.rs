@@ -42,15 +42,7 @@ pub fn save(
     now: i64,
 ) -> Answer<Saved> {
     let mut t = tasks::get_for_change(tx, task)?;
-    leases::held(&t, user, Some(change.fence))?;
-    if !t.at.state.is_editable() {
-        return Err(Problem::new(
-            409,
-            "task.wrong_state",
-            "当前状态下不能修改",
-            "it cannot be changed in this state",
-        ));
-    }
+    leases::may_edit(&t, user, Some(change.fence))?;
     if change.changes.is_empty() || change.changes.len() > fields::MAX_CHANGES {
         return Err(Problem::request(format!("1 to {} changes", fields::MAX_CHANGES)));
     }

@@ -105,6 +105,20 @@ pub fn held(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
     if t.at.holder.as_deref() == Some(user) && t.fence == fence { Ok(()) } else { Err(Problem::lease_lost()) }
 }
 
+/// Lets only the holder with the newest token through, and only while the draft may be changed.
+pub fn may_edit(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
+    held(t, user, fence)?;
+    if !t.at.state.is_editable() {
+        return Err(Problem::new(
+            409,
+            "task.wrong_state",
+            "当前状态下不能修改",
+            "it cannot be changed in this state",
+        ));
+    }
+    Ok(())
+}
+
 /// Keeps the lease. It is written only when a fifth of it is gone: heartbeats are many.
 pub fn keep(tx: &mut dyn Tx, t: &mut TaskRow, settings: &Settings, now: i64) -> Answer<()> {
     let fresh = i64::from(settings.lease_s) * 800;

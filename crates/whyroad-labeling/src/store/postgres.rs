@@ -40,7 +40,7 @@ struct Connection {
 impl Postgres {
     /// Opens the database; also where a backup of it was put in `aside` before its tables were brought forward.
     pub(super) fn open(url: &str, aside: &Path) -> Answer<(Self, Option<PathBuf>)> {
-        let mut config: Config = url.parse().map_err(Problem::store)?;
+        let mut config: Config = url.parse().map_err(|e| problem(&e))?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
         let store = Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
         let mut copy = None;
@@ -58,10 +58,11 @@ impl Postgres {
         Ok((store, copy))
     }
 
-    fn connection(&self) -> Answer<Connection> {
-        let mut pool = self.pool.lock().map_err(Problem::store)?;
+    fn connection(&self) -> Result<Connection, Failure> {
+        let broken = || Failure::Final(Problem::store("the pool is broken"));
+        let mut pool = self.pool.lock().map_err(|_| broken())?;
         while pool.out >= CONNECTIONS {
-            pool = self.free.wait(pool).map_err(Problem::store)?;
+            pool = self.free.wait(pool).map_err(|_| broken())?;
         }
         pool.out += 1;
         if let Some(connection) = pool.idle.pop().filter(|c| !c.client.is_closed()) {
@@ -72,7 +73,8 @@ impl Postgres {
         drop(pool);
         let client = self.config.connect(NoTls).map_err(|e| {
             self.give_back(None);
-            Problem::store(e)
+            // A server that is away may come back; a wrong password stays wrong.
+            if passes(&e) { Failure::Again(problem(&e)) } else { Failure::Final(problem(&e)) }
         })?;
         Ok(Connection { client, prepared: HashMap::new() })
     }
@@ -94,7 +96,7 @@ impl Postgres {
                     self.give_back(Some(connection));
                     outcome
                 }
-                Err(e) => Err(Failure::Again(e)),
+                Err(failure) => Err(failure),
             };
             match outcome {
                 Ok(()) => return Ok(()),
@@ -270,6 +272,10 @@ fn problem(e: &postgres::Error) -> Problem {
     match (e.code(), e.as_db_error()) {
         (Some(code), _) if *code == SqlState::DISK_FULL => Problem::disk_full(),
         (_, Some(d)) => Problem::store(d.message()),
-        _ => Problem::store(e),
+        // The error itself says only where it was; its cause says what.
+        _ => match std::error::Error::source(e) {
+            Some(cause) => Problem::store(format!("{e}: {cause}")),
+            None => Problem::store(e),
+        },
     }
 }

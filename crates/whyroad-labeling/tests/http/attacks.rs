@@ -1,7 +1,7 @@
 //! What somebody with bad intent, or a broken tool, sends: each is refused, and nobody else feels it.
 
 use crate::recorded::episode;
-use crate::work::Work;
+use crate::work::{Begin, Work};
 use crate::world::World;
 use serde_json::{Value, json};
 
@@ -11,10 +11,7 @@ fn nested(depth: usize) -> Value {
 }
 
 pub fn a_draft_nested_too_deep_is_refused_and_nobody_else_feels_it(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let Begin { admin, project, ann, task } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
     // serde_json reads nothing nested more than 128 deep: what is stored deeper is lost for ever. So much comes in just so.
     for depth in [40, 110, 120, 121, 122, 123] {

@@ -1,14 +1,11 @@
 //! Autosave: merging, conflicts, leases and their tokens, restoring.
 
-use crate::work::Work;
+use crate::work::{Begin, Work};
 use crate::world::World;
 use serde_json::{Value, json};
 
 pub fn changes_of_different_fields_merge_and_of_the_same_conflict(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let Begin { ann, task, .. } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
     work.stage1();
     work.act("lock_stage1", &json!({})).fine();
@@ -105,10 +102,7 @@ pub fn a_task_is_never_held_twice(world: &World) {
 }
 
 pub fn an_earlier_draft_comes_back(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let Begin { ann, task, .. } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
     work.stage1();
     let components = work.view()["draft"]["critical_components"].clone();

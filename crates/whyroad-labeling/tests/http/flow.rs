@@ -1,6 +1,6 @@
 //! The whole path: setup, project, tasks, Stage I and II, check, rework, accept, export.
 
-use crate::work::Work;
+use crate::work::{Begin, Work};
 use crate::world::World;
 use serde_json::{Value, json};
 
@@ -101,10 +101,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
 }
 
 pub fn a_label_made_here_names_a_cause_of_each_decision(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let Begin { ann, task, .. } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
     work.stage1();
     work.act("lock_stage1", &json!({})).fine();

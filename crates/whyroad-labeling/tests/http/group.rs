@@ -1,7 +1,7 @@
 //! Overlap groups, the queue, audits, and what leads do with tasks.
 
 use crate::recorded::episode;
-use crate::work::Work;
+use crate::work::{Begin, Work};
 use crate::world::{Person, World};
 use serde_json::{Value, json};
 
@@ -252,10 +252,7 @@ pub fn lists_come_page_by_page_and_filtered(world: &World) {
 }
 
 pub fn what_is_given_back_says_why_and_the_history_comes_in_pages(world: &World) {
-    let admin = world.admin();
-    let project = world.project(&admin, "town", &json!({}));
-    let ann = world.person(&admin, &project, "ann", &["annotator"]);
-    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let Begin { admin, ann, task, .. } = Begin::on(world);
     let work = Work::take(&ann, &task);
     let give_back = |reason: &str| json!({ "action": "release", "fence": work.fence, "reason": reason });
     let lease = work.path("/lease");

@@ -67,10 +67,20 @@ fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
         fill("{seq}", (0..12).map(|i| i.to_string()).collect());
         fill("{camera}", vec!["front%20left".into(), "rear".into()]);
         fill("{index}", (0..140).step_by(2).map(|i| i.to_string()).collect());
-        for query in route.query {
-            if query.0 == "state" {
-                paths.push(format!("{}?state=stage2,submitted,accepted", paths[0]));
-            }
+        for (name, _) in route.query {
+            let values: &[&str] = match *name {
+                "state" => &["stage2,submitted,accepted"],
+                "kind" => &["label", "check", "audit", "none"],
+                "limit" | "cursor" => &["1", "2"],
+                "q" => &["drive"],
+                "scenario" => &["reactive_agent"],
+                "assignee" => &["admin"],
+                "mine" => &["true"],
+                // Those of the export, which annotators do not get.
+                _ => &[],
+            };
+            let first = paths[0].clone();
+            paths.extend(values.iter().map(|v| format!("{first}?{name}={v}")));
         }
         out.extend(paths);
     }

@@ -1,7 +1,25 @@
 //! What people do with a task, step by step, for tests that need one in some state.
 
-use crate::world::{Person, Reply};
+use crate::world::{Person, Reply, World};
 use serde_json::{Value, json};
+
+/// A project with one task and an annotator.
+pub struct Begin {
+    pub admin: Person,
+    pub project: String,
+    pub ann: Person,
+    pub task: String,
+}
+
+impl Begin {
+    pub fn on(world: &World) -> Self {
+        let admin = world.admin();
+        let project = world.project(&admin, "town", &json!({}));
+        let ann = world.person(&admin, &project, "ann", &["annotator"]);
+        let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+        Self { admin, project, ann, task }
+    }
+}
 
 /// A task in somebody's hands.
 pub struct Work<'p> {

@@ -1,5 +1,6 @@
 //! One file a command: its arguments, and the calls that answer them.
 
+pub(crate) mod accounts;
 pub(crate) mod backup;
 pub(crate) mod demo;
 pub(crate) mod evaluate;

@@ -68,8 +68,13 @@ impl Client {
 
     /// Signs in with the password that all accounts of these tests have.
     pub fn sign_in(at: SocketAddr, name: &str) -> Self {
+        Self::sign_in_with(at, name, "a long password")
+    }
+
+    /// Signs in.
+    pub fn sign_in_with(at: SocketAddr, name: &str, password: &str) -> Self {
         let mut client = Self::new(at);
-        client.enter("/session", &serde_json::json!({"name": name, "password": "a long password"}));
+        client.enter("/session", &serde_json::json!({"name": name, "password": password}));
         client
     }
 

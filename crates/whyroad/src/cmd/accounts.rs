@@ -1,0 +1,84 @@
+//! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For whoever
+//! runs the service: they have the store, and need no account of their own.
+
+use crate::store_place::told;
+use crate::{Global, output, store_place};
+use anyhow::anyhow;
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use whyroad_labeling::problem::Problem;
+use whyroad_labeling::secret;
+use whyroad_labeling::service::people;
+use whyroad_model::Lang;
+
+/// Bytes of a password that is made here, in hexadecimal twice as many characters.
+const PASSWORD_BYTES: usize = 10;
+
+/// Arguments of `whyroad accounts`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(clap::Subcommand)]
+enum What {
+    /// List accounts
+    List {
+        #[command(flatten)]
+        store: store_place::StoreArgs,
+    },
+    /// Give an account a new password, which is printed, and end its sessions
+    Password {
+        /// Name of the account
+        #[arg(value_name = "NAME")]
+        name: String,
+        #[command(flatten)]
+        store: store_place::StoreArgs,
+    },
+}
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    match args.what {
+        What::List { store } => list(&store, global.lang),
+        What::Password { name, store } => password(&store, &name, global.lang),
+    }
+}
+
+fn list(store: &store_place::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> {
+    let all = store.open_existing(lang)?.read(people::all).map_err(|p| told(&p, lang))?;
+    let (admin, disabled) = match lang {
+        Lang::Zh => ("管理员", "已停用"),
+        Lang::En => ("administrator", "disabled"),
+    };
+    let mut out = String::new();
+    for user in all {
+        let marks: Vec<&str> =
+            [(user.admin, admin), (user.disabled, disabled)].iter().filter(|m| m.0).map(|m| m.1).collect();
+        let _ = writeln!(out, "{:<24}  {}  {}", user.name, user.display, marks.join(", "));
+    }
+    output::put(&out);
+    Ok(output::FINE)
+}
+
+fn password(store: &store_place::StoreArgs, name: &str, lang: Lang) -> anyhow::Result<ExitCode> {
+    let store = store.open_existing(lang)?;
+    let problem = |p: Problem| told(&p, lang);
+    let fresh = secret::random(PASSWORD_BYTES).map_err(problem)?;
+    let hash = secret::hash_password(&fresh).map_err(problem)?;
+    let wanted = name.to_owned();
+    let found = store.write(move |tx| match people::find(tx, &wanted)? {
+        Some(user) => people::set_password(tx, &user.id, &hash).map(|()| Some(user)),
+        None => Ok(None),
+    });
+    let user = found.map_err(problem)?.ok_or_else(|| match lang {
+        Lang::Zh => anyhow!("没有账号 '{name}'；`whyroad accounts list` 列出所有账号"),
+        Lang::En => anyhow!("there is no account '{name}'; `whyroad accounts list` has them all"),
+    })?;
+    match lang {
+        Lang::Zh => say!("{} 的新密码（请登录后更改）：", user.name),
+        Lang::En => say!("the new password of {}, to be changed after signing in:", user.name),
+    }
+    output::put(&format!("{fresh}\n"));
+    Ok(output::FINE)
+}
