@@ -1,15 +1,15 @@
-// The framework's words for the screens that list classes: read once for the whole page.
+// The framework's words, for the screens that list classes and for the labelling screen: read once for the whole page.
 import { api } from "./api/calls.ts";
 import { type Framework, readFramework } from "./label/framework.ts";
 import { type Bilingual, say } from "./text/text.svelte.ts";
 
 const loaded = $state<{ now: Framework | null }>({ now: null });
-let asked: Promise<void> | null = null;
+let asked: Promise<Framework> | null = null;
 
 /** Asks for the framework unless it is there or under way. A failure is asked for again by the next screen. */
-export function loadNames(): Promise<void> {
+export function loadNames(): Promise<Framework> {
   asked ??= api.framework().then(
-    (view) => void (loaded.now = readFramework(view)),
+    (view) => (loaded.now = readFramework(view)),
     (error: unknown) => {
       asked = null;
       throw error;

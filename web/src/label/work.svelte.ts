@@ -8,7 +8,8 @@ import { buildRoad, type Road } from "../scene/road.ts";
 import { Player } from "../scene/player.svelte.ts";
 import { within } from "./changes.ts";
 import { Draft } from "./draft.svelte.ts";
-import { type Channel, type Framework, readFramework, type Spec } from "./framework.ts";
+import { loadNames } from "../names.svelte.ts";
+import type { Channel, Framework, Spec } from "./framework.ts";
 import { type Json, read, same } from "./pointer.ts";
 import { type Clock, clockOf, frameNear, secondOf } from "./times.ts";
 
@@ -148,7 +149,7 @@ export class Work {
   /** Fetches everything; on a second call only what a change of stage can change. */
   async load(): Promise<void> {
     await this.attempt.run(async () => {
-      const [task, framework] = await Promise.all([api.task(this.id), this.framework ?? api.framework().then(readFramework)]);
+      const [task, framework] = await Promise.all([api.task(this.id), loadNames()]);
       this.framework = framework;
       this.#remember();
       await this.show(task);
