@@ -1,6 +1,7 @@
 //! The service as one value: what handlers and commands work with.
 
 use crate::limits::Limits;
+use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::Recordings;
 use crate::service::scene::SceneCache;
@@ -46,6 +47,8 @@ pub struct App {
     pub tell: Tell,
     /// What the maker of the first account has to show; none where only this machine reaches the service.
     pub setup_token: Option<String>,
+    /// Where people can sign in beside here.
+    pub oidc: Option<Provider>,
 }
 
 /// Whether cookies are for HTTPS only.
@@ -92,6 +95,7 @@ impl App {
             origin: Origin::Connection,
             tell: Arc::new(|_| {}),
             setup_token: None,
+            oidc: None,
         })
     }
 

@@ -8,6 +8,7 @@ pub mod api;
 pub mod app;
 pub mod fields;
 pub mod limits;
+pub mod oidc;
 pub mod problem;
 pub mod recordings;
 pub mod secret;

@@ -40,22 +40,27 @@ fn keys(name: &str, address: &str) -> [(String, u32); 2] {
     [(format!("name {name}"), FREE_OF_NAME), (format!("address {address}"), FREE_OF_ADDRESS)]
 }
 
+/// A wait of so many ms as an answer.
+fn admitted(wait: i64) -> Answer<()> {
+    if wait == 0 {
+        return Ok(());
+    }
+    let seconds = (wait + 999) / 1000;
+    Err(Problem::new(
+        429,
+        "session.wait",
+        format!("失败次数过多，请 {seconds} 秒后再试"),
+        format!("too many failures: try again in {seconds} s"),
+    )
+    .with(json!({ "retry_after_s": seconds })))
+}
+
 impl Limits {
     /// Lets a sign-in be tried, or says how long to wait.
     pub fn admit(&self, name: &str, address: &str, now: i64) -> Answer<()> {
         let wait =
             keys(name, address).iter().map(|(key, free)| self.wait(key, *free, now)).max().unwrap_or(0);
-        if wait == 0 {
-            return Ok(());
-        }
-        let seconds = (wait + 999) / 1000;
-        Err(Problem::new(
-            429,
-            "session.wait",
-            format!("失败次数过多，请 {seconds} 秒后再试"),
-            format!("too many failures: try again in {seconds} s"),
-        )
-        .with(json!({ "retry_after_s": seconds })))
+        admitted(wait)
     }
 
     fn wait(&self, key: &str, free: u32, now: i64) -> i64 {
@@ -66,14 +71,30 @@ impl Limits {
             .map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
     }
 
+    /// As [`Limits::admit`], where no name is known: by address alone.
+    pub fn admit_from(&self, address: &str, now: i64) -> Answer<()> {
+        let [_, (key, free)] = keys("", address);
+        admitted(self.wait(&key, free, now))
+    }
+
+    /// Counts a failure where no name is known.
+    pub fn failed_from(&self, address: &str, now: i64) {
+        let [_, key] = keys("", address);
+        self.count(&[key], now);
+    }
+
     /// Counts a failure.
     pub fn failed(&self, name: &str, address: &str, now: i64) {
+        self.count(&keys(name, address), now);
+    }
+
+    fn count(&self, keys: &[(String, u32)], now: i64) {
         let Ok(mut failures) = self.failures.lock() else { return };
         if failures.len() >= KEPT {
             failures.retain(|_, f| f.last + LONGEST > now);
         }
-        for (key, _) in keys(name, address) {
-            let entry = failures.entry(key).or_insert(Failures { count: 0, last: now });
+        for (key, _) in keys {
+            let entry = failures.entry(key.clone()).or_insert(Failures { count: 0, last: now });
             if entry.last + DAY < now {
                 entry.count = 0;
             }

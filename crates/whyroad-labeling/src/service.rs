@@ -9,6 +9,7 @@ pub mod drafts;
 pub mod findings;
 #[cfg(test)]
 mod fixtures;
+pub mod identities;
 pub mod leases;
 pub mod list;
 pub mod people;

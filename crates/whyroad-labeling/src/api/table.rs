@@ -1,8 +1,9 @@
 //! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
 
-use super::handlers::{accounts, drafts, projects, scenes, session, talk, tasks, transfer, webhooks};
+use super::handlers::{accounts, drafts, oidc, projects, scenes, session, talk, tasks, transfer, webhooks};
 use super::route::{Access, Route};
-use super::wire::{people::*, project::*, scene::*, task::*};
+use super::wire::{oidc::*, people::*, project::*, scene::*, task::*};
+use crate::oidc::flow::Returned;
 use serde_json::Value;
 
 /// The table.
@@ -11,7 +12,7 @@ pub const ROUTES: &[Route] = &[
     Route::get("/session", Access::Anyone, "Who is signed in, and the CSRF value", session::show)
         .gives::<Session>(),
     Route::post("/session", Access::Anyone, "Sign in", session::sign_in).takes::<SignIn>().gives::<Session>(),
-    Route::delete("/session", Access::Anyone, "Sign out", session::sign_out).gives::<Done>(),
+    Route::delete("/session", Access::Anyone, "Sign out", session::sign_out).gives::<SignedOut>(),
     Route::post(
         "/setup",
         Access::Anyone,
@@ -20,7 +21,39 @@ pub const ROUTES: &[Route] = &[
     )
     .takes::<Setup>()
     .gives::<Session>(),
-    Route::get("/users", Access::SignedIn, "All users", accounts::list).gives::<Users>(),
+    Route::post(
+        "/oidc/begin",
+        Access::Anyone,
+        "Begin to sign in at the identity provider, or to link oneself to it",
+        oidc::begin,
+    )
+    .takes::<BeginAtProvider>()
+    .gives::<ProviderAddress>(),
+    Route::post(
+        "/oidc/finish",
+        Access::Anyone,
+        "End that with what the provider sent the browser back with",
+        oidc::finish,
+    )
+    .takes::<Returned>()
+    .gives::<Session>(),
+    Route::get("/identities", Access::SignedIn, "Who of the identity provider one is linked to", oidc::list)
+        .query(&[("user", "of this user (id); for admins")])
+        .gives::<Identities>(),
+    Route::delete(
+        "/identities/{id}",
+        Access::SignedIn,
+        "Unlink oneself, or as admin anybody; sessions that began there end",
+        oidc::unlink,
+    )
+    .gives::<Done>(),
+    Route::get(
+        "/users",
+        Access::SignedIn,
+        "Users: all for admins and leads, for others those of their projects",
+        accounts::list,
+    )
+    .gives::<Users>(),
     Route::post("/users", Access::Admin, "Make a user", accounts::create).takes::<NewUser>().gives::<User>(),
     Route::patch(
         "/users/{u}",

@@ -3,6 +3,7 @@
 //! milliseconds since 1970.
 
 pub mod making;
+pub mod oidc;
 pub mod people;
 pub mod project;
 pub mod scene;

@@ -7,7 +7,8 @@ use crate::{secret, values};
 
 /// How long a session lasts, ms.
 pub const SESSION_MS: i64 = 14 * 24 * 3_600_000;
-const COLUMNS: &str = "id, name, display, admin, lang, disabled";
+const COLUMNS: &str = "id, name, display, admin, lang, disabled, email";
+const OF_U: &str = "u.id, u.name, u.display, u.admin, u.lang, u.disabled, u.email";
 
 fn user(row: &Row) -> Answer<User> {
     Ok(User {
@@ -17,6 +18,7 @@ fn user(row: &Row) -> Answer<User> {
         admin: row.int(3)? != 0,
         lang: row.text(4)?,
         disabled: row.int(5)? != 0,
+        email: row.maybe_text(6)?,
     })
 }
 
@@ -48,13 +50,23 @@ pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> An
         ));
     }
     check_texts(user)?;
+    check_email(tx, user)?;
     if find(tx, &user.name)?.is_some() {
         return Err(Problem::new(409, "user.exists", "用户名已存在", "there is a user of this name"));
     }
     tx.run(
-        "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
-         VALUES ($1, $2, $3, $4, $5, $6, 0, $7)",
-        values![&user.id, &user.name, &user.display, i64::from(user.admin), &user.lang, password_hash, now],
+        "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created, email)
+         VALUES ($1, $2, $3, $4, $5, $6, 0, $7, $8)",
+        values![
+            &user.id,
+            &user.name,
+            &user.display,
+            i64::from(user.admin),
+            &user.lang,
+            password_hash,
+            now,
+            user.email.clone()
+        ],
     )?;
     Ok(())
 }
@@ -66,12 +78,43 @@ fn check_texts(user: &User) -> Answer<()> {
     Ok(())
 }
 
-/// Writes a user's display name, language, rights.
+/// An address as it is kept: in small letters; none for an empty one.
+pub fn email(text: &str) -> Option<String> {
+    Some(text.trim().to_ascii_lowercase()).filter(|e| !e.is_empty())
+}
+
+fn check_email(tx: &mut dyn Tx, user: &User) -> Answer<()> {
+    let Some(email) = &user.email else { return Ok(()) };
+    let plain = email.len() <= 254 && email.bytes().all(|b| b.is_ascii_graphic() && !b.is_ascii_uppercase());
+    if !plain || email.split_once('@').is_none_or(|(name, domain)| name.is_empty() || domain.is_empty()) {
+        return Err(Problem::new(422, "user.email", "邮箱地址无效", "this is no e-mail address"));
+    }
+    let other = tx.row("SELECT 1 FROM users WHERE email = $1 AND id <> $2", values![email, &user.id])?;
+    if other.is_some() {
+        return Err(Problem::new(
+            409,
+            "user.email_taken",
+            "另一个用户已有此邮箱",
+            "another user has this e-mail address",
+        ));
+    }
+    Ok(())
+}
+
+/// Writes a user's display name, language, address, rights.
 pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     check_texts(user)?;
+    check_email(tx, user)?;
     tx.run(
-        "UPDATE users SET display = $1, lang = $2, admin = $3, disabled = $4 WHERE id = $5",
-        values![&user.display, &user.lang, i64::from(user.admin), i64::from(user.disabled), &user.id],
+        "UPDATE users SET display = $1, lang = $2, admin = $3, disabled = $4, email = $5 WHERE id = $6",
+        values![
+            &user.display,
+            &user.lang,
+            i64::from(user.admin),
+            i64::from(user.disabled),
+            user.email.clone(),
+            &user.id
+        ],
     )?;
     if user.disabled {
         end_sessions(tx, &user.id)?;
@@ -117,6 +160,21 @@ pub fn start_session(tx: &mut dyn Tx, cookie: &str, user: &str, now: i64) -> Ans
     Ok(())
 }
 
+/// What stands for the hash of a password where there is none.
+pub const NO_PASSWORD: &str = "";
+
+/// Notes that a session began at the identity provider.
+pub fn note_provider(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
+    tx.run("UPDATE sessions SET oidc = 1 WHERE hash = $1", values![secret::hash(cookie)])?;
+    Ok(())
+}
+
+/// True for a session that began at the identity provider.
+pub fn began_at_provider(tx: &mut dyn Tx, cookie: &str) -> Answer<bool> {
+    let sql = "SELECT 1 FROM sessions WHERE hash = $1 AND oidc = 1";
+    Ok(tx.row(sql, values![secret::hash(cookie)])?.is_some())
+}
+
 /// Ends a session.
 pub fn end_session(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
     tx.run("DELETE FROM sessions WHERE hash = $1", values![secret::hash(cookie)])?;
@@ -125,14 +183,17 @@ pub fn end_session(tx: &mut dyn Tx, cookie: &str) -> Answer<()> {
 
 /// Whose session this cookie is.
 pub fn by_cookie(tx: &mut dyn Tx, cookie: &str, now: i64) -> Answer<Option<User>> {
-    let sql = "SELECT u.id, u.name, u.display, u.admin, u.lang, u.disabled FROM sessions s JOIN users u ON u.id = s.user_id
-               WHERE s.hash = $1 AND s.expires >= $2 AND u.disabled = 0";
-    tx.row(sql, values![secret::hash(cookie), now])?.as_ref().map(user).transpose()
+    let sql = format!(
+        "SELECT {OF_U} FROM sessions s JOIN users u ON u.id = s.user_id
+         WHERE s.hash = $1 AND s.expires >= $2 AND u.disabled = 0"
+    );
+    tx.row(&sql, values![secret::hash(cookie), now])?.as_ref().map(user).transpose()
 }
 
 /// Whose API token this is.
 pub fn by_token(tx: &mut dyn Tx, token: &str) -> Answer<Option<User>> {
-    let sql = "SELECT u.id, u.name, u.display, u.admin, u.lang, u.disabled FROM api_tokens t JOIN users u ON u.id = t.user_id
-               WHERE t.hash = $1 AND u.disabled = 0";
-    tx.row(sql, values![secret::hash(token)])?.as_ref().map(user).transpose()
+    let sql = format!(
+        "SELECT {OF_U} FROM api_tokens t JOIN users u ON u.id = t.user_id WHERE t.hash = $1 AND u.disabled = 0"
+    );
+    tx.row(&sql, values![secret::hash(token)])?.as_ref().map(user).transpose()
 }

@@ -1,5 +1,6 @@
 //! Projects and members.
 
+use crate::api::wire::people::User;
 use crate::api::wire::project::{Member, Project, Settings};
 use crate::problem::{Answer, Problem};
 use crate::service::people;
@@ -123,6 +124,8 @@ pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
     let mut out = Vec::new();
     for row in rows {
         let Some(user) = people::find(tx, &row.text(0)?)? else { continue };
+        // Addresses are between a user and the administrators.
+        let user = User { email: None, ..user };
         out.push(Member { user, roles: parse(&row.text(1)?)?, skills: parse(&row.text(2)?)? });
     }
     Ok(out)

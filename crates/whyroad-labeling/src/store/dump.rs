@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub(super) const TABLES: &[&str] = &[
     "settings",
     "users",
+    "identities",
+    "oidc_used",
     "sessions",
     "api_tokens",
     "projects",

@@ -5,8 +5,11 @@ use crate::problem::{Answer, Problem};
 use crate::values;
 
 /// One script a version, from 1.
-const SCRIPTS: &[&str] =
-    &[include_str!("../../migrations/0001_tables.sql"), include_str!("../../migrations/0002_language.sql")];
+const SCRIPTS: &[&str] = &[
+    include_str!("../../migrations/0001_tables.sql"),
+    include_str!("../../migrations/0002_language.sql"),
+    include_str!("../../migrations/0003_identities.sql"),
+];
 
 /// The version of this program.
 pub(super) const LATEST: i64 = SCRIPTS.len() as i64;

@@ -137,6 +137,7 @@ fn check(kind: &str, verb: &str, path: &str, access: &str, passes: char, status:
         "/tokens/{id}",
         "/tasks/{t}/overlap",
         "/session",
+        "/identities/{id}",
         "/setup",
         "/tasks/{t}/media/{camera}/{index}",
         "/tasks/{t}/history/{seq}",

@@ -20,7 +20,8 @@ pub struct World {
     pub app: Arc<App>,
     pub address: SocketAddr,
     pub future: Future,
-    clock: Arc<AtomicI64>,
+    pub clock: Arc<AtomicI64>,
+    place: Place,
     runtime: Option<tokio::runtime::Runtime>,
     _dir: tempfile::TempDir,
 }
@@ -39,19 +40,34 @@ impl World {
     }
 
     fn start(place: &Place, future: Future, dir: tempfile::TempDir) -> Self {
+        Self::open(place, future, dir, Arc::new(AtomicI64::new(NOON)), |_| {})
+    }
+
+    /// A second service on the same store and by the same clock, set up by `set_up`.
+    pub fn beside(&self, set_up: impl FnOnce(&mut App)) -> Self {
+        Self::open(&self.place, self.future, tempfile::tempdir().unwrap(), Arc::clone(&self.clock), set_up)
+    }
+
+    fn open(
+        place: &Place,
+        future: Future,
+        dir: tempfile::TempDir,
+        clock: Arc<AtomicI64>,
+        set_up: impl FnOnce(&mut App),
+    ) -> Self {
         let recordings = Recorded { future, pictures: dir.path().to_path_buf() };
         let store = Store::open(place).unwrap();
         let mut app = App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap();
-        let clock = Arc::new(AtomicI64::new(NOON));
         let hands = Arc::clone(&clock);
         app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
+        set_up(&mut app);
         let app = Arc::new(app);
         let runtime =
             tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
         let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
         let address = listener.local_addr().unwrap();
         runtime.spawn(whyroad_labeling::serve(Arc::clone(&app), listener, std::future::pending()));
-        Self { app, address, future, clock, runtime: Some(runtime), _dir: dir }
+        Self { app, address, future, clock, place: place.clone(), runtime: Some(runtime), _dir: dir }
     }
 
     /// Lets time pass.

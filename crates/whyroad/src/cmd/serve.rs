@@ -2,6 +2,7 @@
 //! that a newcomer sees clips at once.
 
 mod first_run;
+mod oidc;
 
 use crate::recordings::LakeRecordings;
 use crate::{Global, output, store_place};
@@ -45,6 +46,8 @@ pub(crate) struct Args {
     webhook_to: Vec<String>,
     #[command(flatten)]
     store: store_place::StoreArgs,
+    #[command(flatten)]
+    oidc: oidc::OidcArgs,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -53,6 +56,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let listener =
         TcpListener::bind(args.listen).with_context(|| format!("cannot listen on {}", args.listen))?;
     let at = listener.local_addr()?;
+    // A mistake here is told before the drives are read.
+    let own = Some(at).filter(|at| at.ip().is_loopback() && !args.https);
+    let oidc = args.oidc.provider(own, global.lang)?;
     let (lake, mined) = match &args.lake {
         Some(dir) => (Lake::open(dir)?, args.mined.clone()),
         None => first_run::bundled(global, framework, &args.store.data)?,
@@ -61,6 +67,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let recordings = Arc::new(LakeRecordings::open(lake, framework, &mined, &args.media)?);
     let store = args.store.open(global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_place::told(&p, global.lang))?;
+    app.oidc = oidc;
     if args.https {
         app.cookies = whyroad_labeling::app::Cookies::Secure;
     }

@@ -19,13 +19,21 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         Ok((people::all(tx)?, if all { None } else { Some(projects::fellows(tx, &caller.id)?) }))
     })?;
     items.retain(|u| u.id == caller.id || fellows.as_ref().is_none_or(|f| f.contains(&u.id)));
+    for user in items.iter_mut().filter(|u| !caller.admin && u.id != caller.id) {
+        user.email = None;
+    }
     Reply::json(&Users { items })
 }
 
 /// `POST /users`
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let wanted: NewUser = call.body()?;
-    let hash = call.app.limits.one_at_a_time(|| secret::hash_password(&wanted.password))?;
+    let email = wanted.email.as_deref().and_then(people::email);
+    let hash = match &wanted.password {
+        Some(password) => call.app.limits.one_at_a_time(|| secret::hash_password(password))?,
+        None if email.is_some() => people::NO_PASSWORD.to_owned(),
+        None => return Err(Problem::request("a user has a password or an email")),
+    };
     let user = User {
         id: secret::id()?,
         display: wanted.display.unwrap_or_else(|| wanted.name.clone()),
@@ -33,6 +41,7 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
         admin: wanted.admin,
         lang: wanted.lang.unwrap_or_else(|| "zh".to_owned()),
         disabled: false,
+        email,
     };
     let (new, now) = (user.clone(), call.app.now());
     call.app.store.write(move |tx| people::create(tx, &new, &hash, now))?;
@@ -44,7 +53,7 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let (caller, change) = (call.user()?, call.body::<UserChange>()?);
     let target = call.app.store.read(|tx| people::find(tx, call.param("u")))?;
     let own = target.as_ref().is_some_and(|t| t.id == caller.id);
-    let rights = change.admin.is_some() || change.disabled.is_some();
+    let rights = change.admin.is_some() || change.disabled.is_some() || change.email.is_some();
     if !caller.admin && (!own || rights) {
         return Err(Problem::forbidden());
     }
@@ -54,6 +63,7 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
     user.lang = change.lang.unwrap_or(user.lang);
     user.admin = change.admin.unwrap_or(user.admin);
     user.disabled = change.disabled.unwrap_or(user.disabled);
+    user.email = change.email.as_deref().map_or(user.email, people::email);
     let new = user.clone();
     call.app.store.write(move |tx| {
         people::update(tx, &new)?;

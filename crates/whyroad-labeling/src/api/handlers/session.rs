@@ -4,8 +4,10 @@ use crate::api::access::csrf_of;
 use crate::api::call::Call;
 use crate::api::openapi;
 use crate::api::reply::Reply;
-use crate::api::wire::people::{Done, Session, Setup, SignIn, User};
+use crate::api::wire::oidc::SignedOut;
+use crate::api::wire::people::{Session, Setup, SignIn, User};
 use crate::app::{App, Cookies};
+use crate::oidc::flow;
 use crate::problem::{Answer, Problem};
 use crate::service::people;
 use crate::{secret, values};
@@ -33,7 +35,8 @@ fn answer(call: &Call<'_>, user: Option<User>, fresh: Option<String>) -> Answer<
             (fresh.clone(), vec![cookie(call.app, &fresh)])
         }
     };
-    let session = Session { user, csrf: csrf_of(call.app, &value), first_run };
+    let provider = call.app.oidc.as_ref().map(|p| p.settings.name.clone());
+    let session = Session { user, csrf: csrf_of(call.app, &value), first_run, provider };
     Ok(Reply { cookies, ..Reply::json(&session)? })
 }
 
@@ -49,22 +52,35 @@ pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
     app.limits.admit(&name, &call.request.address, now)?;
     let known = app.store.read(|tx| people::credentials(tx, &name))?;
     // Somebody who is not there costs as much time as a wrong password.
-    let hash = known.as_ref().map_or_else(nobody, |(_, hash)| Ok(hash.clone()))?;
+    let set = known.as_ref().map(|(_, hash)| hash.clone()).filter(|hash| hash != people::NO_PASSWORD);
+    let hash = set.map_or_else(nobody, Ok)?;
     let right = app.limits.one_at_a_time(|| secret::is_password(&password, &hash));
     let Some((id, _)) = known.filter(|_| right) else {
         app.limits.failed(&name, &call.request.address, now);
         return Err(Problem::new(401, "session.wrong", "用户名或密码错误", "wrong name or password"));
     };
     app.limits.succeeded(&name);
-    begin(call, id)
+    begin(call, id, Door::Password)
+}
+
+/// Which way somebody came in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Door {
+    /// By password.
+    Password,
+    /// By the identity provider.
+    Provider,
 }
 
 /// Starts a session under a new cookie and answers with it.
-fn begin(call: &Call<'_>, user: String) -> Answer<Reply> {
+pub(super) fn begin(call: &Call<'_>, user: String, door: Door) -> Answer<Reply> {
     let (fresh, now) = (secret::random(32)?, call.app.now());
     let value = fresh.clone();
     let user = call.app.store.write(move |tx| {
         people::start_session(tx, &value, &user, now)?;
+        if door == Door::Provider {
+            people::note_provider(tx, &value)?;
+        }
         people::find(tx, &user)
     })?;
     answer(call, user, Some(fresh))
@@ -82,10 +98,19 @@ fn nobody() -> Answer<String> {
 
 /// `DELETE /session`
 pub fn sign_out(call: &Call<'_>) -> Answer<Reply> {
+    let mut at_provider = false;
     if let Some(value) = call.request.cookie.clone() {
-        call.app.store.write(move |tx| people::end_session(tx, &value))?;
+        at_provider = call.app.store.write(move |tx| {
+            let at_provider = people::began_at_provider(tx, &value)?;
+            people::end_session(tx, &value)?;
+            Ok(at_provider)
+        })?;
     }
-    Ok(Reply { cookies: vec![cookie(call.app, "")], ..Reply::json(&Done { done: true })? })
+    // The next person at this machine would be let in again as this one without a question.
+    let provider = call.app.oidc.as_ref().filter(|_| at_provider);
+    let provider_sign_out = provider.and_then(|p| flow::sign_out_address(call.app, p));
+    let answer = SignedOut { done: true, provider_sign_out };
+    Ok(Reply { cookies: vec![cookie(call.app, "")], ..Reply::json(&answer)? })
 }
 
 /// `POST /setup`
@@ -116,7 +141,7 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
     }
     let hash = call.app.limits.one_at_a_time(|| secret::hash_password(&password))?;
     let lang = lang.unwrap_or_else(|| "zh".to_owned());
-    let user = User { id: secret::id()?, name, display, admin: true, lang, disabled: false };
+    let user = User { id: secret::id()?, name, display, admin: true, lang, disabled: false, email: None };
     let (id, now) = (user.id.clone(), call.app.now());
     call.app.store.write(move |tx| {
         // Two at once: one of them is too late.
@@ -133,7 +158,7 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
         )?;
         Ok(())
     })?;
-    begin(call, id)
+    begin(call, id, Door::Password)
 }
 
 /// True for `localhost` and plain addresses. A page elsewhere can make its own *name* lead to this machine and so get

@@ -12,6 +12,9 @@ pub struct Session {
     pub csrf: String,
     /// True while there is no user at all: `POST /setup` makes the first one.
     pub first_run: bool,
+    /// Name of the identity provider at which one can sign in too: `POST /oidc/begin`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provider: Option<String>,
 }
 
 /// A person with an account.
@@ -29,6 +32,9 @@ pub struct User {
     pub lang: String,
     /// May no longer sign in.
     pub disabled: bool,
+    /// E-mail address, which links to a person of the identity provider; told to admins and to the user.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub email: Option<String>,
 }
 
 /// Body of `POST /session`.
@@ -68,8 +74,13 @@ pub struct NewUser {
     /// Name to show.
     #[serde(default)]
     pub display: Option<String>,
-    /// Password, at least 10 characters.
-    pub password: String,
+    /// Password, at least 10 characters; none for who signs in at the identity provider only, and then has an e-mail
+    /// address.
+    #[serde(default)]
+    pub password: Option<String>,
+    /// E-mail address: the person of the identity provider who has it, verified, is this user.
+    #[serde(default)]
+    pub email: Option<String>,
     /// May make projects and users.
     #[serde(default)]
     pub admin: bool,
@@ -95,6 +106,9 @@ pub struct UserChange {
     /// Present password, where the user changes their own.
     #[serde(default)]
     pub present_password: Option<String>,
+    /// Admin only: e-mail address; empty for none.
+    #[serde(default)]
+    pub email: Option<String>,
     /// Admin only.
     #[serde(default)]
     pub admin: Option<bool>,

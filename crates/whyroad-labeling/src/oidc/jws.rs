@@ -1,0 +1,171 @@
+//! Signed tokens (JWS in its compact form, RFC 7515): taken apart, and verified with a key of the provider's.
+//!
+//! Only public-key algorithms are known here. So `none` is nothing that could be accepted by mistake, and a public key can
+//! never be taken for the secret of an HMAC.
+
+use super::keys::{Jwk, Shape};
+use base64::Engine as _;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use ring::{digest, signature};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// Why a token is refused: a short word, which goes into the problem's `more.reason`.
+pub type Reason = &'static str;
+
+/// A signature algorithm (RFC 7518 section 3.1; EdDSA: RFC 8037).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Algorithm {
+    /// RSA, PKCS#1 1.5, SHA-256.
+    Rs256,
+    /// RSA, PKCS#1 1.5, SHA-384.
+    Rs384,
+    /// RSA, PKCS#1 1.5, SHA-512.
+    Rs512,
+    /// RSA, PSS, SHA-256.
+    Ps256,
+    /// RSA, PSS, SHA-384.
+    Ps384,
+    /// RSA, PSS, SHA-512.
+    Ps512,
+    /// ECDSA on P-256, SHA-256.
+    Es256,
+    /// ECDSA on P-384, SHA-384.
+    Es384,
+    /// Ed25519.
+    EdDsa,
+}
+
+/// All, with the names that tokens have for them.
+pub const ALGORITHMS: &[(&str, Algorithm)] = &[
+    ("RS256", Algorithm::Rs256),
+    ("RS384", Algorithm::Rs384),
+    ("RS512", Algorithm::Rs512),
+    ("PS256", Algorithm::Ps256),
+    ("PS384", Algorithm::Ps384),
+    ("PS512", Algorithm::Ps512),
+    ("ES256", Algorithm::Es256),
+    ("ES384", Algorithm::Es384),
+    ("EdDSA", Algorithm::EdDsa),
+];
+
+impl Algorithm {
+    /// The algorithm of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        ALGORITHMS.iter().find(|(n, _)| *n == name).map(|(_, a)| *a)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        ALGORITHMS.iter().find(|(_, a)| *a == self).map_or("", |(n, _)| n)
+    }
+
+    /// The shape of keys that it takes.
+    fn shape(self) -> Shape {
+        match self {
+            Self::Es256 => Shape::P256,
+            Self::Es384 => Shape::P384,
+            Self::EdDsa => Shape::Ed25519,
+            _ => Shape::Rsa,
+        }
+    }
+
+    /// The left half of the hash of `text`, as `at_hash` has it (OpenID Connect Core 3.1.3.6).
+    pub fn half_hash(self, text: &str) -> String {
+        let hash = match self {
+            Self::Rs384 | Self::Ps384 | Self::Es384 => &digest::SHA384,
+            Self::Rs512 | Self::Ps512 | Self::EdDsa => &digest::SHA512,
+            _ => &digest::SHA256,
+        };
+        let whole = digest::digest(hash, text.as_bytes());
+        URL_SAFE_NO_PAD.encode(&whole.as_ref()[..whole.as_ref().len() / 2])
+    }
+}
+
+#[derive(Deserialize)]
+struct Header {
+    alg: String,
+    #[serde(default)]
+    kid: Option<String>,
+    #[serde(default)]
+    typ: Option<String>,
+    #[serde(default)]
+    crit: Option<Value>,
+}
+
+/// A token that was taken apart; nothing of it is to be believed before [`Token::verify`].
+pub struct Token<'t> {
+    /// Algorithm that its header names.
+    pub algorithm: Algorithm,
+    /// Key that its header names.
+    kid: Option<String>,
+    signed: &'t str,
+    signature: Vec<u8>,
+    payload: Vec<u8>,
+}
+
+impl<'t> Token<'t> {
+    /// Takes a token apart.
+    pub fn read(text: &'t str) -> Result<Self, Reason> {
+        let (signed, signature) = text.rsplit_once('.').ok_or("form")?;
+        let (header, payload) = signed.split_once('.').ok_or("form")?;
+        let decoded = |part: &str| URL_SAFE_NO_PAD.decode(part).map_err(|_| "form");
+        let header: Header = serde_json::from_slice(&decoded(header)?).map_err(|_| "form")?;
+        let algorithm = Algorithm::named(&header.alg).ok_or("alg")?;
+        // What must be understood is not understood here. And a token of another kind is no ID token.
+        let is_jwt = header.typ.is_none_or(|t| t.eq_ignore_ascii_case("jwt"));
+        if header.crit.is_some() || !is_jwt {
+            return Err("header");
+        }
+        Ok(Self {
+            algorithm,
+            kid: header.kid,
+            signed,
+            signature: decoded(signature)?,
+            payload: decoded(payload)?,
+        })
+    }
+
+    /// The claims, if a key of these made the signature. `key` when none of them could have.
+    pub fn verify(&self, keys: &[Jwk]) -> Result<Value, Reason> {
+        let fits = |k: &&Jwk| {
+            k.shape() == self.algorithm.shape()
+                && k.algorithm.is_none_or(|a| a == self.algorithm)
+                && (self.kid.is_none() || k.kid == self.kid)
+        };
+        let fitting: Vec<&Jwk> = keys.iter().filter(fits).collect();
+        if fitting.is_empty() {
+            return Err("key");
+        }
+        if !fitting.iter().any(|k| self.is_signed_by(k)) {
+            return Err("signature");
+        }
+        serde_json::from_slice(&self.payload).map_err(|_| "form")
+    }
+
+    fn is_signed_by(&self, key: &Jwk) -> bool {
+        let message = self.signed.as_bytes();
+        let by_point = |how: &'static dyn signature::VerificationAlgorithm| {
+            signature::UnparsedPublicKey::new(how, &key.public).verify(message, &self.signature)
+        };
+        let by_rsa = |how: &'static signature::RsaParameters| {
+            let parts = signature::RsaPublicKeyComponents { n: &key.public, e: &key.exponent };
+            parts.verify(how, message, &self.signature)
+        };
+        match self.algorithm {
+            Algorithm::Rs256 => by_rsa(&signature::RSA_PKCS1_2048_8192_SHA256),
+            Algorithm::Rs384 => by_rsa(&signature::RSA_PKCS1_2048_8192_SHA384),
+            Algorithm::Rs512 => by_rsa(&signature::RSA_PKCS1_2048_8192_SHA512),
+            Algorithm::Ps256 => by_rsa(&signature::RSA_PSS_2048_8192_SHA256),
+            Algorithm::Ps384 => by_rsa(&signature::RSA_PSS_2048_8192_SHA384),
+            Algorithm::Ps512 => by_rsa(&signature::RSA_PSS_2048_8192_SHA512),
+            Algorithm::Es256 => by_point(&signature::ECDSA_P256_SHA256_FIXED),
+            Algorithm::Es384 => by_point(&signature::ECDSA_P384_SHA384_FIXED),
+            Algorithm::EdDsa => by_point(&signature::ED25519),
+        }
+        .is_ok()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,117 @@
+//! HTTP to the provider: a GET and a POST that answer with JSON, over TLS, within limits, and no further: no redirect is
+//! followed, since what is sent is meant for the address that it is sent to.
+
+use super::provider_fails;
+use super::settings::Secret;
+use crate::problem::{Answer, Problem};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+use std::sync::Arc;
+use std::time::Duration;
+use ureq::Agent;
+use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
+
+/// Time for one call as a whole.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Largest answer, bytes.
+const LARGEST: u64 = 1024 * 1024;
+
+/// What calls the provider.
+pub struct Web {
+    agent: Agent,
+}
+
+impl Web {
+    /// With the system's certificates and those of `extra` (PEM).
+    pub fn new(extra: Option<&[u8]>) -> Answer<Self> {
+        let native = rustls_native_certs::load_native_certs().certs;
+        let mut roots: Vec<Certificate<'static>> =
+            native.iter().map(|c| Certificate::from_der(c.as_ref()).to_owned()).collect();
+        for item in parse_pem(extra.unwrap_or_default()) {
+            match item {
+                Ok(PemItem::Certificate(certificate)) => roots.push(certificate),
+                Ok(_) => {}
+                Err(e) => {
+                    return Err(Problem::new(
+                        500,
+                        "oidc.settings",
+                        format!("证书文件无法读取：{e}"),
+                        format!("the file of certificates cannot be read: {e}"),
+                    ));
+                }
+            }
+        }
+        let tls = TlsConfig::builder()
+            .root_certs(RootCerts::Specific(Arc::new(roots)))
+            .unversioned_rustls_crypto_provider(Arc::new(rustls::crypto::ring::default_provider()))
+            .build();
+        let config = Agent::config_builder()
+            .tls_config(tls)
+            .timeout_global(Some(PATIENCE))
+            .max_redirects(0)
+            .max_redirects_will_error(false)
+            .http_status_as_error(false)
+            .user_agent("whyroad")
+            .build();
+        Ok(Self { agent: config.new_agent() })
+    }
+
+    /// Reads `url`, with a bearer token where one is given.
+    pub fn get(&self, url: &str, bearer: Option<&str>) -> Answer<Value> {
+        let mut request = self.agent.get(url).header("accept", "application/json");
+        if let Some(token) = bearer {
+            request = request.header("authorization", format!("Bearer {token}"));
+        }
+        let (status, body) = answer(url, request.call())?;
+        if status == 200 { Ok(body) } else { Err(provider_fails(format!("{url}: status {status}"))) }
+    }
+
+    /// Sends a form to `url`; the answer's status and body.
+    pub fn post(
+        &self,
+        url: &str,
+        basic: Option<(&str, &Secret)>,
+        form: &[(&str, &str)],
+    ) -> Answer<(u16, Value)> {
+        let mut request = self.agent.post(url).header("accept", "application/json");
+        if let Some((id, secret)) = basic {
+            // Both are written as in a form before they are joined (RFC 6749 2.3.1).
+            let joined = format!("{}:{}", encoded(id), encoded(&secret.0));
+            request = request.header("authorization", format!("Basic {}", STANDARD.encode(joined)));
+        }
+        let form: Vec<String> = form.iter().map(|(k, v)| format!("{k}={}", encoded(v))).collect();
+        let request = request.header("content-type", "application/x-www-form-urlencoded");
+        answer(url, request.send(form.join("&")))
+    }
+}
+
+fn answer(url: &str, got: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> Answer<(u16, Value)> {
+    // An address of the provider's is no secret; what was sent to it is not in these words.
+    let fails = |why: ureq::Error| provider_fails(format!("{url}: {why}"));
+    let mut response = got.map_err(fails)?;
+    let body = response.body_mut().with_config().limit(LARGEST).read_to_vec().map_err(fails)?;
+    let status = response.status().as_u16();
+    match serde_json::from_slice(&body) {
+        Ok(json) => Ok((status, json)),
+        // A refusal says enough by its status.
+        Err(_) if status != 200 => Ok((status, Value::Null)),
+        Err(_) => Err(provider_fails(format!("{url}: no JSON"))),
+    }
+}
+
+/// A text as it stands in a query or a form.
+pub fn encoded(text: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);
+    text.bytes().fold(String::with_capacity(text.len()), |mut out, b| {
+        if plain(b) {
+            out.push(char::from(b));
+        } else {
+            out.push_str(&format!("%{b:02X}"));
+        }
+        out
+    })
+}
+
+#[cfg(test)]
+mod tests;
