@@ -104,7 +104,10 @@ fn explain_shows_a_match_and_the_nearest_miss() {
     let run = explain(&["--clip", "multilane-ego_000", "--target", "cutter", "--svg", text(&picture)]);
     assert_eq!(run.code, 0, "{}", run.err);
     let svg = std::fs::read_to_string(picture).unwrap();
-    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.contains("target.ttc &lt; 3s"));
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
+    // In words too, for those who do not tell red from green; and for dark pages.
+    assert!(svg.contains(">yes at the keyframe: target.ttc &lt; 3s"), "{svg}");
+    assert!(svg.contains("prefers-color-scheme: dark"));
     let unknown = explain(&["--clip", "multilane-ego_000", "--target", "nobody"]);
     assert!(unknown.code == 1 && unknown.err.contains("no track 'nobody'"), "{}", unknown.err);
 }
@@ -148,4 +151,26 @@ fn a_rule_file_is_mined_as_its_text_would_be() {
     assert!(!found.is_empty() && found == of_text);
     let (twice, _) = mine(text(&file), &["--target", "vru"]);
     assert!(twice.code == 1 && twice.err.contains("leave out --target"), "{}", twice.err);
+}
+
+#[test]
+fn a_rule_of_one_s_own_and_other_are_explained() {
+    let lake = lake();
+    let explain = |args: &[&str]| {
+        let place = ["--lake", text(lake.path()), "--clip", "multilane-ego_000"];
+        whyroad_in(&root(), &[&["explain"], args, &place].concat())
+    };
+    let run = explain(&["--rule", "target_vehicle.wheel_over_line and ttc < 3 s"]);
+    assert!(run.code == 0 && run.out.contains("(target cutter): matches, keyframe at 16.9 s"), "{}", run.out);
+    let wrong = explain(&["--rule", "target.wheel_over_lin"]);
+    assert!(wrong.code == 1 && wrong.err.contains("did you mean 'target.wheel_over_line'?"), "{}", wrong.err);
+    let other = explain(&["other"]);
+    assert!(other.code == 0 && other.out.contains("ego.responds"), "{}{}", other.out, other.err);
+    assert_eq!(explain(&[]).code, 2);
+    assert_eq!(explain(&["cutin", "--rule", "ego.standstill"]).code, 2);
+    let broad = explain(&["reactive_agent"]);
+    assert!(broad.code == 1 && broad.err.contains("mine.scenario.no_rule"), "{}", broad.err);
+    let args = ["explain", "cutin", "--lake", text(lake.path()), "--clip", "multilane-eg"];
+    let elsewhere = whyroad_in(&root(), &args);
+    assert!(elsewhere.err.contains("begin with multilane-ego_000"), "{}", elsewhere.err);
 }

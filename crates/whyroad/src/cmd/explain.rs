@@ -1,28 +1,35 @@
-//! `whyroad explain`: why a class was found in a clip or not, condition by condition over time.
+//! `whyroad explain`: why a class (or a rule of one's own) was found in a clip or not, condition by condition over time.
 
 mod svg;
 mod text;
 
 use super::inspect::drive_of;
+use super::mine::plan::own_rule;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_mining::explain::{Explanation, explain};
+use whyroad_mining::language::check::nearest;
+use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::scene::FRAME_RATE_HZ;
-use whyroad_model::{ScenarioId, TrackId};
+use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad explain`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Leaf, or L2 with a rule of its own; full or unambiguous short id
-    #[arg(value_name = "CLASS")]
-    class: String,
+    /// Leaf, or L2 with a rule of its own (full or unambiguous short id); `other` for decision moments
+    #[arg(value_name = "CLASS", required_unless_present = "rule")]
+    class: Option<String>,
+    /// A rule of your own instead of a class: its text, or a .yaml file that holds one
+    #[arg(long, value_name = "TEXT|FILE", conflicts_with = "class")]
+    rule: Option<String>,
     /// Lake that holds the clip
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
@@ -47,21 +54,20 @@ struct Shown<'a> {
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
-    let class = match framework.taxonomy.resolve(&args.class) {
-        Resolution::Found(id) => id,
-        Resolution::Ambiguous(ids) => {
-            tell!("{}", render_text(&class_ambiguous(&args.class, &ids), global.lang));
-            return Ok(output::FINDINGS);
-        }
-        Resolution::Unknown(near) => {
-            let near: Vec<String> = near.iter().map(ToString::to_string).collect();
-            tell!("{}", render_text(&class_not_found(&args.class, &near), global.lang));
-            return Ok(output::FINDINGS);
-        }
+    let rule = match (&args.rule, &args.class) {
+        (Some(text), _) => own_rule(text, None, &catalogue)?,
+        (None, Some(class)) => rule_of(class, &framework, &catalogue),
+        // clap asks for one of them.
+        (None, None) => Err(vec![]),
     };
-    let (rules, _) = RuleSet::of_framework(&framework, &catalogue);
-    let Some(rule) = rules.rules.iter().find(|r| r.scenario == class) else {
-        bail!("{class} has no mining rule");
+    let rule = match rule {
+        Ok(rule) => rule,
+        Err(found) => {
+            for d in &found {
+                tell!("{}", render_text(d, global.lang));
+            }
+            return Ok(output::FINDINGS);
+        }
     };
     let lake = match Lake::open(&args.lake) {
         Ok(lake) => lake,
@@ -71,7 +77,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     };
     let Some(drive) = drive_of(&lake, &args.clip) else {
-        bail!("there is no clip '{}' in the lake; `whyroad inspect --lake DIR` lists the clips", args.clip);
+        bail!(no_clip(&lake, &args.clip, global.lang));
     };
     let drive = match lake.read_drive(&drive) {
         Ok(drive) => drive,
@@ -84,17 +90,66 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let clip = drive.clips().get(index).copied().unwrap_or_default();
     let wanted = args.target.as_deref().map(TrackId::from);
     if let Some(id) = wanted.as_ref().filter(|id| !drive.tracks.iter().any(|t| t.id == **id)) {
-        bail!("the drive has no track '{id}'");
+        bail!(match global.lang {
+            Lang::Zh => format!("该行程没有名为 '{id}' 的对象"),
+            Lang::En => format!("the drive has no track '{id}'"),
+        });
     }
     let table = whyroad_signals::derive(&drive);
-    let explanation = explain(rule, &table, clip, wanted.as_ref());
-    let shown = Shown { class: &class, clip: &args.clip, explanation: &explanation };
+    let explanation = explain(&rule, &table, clip, wanted.as_ref());
+    let shown = Shown { class: &rule.scenario, clip: &args.clip, explanation: &explanation };
     output::put(&text::render(&shown, global.lang));
     if let Some(file) = &args.svg {
         std::fs::write(file, svg::render(&shown, global.lang))
             .with_context(|| format!("cannot write {}", file.display()))?;
     }
     Ok(output::FINE)
+}
+
+/// The rule of a class of the framework, or the one for decision moments.
+fn rule_of(class: &str, framework: &Framework, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+    let (rules, faults) = RuleSet::of_framework(framework, catalogue);
+    let rules = rules.with_decision_moments(catalogue);
+    let class = match framework.taxonomy.resolve(class) {
+        _ if class == OTHER => ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None },
+        Resolution::Found(id) => id,
+        Resolution::Ambiguous(ids) => return Err(vec![class_ambiguous(class, &ids)]),
+        Resolution::Unknown(near) => {
+            let near: Vec<String> = near.iter().map(ToString::to_string).collect();
+            return Err(vec![class_not_found(class, &near)]);
+        }
+    };
+    rules.rules.into_iter().find(|r| r.scenario == class).ok_or_else(|| {
+        let message = Bilingual::new(
+            format!("{class} 没有自己的挖掘规则"),
+            format!("{class} has no mining rule of its own"),
+        );
+        let mut found = vec![Diagnostic::error("mine.scenario.no_rule", message).with_hint(Bilingual::new(
+            "请指明其下的某个叶子；`whyroad taxonomy list` 列出全部",
+            "name one of the leaves below it; `whyroad taxonomy list` lists them",
+        ))];
+        // A rule with a fault is left out: that is why it is not there.
+        found.extend(faults);
+        found
+    })
+}
+
+fn no_clip(lake: &Lake, written: &str, lang: Lang) -> String {
+    let ids = lake.drive_ids();
+    let near = nearest(written, ids.iter().map(|id| id.as_str()));
+    let hint = match (near, lang) {
+        (Some(near), Lang::Zh) => format!("；行程 {near} 的片段从 {near}_000 起"),
+        (Some(near), Lang::En) => format!("; the clips of drive {near} begin with {near}_000"),
+        (None, _) => String::new(),
+    };
+    match lang {
+        Lang::Zh => format!("数据湖中没有片段 '{written}'{hint}；`whyroad inspect --lake DIR` 列出片段"),
+        Lang::En => {
+            format!(
+                "there is no clip '{written}' in the lake{hint}; `whyroad inspect --lake DIR` lists the clips"
+            )
+        }
+    }
 }
 
 /// Seconds from the start of a clip.

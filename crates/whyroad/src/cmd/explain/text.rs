@@ -144,15 +144,20 @@ fn lines_of_part(out: &mut String, part: &PartCourse, lang: Lang) {
 fn line(out: &mut String, course: &Course, indent: usize, text: &str, atom: Option<&AtomCourse>, lang: Lang) {
     let actual = atom.and_then(|a| actual(a, lang)).map(|a| format!("  [{a}]")).unwrap_or_default();
     let bar: String = course.cells.chunks(FRAMES_A_SIGN).map(sign).collect();
-    let mark = match (course.truth, lang) {
+    let mark = mark(course.truth, lang);
+    let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}{actual}", "");
+}
+
+/// A truth in a word; all of one language are equally wide.
+pub(super) fn mark(truth: Tri, lang: Lang) -> &'static str {
+    match (truth, lang) {
         (Tri::True, Lang::En) => "yes",
         (Tri::False, Lang::En) => "no ",
         (Tri::Unknown, Lang::En) => "?  ",
         (Tri::True, Lang::Zh) => "是",
         (Tri::False, Lang::Zh) => "否",
         (Tri::Unknown, Lang::Zh) => "？",
-    };
-    let _ = writeln!(out, "{bar}  {:indent$}{mark} {text}{actual}", "");
+    }
 }
 
 fn sign(frames: &[Cell]) -> char {
