@@ -73,18 +73,26 @@ impl Format {
 /// The lines of an export, by clip, then class, then number in the overlap group.
 pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String> {
     let names = user_names(tx)?;
-    let condition = "project_id = $1 ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index";
+    // Ids first: a project may have a hundred thousand tasks, each with its drafts.
+    let rows = tx.rows(
+        "SELECT id, state, adjudication FROM tasks WHERE project_id = $1
+         ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index",
+        values![project],
+    )?;
     let mut out = String::new();
-    for t in tasks::select(tx, condition, values![project])? {
+    for row in rows {
+        let state = State::from_word(&row.text(1)?);
+        // Of an overlap group only what was not overruled.
+        let overruled = row.maybe_text(2)?.as_deref() == Some("superseded");
+        if let Format::Labels(states, _) = format
+            && (overruled || !state.is_some_and(|s| states.contains(&s)))
+        {
+            continue;
+        }
+        let t = tasks::get(tx, &row.text(0)?)?;
         let line = match format {
             Format::Tasks => task_line(tx, &t, &names)?,
-            Format::Labels(states, version) => {
-                // Of an overlap group only what was not overruled.
-                if !states.contains(&t.at.state) || t.adjudication.as_deref() == Some("superseded") {
-                    continue;
-                }
-                label_line(&t, *version)?
-            }
+            Format::Labels(_, version) => label_line(&t, *version)?,
         };
         out.push_str(&line.to_string());
         out.push('\n');
