@@ -129,15 +129,15 @@ async function dragging(day) {
   const keyframe = page.getByRole("slider", { name: "关键帧", exact: true });
   assert.ok(Math.abs((await drag(page, keyframe, -0.8)) + 0.8) < 0.06);
   await saved(page);
-  await page.getByText("与建议相差 −0.8 s").waitFor();
+  await page.getByText("较建议 −0.8 s").waitFor();
   const { draft, suggestion } = await task(day);
   assert.equal(Date.parse(draft.keyframe.timestamp) - Date.parse(suggestion.keyframe.timestamp), -800, "a whole frame of the 10 Hz drive");
   assert.equal(draft.keyframe.frame_idx, suggestion.keyframe.frame_idx - 8);
   await shot(day, page, "dragged-stage1");
   await page.getByRole("button", { name: "采用建议" }).click();
-  await page.getByText("与建议相差").waitFor({ state: "detached" });
+  await page.getByText("较建议").waitFor({ state: "detached" });
   await page.keyboard.press("Control+z");
-  await page.getByText("与建议相差 −0.8 s").waitFor();
+  await page.getByText("较建议 −0.8 s").waitFor();
   await page.keyboard.press("Control+Shift+z");
   await saved(page);
   // This leaf asks for high uncertainty: the lead hid the obstacle.
@@ -168,18 +168,18 @@ async function secondKeyframe(day) {
   assert.ok(Math.abs((await seconds(second)) - wanted) < 1e-6);
   await drag(page, second, 0.7);
   await saved(page);
-  await page.getByText("与建议相差 +0.7 s").waitFor();
+  await page.getByText("较建议 +0.7 s").waitFor();
   await page.keyboard.press("Escape");
   // By key, too: at the moment shown.
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("Shift+K");
-  await page.getByText("与建议相差 +0.8 s").waitFor();
+  await page.getByText("较建议 +0.8 s").waitFor();
   await saved(page);
   const start = page.getByRole("slider", { name: "时间范围 起点" });
   const end = page.getByRole("slider", { name: "时间范围 终点" });
   await drag(page, start, -0.5);
   await drag(page, end, 0.6);
-  await page.getByText("与建议相差 起点 −0.5 s, 终点 +0.6 s").waitFor();
+  await page.getByText("较建议 起点 −0.5 s, 终点 +0.6 s").waitFor();
   await saved(page);
   await look(page, "dragged");
   await shot(day, page, "dragged");

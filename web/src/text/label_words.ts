@@ -61,7 +61,7 @@ export const labelWords = {
   "label.to_keyframe": ["到关键帧", "To keyframe"],
   "label.suggested": ["规则建议", "Suggested by the rule"],
   "label.use_suggested": ["采用建议", "Take the suggestion"],
-  "label.differs": ["与建议相差 {d}", "{d} from the suggestion"],
+  "label.differs": ["较建议 {d}", "{d} vs. suggested"],
   "plot.speed": ["速度", "Speed"],
   "plot.accel": ["加速度", "Acceleration"],
   "plot.steering": ["方向盘", "Steering"],
