@@ -1,7 +1,6 @@
 // A real OpenID provider for the test: `oidc-provider`, which the OpenID Foundation has certified. It asks for any login and
 // any password, and for consent, on pages of its own.
 import { createServer } from "node:http";
-import { Provider } from "oidc-provider";
 
 export const CLIENT = { id: "whyroad", secret: "e2e secret/+&" };
 
@@ -24,6 +23,7 @@ export async function provide(service) {
   // It warns on the console that its pages, keys and store are made for trying out, as here.
   const { warn, info } = console;
   console.warn = console.info = () => {};
+  const { Provider } = await import("oidc-provider");
   const provider = new Provider(issuer, {
     clients: [
       {
@@ -39,6 +39,7 @@ export async function provide(service) {
     // As the standard has it: scopes are answered at the userinfo endpoint, not in the token.
     conformIdTokenClaims: true,
     claims: { openid: ["sub"], email: ["email", "email_verified"], profile: ["name", "preferred_username"] },
+    ttl: { AccessToken: 600, AuthorizationCode: 60, Grant: 600, IdToken: 600, Interaction: 600, Session: 600 },
     cookies: { keys: ["only for this test"] },
     findAccount: (_, id) => ({
       accountId: id,
