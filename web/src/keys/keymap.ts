@@ -21,7 +21,7 @@ export const actions = {
   undo: act("撤销", "Undo", "Ctrl+Z"),
   redo: act("重做", "Redo", "Ctrl+Shift+Z"),
   acceptField: act("采纳当前项的草稿，到下一项", "Accept the draft of this field, on to the next", "Alt+A", "always"),
-  advance: act("锁定阶段一 / 提交", "Lock Stage I / submit", "Ctrl+Enter", "always"),
+  advance: act("主按钮：领取、锁定、提交、接受、下一个", "The main button: take, lock, submit, accept, next", "Ctrl+Enter", "always"),
   play: act("播放 / 暂停", "Play / pause", "Space"),
   back: act("上一帧", "Frame back", "ArrowLeft"),
   forward: act("下一帧", "Frame on", "ArrowRight"),
