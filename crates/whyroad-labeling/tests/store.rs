@@ -153,7 +153,10 @@ fn fill(store: &Store) {
                 &[],
             )?;
             tx.run("INSERT INTO projects VALUES ('p', 'town', 'a\nb', '{}', '{}', 7)", &[])?;
-            tx.run("INSERT INTO members VALUES ('p', 'u', '[\"lead\"]', '[]')", &[])
+            tx.run(
+                "INSERT INTO members (project_id, user_id, roles, skills) VALUES ('p', 'u', '[\"lead\"]', '[]')",
+                &[],
+            )
         })
         .unwrap();
 }
@@ -229,7 +232,9 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
                      VALUES ($1, $2, 'd', 0, 'zh', 'h', 0, 5)",
                     values![&user, &user],
                 )?;
-                tx.run("INSERT INTO members VALUES ('p', $1, '[]', '[]')", values![&user])?;
+                let member =
+                    "INSERT INTO members (project_id, user_id, roles, skills) VALUES ('p', $1, '[]', '[]')";
+                tx.run(member, values![&user])?;
             }
             Ok(())
         })

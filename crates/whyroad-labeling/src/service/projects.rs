@@ -114,10 +114,29 @@ pub fn skills(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>>
     row.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
 }
 
+/// Languages of the tasks that the queue gives a member; empty for that of their page.
+pub fn languages(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
+    let sql = "SELECT languages FROM members WHERE project_id = $1 AND user_id = $2";
+    tx.row(sql, values![project, user])?.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+}
+
+/// Sets the languages of a member; who is none stays none.
+pub fn set_languages(tx: &mut dyn Tx, project: &str, user: &str, languages: &[String]) -> Answer<()> {
+    if let Some(odd) = languages.iter().find(|l| !matches!(l.as_str(), "zh" | "en")) {
+        return Err(Problem::request(format!("'{odd}' is no language: zh or en")));
+    }
+    let sorted: BTreeSet<&String> = languages.iter().collect();
+    tx.run(
+        "UPDATE members SET languages = $1 WHERE project_id = $2 AND user_id = $3",
+        values![json(&sorted)?, project, user],
+    )?;
+    Ok(())
+}
+
 /// Members by name.
 pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
     let rows = tx.rows(
-        "SELECT m.user_id, m.roles, m.skills FROM members m JOIN users u ON u.id = m.user_id
+        "SELECT m.user_id, m.roles, m.skills, m.languages FROM members m JOIN users u ON u.id = m.user_id
          WHERE m.project_id = $1 ORDER BY u.name",
         values![project],
     )?;
@@ -126,7 +145,8 @@ pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
         let Some(user) = people::find(tx, &row.text(0)?)? else { continue };
         // Addresses are between a user and the administrators.
         let user = User { email: None, ..user };
-        out.push(Member { user, roles: parse(&row.text(1)?)?, skills: parse(&row.text(2)?)? });
+        let (roles, skills) = (parse(&row.text(1)?)?, parse(&row.text(2)?)?);
+        out.push(Member { user, roles, skills, languages: parse(&row.text(3)?)? });
     }
     Ok(out)
 }

@@ -16,6 +16,37 @@ const PAGE: usize = 100;
 /// Tasks that are asked why they are not for somebody: enough for every reason that there is.
 const MOST_ASKED: i64 = 1000;
 
+/// Whom the queue serves.
+struct Worker<'a> {
+    user: &'a User,
+    roles: &'a [Role],
+    /// Classes; none for all.
+    skills: Vec<String>,
+    /// At least one.
+    languages: Vec<String>,
+}
+
+impl<'a> Worker<'a> {
+    fn of(tx: &mut dyn Tx, project: &Project, user: &'a User, roles: &'a [Role]) -> Answer<Self> {
+        let skills = projects::skills(tx, &project.id, &user.id)?;
+        let mut languages = projects::languages(tx, &project.id, &user.id)?;
+        if languages.is_empty() {
+            languages.push(user.lang.clone());
+        }
+        Ok(Self { user, roles, skills, languages })
+    }
+
+    /// True when a class is among the skills, which are full ids or their first parts.
+    fn labels(&self, scenario: &str) -> bool {
+        let within = |skill: &String| scenario == skill || scenario.starts_with(&format!("{skill}."));
+        self.skills.is_empty() || self.skills.iter().any(within)
+    }
+
+    fn writes(&self, lang: &str) -> bool {
+        lang.is_empty() || self.languages.iter().any(|l| l == lang)
+    }
+}
+
 /// Takes the next task of the queue for `user`: their own unfinished ones first, then what was given to them, then what
 /// is free, by priority, age and time in the drive.
 pub fn next(
@@ -26,14 +57,14 @@ pub fn next(
     kind: Kind,
     now: i64,
 ) -> Answer<Option<TaskRow>> {
-    let skills = projects::skills(tx, &project.id, &user.id)?;
+    let worker = Worker::of(tx, project, user, roles)?;
     for condition in queue(kind) {
         let mut from = 0;
         loop {
-            let found = candidates(tx, condition, &project.id, user, now, from)?;
+            let found = candidates(tx, condition, &project.id, &worker, now, from)?;
             for (id, scenario) in &found {
                 let own = condition.contains("holder = $2") || condition.contains("assigned = $2");
-                if !own && !fits(scenario, &skills) {
+                if !own && !worker.labels(scenario) {
                     continue;
                 }
                 let mut t = tasks::get_for_change(tx, id)?;
@@ -71,7 +102,7 @@ pub fn why_nothing(
     if !roles.contains(&role) {
         return Ok([QueueReason::Role].into());
     }
-    let skills = projects::skills(tx, &project.id, &user.id)?;
+    let worker = Worker::of(tx, project, user, roles)?;
     let sql = format!(
         "project_id = $1 AND state IN ({states}) AND (adjudication IS NULL OR adjudication = 'chosen')
          ORDER BY id LIMIT {MOST_ASKED}"
@@ -83,7 +114,7 @@ pub fn why_nothing(
     }
     let mut reasons = BTreeSet::new();
     for t in waiting {
-        match why_not(tx, &t, project, user, roles, &skills, now)? {
+        match why_not(tx, &t, project, &worker, now)? {
             Some(reason) => drop(reasons.insert(reason)),
             None => return Ok(BTreeSet::new()),
         }
@@ -96,21 +127,20 @@ fn why_not(
     tx: &mut dyn Tx,
     t: &TaskRow,
     project: &Project,
-    user: &User,
-    roles: &[Role],
-    skills: &[String],
+    worker: &Worker<'_>,
     now: i64,
 ) -> Answer<Option<QueueReason>> {
+    let Worker { user, roles, .. } = worker;
     let mine =
         t.assigned.as_deref() == Some(user.id.as_str()) || t.at.holder.as_deref() == Some(user.id.as_str());
     let beginning = matches!(t.at.state, State::Open | State::Stage1);
     if beginning && t.assigned.as_deref().is_some_and(|a| a != user.id) {
         return Ok(Some(QueueReason::Assigned));
     }
-    if !mine && !t.lang.is_empty() && t.lang != user.lang {
+    if !mine && !worker.writes(&t.lang) {
         return Ok(Some(QueueReason::Language));
     }
-    if !mine && !fits(&t.episode.scenario_id.to_string(), skills) {
+    if !mine && !worker.labels(&t.episode.scenario_id.to_string()) {
         return Ok(Some(QueueReason::Classes));
     }
     let actor = tasks::actor(tx, t, &user.id, roles, project.settings.history)?;
@@ -129,28 +159,29 @@ fn why_not(
 }
 
 /// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
-/// order. `$2` is the user, `$3` now, `$4` the user's language; all are in each, as PostgreSQL wants it.
+/// order. `$2` is the user, `$3` now, `$4` the worker's languages
+/// (`zh,en`), of which a task's is one or none; all are in each, as PostgreSQL wants it.
 fn queue(kind: Kind) -> &'static [&'static str] {
     match kind {
         Kind::Label => &[
             "holder = $2 AND state IN ('stage1', 'stage2', 'rework') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "state = 'open' AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
-            "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND (lang = '' OR lang = $4) AND $2 <> ''",
+            "state = 'open' AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
+            "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> ''",
         ],
         Kind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
-             AND (lang = '' OR lang = $4) AND CAST($3 AS BIGINT) >= 0",
+             AND $4 LIKE '%' || lang || '%' AND CAST($3 AS BIGINT) >= 0",
             "state = 'in_check' AND lease_until < $3 AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
-             AND (lang = '' OR lang = $4)",
+             AND $4 LIKE '%' || lang || '%'",
         ],
         Kind::Audit => &[
             "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "state = 'checked' AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)
+            "state = 'checked' AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'
              AND CAST($3 AS BIGINT) >= 0",
-            "state = 'in_audit' AND lease_until < $3 AND author <> $2 AND checker <> $2 AND (lang = '' OR lang = $4)",
+            "state = 'in_audit' AND lease_until < $3 AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'",
         ],
     }
 }
@@ -159,7 +190,7 @@ fn candidates(
     tx: &mut dyn Tx,
     condition: &str,
     project: &str,
-    user: &User,
+    worker: &Worker<'_>,
     now: i64,
     from: usize,
 ) -> Answer<Vec<(String, String)>> {
@@ -167,12 +198,7 @@ fn candidates(
         "SELECT id, scenario_id FROM tasks WHERE project_id = $1 AND {condition}
          ORDER BY priority DESC, created, overlap_index, keyframe_ns, id LIMIT {PAGE} OFFSET {from}"
     );
-    let values: [Cell; 4] = [project.into(), (&user.id).into(), now.into(), (&user.lang).into()];
+    let values: [Cell; 4] =
+        [project.into(), (&worker.user.id).into(), now.into(), worker.languages.join(",").into()];
     tx.rows(&sql, &values)?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
-}
-
-/// True when a class is among the skills, which are full ids or their first parts; no skills are all.
-fn fits(scenario: &str, skills: &[String]) -> bool {
-    let within = |skill: &String| scenario == skill || scenario.starts_with(&format!("{skill}."));
-    skills.is_empty() || skills.iter().any(within)
 }

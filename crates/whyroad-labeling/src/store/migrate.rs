@@ -9,6 +9,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0001_tables.sql"),
     include_str!("../../migrations/0002_language.sql"),
     include_str!("../../migrations/0003_identities.sql"),
+    include_str!("../../migrations/0004_languages.sql"),
 ];
 
 /// The version of this program.

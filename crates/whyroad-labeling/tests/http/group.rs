@@ -189,6 +189,20 @@ pub fn the_queue_goes_by_hand_skill_language_and_priority(world: &World) {
     assert_eq!(next(&ann), Some(soon.clone()), "by priority, in her language");
     ann.patch(&format!("/users/{}", ann.id), &json!({ "lang": "en" })).fine();
     assert_eq!(next(&ann), Some(english.clone()), "the English one is hers now");
+    // Who writes both languages gets both, whatever her page is in; a change that says nothing of them leaves them.
+    ann.patch(&format!("/users/{}", ann.id), &json!({ "lang": "zh" })).fine();
+    assert_eq!(next(&ann), Some(soon.clone()));
+    let speaks = |list: Value| {
+        admin.post(&members, &json!({ "user": "ann", "roles": ["annotator"], "languages": list }))
+    };
+    assert_eq!(speaks(json!(["fr"])).refusal(), (400, "request.invalid".into()));
+    let all = speaks(json!(["zh", "en", "zh"])).fine();
+    let hers = all["items"].as_array().unwrap().iter().find(|m| m["user"]["name"] == "ann").unwrap();
+    assert_eq!(hers["languages"], json!(["en", "zh"]));
+    skills(json!([]));
+    assert_eq!(next(&ann), Some(english.clone()));
+    speaks(json!(["zh"])).fine();
+    assert_eq!(next(&ann), Some(soon.clone()));
     // What was given by hand comes first, and nobody else gets it.
     let bob = world.person(&admin, &project, "bob", &["annotator"]);
     let assign =

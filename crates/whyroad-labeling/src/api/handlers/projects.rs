@@ -100,6 +100,9 @@ pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
     let items = call.app.store.write(move |tx| {
         let user = people::find(tx, &change.user)?.ok_or_else(Problem::missing)?;
         projects::set_member(tx, &project, &user.id, &change.roles, &change.skills)?;
+        if let Some(languages) = &change.languages {
+            projects::set_languages(tx, &project, &user.id, languages)?;
+        }
         projects::members(tx, &project)
     })?;
     Reply::json(&Members { items })

@@ -116,6 +116,8 @@ pub struct Member {
     pub roles: Vec<Role>,
     /// Classes (full ids or prefixes of them) that the queue gives this member; empty for all.
     pub skills: Vec<String>,
+    /// Languages of the tasks that the queue gives this member, `zh`, `en`; empty for that of their page.
+    pub languages: Vec<String>,
 }
 
 /// Members.
@@ -136,6 +138,9 @@ pub struct MemberChange {
     /// Classes that the queue gives this member; empty for all.
     #[serde(default)]
     pub skills: Vec<String>,
+    /// Languages of the tasks that the queue gives this member, empty for that of their page; as they are when not given.
+    #[serde(default)]
+    pub languages: Option<Vec<String>>,
 }
 
 /// How a project goes.
