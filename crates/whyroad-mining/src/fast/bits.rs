@@ -151,8 +151,8 @@ impl Bits {
         }
     }
 
-    /// Up to 64 bits from row `at` on, the first in the lowest bit.
-    fn word_at(&self, at: usize) -> u64 {
+    /// Up to 64 bits from row `at` on, the first in the lowest bit; 0 beyond the last one.
+    pub fn word_at(&self, at: usize) -> u64 {
         let (i, shift) = (at / 64, at % 64);
         let low_part = self.words.get(i).map_or(0, |w| w >> shift);
         // A shift by 64 is not a shift.

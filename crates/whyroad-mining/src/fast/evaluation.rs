@@ -112,6 +112,11 @@ impl<'a> Evaluation<'a> {
         }
     }
 
+    /// The values of a node for all objects, where they have been computed.
+    pub(super) fn of_all_objects(&self, id: NodeId) -> Option<Value<'a>> {
+        self.of_objects.borrow()[id.0].clone()
+    }
+
     fn remember(&self, id: NodeId, place: Place, value: &Value<'a>) {
         if self.plan.node(id).needs_episode {
             self.of_episode.borrow_mut().insert((id, place), value.clone());

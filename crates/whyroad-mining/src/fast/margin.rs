@@ -6,11 +6,16 @@ use super::evaluation::Evaluation;
 use super::places::Place;
 use super::signals::Value;
 use super::temporal::reaches;
-use crate::evaluate::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row, compare};
+use super::truth::Truth;
+use crate::evaluate::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row};
 use crate::language::program::{NodeId, Op, Subject};
 use std::ops::Range;
 use std::rc::Rc;
 use whyroad_model::{Nanos, Tri};
+
+mod rows;
+
+use rows::{compared, greatest_ahead, settle, sliding};
 
 impl Evaluation<'_> {
     /// Margins of a condition on these rows of a place that is not all objects; NaN where it is unknown.
@@ -25,7 +30,7 @@ impl Evaluation<'_> {
             Op::Not(a) => return self.margins(*a, place, rows).into_iter().map(|m| -m).collect(),
             Op::Compare { op, left, right, scale } => {
                 let (a, b) = (self.numbers(*left, place), self.numbers(*right, place));
-                return rows.map(|i| compare(*op, a.at(i), b.at(i), *scale).1).collect();
+                return compared(*op, &a, &b, *scale, rows);
             }
             Op::Before(a) => {
                 let first = rows.start.saturating_sub(1)..rows.end.saturating_sub(1);
@@ -41,10 +46,39 @@ impl Evaluation<'_> {
             Op::Until(a, b) => return self.of_until(id, (*a, *b), place, rows),
             _ => {}
         }
-        let Value::Truth(truth) = self.value(id, place) else { return vec![f64::NAN; rows.len()] };
-        let mut out = self.raw_margins(op, place, rows.clone(), &|i| truth.at(i));
-        for (i, m) in rows.zip(&mut out) {
-            *m = settled(truth.at(i), *m);
+        let Some((truth, by)) = self.seen(id, place) else { return vec![f64::NAN; rows.len()] };
+        let mut out = self.raw_margins(op, place, rows.clone(), &|i| truth.at(by + i));
+        settle(&mut out, &truth, by + rows.start);
+        out
+    }
+
+    /// The truth of a condition, and with which row of it the place begins: that of all objects is not cut, where it is
+    /// at hand. `None` where the node is no condition.
+    fn seen(&self, id: NodeId, place: Place) -> Option<(Truth, usize)> {
+        if let (Place::Object(i), false) = (place, self.plan.node(id).needs_episode)
+            && let Some(Value::Truth(of_all)) = self.of_all_objects(id)
+        {
+            return Some((of_all, self.places.objects[i].start));
+        }
+        match self.value(id, place) {
+            Value::Truth(truth) => Some((truth, 0)),
+            _ => None,
+        }
+    }
+
+    /// The least or greatest of these conditions' margins.
+    fn of_each(
+        &self,
+        all: &[NodeId],
+        place: Place,
+        rows: &Range<usize>,
+        start: f64,
+        pick: impl Fn(f64, f64) -> f64,
+    ) -> Vec<f64> {
+        let mut out = vec![start; rows.len()];
+        for id in all {
+            let of = self.margins(*id, place, rows.clone());
+            out.iter_mut().zip(of).for_each(|(o, m)| *o = pick(*o, m));
         }
         out
     }
@@ -58,17 +92,9 @@ impl Evaluation<'_> {
         truth: &dyn Fn(usize) -> Tri,
     ) -> Vec<f64> {
         let n = rows.len();
-        let each = |all: &[NodeId], start: f64, pick: fn(f64, f64) -> f64| {
-            let mut out = vec![start; n];
-            for id in all {
-                let of = self.margins(*id, place, rows.clone());
-                out.iter_mut().zip(of).for_each(|(o, m)| *o = pick(*o, m));
-            }
-            out
-        };
         match op {
-            Op::And(all) => each(all, MARGIN_LIMIT, f64::min),
-            Op::Or(all) => each(all, -MARGIN_LIMIT, f64::max),
+            Op::And(all) => self.of_each(all, place, &rows, MARGIN_LIMIT, f64::min),
+            Op::Or(all) => self.of_each(all, place, &rows, -MARGIN_LIMIT, f64::max),
             Op::For(a, d) => self.of_for(*a, place, rows, *d),
             Op::Within(a, d) => {
                 let on = self.rows_of(place);
@@ -81,13 +107,11 @@ impl Evaluation<'_> {
                         while end < on.len() && on[end].time <= horizon(i) {
                             end += 1;
                         }
-                        end
+                        end - rows.start
                     })
                     .collect();
-                let from = rows.start;
-                let of = self.margins(*a, place, from..ends.last().copied().unwrap_or(rows.end));
-                let windows = rows.zip(ends).map(|(i, end)| (i - from, end - from));
-                sliding(&of, windows, f64::NEG_INFINITY, |x, y| x > y)
+                let to = ends.last().map_or(rows.end, |end| rows.start + end);
+                greatest_ahead(&self.margins(*a, place, rows.start..to), &ends)
             }
             Op::Previously(a, Some(d)) => {
                 let on = self.rows_of(place);
@@ -227,11 +251,11 @@ impl Evaluation<'_> {
 
     /// Looks back, ever farther, until what was before no longer matters: nearly always not far.
     fn of_since(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
-        let truth = self.truth(id, place);
+        let (truth, by) = self.seen(id, place).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
         let (mut parts, mut from, mut stride) =
             (vec![self.cells(of, place, rows.clone())], rows.start, STRIDE);
         loop {
-            let before = from.checked_sub(1).map_or(Tri::Unknown, |i| truth.at(i));
+            let before = from.checked_sub(1).map_or(Tri::Unknown, |i| truth.at(by + i));
             let cells = || parts.iter().rev().flatten();
             if let Some(mut out) = settles(before, rows.start - from, cells) {
                 return out.split_off(rows.start - from);
@@ -245,10 +269,10 @@ impl Evaluation<'_> {
     /// As [`Self::of_since`], the other way in time.
     fn of_until(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
         let n = self.places.len(place);
-        let truth = self.truth(id, place);
+        let (truth, by) = self.seen(id, place).unwrap_or_else(|| (Truth::unknown(n), 0));
         let (mut parts, mut to, mut stride) = (vec![self.cells(of, place, rows.clone())], rows.end, STRIDE);
         loop {
-            let after = if to < n { truth.at(to) } else { Tri::Unknown };
+            let after = if to < n { truth.at(by + to) } else { Tri::Unknown };
             let cells = || parts.iter().rev().flat_map(|p| p.iter().rev());
             if let Some(mut out) = settles(after, to - rows.end, cells) {
                 out.reverse();
@@ -263,9 +287,10 @@ impl Evaluation<'_> {
 
     fn cells(&self, (a, b): (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<Cell> {
         let (of_a, of_b) = (self.margins(a, place, rows.clone()), self.margins(b, place, rows.clone()));
-        let (a, b) = (self.truth(a, place), self.truth(b, place));
-        let margins = of_a.into_iter().zip(of_b);
-        rows.zip(margins).map(|(i, (m, n))| Cell { a: (a.at(i), m), b: (b.at(i), n) }).collect()
+        let cut = |id| self.seen(id, place).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
+        let ((a, from_a), (b, from_b)) = (cut(a), cut(b));
+        let cell = |(i, (m, n))| Cell { a: (a.at(from_a + i), m), b: (b.at(from_b + i), n) };
+        rows.clone().zip(of_a.into_iter().zip(of_b)).map(cell).collect()
     }
 }
 
@@ -317,33 +342,4 @@ fn settled(truth: Tri, margin: f64) -> f64 {
         Tri::True => margin.max(0.0),
         Tri::False => margin.min(0.0),
     }
-}
-
-/// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
-fn sliding(
-    values: &[f64],
-    windows: impl Iterator<Item = (usize, usize)>,
-    none: f64,
-    better: impl Fn(f64, f64) -> bool,
-) -> Vec<f64> {
-    // Those that can still become the extreme, the best one first; those before `head` are over.
-    let mut candidates: Vec<usize> = Vec::new();
-    let (mut head, mut taken) = (0, 0);
-    windows
-        .map(|(start, end)| {
-            for (i, x) in values.iter().enumerate().take(end).skip(taken) {
-                if !x.is_nan() {
-                    while candidates.len() > head && !better(values[candidates[candidates.len() - 1]], *x) {
-                        candidates.pop();
-                    }
-                    candidates.push(i);
-                }
-            }
-            taken = taken.max(end);
-            while candidates.get(head).is_some_and(|&k| k < start) {
-                head += 1;
-            }
-            candidates.get(head).map_or(none, |&k| values[k])
-        })
-        .collect()
 }

@@ -93,6 +93,23 @@ impl<'a> NumberColumn<'a> {
         })
     }
 
+    /// A number for each of these rows, without spreading those of all others.
+    fn cut(&self, rows: Range<usize>) -> Cow<'_, [f64]> {
+        let (Some(known), None) = (&self.of_rows, self.by_row.get()) else {
+            return Cow::Borrowed(&self.values()[rows]);
+        };
+        let mut out = vec![f64::NAN; rows.len()];
+        let before = self.before.get_or_init(|| known.counts_before());
+        let word = rows.start / 64;
+        let mut from = before.get(word).map_or(0, |n| n + known.count_in(word * 64..rows.start));
+        for run in known.runs(rows.clone()) {
+            let n = run.len();
+            out[run.start - rows.start..run.end - rows.start].copy_from_slice(&self.stored[from..from + n]);
+            from += n;
+        }
+        Cow::Owned(out)
+    }
+
     /// The number in a row; NaN where it is unknown.
     fn at(&self, row: usize) -> f64 {
         let Some(rows) = &self.of_rows else { return self.stored[row] };
@@ -198,6 +215,14 @@ impl<'a> Numbers<'a> {
         }
     }
 
+    /// The numbers as a slice, where few are wanted of a long column.
+    pub fn cut(&self) -> Cow<'_, [f64]> {
+        match self {
+            Self::Same(..) => self.values(),
+            Self::Column(column, rows) => column.cut(rows.clone()),
+        }
+    }
+
     /// Which rows are known.
     pub fn known(&self) -> Rc<Bits> {
         match self {
@@ -233,7 +258,7 @@ impl<'a> Numbers<'a> {
         let known = self.known();
         let yes = match self {
             Self::Column(column, rows) if *rows == (0..column.len()) => column.compare(op, bound),
-            _ => Bits::collect(self.len(), |i| known.get(i) && holds(op, self.at(i), bound)),
+            _ => compare_slice(op, &self.cut(), bound).map2(&known, |y, k| y & k),
         };
         Truth { yes: Rc::new(yes), known }
     }
@@ -301,6 +326,7 @@ mod tests {
                         prop_assert_eq!(dense.at(i).to_bits(), x.to_bits());
                     }
                 }
+                prop_assert!(dense.slice(from..n).cut().iter().zip(&a[from..]).all(|(x, y)| x.to_bits() == y.to_bits()));
                 prop_assert!(dense.values().iter().zip(&a).all(|(x, y)| x.to_bits() == y.to_bits()));
                 let t = dense.slice(from..n).compare(op, &Numbers::Same(bound, n - from));
                 for i in 0..n - from {

@@ -64,7 +64,8 @@ pub fn within(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
             for run in from.runs(segment.range()) {
                 let first = rows[run.start - segment.start].time;
                 // The first row from which the run can be seen.
-                reach += first_from(&rows[reach..], |r| horizon(r) >= first);
+                let guess = (run.start - segment.start).saturating_sub((d.0 / STEP.0) as usize);
+                reach = first_in_near(reach, rows.len(), guess, |i| horizon(&rows[i]) >= first);
                 into.set_range(segment.start + reach..run.end);
             }
         }
@@ -75,16 +76,6 @@ pub fn within(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
         possible_out.set_range(moved(open..rows.len(), segment.start));
     }
     Truth::bounded(sure_out, &possible_out)
-}
-
-/// How many rows from the first one do not fulfil a condition that, once fulfilled, stays so. Looks near first.
-fn first_from(rows: &[Row], fulfilled: impl Fn(&Row) -> bool) -> usize {
-    let mut step = 1;
-    while step < rows.len() && !fulfilled(&rows[step - 1]) {
-        step *= 2;
-    }
-    let from = step / 2;
-    from + rows[from..step.min(rows.len())].partition_point(|r| !fulfilled(r))
 }
 
 /// True when the past window of length `d` at row `i` reaches back to row `j`.
@@ -112,7 +103,8 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
                     let (first, last) = (run.start - segment.start, run.end - 1 - segment.start);
                     reach = reach.max(last + 1).min(n);
                     // One past the last row that can look back to the run.
-                    reach += first_in(reach, n, |i| !reaches(rows, i, last, d));
+                    let guess = last + 1 + (d.0 / STEP.0) as usize;
+                    reach = first_in_near(reach, n, guess, |i| !reaches(rows, i, last, d));
                     into.set_range(moved(first + 1..reach, segment.start));
                 }
             }
@@ -138,6 +130,13 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
         possible_out.set_range(moved(0..(1 + open).min(n), segment.start));
     }
     Truth::bounded(sure_out, &possible_out)
+}
+
+/// The first index from `from` on that fulfils a condition that, once fulfilled, stays so; `to` where none does. Where a
+/// clock keeps its rate, it is the one that is guessed.
+fn first_in_near(from: usize, to: usize, guess: usize, fulfilled: impl Fn(usize) -> bool) -> usize {
+    let right = from < guess && guess < to && fulfilled(guess) && !fulfilled(guess - 1);
+    if right { guess } else { from + first_in(from, to, fulfilled) }
 }
 
 /// How many indices from `from` on do not fulfil a condition that, once fulfilled, stays so. Looks near first.

@@ -1,0 +1,138 @@
+//! What margins need row by row: comparisons, agreement with the truth, moving extremes.
+
+use super::settled;
+use crate::evaluate::{MARGIN_LIMIT, compare};
+use crate::fast::numbers::Numbers;
+use crate::fast::truth::Truth;
+use crate::language::syntax::CompareOp;
+use std::ops::Range;
+use whyroad_model::Tri;
+
+/// Margins of a comparison on these rows, as [`compare`] defines them.
+pub fn compared(
+    op: CompareOp,
+    left: &Numbers<'_>,
+    right: &Numbers<'_>,
+    scale: f64,
+    rows: Range<usize>,
+) -> Vec<f64> {
+    let (a, b) = (left.slice(rows.clone()), right.slice(rows));
+    // One loop an operator: the operator is no longer asked for in each row.
+    match op {
+        CompareOp::Less | CompareOp::LessOrEqual => each(&a, &b, |x, y| of_difference(x, y, y - x, scale)),
+        CompareOp::Greater | CompareOp::GreaterOrEqual => {
+            each(&a, &b, |x, y| of_difference(x, y, x - y, scale))
+        }
+        CompareOp::Equal | CompareOp::NotEqual => each(&a, &b, |x, y| compare(op, x, y, scale).1),
+    }
+}
+
+fn of_difference(x: f64, y: f64, raw: f64, scale: f64) -> f64 {
+    let raw = if raw.is_nan() { 0.0 } else { raw };
+    let margin = (raw / scale).clamp(-MARGIN_LIMIT, MARGIN_LIMIT);
+    if x.is_nan() || y.is_nan() { f64::NAN } else { margin }
+}
+
+fn each(a: &Numbers<'_>, b: &Numbers<'_>, f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    match (a, b) {
+        (_, Numbers::Same(y, _)) => a.cut().iter().map(|x| f(*x, *y)).collect(),
+        (Numbers::Same(x, _), _) => b.cut().iter().map(|y| f(*x, *y)).collect(),
+        _ => a.cut().iter().zip(b.cut().iter()).map(|(x, y)| f(*x, *y)).collect(),
+    }
+}
+
+/// Brings margins to agree with the truth of as many rows from the first one on.
+pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
+    for (k, margins) in margins.chunks_mut(64).enumerate() {
+        let at = first + 64 * k;
+        let (yes, known) = (truth.yes.word_at(at), truth.known.word_at(at));
+        for (i, margin) in margins.iter_mut().enumerate() {
+            let truth = Tri::from((known >> i & 1 == 1).then_some(yes >> i & 1 == 1));
+            *margin = settled(truth, *margin);
+        }
+    }
+}
+
+/// The greatest known value in each of these windows, which begin one row after another and only ever move forward; minus
+/// infinity where none is known.
+pub fn greatest_ahead(values: &[f64], ends: &[usize]) -> Vec<f64> {
+    // Mostly all windows but the last ones are of one width.
+    let width = ends.first().copied().unwrap_or(0);
+    let even = ends.iter().enumerate().take_while(|(i, end)| **end - i == width).count();
+    let mut out = if width > 0 { greatest_of(values, width, even) } else { Vec::new() };
+    let done = out.len();
+    let rest = ends.iter().enumerate().skip(done).map(|(i, end)| (i, *end));
+    out.extend(sliding(values, rest, f64::NEG_INFINITY, |x, y| x > y));
+    out
+}
+
+/// The greatest known of `width` values from each of the first `n` on: of two first, then of four, and so on.
+fn greatest_of(values: &[f64], width: usize, n: usize) -> Vec<f64> {
+    let greater = |x: f64, y: f64| if x > y { x } else { y };
+    let reach = &values[..values.len().min(n + width)];
+    let mut of_some: Vec<f64> =
+        reach.iter().map(|x| if x.is_nan() { f64::NEG_INFINITY } else { *x }).collect();
+    let mut some = 1;
+    while 2 * some <= width {
+        of_some = of_some
+            .iter()
+            .zip(of_some.get(some..).unwrap_or_default())
+            .map(|(x, y)| greater(*x, *y))
+            .collect();
+        some *= 2;
+    }
+    let ahead = of_some.get(width - some..).unwrap_or_default();
+    of_some.iter().zip(ahead).take(n).map(|(x, y)| greater(*x, *y)).collect()
+}
+
+/// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
+pub fn sliding(
+    values: &[f64],
+    windows: impl Iterator<Item = (usize, usize)>,
+    none: f64,
+    better: impl Fn(f64, f64) -> bool,
+) -> Vec<f64> {
+    // Those that can still become the extreme, the best one first; those before `head` are over.
+    let mut candidates: Vec<usize> = Vec::new();
+    let (mut head, mut taken) = (0, 0);
+    windows
+        .map(|(start, end)| {
+            for (i, x) in values.iter().enumerate().take(end).skip(taken) {
+                if !x.is_nan() {
+                    while candidates.len() > head && !better(values[candidates[candidates.len() - 1]], *x) {
+                        candidates.pop();
+                    }
+                    candidates.push(i);
+                }
+            }
+            taken = taken.max(end);
+            while candidates.get(head).is_some_and(|&k| k < start) {
+                head += 1;
+            }
+            candidates.get(head).map_or(none, |&k| values[k])
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_greatest_ahead_is_the_greatest_of_each_window(
+            values in prop::collection::vec(prop_oneof![3 => -9.0f64..9.0, 1 => Just(f64::NAN)], 1..200),
+            width in 1usize..20,
+            wider in 0usize..300,
+        ) {
+            let n = values.len();
+            // From some row on the windows are a little wider, and none goes on behind the end.
+            let ends: Vec<usize> = (0..n).map(|i| (i + width + usize::from(i >= wider)).min(n)).collect();
+            let expected: Vec<f64> = ends.iter().enumerate().map(|(i, end)| {
+                values[i..*end].iter().copied().filter(|x| !x.is_nan()).fold(f64::NEG_INFINITY, f64::max)
+            }).collect();
+            prop_assert_eq!(greatest_ahead(&values, &ends), expected);
+        }
+    }
+}
