@@ -39,7 +39,7 @@ export const api = {
   changeProject: async (p: string, change: Partial<T.ProjectChange>) =>
     (await call<T.Project>("PATCH", `/projects/${id(p)}`, change)).data,
   members: async (p: string) => (await call<{ items: T.Member[] }>("GET", `/projects/${id(p)}/members`)).data.items,
-  setMember: async (p: string, m: { user: string; roles: T.Role[]; skills: string[] }) =>
+  setMember: async (p: string, m: { user: string; roles: T.Role[]; skills: string[]; languages?: string[] }) =>
     (await call<{ items: T.Member[] }>("POST", `/projects/${id(p)}/members`, m)).data.items,
   dashboard: async (p: string) => (await call<T.Dashboard>("GET", `/projects/${id(p)}/dashboard`)).data,
 
@@ -86,7 +86,7 @@ export const api = {
   comment: async (t: string, c: T.NewComment) => (await call<T.Comment>("POST", `/tasks/${id(t)}/comments`, c)).data,
   resolve: async (c: string) => (await call<T.Comment>("POST", `/comments/${id(c)}/resolve`, {})).data,
 
-  scene: async (t: string) => (await call<T.SceneView>("GET", `/tasks/${id(t)}/scene`)).data,
+  scene: async (t: string) => (await call<T.SceneView>("GET", `/tasks/${id(t)}/scene`, undefined, LONG_MS)).data,
   map: async (t: string) => (await call<T.MapView>("GET", `/tasks/${id(t)}/map`)).data,
   framework: async () => (await call<T.FrameworkView>("GET", "/framework")).data,
 

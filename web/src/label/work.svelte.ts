@@ -1,6 +1,6 @@
 // One task on the table: what was fetched of it, who holds it, the label in the making, and the moment that is shown. Every
 // part of the labelling screen reads from here. Draws nothing and listens to no key.
-import { ApiError } from "../api/client.ts";
+import { ApiError, Offline } from "../api/client.ts";
 import { api } from "../api/calls.ts";
 import type { ActionName, Comment, Finding, SceneView, Task, User } from "../api/types.ts";
 import { Attempt } from "../attempt.svelte.ts";
@@ -50,6 +50,7 @@ export class Work {
   /** World point that drawing is relative to. */
   origin2d: readonly [number, number] = [0, 0];
   #fence: number | null = null;
+  #closed = false;
   #beat: ReturnType<typeof setInterval> | undefined;
 
   constructor(id: string, user: User) {
@@ -163,7 +164,8 @@ export class Work {
     this.comments = task.comments;
     this.draft.load(task);
     this.#keepLease();
-    if (!this.scene || shown?.stage !== task.stage) await this.#look();
+    if (!this.scene) await this.#look();
+    else if (shown?.stage !== task.stage) await this.#lookUntilThere();
     if (task.stage === "stage2" && this.origin === null) void this.#beginning();
     this.returned = null;
     if (["rework", "submitted", "in_check"].includes(task.task.state)) void this.#whyReturned();
@@ -177,6 +179,18 @@ export class Work {
     this.scene = scene;
     this.road = buildRoad(map, this.origin2d);
     this.player.load(scene.t_s);
+  }
+
+  /** The stage is locked and cannot be locked again: what it opened is asked for until it comes. */
+  async #lookUntilThere(): Promise<void> {
+    for (let wait = 1_000; !this.#closed; wait = Math.min(10_000, wait * 2)) {
+      try {
+        return await this.#look();
+      } catch (error) {
+        if (!(error instanceof Offline)) throw error;
+        await new Promise((done) => setTimeout(done, wait));
+      }
+    }
   }
 
   async #beginning(): Promise<void> {
@@ -272,6 +286,7 @@ export class Work {
   }
 
   close(): void {
+    this.#closed = true;
     clearInterval(this.#beat);
     this.player.pause();
     // What was typed just before one goes elsewhere is sent without its pause.

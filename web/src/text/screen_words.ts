@@ -88,7 +88,7 @@ export const screenWords = {
   "queue.finished": ["没有任务在等这一步：都已做完，或还没有到这一步。", "No task waits for this step: all are done, or not there yet."],
   "queue.held": ["有的任务正在别人手上；放回或租约到期后可以领取。", "Others have tasks in hands; they come back when released or when the lease ends."],
   "queue.assigned": ["有的任务已指派给别人。", "Some were given to somebody else."],
-  "queue.language": ["有的任务的草稿是另一种语言；您的语言在个人设置中更改。", "Some have drafts in the other language; yours is in your settings."],
+  "queue.language": ["有的任务的草稿是另一种语言；由负责人在“成员”中更改。", "Some have drafts in the other language; a lead changes that under Members."],
   "queue.classes": ["有的任务的场景不在您负责的范围内；由负责人在“成员”中更改。", "Some are of classes that you do not label; a lead changes that under Members."],
   "queue.future_seen": ["有的任务的后续您已经看过，不能再做它们的阶段一。", "Of some you have seen what comes after the keyframe, so their Stage I is not for you."],
   "queue.overlap_twice": ["有的是盲标的另一份，您已标过同一片段。", "Some are blind copies of an episode that you label already."],
@@ -169,6 +169,11 @@ export const screenWords = {
   "people.skills.hint": [
     "负责的场景：类别编号或其前缀，用逗号分隔，例如 reactive_agent, proactive.lane_change；空着表示全部。队列只给这些场景的任务。",
     "Classes: ids or beginnings of ids with commas between, such as reactive_agent, proactive.lane_change; empty for all. The queue gives only tasks of these.",
+  ],
+  "people.languages": ["草稿语言", "Drafts in"],
+  "people.languages.hint": [
+    "草稿语言：队列只给这些语言的任务；都不选表示此人页面的语言。",
+    "Drafts in: the queue gives only tasks with drafts in these languages; none ticked: that of the person's page.",
   ],
   "people.disabled": ["已停用", "disabled"],
   "people.may_sign_in": ["可登录", "May sign in"],
