@@ -16,6 +16,8 @@ use crate::problem::Problem;
 
 /// The provider cannot be reached or answers what it must not: nobody's fault who signs in.
 pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
+    // Some of it may be the provider's own words.
+    let why: String = why.to_string().chars().filter(|c| !c.is_control()).take(300).collect();
     Problem::new(
         502,
         "oidc.provider",

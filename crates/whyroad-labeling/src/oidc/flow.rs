@@ -123,7 +123,7 @@ fn challenge(verifier: &str) -> String {
     URL_SAFE_NO_PAD.encode(Sha256::digest(verifier))
 }
 
-/// Who signed in, as claims that may be believed, and what for. A state serves once, whatever comes of it.
+/// Who signed in, as claims that may be believed, and what for. A state serves once, whatever the provider then says.
 pub fn finish(
     app: &App,
     provider: &Provider,
@@ -139,11 +139,15 @@ pub fn finish(
     let browser = Browser { user: browser.user.filter(|_| purpose == Purpose::Link), ..browser };
     let derived = Derived::new(app, browser);
     let in_time = (-1000..LONGEST_MS).contains(&(now - began));
-    if !secret::same(mac, &derived.of("state", begun)) || !in_time || !use_up(app, mac, now)? {
+    if !secret::same(mac, &derived.of("state", begun)) || !in_time {
         return Err(stale());
     }
+    // A provider that is away uses nothing up.
     let _turn = provider.turn()?;
     let metadata = provider.metadata(now)?;
+    if !use_up(app, mac, now)? {
+        return Err(stale());
+    }
     // Before anything else is believed: is this the answer of the provider that was asked (RFC 9207)?
     let named = returned.iss.as_deref();
     if named
@@ -185,11 +189,15 @@ fn use_up(app: &App, mac: &str, now: i64) -> Answer<bool> {
     })
 }
 
+/// An error's name, if it is a plain word; what comes from outside is not repeated as it is.
+fn plain_word(error: &str) -> &str {
+    let plain = (1..=40).contains(&error.len()) && error.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+    if plain { error } else { "?" }
+}
+
 /// The provider, or the person there, said no.
 fn declined(error: &str) -> Problem {
-    // Only a plain word is repeated: it came by way of the browser.
-    let plain = error.len() <= 40 && error.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
-    let word = if plain && !error.is_empty() { error } else { "?" };
+    let word = plain_word(error);
     Problem::new(
         403,
         "oidc.declined",
@@ -223,7 +231,8 @@ fn exchange(provider: &Provider, metadata: &Metadata, code: &str, verifier: &str
         // The code is not good: used, too old, or not for us.
         Some("invalid_grant") => Err(declined("invalid_grant")),
         error => {
-            Err(provider_fails(format!("token endpoint: status {status} {}", error.unwrap_or_default())))
+            let word = error.map_or("", plain_word);
+            Err(provider_fails(format!("token endpoint: status {status} {word}")))
         }
     }
 }

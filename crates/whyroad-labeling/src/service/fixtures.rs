@@ -1,12 +1,19 @@
-//! For tests of single parts: a service on an empty SQLite store with the project `p` and no drives, and a task of it.
+//! For tests of single parts: a service on an empty store with the project `p` and no drives, and a task of it. The store
+//! is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
 
 use crate::api::wire::scene::SignalAbout;
+#[path = "../../tests/support/postgres.rs"]
+#[allow(dead_code, reason = "restarts are for other tests")]
+mod postgres;
+
+use self::postgres::Server;
 use crate::app::App;
 use crate::recordings::Recordings;
 use crate::service::tasks::TaskRow;
 use crate::store::{Place, Store};
 use crate::workflow::{Position, State};
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_framework::Framework;
@@ -41,10 +48,39 @@ impl Recordings for NoDrives {
     }
 }
 
-/// The service, and the folder that its store is in.
+thread_local! {
+    /// Where this thread's tests have their stores; none for files.
+    static SERVER: RefCell<Option<Server>> = const { RefCell::new(None) };
+}
+
+/// Runs the tests of a file again, each on a database of its own; `source` is the file, so that none is forgotten.
+pub fn again_on_postgresql(source: &str, tests: &[fn()]) {
+    let there = source.lines().filter(|l| l.trim() == "#[test]").count();
+    assert_eq!(there, tests.len(), "each test of the file is named in on_postgresql!");
+    let Some(server) = Server::start() else { return };
+    SERVER.set(Some(server));
+    tests.iter().for_each(|test| test());
+    // Here rather than when the thread ends: the server stops before the test does.
+    SERVER.take();
+}
+
+/// Names the tests of `tests.rs` that run on PostgreSQL too.
+macro_rules! on_postgresql {
+    ($($name:ident),+ $(,)?) => {
+        #[test]
+        fn the_same_on_postgresql() {
+            crate::service::fixtures::again_on_postgresql(include_str!("tests.rs"), &[$($name),+]);
+        }
+    };
+}
+pub(crate) use on_postgresql;
+
+/// The service, and a folder for its store.
 pub fn app() -> (App, tempfile::TempDir) {
     let dir = tempfile::tempdir().unwrap();
-    let store = Store::open(&Place::File(dir.path().join("s.db"))).unwrap();
+    let server = SERVER.with_borrow(|s| s.as_ref().map(|s| Place::parse(&s.database())));
+    let place = server.unwrap_or_else(|| Place::File(dir.path().join("s.db")));
+    let store = Store::open(&place).unwrap();
     let app = App::new(store, Framework::bundled(), Arc::new(NoDrives)).unwrap();
     let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)";
     app.store.write(move |tx| tx.run(insert, &[])).unwrap();

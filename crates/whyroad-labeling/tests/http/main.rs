@@ -17,6 +17,7 @@ mod drafts;
 mod ending;
 mod flow;
 mod group;
+mod identities;
 mod leaks;
 mod oidc;
 mod provider;
@@ -61,12 +62,12 @@ suite! {
     sessions::guessing_passwords_is_slowed,
     sessions::passwords_and_tokens_are_kept_as_hashes,
     sessions::people_change_themselves_and_admins_everybody,
-    oidc::who_has_a_verified_address_signs_in_to_the_account_that_has_it,
+    identities::who_has_a_verified_address_signs_in_to_the_account_that_has_it,
     oidc::a_token_that_is_wrong_anywhere_lets_nobody_in,
     oidc::an_answer_serves_once_and_in_one_browser,
-    oidc::no_account_is_taken_over,
-    oidc::who_is_signed_in_links_themselves_and_unlinks,
-    oidc::accounts_are_made_and_roles_given_where_the_set_up_says_so,
+    identities::no_account_is_taken_over,
+    identities::who_is_signed_in_links_themselves_and_unlinks,
+    identities::accounts_are_made_and_roles_given_where_the_set_up_says_so,
     oidc::what_only_userinfo_tells_is_asked_for_and_is_of_the_same_person,
     oidc::keys_change_and_old_ones_are_forgotten,
     oidc::a_provider_that_fails_or_lies_about_itself_is_said_to,

@@ -102,3 +102,19 @@ fn the_half_hash_is_that_of_the_standard() {
     let half = Algorithm::Rs256.half_hash("jHkWEdUXMU1BwAsC4vtUsZwnNvTIxEl0z9K3vx5KF0Y");
     assert_eq!(half, "77QmUPtjPfzWtF2AnpK9RQ");
 }
+
+proptest::proptest! {
+    /// Whatever a provider or somebody on the way writes is read without a panic, and none of it is believed.
+    #[test]
+    fn no_text_breaks_the_reading(header in "\\PC{0,40}", payload in "\\PC{0,40}", tail in "[A-Za-z0-9_.=-]{0,100}", raw in "\\PC{0,80}") {
+        let alg = format!("{{\"alg\":\"ES256\",\"x\":{header:?}}}");
+        for text in [
+            format!("{}.{}.{tail}", URL_SAFE_NO_PAD.encode(&header), URL_SAFE_NO_PAD.encode(&payload)),
+            format!("{}.{}.{tail}", URL_SAFE_NO_PAD.encode(&alg), URL_SAFE_NO_PAD.encode(&payload)),
+            format!("{tail}.{tail}.{tail}"),
+            raw,
+        ] {
+            proptest::prop_assert!(verified(&text, &published()).is_err());
+        }
+    }
+}

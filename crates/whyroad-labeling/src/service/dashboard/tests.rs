@@ -194,3 +194,10 @@ fn audits_are_counted_by_author() {
         [20.0, 10.0, 15.0, 20.0, 20.0]
     );
 }
+
+fixtures::on_postgresql! {
+    coverage_counts_episodes_once_and_tells_what_was_not_even_mined,
+    throughput_is_by_day_person_and_action_and_ageing_by_rest,
+    agreement_is_that_of_the_first_submissions,
+    audits_are_counted_by_author,
+}

@@ -178,3 +178,12 @@ fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
     // Once the whole, and for each what was known at its keyframe.
     assert_eq!(recordings.derived.load(Ordering::SeqCst), 11);
 }
+
+fixtures::on_postgresql! {
+    accepted_labels_go_out_in_either_format,
+    tasks_go_out_with_their_history,
+    odd_words_are_refused,
+    lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest,
+    many_labels_of_a_drive_read_it_once_and_derive_nothing,
+    many_episodes_of_a_drive_derive_it_once_beside_their_own_history,
+}

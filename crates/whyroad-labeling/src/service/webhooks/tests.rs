@@ -176,3 +176,13 @@ fn only_plain_addresses_are_taken() {
         assert_eq!(refused.code, "webhook.url", "{bad}");
     }
 }
+
+fixtures::on_postgresql! {
+    a_message_is_signed_and_says_what_happened_but_no_label,
+    what_was_not_taken_is_sent_again_later_and_later,
+    waits_double_up_to_an_hour,
+    a_receiver_that_is_away_keeps_its_messages_and_a_removed_one_loses_them,
+    two_senders_do_not_send_one_message_twice,
+    a_service_that_others_reach_calls_nothing_on_its_own_machine,
+    only_plain_addresses_are_taken,
+}
