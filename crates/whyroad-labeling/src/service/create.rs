@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
 use whyroad_model::messages::{Causes, CocLabel, EpisodeRecord};
-use whyroad_model::{Drive, Lang, Nanos, SignalTable};
+use whyroad_model::{Bilingual, Drive, Lang, Nanos, SignalTable};
 
 /// Most people on one episode.
 const MOST_OVERLAP: u32 = 10;
@@ -75,7 +75,7 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
                 *leaf += 1;
                 chosen += 1;
             }
-            Err(why) => out.lost.push(format!("{}: {why}", episode.episode_id)),
+            Err(why) => out.lost.push(format!("{}: {}", episode.episode_id, why.en)),
         }
         // As they come: people can begin, and what was made stays when the rest fails.
         if rows.len() >= AT_ONCE {
@@ -137,16 +137,26 @@ struct Source {
 
 impl LastDrive {
     /// The drive of `episode`; in words why it is not to be had, or why the episode cannot be one of it.
-    fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<&Source, String> {
+    fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<&Source, Bilingual> {
         let source = match self.0.take().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
             Some(source) => source,
-            None => Source { drive: app.recordings.drive(&episode.drive_id)?, signals: OnceCell::new() },
+            None => {
+                let drive = app.recordings.drive(&episode.drive_id);
+                let drive = drive.map_err(|why| Bilingual::new(format!("行程不可用：{why}"), why))?;
+                Source { drive, signals: OnceCell::new() }
+            }
         };
         let at = episode.keyframe.timestamp;
         let within = source.drive.times.first().is_some_and(|t| *t <= at)
             && source.drive.times.last().is_some_and(|t| at <= *t);
         let source = self.0.insert(source);
-        if within { Ok(source) } else { Err(format!("its keyframe {at} is outside the drive")) }
+        if within {
+            return Ok(source);
+        }
+        Err(Bilingual::new(
+            format!("关键帧 {at} 不在行程内"),
+            format!("its keyframe {at} is outside the drive"),
+        ))
     }
 }
 
@@ -164,14 +174,7 @@ pub fn prepare(
     draft: Option<Value>,
     last: &mut LastDrive,
 ) -> Answer<TaskRow> {
-    let source = last.of(app, episode).map_err(|why| {
-        Problem::new(
-            422,
-            "drive.missing",
-            format!("行程不可用：{why}"),
-            format!("the drive is not to be had: {why}"),
-        )
-    })?;
+    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
     row(app, project, source, episode, String::new(), draft)
 }
 
