@@ -71,6 +71,8 @@ suite! {
     oidc::what_only_userinfo_tells_is_asked_for_and_is_of_the_same_person,
     oidc::keys_change_and_old_ones_are_forgotten,
     oidc::a_provider_that_fails_or_lies_about_itself_is_said_to,
+    oidc::every_way_of_being_a_client_will_do,
+    oidc::services_on_one_store_share_the_work,
     oidc::attempts_are_counted_and_the_first_account_is_made_here,
     access::every_route_lets_in_only_whom_it_should,
     access::the_roles_of_a_project_bound_its_work,

@@ -305,3 +305,36 @@ pub fn attempts_are_counted_and_the_first_account_is_made_here(world: &World) {
     assert_eq!(waits.refusal(), (429, "session.wait".into()));
     assert_eq!(guess.post("/oidc/begin", &json!({ "purpose": "sign_in" })).refusal().0, 429);
 }
+
+pub fn every_way_of_being_a_client_will_do(world: &World) {
+    let admin = world.admin();
+    user_with(&admin, "ann", "ann@example.com");
+    let methods = |names: Value| Fault::Discovery("token_endpoint_auth_methods_supported", names);
+    for (names, secret) in [
+        (json!(["client_secret_post"]), Some(SECRET)),
+        (json!(["client_secret_basic", "client_secret_post"]), Some(SECRET)),
+        (json!(["none"]), None),
+    ] {
+        let secret = secret.map(|s| Secret(s.into()));
+        let (provider, service) = town(world, Key::ec("one"), |w| w.client_secret = secret);
+        provider.goes_wrong(methods(names.clone()));
+        assert_eq!(enter(&service, &provider).1.status, 200, "{names}");
+    }
+}
+
+pub fn services_on_one_store_share_the_work(world: &World) {
+    let admin = world.admin();
+    user_with(&admin, "ann", "ann@example.com");
+    let (provider, first) = town(world, Key::ec("one"), |_| {});
+    let settings = first.app.oidc.as_ref().unwrap().settings.clone();
+    let second = world.beside(|app| {
+        app.oidc = Some(whyroad_labeling::oidc::provider::Provider::new(settings, None).unwrap());
+    });
+    let mut person = first.stranger();
+    person.hello();
+    let returned = there_and_back(&person, &provider, "sign_in");
+    // A balancer sends the browser to the other one.
+    let there = Person { address: second.address, ..person.clone() };
+    assert_eq!(finish(&there, &returned).status, 200);
+    assert_eq!(finish(&person, &returned).refusal(), (403, "oidc.state".into()), "used up for both");
+}

@@ -222,10 +222,7 @@ impl Provider {
         if let Fault::Away(status) = state.fault {
             return (status, json!({}));
         }
-        let given = authorization.and_then(|a| a.strip_prefix("Basic "));
-        let given = given.and_then(|b| String::from_utf8(STANDARD.decode(b).ok()?).ok());
-        let given = given.and_then(|g| g.split_once(':').map(|(id, secret)| (decoded(id), decoded(secret))));
-        if given != Some((CLIENT.to_owned(), SECRET.to_owned())) {
+        if !is_client(&state.fault, authorization, sent) {
             return (401, json!({ "error": "invalid_client" }));
         }
         // A code serves once.
@@ -310,6 +307,24 @@ impl Provider {
             person["sub"] = "somebody else".into();
         }
         (200, person)
+    }
+}
+
+/// RFC 6749 2.3.1: by the header, unless the discovery document speaks of another way; never by two ways at once.
+fn is_client(fault: &Fault, authorization: Option<&String>, sent: &BTreeMap<String, String>) -> bool {
+    let in_header = authorization.and_then(|a| a.strip_prefix("Basic "));
+    let in_header = in_header.and_then(|b| String::from_utf8(STANDARD.decode(b).ok()?).ok());
+    let in_header =
+        in_header.and_then(|g| g.split_once(':').map(|(id, secret)| (decoded(id), decoded(secret))));
+    let in_form = (sent.get("client_id").map(String::as_str), sent.get("client_secret").map(String::as_str));
+    let methods = match fault {
+        Fault::Discovery("token_endpoint_auth_methods_supported", methods) => methods[0].as_str(),
+        _ => None,
+    };
+    match methods {
+        Some("client_secret_post") => in_form == (Some(CLIENT), Some(SECRET)) && authorization.is_none(),
+        Some("none") => in_form == (Some(CLIENT), None) && authorization.is_none(),
+        _ => in_header == Some((CLIENT.to_owned(), SECRET.to_owned())) && in_form == (None, None),
     }
 }
 
