@@ -108,7 +108,9 @@ export class Work {
     return this.findingsAt(path).some((f) => f.code === "label.trace.draft");
   }
 
+  /** Finds the field at `path` good as it is; also while it is not known yet what the draft filled in. */
   accept(path: string): void {
+    if (this.mustRewrite(path)) return;
     this.accepted = new Set([...this.accepted, path]);
     localStorage.setItem(this.#key("accepted"), JSON.stringify([...this.accepted]));
   }
@@ -164,9 +166,9 @@ export class Work {
     this.comments = task.comments;
     this.draft.load(task);
     this.#keepLease();
+    if (task.stage === "stage2" && this.origin === null) void this.#beginning();
     if (!this.scene) await this.#look();
     else if (shown?.stage !== task.stage) await this.#lookUntilThere();
-    if (task.stage === "stage2" && this.origin === null) void this.#beginning();
     this.returned = null;
     if (["rework", "submitted", "in_check"].includes(task.task.state)) void this.#whyReturned();
   }

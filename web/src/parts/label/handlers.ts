@@ -50,7 +50,7 @@ export function handlers(work: Work, deeds: Deeds): Handlers {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = work.unaccepted;
     const at = before.indexOf(field ?? "");
-    if (field !== undefined && at >= 0) work.accept(field);
+    if (field !== undefined) work.accept(field);
     await tick();
     const next = work.unaccepted.find((p) => before.indexOf(p) > at) ?? work.unaccepted[0];
     if (next !== undefined) toField(next);
