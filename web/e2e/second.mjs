@@ -69,7 +69,7 @@ async function prepare(day) {
   await page.getByRole("link", { name: "任务" }).click();
   await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
   await page.getByRole("dialog").getByRole("button", { name: "建立任务" }).click();
-  await page.getByRole("dialog").getByText("已建立 1 个任务").waitFor({ timeout: 60_000 });
+  await page.getByRole("dialog").getByText("已建立 1 个任务").waitFor({ timeout: 300_000 });
   await page.keyboard.press("Escape");
 }
 
