@@ -197,11 +197,20 @@ fn unpack_long(bytes: &[u8], width: usize, n: usize, to: &mut Vec<u64>) -> Optio
     if width > 64 || (n * width).div_ceil(8) > bytes.len() {
         return None;
     }
+    let mask = super::bitmap::low(width);
     for bit in (0..n).map(|i| i * width) {
-        let mut padded = [0; 16];
-        let from = &bytes[bit / 8..bytes.len().min(bit / 8 + 9)];
-        padded[..from.len()].copy_from_slice(from);
-        to.push((u128::from_le_bytes(padded) >> (bit % 8)) as u64 & super::bitmap::low(width));
+        let from = &bytes[bit / 8..];
+        // Eight bytes hold all of it, unless it is very wide; at the end there may be fewer.
+        let value = match from.first_chunk::<8>() {
+            Some(eight) if width <= 57 => u64::from_le_bytes(*eight) >> (bit % 8),
+            _ => {
+                let mut padded = [0; 16];
+                let there = from.len().min(9);
+                padded[..there].copy_from_slice(&from[..there]);
+                (u128::from_le_bytes(padded) >> (bit % 8)) as u64
+            }
+        };
+        to.push(value & mask);
     }
     Some(())
 }

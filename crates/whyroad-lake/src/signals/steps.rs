@@ -19,6 +19,8 @@ impl Stretch {
 pub(super) struct Steps {
     stretches: Vec<Stretch>,
     len: usize,
+    /// What would go on with the last stretch.
+    next: i64,
 }
 
 impl Steps {
@@ -29,8 +31,14 @@ impl Steps {
     pub fn push(&mut self, value: i64) {
         self.len += 1;
         match self.stretches.last_mut() {
-            Some(last) if last.len == 1 => (last.step, last.len) = (value.wrapping_sub(last.first), 2),
-            Some(last) if last.at(last.len) == value => last.len += 1,
+            Some(last) if last.len > 1 && self.next == value => {
+                last.len += 1;
+                self.next = value.wrapping_add(last.step);
+            }
+            Some(last) if last.len == 1 => {
+                (last.step, last.len) = (value.wrapping_sub(last.first), 2);
+                self.next = value.wrapping_add(last.step);
+            }
             _ => self.stretches.push(Stretch { first: value, step: 0, len: 1 }),
         }
     }
@@ -38,17 +46,18 @@ impl Steps {
     /// Appends `first`, `first + step`, ... of which there are `n`.
     pub fn push_run(&mut self, first: i64, step: i64, n: usize) {
         // Two at most do not go on with the stretch before, or begin one.
+        let at = |k: usize| first.wrapping_add(step.wrapping_mul(k as i64));
         let single = n.min(2);
-        (0..single).for_each(|k| self.push(first.wrapping_add(step.wrapping_mul(k as i64))));
+        (0..single).for_each(|k| self.push(at(k)));
         let rest = n - single;
         if let (Some(last), 1..) = (self.stretches.last_mut(), rest) {
             if last.len > 1 && last.step == step {
                 last.len += rest;
             } else {
-                let first = first.wrapping_add(step.wrapping_mul(single as i64));
-                self.stretches.push(Stretch { first, step, len: rest });
+                self.stretches.push(Stretch { first: at(single), step, len: rest });
             }
             self.len += rest;
+            self.next = at(n);
         }
     }
 

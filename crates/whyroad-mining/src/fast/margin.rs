@@ -15,7 +15,7 @@ use whyroad_model::{Nanos, Tri};
 
 mod rows;
 
-use rows::{compared, greatest_ahead, settle, sliding};
+use rows::{best_of_even, compared, greatest_ahead, settle, sliding};
 
 impl Evaluation<'_> {
     /// Margins of a condition on these rows of a place that is not all objects; NaN where it is unknown.
@@ -168,16 +168,21 @@ impl Evaluation<'_> {
         }
         let reach = first..ends.last().copied().unwrap_or(rows.end).max(rows.end);
         let of = self.margins(a, place, reach);
-        let windows = ends.iter().enumerate().map(|(k, end)| (k, end - first));
-        let worst = sliding(&of, windows, f64::INFINITY, |x, y| x < y);
-        let mut begin = 0;
-        let around = rows.clone().map(|i| {
-            while begin < ends.len() && ends[begin] <= i {
-                begin += 1;
-            }
-            (begin, (i + 1 - first).min(ends.len()).max(begin))
-        });
-        let best = sliding(&worst, around.collect::<Vec<_>>().into_iter(), f64::NEG_INFINITY, |x, y| x > y);
+        let width = ends.first().map_or(0, |end| end - first);
+        let best = if width > 0 && ends.iter().enumerate().all(|(k, end)| end - first - k == width) {
+            best_of_even(&of, width, ends.len(), rows.start - first..rows.end - first)
+        } else {
+            let windows = ends.iter().enumerate().map(|(k, end)| (k, end - first));
+            let worst = sliding(&of, windows, f64::INFINITY, |x, y| x < y);
+            let mut begin = 0;
+            let around = rows.clone().map(|i| {
+                while begin < ends.len() && ends[begin] <= i {
+                    begin += 1;
+                }
+                (begin, (i + 1 - first).min(ends.len()).max(begin))
+            });
+            sliding(&worst, around.collect::<Vec<_>>().into_iter(), f64::NEG_INFINITY, |x, y| x > y)
+        };
         let own = |i: usize| of[i - first].min(0.0);
         rows.zip(best).map(|(i, b)| if b.is_finite() { b } else { own(i) }).collect()
     }

@@ -68,21 +68,34 @@ pub fn greatest_ahead(values: &[f64], ends: &[usize]) -> Vec<f64> {
 
 /// The greatest known of `width` values from each of the first `n` on: of two first, then of four, and so on.
 fn greatest_of(values: &[f64], width: usize, n: usize) -> Vec<f64> {
-    let greater = |x: f64, y: f64| if x > y { x } else { y };
     let reach = &values[..values.len().min(n + width)];
-    let mut of_some: Vec<f64> =
-        reach.iter().map(|x| if x.is_nan() { f64::NEG_INFINITY } else { *x }).collect();
+    let known = reach.iter().map(|x| if x.is_nan() { f64::NEG_INFINITY } else { *x });
+    picked(known.collect(), width, n, |x, y| if x > y { x } else { y })
+}
+
+/// Of all windows of one width that hold a row, the best one as judged by its worst known row; minus infinity where no
+/// window holds the row. There are so many windows, the first one beginning with the first value, each one row after
+/// the other.
+pub fn best_of_even(values: &[f64], width: usize, windows: usize, rows: Range<usize>) -> Vec<f64> {
+    let known = values.iter().map(|x| if x.is_nan() { f64::INFINITY } else { *x });
+    let worst = picked(known.collect(), width, windows, |x, y| if x < y { x } else { y });
+    // The windows that hold a row begin with one of the `width` rows up to it.
+    let from = rows.start as i64 - (width as i64 - 1);
+    let begun = (from..rows.end as i64).map(|k| usize::try_from(k).ok().and_then(|k| worst.get(k)).copied());
+    let begun = begun.map(|w| w.unwrap_or(f64::NEG_INFINITY)).collect();
+    picked(begun, width, rows.len(), |x, y| if x > y { x } else { y })
+}
+
+/// The one that is picked out of `width` values from each of the first `n` on: out of two first, then of four, and so on.
+fn picked(mut of_some: Vec<f64>, width: usize, n: usize, pick: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let mut some = 1;
     while 2 * some <= width {
-        of_some = of_some
-            .iter()
-            .zip(of_some.get(some..).unwrap_or_default())
-            .map(|(x, y)| greater(*x, *y))
-            .collect();
+        let ahead = of_some.get(some..).unwrap_or_default();
+        of_some = of_some.iter().zip(ahead).map(|(x, y)| pick(*x, *y)).collect();
         some *= 2;
     }
     let ahead = of_some.get(width - some..).unwrap_or_default();
-    of_some.iter().zip(ahead).take(n).map(|(x, y)| greater(*x, *y)).collect()
+    of_some.iter().zip(ahead).take(n).map(|(x, y)| pick(*x, *y)).collect()
 }
 
 /// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
@@ -133,6 +146,20 @@ mod tests {
                 values[i..*end].iter().copied().filter(|x| !x.is_nan()).fold(f64::NEG_INFINITY, f64::max)
             }).collect();
             prop_assert_eq!(greatest_ahead(&values, &ends), expected);
+            // Windows of one width that are whole.
+            let windows = (n + 1).saturating_sub(width);
+            let worst = |k: usize| {
+                values[k..k + width].iter().copied().filter(|x| !x.is_nan()).fold(f64::INFINITY, f64::min)
+            };
+            let from = wider % n;
+            let best = |i: usize| {
+                let holding = (0..windows).filter(|k| *k <= i && i < k + width);
+                holding.map(worst).fold(f64::NEG_INFINITY, f64::max)
+            };
+            let expected: Vec<f64> = (from..n).map(best).collect();
+            if windows > 0 {
+                prop_assert_eq!(best_of_even(&values, width, windows, from..n), expected);
+            }
         }
     }
 }
