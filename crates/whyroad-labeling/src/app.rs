@@ -5,7 +5,7 @@ use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::Recordings;
 use crate::service::scene::SceneCache;
-use crate::service::webhooks::Reach;
+use crate::service::webhooks::{Reach, Trust};
 use crate::store::Store;
 use crate::{secret, values};
 use std::sync::Arc;
@@ -41,6 +41,8 @@ pub struct App {
     pub cookies: Cookies,
     /// Where webhooks may go.
     pub reach: Reach,
+    /// Whose certificates webhooks believe.
+    pub trust: Trust,
     /// Whom to believe about where a request came from.
     pub origin: Origin,
     /// Tells whoever runs the service what went wrong; by itself it tells nobody.
@@ -92,6 +94,7 @@ impl App {
             csrf_key,
             cookies: Cookies::Plain,
             reach: Reach::default(),
+            trust: Trust::default(),
             origin: Origin::Connection,
             tell: Arc::new(|_| {}),
             setup_token: None,

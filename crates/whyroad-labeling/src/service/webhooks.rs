@@ -3,14 +3,15 @@
 //! because a receiver was away. A receiver may get a message twice (the delivery id tells); never is one out of thin air.
 //!
 //! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` under the
-//! webhook's secret. Only `http://`: a service in a cluster reaches others through its own network, and TLS to the outside
-//! is a proxy's job.
+//! webhook's secret. To `http://` and `https://` addresses.
 
 mod post;
 mod reach;
+mod tls;
 
 pub use post::{Receiver, post};
 pub use reach::Reach;
+pub use tls::Trust;
 
 use crate::api::wire::project::Webhook;
 use crate::app::App;
@@ -119,8 +120,8 @@ pub fn create(
         Problem::new(
             422,
             "webhook.url",
-            format!("网址无效：{}；须为 http://主机[:端口]/路径", why.zh),
-            format!("the address is invalid: {}; it must be http://host[:port]/path", why.en),
+            format!("网址无效：{}；须为 http(s)://主机[:端口]/路径", why.zh),
+            format!("the address is invalid: {}; it must be http(s)://host[:port]/path", why.en),
         )
     })?;
     if !to.may_be_reached(reach) {
@@ -211,7 +212,7 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
         let signature = signature(&secret, sent_at, &message.body);
         let headers = [("x-whyroad-signature", signature.as_str()), ("x-whyroad-delivery", &message.id)];
         let outcome = Receiver::parse(&message.url)
-            .and_then(|to| post(&to, &app.reach, &headers, message.body.as_bytes()));
+            .and_then(|to| post(&to, (&app.reach, &app.trust), &headers, message.body.as_bytes()));
         if outcome.is_ok() {
             taken += 1;
         } else {

@@ -288,7 +288,7 @@ pub struct Webhooks {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWebhook {
-    /// `http://` address.
+    /// `http://` or `https://` address.
     pub url: String,
     /// Actions that are told; empty for all.
     #[serde(default)]

@@ -1,7 +1,7 @@
-//! One HTTP/1.1 POST, with time limits, and nothing else of HTTP: no redirects, no keep-alive, no TLS.
+//! One HTTP/1.1 POST, plain or over TLS, with time limits, and nothing else of HTTP: no redirects, no keep-alive.
 
-use super::Reach;
-use std::io::{Read, Write};
+use super::{Reach, Trust};
+use std::io::{Error, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 use whyroad_model::Bilingual;
@@ -11,9 +11,19 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Time for the whole.
 const DEADLINE: Duration = Duration::from_secs(15);
 
-/// Where to: an `http://` address taken apart.
+/// How to speak to a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scheme {
+    /// `http://`
+    Plain,
+    /// `https://`
+    Tls,
+}
+
+/// Where to: an `http://` or `https://` address taken apart.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Receiver {
+    scheme: Scheme,
     host: String,
     port: u16,
     path: String,
@@ -31,16 +41,32 @@ impl Receiver {
         address.map_or(true, |ip| reach.allows(self.host(), self.port, ip))
     }
 
+    /// The host as the receiver is told it; without the port where that is the scheme's own.
+    fn authority(&self) -> String {
+        match (self.scheme, self.port) {
+            (Scheme::Plain, 80) | (Scheme::Tls, 443) => self.host.clone(),
+            (_, port) => format!("{}:{port}", self.host),
+        }
+    }
+
     /// Takes an address apart; in words what is wrong with it.
     pub fn parse(url: &str) -> Result<Self, Bilingual> {
-        let no_scheme = || Bilingual::new("不以 http:// 开头", "it does not begin with http://");
-        let rest = url.strip_prefix("http://").ok_or_else(no_scheme)?;
+        let (scheme, usual_port, rest) = match (url.strip_prefix("http://"), url.strip_prefix("https://")) {
+            (Some(rest), _) => (Scheme::Plain, 80, rest),
+            (_, Some(rest)) => (Scheme::Tls, 443, rest),
+            _ => {
+                return Err(Bilingual::new(
+                    "不以 http:// 或 https:// 开头",
+                    "it does not begin with http:// or https://",
+                ));
+            }
+        };
         let (place, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) if !port.contains(']') => {
                 (host, port.parse().map_err(|_| Bilingual::new("端口不是数字", "the port is no number"))?)
             }
-            _ => (place, 80),
+            _ => (place, usual_port),
         };
         // What could break out of the request's lines, or hides another host.
         let odd = |c: char| c.is_whitespace() || c.is_control() || c == '@';
@@ -51,28 +77,44 @@ impl Receiver {
             ));
         }
         let slash = if path.starts_with('/') { "" } else { "/" };
-        Ok(Self { host: host.to_owned(), port, path: format!("{slash}{path}") })
+        Ok(Self { scheme, host: host.to_owned(), port, path: format!("{slash}{path}") })
     }
 }
 
 /// Sends `body` as JSON. An error in words unless the receiver answers with a status of 200 to 299.
-pub fn post(to: &Receiver, reach: &Reach, headers: &[(&str, &str)], body: &[u8]) -> Result<(), Bilingual> {
-    let start = Instant::now();
-    let mut stream = connect(to, reach)?;
+pub fn post(
+    to: &Receiver,
+    (reach, trust): (&Reach, &Trust),
+    headers: &[(&str, &str)],
+    body: &[u8],
+) -> Result<(), Bilingual> {
+    let stream = Hurried { stream: connect(to, reach)?, until: Instant::now() + DEADLINE };
+    match to.scheme {
+        Scheme::Plain => exchange(stream, to, headers, body),
+        Scheme::Tls => exchange(trust.secure(stream, to.host())?, to, headers, body),
+    }
+}
+
+fn exchange(
+    mut stream: impl Read + Write,
+    to: &Receiver,
+    headers: &[(&str, &str)],
+    body: &[u8],
+) -> Result<(), Bilingual> {
     let mut head = format!(
-        "POST {} HTTP/1.1\r\nhost: {}:{}\r\nuser-agent: whyroad\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n",
+        "POST {} HTTP/1.1\r\nhost: {}\r\nuser-agent: whyroad\r\nconnection: close\r\ncontent-type: application/json\r\ncontent-length: {}\r\n",
         to.path,
-        to.host,
-        to.port,
+        to.authority(),
         body.len()
     );
     for (name, value) in headers {
         head.push_str(&format!("{name}: {value}\r\n"));
     }
     head.push_str("\r\n");
-    let sent = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
+    let sent =
+        stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body)).and_then(|()| stream.flush());
     sent.map_err(|e| Bilingual::new(format!("发送失败：{e}"), format!("sending failed: {e}")))?;
-    let line = status_line(&mut stream, start)?;
+    let line = status_line(&mut stream)?;
     let status = line.split(' ').nth(1).and_then(|s| s.parse::<u16>().ok());
     match status {
         Some(200..=299) if line.starts_with("HTTP/1.") => Ok(()),
@@ -96,12 +138,7 @@ fn connect(to: &Receiver, reach: &Reach) -> Result<TcpStream, Bilingual> {
             continue;
         }
         match TcpStream::connect_timeout(&place, PATIENCE) {
-            Ok(stream) => {
-                let limits =
-                    stream.set_read_timeout(Some(PATIENCE)).and(stream.set_write_timeout(Some(PATIENCE)));
-                limits.map_err(|e| Bilingual::new(e.to_string(), e.to_string()))?;
-                return Ok(stream);
-            }
+            Ok(stream) => return Ok(stream),
             // Not the address that the name led to: that is the network's own affair.
             Err(e) => {
                 why =
@@ -120,10 +157,45 @@ pub(super) fn not_reached(host: &str) -> Bilingual {
     )
 }
 
+/// A connection that waits for [`PATIENCE`] each time and not beyond a moment: who answers drop by drop holds nobody up.
+struct Hurried {
+    stream: TcpStream,
+    until: Instant,
+}
+
+impl Hurried {
+    /// How long to wait now.
+    fn patience(&self) -> std::io::Result<Option<Duration>> {
+        let left = self.until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(Error::new(ErrorKind::TimedOut, "it took too long"));
+        }
+        Ok(Some(left.min(PATIENCE)))
+    }
+}
+
+impl Read for Hurried {
+    fn read(&mut self, buf: &mut [u8]) -> std::io::Result<usize> {
+        self.stream.set_read_timeout(self.patience()?)?;
+        self.stream.read(buf)
+    }
+}
+
+impl Write for Hurried {
+    fn write(&mut self, buf: &[u8]) -> std::io::Result<usize> {
+        self.stream.set_write_timeout(self.patience()?)?;
+        self.stream.write(buf)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
+    }
+}
+
 /// The first line of the answer. Reading stops there: what else a receiver says is of no interest.
-fn status_line(stream: &mut TcpStream, start: Instant) -> Result<String, Bilingual> {
+fn status_line(stream: &mut impl Read) -> Result<String, Bilingual> {
     let (mut line, mut byte) = (Vec::new(), [0]);
-    while line.len() < 200 && start.elapsed() < DEADLINE {
+    while line.len() < 200 {
         match stream.read(&mut byte) {
             Ok(1) if byte[0] != b'\n' => line.push(byte[0]),
             Ok(_) => break,
@@ -144,8 +216,12 @@ mod tests {
         assert_eq!(of("http://ci.local:8081/hook?x=1"), Ok(("ci.local".into(), 8081, "/hook?x=1".into())));
         assert_eq!(of("http://[::1]:9/h"), Ok(("[::1]".into(), 9, "/h".into())));
         assert_eq!(of("http://ci?x"), Ok(("ci".into(), 80, "/?x".into())));
+        assert_eq!(of("https://ci.local/h"), Ok(("ci.local".into(), 443, "/h".into())));
+        let authority = |url: &str| Receiver::parse(url).unwrap().authority();
+        assert_eq!(authority("https://ci.local:443/"), "ci.local");
+        assert_eq!(authority("https://ci.local:80/"), "ci.local:80");
         for bad in [
-            "https://a",
+            "https://",
             "ftp://a",
             "http://",
             "http:///x",

@@ -3,6 +3,8 @@
 use super::*;
 use crate::service::fixtures::{self, task};
 use crate::workflow::State;
+use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -169,12 +171,64 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
 #[test]
 fn only_plain_addresses_are_taken() {
     let s = scene();
-    for bad in ["https://a/", "file:///etc/passwd", "http://a\r\nx"] {
+    for bad in ["ftp://a/", "file:///etc/passwd", "http://a\r\nx"] {
         let url = bad.to_owned();
         let refused =
             s.app.store.write(move |tx| create(tx, "p", &url, &[], &Reach::OwnMachine, 0)).unwrap_err();
         assert_eq!(refused.code, "webhook.url", "{bad}");
     }
+}
+
+/// Takes one message over TLS with a certificate for `localhost`; others do not get beyond the handshake.
+fn receiver_with_tls() -> (String, CertificateDer<'static>, Inbox<String>) {
+    let made = rcgen::generate_simple_self_signed(vec!["localhost".to_owned()]).unwrap();
+    let certificate = made.cert.der().clone();
+    let key = PrivateKeyDer::Pkcs8(PrivatePkcs8KeyDer::from(made.signing_key.serialize_der()));
+    let provider = Arc::new(rustls::crypto::ring::default_provider());
+    let config = ServerConfig::builder_with_provider(provider).with_safe_default_protocol_versions().unwrap();
+    let config = config.with_no_client_auth().with_single_cert(vec![certificate.clone()], key).unwrap();
+    let config = Arc::new(config);
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("https://localhost:{}/hook", listener.local_addr().unwrap().port());
+    let (tell, told) = channel();
+    std::thread::spawn(move || {
+        for stream in listener.incoming().map_while(Result::ok) {
+            let connection = ServerConnection::new(Arc::clone(&config)).unwrap();
+            let mut stream = StreamOwned::new(connection, stream);
+            let (mut text, mut part) = (String::new(), [0; 4096]);
+            while !text.ends_with('}') {
+                match stream.read(&mut part) {
+                    Ok(n) if n > 0 => text.push_str(std::str::from_utf8(&part[..n]).unwrap()),
+                    _ => break,
+                }
+            }
+            let _ = stream.write_all(b"HTTP/1.1 204 x\r\n\r\n");
+            let _ = tell.send(text);
+        }
+    });
+    (url, certificate, told)
+}
+
+#[test]
+fn only_a_receiver_whose_certificate_is_believed_is_told() {
+    let mut s = scene();
+    let (url, certificate, told) = receiver_with_tls();
+    hook(&s.app, &url, &[]);
+    tell(&s.app, "submit");
+    assert_eq!(deliver_due(&s.app).unwrap(), 0);
+    let (left, error) = pending(&s.app);
+    assert!(left == 1 && error.as_ref().unwrap().contains("certificate"), "{error:?}");
+    assert_eq!(told.recv().unwrap(), "", "it was told nothing");
+
+    s.app.trust = Trust::with(vec![certificate]);
+    s.clock.fetch_add(5_000, Ordering::SeqCst);
+    assert_eq!(deliver_due(&s.app).unwrap(), 1);
+    let request = told.recv().unwrap();
+    assert!(
+        request.starts_with("POST /hook HTTP/1.1\r\nhost: localhost:") && request.ends_with('}'),
+        "{request}"
+    );
+    assert_eq!(pending(&s.app), (0, None));
 }
 
 fixtures::on_postgresql! {
@@ -185,4 +239,5 @@ fixtures::on_postgresql! {
     two_senders_do_not_send_one_message_twice,
     a_service_that_others_reach_calls_nothing_on_its_own_machine,
     only_plain_addresses_are_taken,
+    only_a_receiver_whose_certificate_is_believed_is_told,
 }
