@@ -61,7 +61,7 @@ pub struct Summary {
 /// How many of the best a [`Summary`] names.
 const BEST: usize = 10;
 /// Episodes that are written to the Parquet file at once, and rows of its row groups.
-const EPISODES_AT_ONCE: usize = 4096;
+const EPISODES_AT_ONCE: usize = 512;
 const ROWS_A_GROUP: usize = 1 << 16;
 /// Ending of files that are not finished: what an earlier run left stays until this one is done.
 const PART: &str = "part";
