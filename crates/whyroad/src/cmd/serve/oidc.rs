@@ -65,7 +65,8 @@ impl OidcArgs {
             None => Written::default(),
         };
         let over = |old: &mut Option<String>, new: &Option<String>| {
-            if let Some(new) = new {
+            // An empty variable of the environment is none.
+            if let Some(new) = new.as_ref().filter(|n| !n.is_empty()) {
                 *old = Some(new.clone());
             }
         };
@@ -77,14 +78,20 @@ impl OidcArgs {
             written.scopes = Some(self.oidc_scopes.clone());
         }
         if written.issuer.is_some() {
-            let domains = self.oidc_allow_domain.iter();
+            let domains = self.oidc_allow_domain.iter().filter(|d| !d.is_empty());
             written.allow.extend(domains.map(|d| Allow::Domain { domain: d.clone() }));
         }
-        if let Ok(secret) = std::env::var(SECRET) {
-            written.client_secret = Some(Secret(secret));
-        }
-        let file = self.oidc_client_secret_file.clone();
-        if let Some(file) = file.or_else(|| written.client_secret_file.take().map(PathBuf::from)) {
+        let given = std::env::var(SECRET).ok().filter(|s| !s.is_empty());
+        let in_file = written.client_secret_file.take().map(PathBuf::from);
+        let file = match (&self.oidc_client_secret_file, given) {
+            (Some(file), _) => Some(file.clone()),
+            (None, Some(secret)) => {
+                written.client_secret = Some(Secret(secret));
+                None
+            }
+            (None, None) => in_file,
+        };
+        if let Some(file) = file {
             let secret = std::fs::read_to_string(&file);
             let secret = secret.with_context(|| format!("cannot read {}", file.display()))?;
             written.client_secret = Some(Secret(secret.trim().to_owned()));
@@ -152,11 +159,12 @@ grants:
         let args = OidcArgs {
             oidc_config: Some(file),
             oidc_client_id: Some("other".into()),
-            oidc_allow_domain: vec!["example.org".into()],
+            oidc_allow_domain: vec!["example.org".into(), String::new()],
+            oidc_name: Some(String::new()),
             ..OidcArgs::default()
         };
         let settings = Settings::resolve(args.written().unwrap()).unwrap().unwrap();
-        assert_eq!(settings.client_id, "other");
+        assert_eq!((settings.client_id.as_str(), settings.name.as_str()), ("other", "Town"));
         assert_eq!(settings.client_secret, Some(Secret("s3cret".into())));
         assert_eq!(settings.redirect_uri(), "https://label.example.com/oidc/callback");
         assert_eq!((settings.accounts, settings.allow.len()), (Accounts::Made, 3));
