@@ -97,6 +97,31 @@ async function cameras(day) {
   await look(page, "cameras");
 }
 
+/** Speeds are in the unit that the reader chose: 1 m/s is 3.6 km/h. */
+async function units(day) {
+  const { page } = day.people.own;
+  const task = page.url();
+  const speed = async () => {
+    const row = page.locator(".strip").filter({ has: page.getByText("速度", { exact: true }) });
+    const [, number, unit] = /^([\d.]+)\s*(.+)$/.exec(await row.locator(".value").innerText());
+    return { number: Number(number), unit };
+  };
+  const before = await speed();
+  assert.equal(before.unit, "km/h");
+  for (const [unit, factor] of [["m/s", 3.6], ["km/h", 1]]) {
+    await page.goto(`${day.own.url}/settings`);
+    await page.getByLabel("速度单位").selectOption(unit);
+    await page.goto(task);
+    await page.locator(".camera img").waitFor();
+    const now = await speed();
+    assert.equal(now.unit, unit);
+    assert.ok(Math.abs(now.number * factor - before.number) < 0.1, `${now.number} ${now.unit} for ${before.number} km/h`);
+  }
+  // What the rule reads has its unit, too; across the lane always m/s.
+  const lateral = page.locator(".strip").filter({ has: page.getByText("target.lane_lateral_speed", { exact: true }) });
+  assert.match(await lateral.locator(".value").innerText(), /\d\s*m\/s$/);
+}
+
 /** Where the middle of a handle is. */
 async function middle(handle) {
   const box = await handle.boundingBox();
@@ -247,6 +272,7 @@ async function handedIn(day) {
 export const second = [
   ["a drive with two cameras and a leaf with two keyframes is served", prepare],
   ["cameras are switched by key and stay chosen", cameras],
+  ["speeds are shown in the unit that one chose", units],
   ["the keyframe is dragged, the difference is shown, undone and saved", dragging],
   ["a second keyframe and the range are dragged in Stage II", secondKeyframe],
   ["a label with two keyframes is handed in; an empty queue says why", handedIn],

@@ -25,10 +25,10 @@ test("a condition goes to the row of its signal, whatever the target is called",
 test("rows are in the reader's units and language", () => {
   const about = (unit: string | null) => ({ kind: "number" as const, unit, meaning: { zh: "中", en: "en" } });
   const scene = {
-    signals: { "target.speed": [10, null], "target.heading_change": [Math.PI / 2, 0], "ego.accel": [1, 1] },
-    about: { "target.speed": about("m/s"), "target.heading_change": about("rad"), "ego.accel": about("m/s2") },
+    signals: { "target.lane_lateral_speed": [0.4, 0], "target.speed": [10, null], "target.heading_change": [Math.PI / 2, 0], "ego.accel": [1, 1] },
+    about: { "target.lane_lateral_speed": about("m/s"), "target.speed": about("m/s"), "target.heading_change": about("rad"), "ego.accel": about("m/s2") },
   } as unknown as SceneView;
   const rows = signalRows(scene, ["target.heading_change"], [], { speeds: "km/h", lang: "zh" });
-  assert.deepEqual(rows.map((r) => [r.name, r.scale.unit, r.meaning]), [["target.heading_change", "°", "中"], ["target.speed", "km/h", "中"]], "what the rule reads comes first; the plots' own signals have rows already");
-  assert.deepEqual(rows[1]?.column?.values, [36, null]);
+  assert.deepEqual(rows.map((r) => [r.name, r.scale.unit, r.meaning]), [["target.heading_change", "°", "中"], ["target.lane_lateral_speed", "m/s", "中"], ["target.speed", "km/h", "中"]], "what the rule reads comes first; the plots' own signals have rows already");
+  assert.deepEqual(rows[2]?.column?.values, [36, null]);
 });

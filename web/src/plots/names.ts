@@ -54,7 +54,8 @@ export function signalRows(
     .filter((name) => !SHOWN.has(name))
     .map((name) => {
       const about = scene.about[name];
-      const scale = scaleOf(about?.unit, reader.speeds);
+      // Speeds across the lane are tenths of a metre a second, and the rules that read them say so.
+      const scale = scaleOf(about?.unit, name.includes("lateral") ? "m/s" : reader.speeds);
       const column = columnOf(scene.signals[name] ?? [], about?.kind ?? "category");
       return {
         name,
