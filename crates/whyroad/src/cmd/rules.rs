@@ -70,6 +70,9 @@ fn tally(name: &str, checked: &Checked, lang: Lang) -> String {
     let (rules, cases) = (checked.rules, checked.cases);
     match lang {
         Lang::Zh => format!("{name}：{rules} 条规则，{cases} 个用例"),
-        Lang::En => format!("{name}: {rules} rules, {cases} cases"),
+        Lang::En => {
+            let counted = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+            format!("{name}: {}, {}", counted(rules, "rule"), counted(cases, "case"))
+        }
     }
 }
