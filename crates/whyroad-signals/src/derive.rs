@@ -16,6 +16,7 @@ use crate::way::Ways;
 use crate::{
     bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
     line_crossing, meta_actions, on_road, pet, relations, route, sight, target_motion, terrain, ttc,
+    ttc_lane,
 };
 use whyroad_model::{Drive, SignalTable};
 
@@ -86,6 +87,7 @@ fn write_with_ego(
     target_motion::write(drive, &targets, table);
     relations::write(drive, &targets, &near, table);
     ttc::write(drive, &around, &targets, table);
+    ttc_lane::write(drive, &around, &targets, table);
     relations::write_lead(ego, &near, table);
     line_crossing::write(drive, &targets, table);
     let seen = sight::Scene { drive, ego, path: &path, road, targets: &targets, near: &near, times };

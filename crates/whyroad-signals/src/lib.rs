@@ -53,6 +53,7 @@ mod rows;
 mod sight;
 mod target_motion;
 mod ttc;
+mod ttc_lane;
 
 mod conflict_point;
 mod criticality;

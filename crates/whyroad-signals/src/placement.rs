@@ -53,6 +53,8 @@ pub struct Placement {
     pub path: Beside,
     /// Beside the ego's lane, with the distances to its left and right edge; `None` while the ego has none.
     pub lane: Option<(Beside, f64, f64)>,
+    /// Arc length from the ego's centre to the target's along the ego's lane, m; NaN while the ego has none.
+    pub lane_ahead: f64,
     /// Nearest and farthest arc length (from the ego's centre) of the part of the footprint that is in the band which
     /// the ego sweeps along its path, m; `None` when no part is.
     pub band: Option<(f64, f64)>,
@@ -260,8 +262,10 @@ impl Surroundings<'_> {
             (on_path.s, on_path.s, Beside { lateral, low: lateral, high: lateral, heading })
         };
         let band = if sized { self.in_band(&footprint, ego_s, &on_path, &beside) } else { None };
+        let mut lane_ahead = f64::NAN;
         let lane = self.lanes.and_then(|l| l.at(frame)).map(|on| {
             let at = on.corridor.line.project_between(centre, on.s - 105.0, on.s + 155.0);
+            lane_ahead = at.s - on.s;
             let (low, high) =
                 if sized { lateral_extent(on.corridor, &footprint, at.s) } else { (at.lateral, at.lateral) };
             let heading = on.corridor.line.smooth_heading_at(at.s, 2.0);
@@ -287,6 +291,7 @@ impl Surroundings<'_> {
             far: far - ego_s,
             path: beside,
             lane,
+            lane_ahead,
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             leaves_room,
