@@ -44,8 +44,8 @@ pub(super) fn read(file: &mut File, column: &ColumnChunkMetaData, rows: usize) -
     let (start, length) = column.byte_range();
     let words = |e: &dyn Display| format!("column {}: {e}", column.column_path());
     let length = usize::try_from(length).map_err(|e| words(&e))?;
-    // The length is the file's word: no more memory is taken than the file has bytes.
-    let mut bytes = Vec::new();
+    // The length is the file's word: not much more memory is taken than the file has bytes.
+    let mut bytes = Vec::with_capacity(length.min(1 << 24));
     file.seek(SeekFrom::Start(start)).map_err(|e| words(&e))?;
     file.by_ref().take(length as u64).read_to_end(&mut bytes).map_err(|e| words(&e))?;
     let descriptor = column.column_descr();
