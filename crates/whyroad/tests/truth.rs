@@ -1,5 +1,5 @@
 //! Mining on simulated drives against what the simulator or its script says happened there (`examples/truth/{agents,roads,traffic}`, sets
-//! `seen` and `unseen`), with the figures of docs/accuracy.md as floors (`examples/truth/floors.json`).
+//! `seen` and `unseen`, of traffic `second` and `fresh` too), with the figures of docs/accuracy.md as floors (`examples/truth/floors.json`).
 //!
 //! In a debug build a few drives of each set are mined, so that the test stays quick. All of them, with the table of each set:
 //! `WHYROAD_TRUTH=all cargo test --release -p whyroad --test truth -- --nocapture`.
@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const PARTS: &[&str] = &["agents", "roads", "traffic"];
+const SETS: [&str; 4] = ["seen", "unseen", "second", "fresh"];
 
 /// One set of one part: the folders of its drives and its files of truth.
 #[derive(Default)]
@@ -27,13 +28,13 @@ fn is_drive(folder: &Path) -> bool {
     folder.join("fcd.xml.gz").is_file() || folder.join("drive.yaml").is_file()
 }
 
-/// A set is a folder `seen` or `unseen`, or all folders whose names begin so.
+/// A set is a folder with the name of one, or all folders whose names begin so.
 fn gather(folder: &Path, set: Option<&'static str>, sets: &mut BTreeMap<&'static str, Set>) {
     let mut entries: Vec<PathBuf> = folder.read_dir().unwrap().map(|e| e.unwrap().path()).collect();
     entries.sort();
     for path in entries {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let set = set.or_else(|| ["seen", "unseen"].into_iter().find(|s| name.starts_with(s)));
+        let set = set.or_else(|| SETS.into_iter().find(|s| name.starts_with(s)));
         if path.is_dir() {
             if let (Some(s), true) = (set, is_drive(&path)) {
                 sets.entry(s).or_default().drives.push(path.clone());

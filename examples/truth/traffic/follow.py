@@ -4,7 +4,10 @@ The leader that SUMO tells may be a vehicle that will cross or join (a link lead
 itself then drives, or in its lane.
 """
 
-from log import runs, turn_deg
+import math
+from collections import defaultdict
+
+from log import Way, runs, turn_deg
 
 
 def leads(run, ego):
@@ -22,16 +25,49 @@ def leads(run, ego):
         if its is None:
             continue
         own = {lane for lane, since in visits if since >= k and since < k + 300} | {o.lane}
+        # Who has just left the ego's lane over the line into the junction and is near still is the head of its queue.
+        if o.gap < 15 and its.lane.startswith(":") and came_from(run, o.leader, k) == o.lane:
+            own.add(its.lane)
         same_way = abs(turn_deg(o.angle, its.angle)) < 60 or o.gap < 15
         if its.lane in own and same_way:
             out[k] = (o.leader, o.gap)
     return out
 
 
+def lane_leads(run, ego):
+    """By time: the nearest vehicle within 60 m in the ego's lane and the lanes into which it leads, wherever the ego goes."""
+    on = defaultdict(lambda: defaultdict(list))
+    for k in run.rows[ego]:
+        for i, o in run.by_time[k]:
+            if i != ego and not o.person and run.kind(i) != "bicycle":
+                on[k][o.lane].append((o.pos, i))
+    out = {}
+    for k, o in run.rows[ego].items():
+        ways, best = [(o.lane, -o.pos)], (60, "")
+        while ways:
+            lane, start = ways.pop()
+            best = min([best] + [(start + pos, i) for pos, i in on[k][lane] if start + pos > 0])
+            end = start + run.road.lanes[lane].length if lane in run.road.lanes else 99
+            if end < 60:
+                after = run.road.after.get(lane)
+                ways += [(l.via or l.to_lane, end) for l in ([after] if after else run.road.out.get(lane, []))]
+        if best[1]:
+            out[k] = best[1]
+    return out
+
+
+def came_from(run, name, k):
+    """The lane outside of junctions on which a vehicle was last."""
+    rows = run.rows[name]
+    while k in rows and rows[k].lane.startswith(":"):
+        k -= 1
+    return rows[k].lane if k in rows else None
+
+
 def following(run, ego, lead):
     """Thresholds are the taxonomy's. steady: THW < 3 s, both over 3.5 m/s, within 1 m/s2 and 2 m/s, for 3 s (2.5 to 3.5 s: optional).
     follow_stop: the lead comes to a stand (0.3 m/s) within 15 m, the ego after it. follow_start: the standing lead starts, the ego after it within
-    5 s. Twice and more within 60 s under 30 km/h: stop_and_go from the first stop to the last start, and its stops and starts are none.
+    5 s. Twice and more within 60 s under 30 km/h, each time behind the lead: stop_and_go from the first stop to the last start, and its stops and starts are none.
     lead_sudden_brake: the lead slows at 3 m/s2 for 0.5 s while followed; creeping: 0.3 to 3.5 m/s for 5 s without a stand."""
     rows = run.rows[ego]
     changing = {k for c in run.changes if c.id == ego for k in range(c.k - 15, c.k + 16)}
@@ -46,11 +82,22 @@ def following(run, ego, lead):
             if b - a >= 22:
                 part = [k for k in range(a, b + 1) if k in changing]
                 yield run.entry("reactive_agent.following.steady", ego, a, a, b + 1, name, optional=b - a < 40 or len(part) > 0)
+    # Who drives ahead in the lane as it goes on, though the ego turns or changes off it later: a driver behind does not know that.
+    beyond = {}
+    for k, name in lane_leads(run, ego).items():
+        o, its = rows[k], run.rows[name][k]
+        if k not in lead and o.speed > 3.5 and its.speed > 3.5 and abs(o.accel) < 1 and abs(o.speed - its.speed) < 2:
+            beyond.setdefault(name, []).append(k)
+    for name, keys in beyond.items():
+        for a, b in runs(keys + steady.get(name, []), gap=10):
+            if b - a >= 22:
+                yield run.entry("reactive_agent.following.steady", ego, a, a, b + 1, name, optional=True)
     stands = [(a, b) for a, b in runs([k for k, o in rows.items() if o.speed < 0.3], gap=3)]
     queued = lambda k: k in lead and lead[k][1] < 30 and rows[k].speed < 30 / 3.6
+    behind = lambda k: any(lead.get(u, (None, 99))[1] < 15 for u in (k, k + 5))
     stretch = []
     for a, b in stands:
-        if stretch and all(queued(k) or queued(k - 15) for k in range(stretch[-1][1], a) if k in rows) and a - stretch[-1][1] <= 600:
+        if stretch and behind(a) and behind(stretch[-1][0]) and all(queued(k) or queued(k - 15) for k in range(stretch[-1][1], a) if k in rows) and a - stretch[-1][1] <= 600:
             stretch[-1][1] = b
             stretch[-1][2] += 1
         else:
@@ -81,6 +128,8 @@ def following(run, ego, lead):
                     yield run.entry("reactive_agent.following.follow_stop", ego, stopped - 20, stopped, a + 10, name, optional=True)
             elif stopped <= a and moving:
                 yield run.entry("reactive_agent.following.follow_stop", ego, stopped - 20, stopped, a + 10, name, optional=True)
+        for name in sorted({c.id for c in run.changes if a - 30 < c.k < b + 30 and c.id != ego and c.id in {lead[k][0] for k in range(a - 30, b) if k in lead}}):
+            yield run.entry("reactive_agent.following.follow_start", ego, b - 20, b, b + 30, name, optional=True)
         # The start that ends this stand.
         name, gap = lead.get(b - 5) or lead.get(b) or (None, None)
         if name and gap < 30:
@@ -90,7 +139,9 @@ def following(run, ego, lead):
                 stood = all(its[w].speed < 0.3 for w in range(starts - 12, starts) if w in its) and b - a >= 12 and starts - a >= 12
                 away = any(w in rows and rows[w].speed > 1.2 for w in range(b, b + 70))
                 at = lead.get(starts, (None, 99))
-                sure = stood and away and b - starts < 45 and at[0] == name and at[1] < 14 and not blurred and b not in in_stretch
+                # SUMO lets who stands slide into another lane: whom the ego then follows nobody can tell.
+                slid = any(c.id == name and a - 30 < c.k < b + 30 for c in run.changes)
+                sure = stood and away and b - starts < 45 and at[0] == name and at[1] < 14 and not blurred and not slid and b not in in_stretch
                 yield run.entry("reactive_agent.following.follow_start", ego, starts - 20, starts, starts + 30, name, optional=not sure)
     for name in sorted({n for n, _ in lead.values()}):
         its = run.rows[name]
@@ -110,8 +161,9 @@ def following(run, ego, lead):
                         yield run.entry("reactive_agent.following.lead_sudden_brake", ego, core[0] - 20, core[0], core[0] + 30, name, optional=not sure or again)
                     k = end + 10
                 k += 1
-        # SUMO names one leader; whom else the ego was behind at another time, and who brakes near it now, it leaves open.
-        near = [k for k, o in its.items() if k in rows and k not in keys and o.accel <= -2.9 and abs(o.x - rows[k].x) + abs(o.y - rows[k].y) < 35]
+        # SUMO names the leader on the route that it has planned; whom else the ego was behind at another time, and who brakes near it now, it
+        # leaves open.
+        near = [k for k, o in its.items() if k in rows and k not in keys and o.accel <= -2.9 and math.hypot(o.x - rows[k].x, o.y - rows[k].y) < 45]
         for a, b in runs(near, gap=10):
             yield run.entry("reactive_agent.following.lead_sudden_brake", ego, a - 20, a, a + 30, name, optional=True)
         slow = [k for k, (n, g) in lead.items() if n == name and g < 15 and 0.3 <= rows[k].speed <= 3.5 and its[k].speed <= 4.5]
@@ -150,15 +202,25 @@ def near_misses(run, ego):
 
 def riders_ahead(run, ego, lead):
     """vru_invasion.same_direction: SUMO's leader is a bicycle in the ego's own way, near enough to concern it (TTC < 5 s), and moving (over
-    0.5 m/s: who stands, at a red light say, does not travel along the lane)."""
+    0.5 m/s: who stands, at a red light say, does not travel along the lane). Optional: one that moved into the lane within 5 s before (a cut-in as
+    well); its setting off again, or the ego's, after a stop; another that rides on the ego's way without being the one that SUMO names."""
     rows = run.rows[ego]
-    for name in sorted({n for n, _ in lead.values() if run.kind(n) == "bicycle"}):
+    leaf = "reactive_agent.vru_invasion.same_direction"
+    way = Way(run, ego)
+    for name in sorted(i for i in run.rows if run.vehicle(i) and run.kind(i) == "bicycle"):
+        its = run.rows[name]
         keys = [k for k, (n, g) in lead.items() if n == name and g < 40]
         for a, b in runs(keys, gap=5):
-            concerns = [k for k in range(a, b) if k in lead and lead[k][0] == name and run.rows[name][k].speed > 0.5 and ((rows[k].speed - run.rows[name][k].speed) * 5 > lead[k][1] or lead[k][1] < 17)]
+            concerns = [k for k in range(a, b) if k in lead and lead[k][0] == name and its[k].speed > 0.5 and ((rows[k].speed - its[k].speed) * 5 > lead[k][1] or lead[k][1] < 17)]
             first = concerns[0] if concerns else a
-            sure = concerns and b - a > 30 and not any(c.id == ego and abs(c.k - first) < 30 for c in run.changes) and rows[first].speed > 2
-            yield run.entry("reactive_agent.vru_invasion.same_direction", ego, first, first, b, name, optional=not sure)
-            # Starting behind it again after a stop may be told anew.
-            for _, start in runs([k for k in range(a, b) if k in rows and rows[k].speed < 0.3], gap=5):
-                yield run.entry("reactive_agent.vru_invasion.same_direction", ego, start, start, b, name, optional=True)
+            came = any(c.id == name and first - 50 < c.k < first + 10 for c in run.changes)
+            sure = concerns and b - a > 30 and not any(c.id == ego and abs(c.k - first) < 30 for c in run.changes) and rows[first].speed > 2 and not came
+            yield run.entry(leaf, ego, first, first, b, name, optional=not sure)
+            for who, least in ((rows, 0.3), (its, 0.5)):
+                for _, start in runs([k for k in range(a, b) if k in who and who[k].speed < least], gap=5):
+                    yield run.entry(leaf, ego, start, start, b, name, optional=True)
+        near = [k for k in its if k in rows and k not in keys and its[k].speed > 0.5 and math.hypot(its[k].x - rows[k].x, its[k].y - rows[k].y) < 50]
+        near = [k for k in near if 0 < way.ahead(run, name, k) < 50]
+        for a, b in runs(near, gap=10):
+            if b - a >= 10:
+                yield run.entry(leaf, ego, a, a, b, name, optional=True)

@@ -137,6 +137,8 @@ def turns_and_conflicts(run, ego, all_passages):
 
     - A turn with nobody in conflict (arrivals more than 7 s apart, no person within 5 s on the ego's way) is the turn; with somebody
       whom the ego waits for it is not; between the two it may be told or not (optional).
+    - A left turn is optional while anybody who comes from opposite goes through within 7 s: that its lanes do not meet the ego's is the simulator's
+      knowledge, a driver sees it come.
     - In the first 11 s of a log the light that it came from may not have been seen: optional.
     - left: protected where the link's light is `G` or no road comes from opposite; else unprotected.
     - straight: no entry when the ego stood within 3.5 s before, optional up to 8 s; optional where a leader within 3 s, a change of light or a slowing by
@@ -171,7 +173,7 @@ def turns_and_conflicts(run, ego, all_passages):
                 yield run.entry(f"reactive_agent.intersection_interaction.{each}", ego, p.first, p.first, out, c.name, optional=not required)
         if p.junction.in_ring:
             continue
-        near = sure or any(c.apart < 7 for c in met)
+        near = sure or any(c.apart < 7 for c in met) or oncoming(run, ego, p, all_passages)
         if abs(p.turned) < 45:
             leaf = "straight"
             before = [rows[k] for k in range(entry - 50, entry) if k in rows]
@@ -201,6 +203,15 @@ def turns_and_conflicts(run, ego, all_passages):
         starts = next((k for k in range(p.first, p.last + 1) if k in rows and abs(turn_deg(base, rows[k].angle)) > 1), p.first)
         people = any(o.person and math.hypot(o.x - rows[k].x, o.y - rows[k].y) < 12 for k in range(p.first, p.last, 5) for _, o in run.by_time[k] if k in rows)
         yield run.entry(f"proactive.turn.{leaf}", ego, entry - 30, starts - 5, out + 20, optional=near or people or not p.complete or not p.began or p.first - min(rows) < 110)
+
+
+def oncoming(run, ego, p, all_passages):
+    """Whether somebody from opposite is in the junction within 7 s of a left turn of the ego's through it."""
+    if p.turned < 45:
+        return False
+    facing = lambda n, q: abs(turn_deg(run.rows[ego][p.first].angle, run.rows[n][q.first].angle)) > 135
+    return any(n != ego and q.junction.id == p.junction.id and q.first - 70 < p.last and q.last + 70 > p.first and facing(n, q)
+               for n, ps in all_passages.items() for q in ps)
 
 
 def q_angle(run, lane):

@@ -5,7 +5,7 @@ The simulator logs a change at its middle; a change takes 3 s (`--lanechange.dur
 
 import math
 
-from log import nearest_on, runs
+from log import Way, nearest_on, runs, turn_deg
 
 HALF = 15
 
@@ -19,8 +19,11 @@ def intends(run, ego, c, mine):
     rows, first = run.rows[ego], c.k - HALF
     old, new = run.road.lanes[c.start], run.road.lanes[c.to]
     bit = 2 if new.index > old.index else 1
+    def crosses(o):
+        # Roads that are only joined have an inner lane there, too.
+        return o.lane.startswith(":") and ((j := run.road.junction_of(o.lane)).real or j.in_ring)
     earliest = max([first - 200, min(rows)] + [o.k + HALF for o in mine if o.k < c.k]
-                   + [k + 1 for k in range(first - 200, first) if k in rows and rows[k].lane.startswith(":")])
+                   + [k + 1 for k in range(first - 200, first) if k in rows and crosses(rows[k])])
     on = next((k for k in range(first, c.k) if k in rows and rows[k].signals & bit), None)
     if on is None:
         moved = first + math.ceil(2 * HALF * 0.3 / ((old.width + new.width) / 2))
@@ -30,12 +33,31 @@ def intends(run, ego, c, mine):
     return min(on, first)
 
 
+def leads_off_in(run, ego, c):
+    """How far ahead of the ego the lane that it leaves stops leading where it then drives, m; infinite where it never does before its trip ends,
+    None where the log ends before that shows."""
+    rows = run.rows[ego]
+    edges = [c.start.rsplit("_", 1)[0]]
+    for k in sorted(rows):
+        edge = rows[k].lane.rsplit("_", 1)[0]
+        if k > c.k and not edge.startswith(":") and edge != edges[-1]:
+            edges.append(edge)
+    lanes, distance = {c.start}, run.road.lanes[c.start].length - rows[c.k].pos
+    for there in edges[1:]:
+        lanes = {l.to_lane for lane in lanes for l in run.road.out[lane] if l.to == there}
+        if not lanes:
+            return distance
+        distance += run.road.lanes[min(lanes)].length
+    return math.inf if max(rows) < run.last else None
+
+
 def own_changes(run, ego):
     """proactive.lane_change.*, special_lane.bus_lane and, over ramps, merge_interaction.*
 
-    `strategic` is for the route: navigation; onto or off an acceleration or deceleration lane it is a merge or an exit. `speedGain` is
-    overtake when the vehicle that was ahead in the old lane is behind 30 s later at most, escape when the ego had stood behind a standing
-    vehicle, else efficiency. `keepRight` and `cooperative` are no reason that a leaf names: the L2. What a second change within 4 s makes of the
+    `strategic` is for the route: navigation, when the lane that it leaves leads away from the route within 500 m (`leads_off_in`), which is where
+    the last sign before an exit or a lane's end stands; the simulator plans kilometres ahead, which nobody sees: optional, as is a reason that lies
+    beyond the log's end. Onto or off an acceleration or deceleration lane it is a merge or an exit. `speedGain` is overtake when the vehicle
+    that was ahead in the old lane is behind 30 s later at most, escape when the ego had stood behind a standing vehicle, else efficiency. `keepRight` and `cooperative` are no reason that a leaf names: the L2. What a second change within 4 s makes of the
     first, or a change at a standstill, nobody can see: optional.
     """
     rows = run.rows[ego]
@@ -74,7 +96,12 @@ def own_changes(run, ego):
             # Out of the bus lane or into it: its rule, keyframe 0.5 s before the ego moves across (the L1 default's fallback).
             yield run.entry("reactive_rule.special_lane.bus_lane", ego, start - 30, start - 5, start + 20, optional=blurred)
         reason = c.reason.split("|")[0]
-        if reason == "strategic" and any(l.to in run.road.ring for l in run.road.out[c.start] + run.road.out[c.to]):
+        off = leads_off_in(run, ego, c)
+        if blurred or reason == "strategic" and (off is None or off > 500):
+            # That it changes lane is plain, why is not.
+            for leaf in ("", ".navigation", ".efficiency", ".overtake", ".escape"):
+                yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
+        elif reason == "strategic" and any(l.to in run.road.ring for l in run.road.out[c.start] + run.road.out[c.to]):
             # Both lanes lead into the ring and round it: that one of them suits the route better is the simulator's own wish.
             for leaf in ("", ".navigation", ".efficiency", ".overtake"):
                 yield run.entry(f"proactive.lane_change{leaf}", ego, intent, intent, end + 10, optional=True)
@@ -144,44 +171,55 @@ def side_gap(run, lane, o, width):
 
 
 def cut_ins(run, ego):
-    """reactive_agent.cutin.*: another vehicle's change into the ego's lane ahead of it, on the same edge.
+    """reactive_agent.cutin.*: another vehicle's change into the lane that the ego drives or, unless it changes lane itself, drives next, ahead of it.
 
-    Keyframe: its side passes the line of the ego's lane. It concerns the ego when TTC < 5 s or THW < 2 s within 3 s after (bumper to
-    bumper along the lane); within 50 m. urgent or slow by TTC at the keyframe; large_vehicle by its class; ramp when it comes from
-    the acceleration lane and the ego is not on one. Figures near a threshold, or who stands, make the entry optional.
+    Keyframe: its side passes the line of that lane. Its heading is then within 45 degrees of the ego's (taxonomy, L2), its rear ahead of the ego's
+    front by up to 50 m along the way that the ego drives, nobody between. It concerns the ego when TTC < 5 s or THW < 2 s within 3 s after. urgent
+    or slow by TTC at the keyframe; large_vehicle by its class; ramp when it comes from the acceleration lane and the ego is not on one. Figures
+    near a threshold, who stands, who was in that lane within 3 s before (the taxonomy does not say how long it has to be out) or in a junction
+    within 1 s, or a crossing in the log's first second make the entry optional.
     """
     rows = run.rows[ego]
+    way = Way(run, ego)
+    gap_to = lambda name, k: way.ahead(run, name, k) - run.length(name) if k in run.rows[name] and k in rows else math.nan
     for c in run.changes:
         its = run.rows.get(c.id)
-        if c.id == ego or c.k not in rows or its is None or c.k not in its:
+        if c.id == ego or c.k not in rows or its is None or c.k not in its or c.to.startswith(":") or run.kind(c.id) == "bicycle":
             continue
         me = rows[c.k]
-        if me.lane.startswith(":") or run.road.lanes[me.lane].edge != run.road.lanes[c.to].edge or run.kind(c.id) == "bicycle":
+        if math.hypot(me.x - its[c.k].x, me.y - its[c.k].y) > 90:
             continue
-        own_change = any(o.id == ego and abs(o.k - c.k) < 40 for o in run.changes)
-        if me.lane != c.to and not own_change:
+        own = [o.k for o in run.changes if o.id == ego]
+        own_change = any(abs(k - c.k) < 40 for k in own)
+        until = min([k for k in own if k > c.k], default=c.k + 100)
+        drives = {rows[k].lane for k in range(c.k, min(until, c.k + 100)) if k in rows}
+        if c.to not in drives and not own_change:
             continue
         lane = run.road.lanes[c.to]
         over = [k for k in range(c.k - 20, c.k + 16) if k in its and k in rows and side_gap(run, lane, its[k], run.width(c.id)) < 0]
         if not over:
             continue
         k = over[0]
-        gap = its[k].pos - run.length(c.id) - rows[k].pos if its[k].lane.rsplit("_", 1)[0] == rows[k].lane.rsplit("_", 1)[0] else math.nan
-        if not gap == gap or gap < -run.length(c.id) or gap > 60:
+        gap = gap_to(c.id, k)
+        across = abs(turn_deg(rows[k].angle, its[k].angle))
+        if not -run.length(c.id) < gap < 60 or across > 50:
             continue
         closing = rows[k].speed - its[k].speed
         ttc = gap / closing if closing > 0 else math.inf
-        near, nearest = [], [0]
+        near = []
         for u in range(k, k + 31):
-            if u in rows and u in its and its[u].lane.rsplit("_", 1)[0] == rows[u].lane.rsplit("_", 1)[0]:
-                g, v = its[u].pos - run.length(c.id) - rows[u].pos, rows[u].speed - its[u].speed
+            g = gap_to(c.id, u)
+            if g == g:
+                v = rows[u].speed - its[u].speed
                 near.append(min(g / v if v > 0.1 else 99, 2.5 * g / max(rows[u].speed, 0.1)))
         # In units in which 5 is the threshold of both.
         concerns = min(near, default=99)
-        between = any(o.lane == c.to and rows[k].pos < o.pos < its[k].pos and i not in (ego, c.id) for i, o in run.by_time[k])
-        sure = not own_change and concerns < 4.6 and 1 < gap < 46 and me.speed > 1.5 and its[k].speed > 1.0 and not between and its[k].speed < 40
-        if concerns > 6 or between:
+        between = any(0 < gap_to(i, k) < gap for i, o in run.by_time[k] if o.lane in drives and not o.person and i not in (ego, c.id))
+        if concerns > 6 and rows[k].speed > 1 or between:
             continue
+        was_there = any(u in its and (its[u].lane in drives or its[u].lane.startswith(":") and u > k - 10) for u in range(k - 30, k - 2))
+        sure = not own_change and concerns < 4.6 and 1 < gap < 46 and me.speed > 1.5 and its[k].speed > 1.0 and its[k].speed < 40
+        sure = sure and across < 40 and not was_there and k - 10 in rows
         end = next((u for u in range(k, k + 80) if u in its and nearest_on(lane.shape, its[u].x, its[u].y)[0] < 0.5), k + 30)
         leafs = []
         if ttc < 3.6:

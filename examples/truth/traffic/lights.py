@@ -36,7 +36,7 @@ def lights(run, ego, all_passages):
     """
     rows = run.rows[ego]
     for p in all_passages[ego]:
-        if not p.link.tl or not p.complete:
+        if not p.link.tl:
             continue
         approach = [k for k in rows if k <= p.first and rows[k].lane.rsplit("_", 1)[0] == p.link.start]
         if not approach:
@@ -100,6 +100,8 @@ def unfinished(run, ego, all_passages):
             slow = starts_to_slow(rows, a)
             for leaf in ("red_stop", "yellow_stop"):
                 yield run.entry(f"reactive_rule.traffic_light.{leaf}", ego, slow - 25, slow - 5, a + 10, optional=True)
+            for leaf in ("resume_first", "resume_follow"):
+                yield run.entry(f"reactive_rule.traffic_light.{leaf}", ego, b - 25, b - 5, b + 30, optional=True)
 
 
 def halt_began(run, link, k):

@@ -188,3 +188,28 @@ def nearest_on(points, x, y):
             best = min(best, (d, done + t * length))
             done += length
     return best
+
+
+class Way:
+    """The way that a vehicle's front drives in a run, for distances along it."""
+
+    def __init__(self, run, name):
+        rows = run.rows[name]
+        self.points, self.index, done = [], {}, []
+        for k in sorted(rows):
+            here = (rows[k].x, rows[k].y)
+            if not self.points or math.dist(here, self.points[-1]) > 0.5:
+                done.append(done[-1] + math.dist(here, self.points[-1]) if done else 0.0)
+                self.points.append(here)
+            self.index[k] = (len(self.points) - 1, done[-1] + math.dist(here, self.points[-1]))
+        self.done = done
+
+    def ahead(self, run, name, k, reach=250):
+        """How far along this way the front of `name` is ahead of the front of the way's owner, m; NaN where it is more than 6 m beside it."""
+        if k not in self.index:
+            return math.nan
+        at, own = self.index[k]
+        o = run.rows[name][k]
+        first = max(0, at - 20)
+        off, along = nearest_on(self.points[first:at + reach], o.x, o.y)
+        return self.done[first] + along - own if off < 6 else math.nan

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the traffic sets anew: `python3 make.py [seen|unseen|both] [OUT_DIR]` (default: both, this folder).
+"""Makes the traffic sets anew: `python3 make.py [seen|unseen|second|fresh|all] [OUT_DIR [NETWORK ...]]` (default: all, this folder).
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). For each network of `networks.py` the traffic of `demand.py` is simulated; what a
 recording has (positions around the egos, network, lights) is kept, and `truth.jsonl` is derived by `truth.py` from everything that the
@@ -22,7 +22,7 @@ from demand import DEMANDS, SECONDS
 from networks import NETWORKS, document
 
 HERE = Path(__file__).resolve().parent
-SEEDS = {"seen": 20260301, "unseen": 88117}
+SEEDS = {"seen": 20260301, "unseen": 88117, "second": 415926, "fresh": 7350918}
 # What happens farther than this from every ego is not in the log, m.
 RADIUS_M = 60
 FCD = "id,x,y,z,angle,type,speed,pos,acceleration,lane,edge,signals,leaderID,leaderSpeed,leaderGap"
@@ -68,11 +68,11 @@ def store(text, target):
 
 
 def main():
-    which = sys.argv[1] if len(sys.argv) > 1 else "both"
+    which = sys.argv[1] if len(sys.argv) > 1 else "all"
     out = Path(sys.argv[2]) if len(sys.argv) > 2 else HERE
     only = sys.argv[3:] or list(NETWORKS)
-    for variant, group in enumerate(("seen", "unseen")):
-        for name in only if which in (group, "both") else []:
+    for variant, group in enumerate(SEEDS):
+        for name in only if which in (group, "all") else []:
             target = out / f"{group}-{name}"
             target.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory() as folder:

@@ -1,6 +1,6 @@
 """The road networks of the traffic sets, as SUMO's plain node, edge and connection files.
 
-Each function gives (nodes, edges, connections, extra netconvert options) as XML texts. `v` varies a network between the sets: lengths,
+Each function gives (nodes, edges, connections, extra netconvert options) as XML texts. `v` is the number of the set (0 to 3): lengths, angles,
 speeds, limits and grades differ, so that nothing fits one drawing of a road only.
 """
 
@@ -36,41 +36,44 @@ def both_ways(a, b, lanes, speed, sidewalk=True, bus=False, width=3.3, priority=
 
 def city(v):
     """Four crossroads with lights and crosswalks; two lanes a direction, a bus lane along the southern avenue."""
-    a, arm, speed = (190, 170, 13.89) if v == 0 else (225, 150, 12.5)
-    nodes = [node(f"{c}{r}", x * a, y * a, "traffic_light") for x, c in enumerate("AB") for y, r in enumerate("01")]
-    ends = {"sA": (0, -arm, "A0"), "sB": (a, -arm, "B0"), "nA": (0, a + arm, "A1"), "nB": (a, a + arm, "B1"),
-            "w0": (-arm, 0, "A0"), "w1": (-arm, a, "A1"), "e0": (a + arm, 0, "B0"), "e1": (a + arm, a, "B1")}
+    a, arm, speed = ((190, 170, 13.89), (225, 150, 12.5), (175, 160, 15.28), (240, 185, 13.89))[v]
+    # From the third set on the blocks are not square: streets meet at a slant.
+    dx, dy = ((0, 0), (0, 0), (28, -18), (-35, 22))[v]
+    nodes = [node(f"{c}{r}", x * a + x * y * dx, y * a + x * y * dy, "traffic_light") for x, c in enumerate("AB") for y, r in enumerate("01")]
+    ends = {"sA": (0, -arm, "A0"), "sB": (a, -arm, "B0"), "nA": (0, a + arm, "A1"), "nB": (a + dx, a + dy + arm, "B1"),
+            "w0": (-arm, 0, "A0"), "w1": (-arm, a, "A1"), "e0": (a + arm, 0, "B0"), "e1": (a + dx + arm, a + dy, "B1")}
     nodes += [node(n, x, y) for n, (x, y, _) in ends.items()]
     streets = [(n, j) for n, (_, _, j) in ends.items()] + [("A0", "A1"), ("B0", "B1"), ("A0", "B0"), ("A1", "B1")]
     edges = []
     for i, j in streets:
         south = {i, j} in ({"w0", "A0"}, {"A0", "B0"}, {"e0", "B0"})
         edges += both_ways(i, j, 2, speed, bus=south)
-    return nodes, edges, [], ["--crossings.guess", "--walkingareas", "--tls.cycle.time", "64" if v == 0 else "76", "--tls.left-green.time", "7"]
+    return nodes, edges, [], ["--crossings.guess", "--walkingareas", "--tls.cycle.time", ("64", "76", "58", "90")[v], "--tls.left-green.time", ("7", "7", "6", "9")[v]]
 
 
 def quarter(v):
     """Streets without lights: priority road, right before left, all-way stop, a T; one lane a direction, crosswalks at two of them."""
-    a, arm = (150, 130) if v == 0 else (175, 120)
+    a, arm = ((150, 130), (175, 120), (135, 140), (190, 125))[v]
     kinds = {"P": "priority", "R": "right_before_left", "S": "allway_stop", "T": "priority"}
-    place = {"P": (0, 0), "R": (a, 0), "S": (a, a), "T": (0, a)}
+    dx, dy = ((0, 0), (0, 0), (-22, 15), (30, 25))[v]
+    place = {"P": (0, 0), "R": (a, 0), "S": (a + dx, a + dy), "T": (0, a)}
     nodes = [node(n, x, y, kinds[n]) for n, (x, y) in place.items()]
-    ends = {"pw": (-arm, 0, "P"), "ps": (0, -arm, "P"), "rs": (a, -arm, "R"), "re": (a + arm, 0, "R"), "se": (a + arm, a, "S"), "sn": (a, a + arm, "S"), "tn": (0, a + arm, "T")}
+    ends = {"pw": (-arm, 0, "P"), "ps": (0, -arm, "P"), "rs": (a, -arm, "R"), "re": (a + arm, 0, "R"), "se": (a + dx + arm, a + dy, "S"), "sn": (a + dx, a + dy + arm, "S"), "tn": (0, a + arm, "T")}
     nodes += [node(n, x, y) for n, (x, y, _) in ends.items()]
     edges = []
     for i, j in [(n, j) for n, (_, _, j) in ends.items()] + [("P", "R"), ("R", "S"), ("S", "T"), ("T", "P")]:
         # The street through P from south to north and on over T has the right of way.
         main = {i, j} in ({"ps", "P"}, {"T", "P"}, {"tn", "T"})
         edges += both_ways(i, j, 1, 13.89 if main else 11.11, priority=3 if main else 1, width=3.2)
-    return nodes, edges, [], ["--crossings.guess", "--walkingareas"] if v == 0 else ["--crossings.guess", "--walkingareas"]
+    return nodes, edges, [], ["--crossings.guess", "--walkingareas"]
 
 
 def ring(v):
-    """A roundabout with four arms: two lanes round it in one set, in the other one lane."""
-    radius, arm, lanes = (24, 200, 2) if v == 0 else (20, 180, 2)
+    """A roundabout of two lanes with four arms."""
+    radius, arm, lanes = ((24, 200, 2), (20, 180, 2), (28, 190, 2), (22, 210, 2))[v]
     nodes, edges = [], []
     names = "ESWN" if v else "ENWS"
-    angle = {n: {"E": 0, "N": 90, "W": 180, "S": 270}[n] + (0 if v == 0 else 12) for n in names}
+    angle = {n: {"E": 0, "N": 90, "W": 180, "S": 270}[n] + (0, 12, -20, 33)[v] for n in names}
     for n, deg in angle.items():
         c, s = math.cos(math.radians(deg)), math.sin(math.radians(deg))
         nodes += [node("r" + n, round(radius * c, 2), round(radius * s, 2)), node("o" + n, round((radius + arm) * c, 2), round((radius + arm) * s, 2))]
@@ -87,8 +90,9 @@ def ring(v):
 
 def motorway(v):
     """Three lanes; an on-ramp with an acceleration lane, an off-ramp from a deceleration lane, then the left... the right lane ends."""
-    speed, lane = (33.33, 240) if v == 0 else (30.56, 200)
-    x = [0, 500, 500 + lane, 1250, 1250 + lane, 2000, 2500, 3000] if v == 0 else [0, 450, 450 + lane, 1100, 1100 + lane, 1750, 2200, 2700]
+    speed, lane = ((33.33, 240), (30.56, 200), (36.11, 260), (27.78, 220))[v]
+    on, off, mid, drop, end = ((500, 1250, 2000, 2500, 3000), (450, 1100, 1750, 2200, 2700), (550, 1350, 2100, 2550, 3050), (400, 1050, 1700, 2250, 2700))[v]
+    x = [0, on, on + lane, off, off + lane, mid, drop, end]
     names = ["m0", "on", "onEnd", "off", "offEnd", "mid", "drop", "m9"]
     nodes = [node(n, at, 0) for n, at in zip(names, x)]
     nodes += [node("q0", x[1] - 350, -70), node("q1", x[1] - 90, -12), node("f1", x[4] + 110, -16), node("f9", x[4] + 380, -80)]
@@ -113,19 +117,19 @@ def motorway(v):
 
 def hills(v):
     """A country road, one lane a direction, over hills and round bends, with a crossroads where a side road waits."""
-    grade = 0.06 if v == 0 else 0.075
+    grade = (0.06, 0.075, 0.05, 0.068)[v]
+    y = (110, 150, 120, 140)[v]
     nodes = [node("h0", 0, 0, z=0), node("h1", 250, 0, z=0), node("h2", 450, 0, z=200 * grade), node("h3", 620, 0, z=200 * grade),
-             node("h4", 820, 0, z=0), node("h5", 960, 0, z=0), node("h6", 1200, 110 if v == 0 else 150, z=0), node("h7", 1420, 110 if v == 0 else 150, z=0),
-             node("h8", 1640, 110 if v == 0 else 150, z=-220 * grade), node("h9", 1900, 110 if v == 0 else 150, z=-220 * grade),
+             node("h4", 820, 0, z=0), node("h5", 960, 0, z=0), node("h6", 1200, y, z=0), node("h7", 1420, y, z=0),
+             node("h8", 1640, y, z=-220 * grade), node("h9", 1900, y, z=-220 * grade),
              node("s5", 960, -180, z=0), node("n5", 960, 160, z=0)]
     def bend(y):
-        r = 35 if v == 0 else 28
+        r = (35, 28, 32, 30)[v]
         # Two bends of radius r: left by 90 degrees, straight up, right by 90 degrees.
         x0, points = 1080, []
         points += [(x0 + r * math.sin(math.radians(d)), r - r * math.cos(math.radians(d))) for d in range(0, 91, 10)]
         points += [(x0 + r + r - r * math.cos(math.radians(d)), y - r + r * math.sin(math.radians(d))) for d in range(0, 91, 10)]
         return [(960.0, 0.0)] + points + [(1200.0, float(y))]
-    y = 110 if v == 0 else 150
     points = bend(y)
     there = " ".join(f"{a:.2f},{b:.2f},0" for a, b in points)
     back = " ".join(f"{a:.2f},{b:.2f},0" for a, b in reversed(points))

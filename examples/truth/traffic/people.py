@@ -10,7 +10,9 @@ def crossings(run, ego, all_passages, lead):
 
     Keyframe: it enters the band of 7 m beside the way. Sure: the ego gets there after the person and came down under 2 m/s within
     20 m of the place meanwhile, on its own account: not behind a leader that stood between, not held by a red light before the place. Others within
-    8 s of each other are optional. Signals other than that (arrival 4 s apart) are the taxonomy's.
+    8 s of each other are optional. Signals other than that (arrival 4 s apart) are the taxonomy's. Who comes into the band to a crosswalk, stands
+    there (under 0.5 m/s) and lets the ego go by was about to cross (taxonomy, crosswalk against crosswalk_limit): whether the ego slowed for
+    that person the simulator does not say, so it is optional.
     """
     rows = run.rows[ego]
     keys = sorted(rows)
@@ -46,13 +48,25 @@ def crossings(run, ego, all_passages, lead):
                 off = math.hypot(xy[j][0] - o.x, xy[j][1] - o.y)
                 side = dx * (o.y - xy[j][1]) - dy * (o.x - xy[j][0])
                 place.append((k, math.copysign(off, side), way[j], o))
+        # The front is at `at`; up to where its middle has passed, and a metre more than the band.
+        band = [(k, off, o) for k, off, s, o in place if abs(off) < 8 and -3 < s - at[k] < 50]
+        for first, last in runs([k for k, _, _ in band]):
+            here = [(k, off, o) for k, off, o in band if first <= k <= last]
+            if any(o.speed < 0.5 and o.lane.startswith(":") and ("_c" in o.lane or "_w" in o.lane) for _, _, o in here):
+                enter = next((k for k, off, _ in here if abs(off) < 7), first)
+                yield run.entry("reactive_agent.vru_crossing.crosswalk", ego, enter, enter, last, name, optional=True)
+        # Beside the last of the way that the log shows: where the ego goes on to, and so who crosses that, is not known.
+        ends = [k for k, _, s, o in place if way[-1] - s < 1 and way[-1] - at[k] < 15]
+        for first, last in runs(ends, gap=10):
+            for leaf in ("crosswalk", "horizontal", "diagonal"):
+                yield run.entry(f"reactive_agent.vru_crossing.{leaf}", ego, first, first, last, name, optional=True)
         for u, v in zip(place, place[1:]):
             if v[0] - u[0] != 1 or u[1] * v[1] >= 0 or abs(u[1]) > 1 or abs(v[1]) > 1:
                 continue
             k, s = v[0], v[2]
             ego_k = next((q for q in keys if at[q] >= s), None)
             ahead = s - at[k]
-            if ego_k is None or not 0.5 < ahead < 50 or ego_k < k or ego_k - k > 250:
+            if ego_k is None or not 0.5 < ahead < 50 or ego_k < k:
                 continue
             enter = k
             near = {q[0]: q for q in place}
@@ -66,7 +80,8 @@ def crossings(run, ego, all_passages, lead):
             red = any(p.link.tl and p.first > q and run.light(p.link, q)[0] in "ry" for p in all_passages[ego][:0] for q in window)
             held = any(p.link.tl and enter <= p.first and at.get(p.first, 0) <= s + 15 and any(run.light(p.link, q)[0] in "ru" and at[q] < at[p.first] for q in window if q in at) for p in all_passages[ego])
             sure = waited < 1.5 and not led and not held and on_crosswalk and ego_k - k < 80 and enter in rows and rows[enter].speed > 0.5
-            if not sure and ego_k - k > 120:
+            slows = waited < 1.5 or min((rows[q].accel for q in window if q in rows), default=0) < -0.9
+            if not sure and ego_k - k > 120 and not slows:
                 continue
             leaves = ["crosswalk"] if sure else ["crosswalk", "horizontal", "diagonal"]
             for leaf in leaves:
