@@ -44,7 +44,7 @@ async function hook(day) {
   const { page } = day.people.wang;
   day.receiver = await receiver();
   await page.goto(`${day.service.url}/projects/${day.project}/exchange`);
-  await page.getByLabel("地址").fill("https://example.com/");
+  await page.getByLabel("地址").fill("ftp://example.com/");
   await page.getByRole("button", { name: "添加 Webhook" }).click();
   await page.getByText(/网址无效/).waitFor();
   await page.getByLabel("地址").fill(day.receiver.url);

@@ -283,6 +283,8 @@ export const screenWords = {
     "Tasks or labels as JSONL. Labels become drafts and still have to be checked.",
   ],
   "exchange.file": ["JSONL 文件", "JSONL file"],
+  "file.choose": ["选择文件…", "Choose a file…"],
+  "file.none": ["未选择文件", "No file chosen"],
   "exchange.take": ["导入", "Import"],
   "exchange.taken": ["已导入 {n} 个任务，{known} 个原已存在。", "{n} tasks imported, {known} were there already."],
   "exchange.lost": ["{n} 行无法读取：", "{n} lines could not be read:"],
