@@ -110,7 +110,7 @@ impl<'p> Bounds<'p, '_> {
             Op::Compare { op, left, right, .. } => match (constant(*left), constant(*right)) {
                 (None, Some(bound)) => self.signal(*left).filter(|(_, r)| impossible(*op, r.bounds, bound)),
                 (Some(bound), None) => {
-                    self.signal(*right).filter(|(_, r)| impossible(mirrored(*op), r.bounds, bound))
+                    self.signal(*right).filter(|(_, r)| impossible(op.mirrored(), r.bounds, bound))
                 }
                 _ => None,
             },
@@ -130,16 +130,6 @@ impl<'p> Bounds<'p, '_> {
             }
             _ => None,
         }
-    }
-}
-
-fn mirrored(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::LessOrEqual => CompareOp::GreaterOrEqual,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::GreaterOrEqual => CompareOp::LessOrEqual,
-        same @ (CompareOp::Equal | CompareOp::NotEqual) => same,
     }
 }
 

@@ -53,16 +53,6 @@ pub(super) fn holds(op: CompareOp, a: f64, b: f64) -> bool {
     }
 }
 
-pub(super) fn mirrored(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::LessOrEqual => CompareOp::GreaterOrEqual,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::GreaterOrEqual => CompareOp::LessOrEqual,
-        same @ (CompareOp::Equal | CompareOp::NotEqual) => same,
-    }
-}
-
 /// Up to 64 rows to a word.
 pub(super) fn compare_word(op: CompareOp, rows: &[f64], b: f64) -> u64 {
     // One loop an operator: the operator is no longer asked for in each row.

@@ -4,9 +4,7 @@
 //! slowly), so that most words are settled without looking at their numbers, however many rules ask.
 
 use super::bits::Bits;
-use super::compare::{
-    compare_columns, compare_slice, compare_word, holds, mirrored, pack_all, range, settled,
-};
+use super::compare::{compare_columns, compare_slice, compare_word, holds, pack_all, range, settled};
 use super::truth::Truth;
 use crate::language::syntax::CompareOp;
 use std::borrow::Cow;
@@ -240,7 +238,7 @@ impl<'a> Numbers<'a> {
                 false => Truth::constant(holds(op, *a, *b), *n),
             },
             (_, Numbers::Same(b, _)) => self.compare_with(op, *b),
-            (Numbers::Same(a, _), _) => other.compare_with(mirrored(op), *a),
+            (Numbers::Same(a, _), _) => other.compare_with(op.mirrored(), *a),
             _ => {
                 let (a, b) = (self.values(), other.values());
                 let mut known = (*self.known()).clone();
