@@ -222,10 +222,10 @@ fn choose<'d, T: Copy>(
         let named = named.map(|(_, id)| *id);
         let spelled = wanted.replace([' ', '-'], "_");
         match named.or_else(|| did_you_mean(&spelled, ids())) {
-            Some(id) => words.hint(format!("是否想写 '{id}'？"), format!("did you mean '{id}'?")),
+            Some(id) => words.meant(id),
             None => {
                 let all: Vec<&str> = ids().collect();
-                words.hint(format!("可选：{}", all.join("、")), format!("choose one of: {}", all.join(", ")))
+                words.one_of(&all.join("、"), &all.join(", "))
             }
         }
     });

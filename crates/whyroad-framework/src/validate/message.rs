@@ -79,7 +79,7 @@ pub(super) fn unknown(walk: &mut Walk<'_>) -> bool {
         };
         let all = || OUTER.iter().map(|(o, _)| *o).collect::<Vec<_>>();
         match meant {
-            Some(near) => words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
+            Some(near) => words.meant(near),
             None => words.hint(
                 format!("已知的外层键：{}", all().join("、")),
                 format!("known outer keys: {}", all().join(", ")),

@@ -34,6 +34,16 @@ impl Words {
         self.hint = Some(Bilingual::new(zh, en));
         self
     }
+
+    /// With the word that was probably meant.
+    pub fn meant(self, word: &str) -> Self {
+        self.hint(format!("是否想写 '{word}'？"), format!("did you mean '{word}'?"))
+    }
+
+    /// With the words that there are, as each language lists them.
+    pub fn one_of(self, zh: &str, en: &str) -> Self {
+        self.hint(format!("可选：{zh}"), format!("choose one of: {en}"))
+    }
 }
 
 /// What was found, and where.
@@ -108,9 +118,7 @@ impl Rulebook<'_> {
                     format!("clip '{id}' is not in the clip list"),
                 );
                 match clips.nearest(id) {
-                    Some(near) => {
-                        words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?"))
-                    }
+                    Some(near) => words.meant(near),
                     None => words,
                 }
             });

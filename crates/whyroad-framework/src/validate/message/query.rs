@@ -137,11 +137,8 @@ fn temporal<'d>(walk: &mut Walk<'d>, o: &mut Object<'d>, operator: Option<&str>,
             );
             let names: Vec<&str> = TEMPORAL.iter().map(|(name, ..)| *name).collect();
             match did_you_mean(word, names.iter().copied()) {
-                Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(
-                    format!("可选：{}", names.join(" ")),
-                    format!("choose one of: {}", names.join(" ")),
-                ),
+                Some(m) => words.meant(m),
+                None => words.one_of(&names.join(" "), &names.join(" ")),
             }
         });
     }
@@ -190,11 +187,8 @@ fn comparison<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
                 _ => None,
             };
             match meant {
-                Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(
-                    format!("可选：{}", OPERATORS.join(" ")),
-                    format!("choose one of: {}", OPERATORS.join(" ")),
-                ),
+                Some(m) => words.meant(m),
+                None => words.one_of(&OPERATORS.join(" "), &OPERATORS.join(" ")),
             }
         });
     }
@@ -225,11 +219,8 @@ fn comparison<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             let words = Words::new(format!("未知单位 '{unit}'"), format!("unknown unit '{unit}'"));
             let symbols: Vec<&str> = UNITS.iter().map(|u| u.symbol).filter(|s| !s.is_empty()).collect();
             match did_you_mean(&unit.to_lowercase(), symbols.iter().copied()) {
-                Some(m) => words.hint(format!("是否想写 '{m}'？"), format!("did you mean '{m}'?")),
-                None => words.hint(
-                    format!("可选：{}", symbols.join("、")),
-                    format!("choose one of: {}", symbols.join(", ")),
-                ),
+                Some(m) => words.meant(m),
+                None => words.one_of(&symbols.join("、"), &symbols.join(", ")),
             }
         });
     }

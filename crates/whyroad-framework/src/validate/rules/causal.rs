@@ -114,7 +114,7 @@ fn components(channel: &'static str, cause: &CauseView<'_>, known: &[&str], sink
                 format!("no critical component has the id '{id}'"),
             );
             match did_you_mean(id, known.iter().copied()) {
-                Some(near) => words.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
+                Some(near) => words.meant(near),
                 None if known.is_empty() => words
                     .hint("在要素上写 \"id\"，再在此处引用", "give the component an \"id\" and name it here"),
                 None => words

@@ -77,7 +77,7 @@ fn wrong(
             Some(s) => {
                 let (own, full) = (own_id(s), s.to_string());
                 if full == own {
-                    words.hint(format!("是否想写 '{own}'？"), format!("did you mean '{own}'?"))
+                    words.meant(own)
                 } else {
                     words.hint(
                         format!("是否想写 '{own}'（{full}）？"),
@@ -96,7 +96,7 @@ fn choices_hint(words: Words, parent: &str, choices: &[&str]) -> Words {
     }
     let (zh, en) = (choices.join("、"), choices.join(", "));
     if parent.is_empty() {
-        words.hint(format!("可选：{zh}"), format!("choose one of: {en}"))
+        words.one_of(&zh, &en)
     } else {
         words.hint(format!("'{parent}' 下可选：{zh}"), format!("under '{parent}' there are: {en}"))
     }
