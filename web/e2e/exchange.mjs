@@ -5,24 +5,10 @@ import { createHmac } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join } from "node:path";
-import { look } from "./people.mjs";
+import { ask, look } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const NAME = "导入的任务";
-
-/** Asks the API as the person whose page this is. */
-const ask = (page, method, path, body) =>
-  page.evaluate(
-    async ([method, path, body]) => {
-      const { csrf } = await (await fetch("/api/v1/session")).json();
-      const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
-      const reply = await fetch(`/api/v1${path}`, { method, headers, body: body === undefined ? undefined : JSON.stringify(body) });
-      const text = await reply.text();
-      if (!reply.ok) throw new Error(`${method} ${path}: ${reply.status} ${text}`);
-      return text === "" ? null : JSON.parse(text);
-    },
-    [method, path, body],
-  );
 
 /** Says 503 to what comes first, then takes everything. */
 async function receiver() {

@@ -3,26 +3,12 @@
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { person, look, signIn } from "./people.mjs";
+import { ask, person, look, signIn } from "./people.mjs";
 import { whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
 const PASSWORD = "欲穷千里目-更上一层楼";
 const NAME = "盲标对比";
-
-/** Asks the API as the person whose page this is. */
-const ask = (page, method, path, body) =>
-  page.evaluate(
-    async ([method, path, body]) => {
-      const { csrf } = await (await fetch("/api/v1/session")).json();
-      const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
-      const reply = await fetch(`/api/v1${path}`, { method, headers, body: body === undefined ? undefined : JSON.stringify(body) });
-      const text = await reply.text();
-      if (!reply.ok) throw new Error(`${method} ${path}: ${reply.status} ${text}`);
-      return text === "" ? null : JSON.parse(text);
-    },
-    [method, path, body],
-  );
 
 async function prepare(day) {
   const { page } = day.people.admin;

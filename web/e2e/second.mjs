@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { deflateSync } from "node:zlib";
-import { look, person } from "./people.mjs";
+import { ask, look, person } from "./people.mjs";
 import { serve, whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -130,7 +130,7 @@ async function middle(handle) {
 
 const seconds = async (handle) => Number(await handle.getAttribute("aria-valuenow"));
 const at = (draft, pointer) => pointer.split("/").slice(1).reduce((value, key) => value?.[key], draft);
-const task = (day) => day.people.own.page.evaluate(async (t) => (await fetch(`/api/v1/tasks/${t}`)).json(), day.ownTask);
+const task = (day) => ask(day.people.own.page, "GET", `/tasks/${day.ownTask}`);
 
 /** Drags by so many seconds of the time axis; what the handle then says. */
 async function drag(page, handle, by) {
@@ -228,18 +228,9 @@ async function handedIn(day) {
     { path: "/causes/longitudinal", value: { components: ["c1"] } },
     { path: "/coc_trace", value: "前车驶离本车道后露出前方静止的障碍物，原有车速和车距不足以从容停下，需要及时让出空间，因此自车减速让行。" },
   ];
-  const reply = await page.evaluate(
-    async ([t, changes]) => {
-      const { csrf } = await (await fetch("/api/v1/session")).json();
-      const headers = { "x-csrf-token": csrf, "content-type": "application/json" };
-      const { fence, version } = await (await fetch(`/api/v1/tasks/${t}`)).json();
-      const body = JSON.stringify({ fence, base_version: version, changes });
-      const saved = await (await fetch(`/api/v1/tasks/${t}/draft`, { method: "PATCH", headers, body })).json();
-      return { fence, findings: saved.findings, saved };
-    },
-    [day.ownTask, changes],
-  );
-  assert.deepEqual(reply.findings.filter((f) => f.severity === "error" || f.code.includes("second_keyframe")), []);
+  const { fence, version } = await task(day);
+  const saving = await ask(page, "PATCH", `/tasks/${day.ownTask}/draft`, { fence, base_version: version, changes });
+  assert.deepEqual(saving.findings.filter((f) => f.severity === "error" || f.code.includes("second_keyframe")), []);
   await page.reload();
   await page.locator('[data-deed="submit"]').waitFor();
   await page.waitForLoadState("networkidle");
