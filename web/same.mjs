@@ -4,7 +4,7 @@ import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const committed = "../crates/whyroad-labeling/assets";
+const committed = "../crates/whyroad-server/assets";
 const fresh = mkdtempSync(join(tmpdir(), "whyroad-page-"));
 const files = (dir) => readdirSync(dir, { recursive: true, withFileTypes: true }).filter((f) => f.isFile()).map((f) => f.name).sort();
 try {

@@ -7,7 +7,7 @@ export default defineConfig({
   plugins: [svelte()],
   base: "/",
   build: {
-    outDir: process.env.WHYROAD_WEB_OUT ?? "../crates/whyroad-labeling/assets",
+    outDir: process.env.WHYROAD_WEB_OUT ?? "../crates/whyroad-server/assets",
     emptyOutDir: true,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },

@@ -9,7 +9,7 @@ import { answers, stand } from "./synthetic.mjs";
 
 const objects = Number(process.argv[2] ?? 200);
 const seconds = Number(process.argv[3] ?? 10);
-const dist = process.env.WHYROAD_WEB_OUT ?? resolve(import.meta.dirname, "../../crates/whyroad-labeling/assets");
+const dist = process.env.WHYROAD_WEB_OUT ?? resolve(import.meta.dirname, "../../crates/whyroad-server/assets");
 
 const browser = await launcher.launch({ executablePath: chromium() ?? undefined, args: ["--no-sandbox"] });
 const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });

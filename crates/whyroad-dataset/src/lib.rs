@@ -1,13 +1,1 @@
-//! What came of mining and labelling: coverage over all leaves, the report that shows it, label drafts, and how good
-//! the episodes are against a truth.
-//!
-//! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on
-//! the crates that make them. Nothing here writes a file; callers store what is returned.
-
-pub mod coverage;
-pub mod draft;
-pub mod evaluation;
-pub mod mined;
-mod moments;
-pub mod names;
-pub mod report;
+//! Data sets: select, sample, split, de-duplicate, balance, freeze, verify, export. Not built yet.

@@ -1,24 +1,24 @@
 //! The framework as data: text in, validated taxonomy, decisions, labelling specs and rule sources out.
 //!
 //! Nothing here reads a file or a clock: callers pass texts, or take the copy that is built in. Mining rules
-//! are carried, not interpreted. The label checker is in [`validate`].
+//! are carried, not interpreted.
 
 pub mod codes;
 pub mod decisions;
 pub mod diff;
 pub mod docs;
 pub mod framework;
+pub mod lexicon;
 pub mod listing;
 pub mod markdown;
 pub mod schemas;
 pub mod spec;
 pub mod taxonomy;
-pub mod validate;
 pub mod version;
 mod yaml;
 
 pub use decisions::DecisionSets;
 pub use framework::{ExpressionSource, Framework, RuleSource};
+pub use lexicon::Lexicon;
 pub use spec::ResolvedSpec;
 pub use taxonomy::{L1, L2, L3, Resolution, Taxonomy};
-pub use validate::Lexicon;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::read_taxonomy;
-use whyroad_framework::validate::Checker;
+use whyroad_label::check::Checker;
 use whyroad_mining::rule::file::{Named, check_file};
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;

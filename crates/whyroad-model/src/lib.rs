@@ -8,6 +8,7 @@ pub mod decision;
 pub mod diagnostic;
 pub mod ids;
 pub mod messages;
+pub mod names;
 pub mod object;
 pub mod road_map;
 pub mod scene;

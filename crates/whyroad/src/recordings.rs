@@ -5,14 +5,15 @@ use anyhow::{Context as _, bail};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use whyroad_dataset::{draft, mined};
 use whyroad_framework::Framework;
-use whyroad_labeling::api::wire::scene::{SignalAbout, SignalKind};
-use whyroad_labeling::recordings::Recordings;
+use whyroad_label::draft;
 use whyroad_lake::{Lake, Stamp};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_report::mined;
+use whyroad_server::api::wire::scene::{SignalAbout, SignalKind};
+use whyroad_server::recordings::Recordings;
 use whyroad_signals::{Catalogue, SignalKind as Kind};
 
 /// Drives kept in memory: people who work at the same time mostly work on the same drives.

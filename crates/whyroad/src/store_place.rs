@@ -5,11 +5,11 @@ use anyhow::anyhow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use whyroad_framework::Framework;
-use whyroad_labeling::api::wire::project::{Project, Settings};
-use whyroad_labeling::problem::Problem;
-use whyroad_labeling::secret;
-use whyroad_labeling::store::{Place, Store};
 use whyroad_model::Lang;
+use whyroad_server::api::wire::project::{Project, Settings};
+use whyroad_server::problem::Problem;
+use whyroad_server::secret;
+use whyroad_server::store::{Place, Store};
 
 /// Options that say where the store is.
 #[derive(clap::Args, Clone, Debug)]

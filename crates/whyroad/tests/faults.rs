@@ -3,7 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
 
-#[path = "../../whyroad-labeling/tests/support/postgres.rs"]
+#[path = "../../whyroad-server/tests/support/postgres.rs"]
 mod postgres;
 mod service;
 

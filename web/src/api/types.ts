@@ -46,7 +46,7 @@ export type NewProject = Schemas["NewProject"];
 export type Kind = Schemas["Kind"];
 export type QueueReason = Schemas["QueueReason"];
 
-/** In `more` of a 409 `draft.conflict`, which the document does not describe (crates/whyroad-labeling/src/api/wire/task.rs). */
+/** In `more` of a 409 `draft.conflict`, which the document does not describe (crates/whyroad-server/src/api/wire/task.rs). */
 export interface Conflicts {
   version: number;
   draft: unknown;

@@ -1,5 +1,5 @@
 // Nothing that an annotator typed is lost: not while offline, not by another's change, not by a lost lease. The server here is a
-// few lines that answer as crates/whyroad-labeling/openapi.json says.
+// few lines that answer as crates/whyroad-server/openapi.json says.
 import { storage } from "../testing.ts";
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";

@@ -10,7 +10,7 @@ use crate::language::{Checker, Fault};
 use clause::Reader;
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
-use whyroad_framework::validate::Checker as MessageChecker;
+use whyroad_label::check::Checker as MessageChecker;
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Place, Severity};
 use whyroad_signals::Catalogue;

@@ -6,10 +6,10 @@ use crate::{Global, output, store_place};
 use anyhow::anyhow;
 use std::fmt::Write as _;
 use std::process::ExitCode;
-use whyroad_labeling::problem::Problem;
-use whyroad_labeling::secret;
-use whyroad_labeling::service::people;
 use whyroad_model::Lang;
+use whyroad_server::problem::Problem;
+use whyroad_server::secret;
+use whyroad_server::service::people;
 
 /// Bytes of a password that is made here, in hexadecimal twice as many characters.
 const PASSWORD_BYTES: usize = 10;

@@ -7,8 +7,8 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_labeling::store::{backup_to, restore};
 use whyroad_model::Lang;
+use whyroad_server::store::{backup_to, restore};
 
 /// Arguments of `whyroad backup`.
 #[derive(clap::Args)]

@@ -6,11 +6,11 @@ use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_dataset::evaluation::truth::TruthSet;
-use whyroad_dataset::evaluation::{Evaluation, evaluate, render};
-use whyroad_dataset::mined;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Lang, ScenarioId};
+use whyroad_report::evaluation::truth::TruthSet;
+use whyroad_report::evaluation::{Evaluation, evaluate, render};
+use whyroad_report::mined;
 
 /// Arguments of `whyroad evaluate`.
 #[derive(clap::Args)]

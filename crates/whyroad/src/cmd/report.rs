@@ -5,13 +5,13 @@ use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_dataset::mined;
-use whyroad_dataset::report::{ReportBuilder, ReportContext, SignalInfo};
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Diagnostic, Lang};
+use whyroad_report::mined;
+use whyroad_report::report::{ReportBuilder, ReportContext, SignalInfo};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad report`.

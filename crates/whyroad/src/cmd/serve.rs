@@ -12,11 +12,11 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use whyroad_labeling::App;
-use whyroad_labeling::app::Origin;
-use whyroad_labeling::service::webhooks::Reach;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
+use whyroad_server::App;
+use whyroad_server::app::Origin;
+use whyroad_server::service::webhooks::Reach;
 
 /// Arguments of `whyroad serve`.
 #[derive(clap::Args)]
@@ -69,7 +69,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut app = App::new(store, framework, recordings).map_err(|p| store_place::told(&p, global.lang))?;
     app.oidc = oidc;
     if args.https {
-        app.cookies = whyroad_labeling::app::Cookies::Secure;
+        app.cookies = whyroad_server::app::Cookies::Secure;
     }
     if args.behind_proxy {
         app.origin = Origin::Proxy;
@@ -94,7 +94,7 @@ fn run_until_told(app: App, listener: TcpListener) -> std::io::Result<()> {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        whyroad_labeling::serve(Arc::new(app), listener, told_to_stop()).await
+        whyroad_server::serve(Arc::new(app), listener, told_to_stop()).await
     })
 }
 

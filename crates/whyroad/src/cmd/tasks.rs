@@ -10,13 +10,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use whyroad_labeling::App;
-use whyroad_labeling::api::wire::task::CreateTasks;
-use whyroad_labeling::service::transfer::{self, Format};
-use whyroad_labeling::service::{create, projects, tasks};
-use whyroad_labeling::store::Store;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
+use whyroad_server::App;
+use whyroad_server::api::wire::task::CreateTasks;
+use whyroad_server::service::transfer::{self, Format};
+use whyroad_server::service::{create, projects, tasks};
+use whyroad_server::store::Store;
 
 /// Arguments of `whyroad tasks`.
 #[derive(clap::Args)]

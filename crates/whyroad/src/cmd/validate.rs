@@ -9,7 +9,7 @@ use printer::{Format, Printer};
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use whyroad_framework::validate::{Checker, ClipIndex, Piece, Verdict, problem};
+use whyroad_label::check::{Checker, ClipIndex, Piece, Verdict, problem};
 use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
 
 /// Arguments of `whyroad validate`.

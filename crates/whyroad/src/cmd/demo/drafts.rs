@@ -5,11 +5,11 @@ use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use whyroad_dataset::draft::{Draft, draft};
+use whyroad_engine::mine::MinedLake;
 use whyroad_framework::Framework;
-use whyroad_framework::validate::{Checker, ClipIndex};
+use whyroad_label::check::{Checker, ClipIndex};
+use whyroad_label::draft::{Draft, draft};
 use whyroad_lake::Lake;
-use whyroad_mining::engine::MinedLake;
 use whyroad_model::messages::{ClipMetadataMessage, EpisodeRecord};
 use whyroad_model::{Diagnostic, Lang, Severity};
 

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
-use whyroad_dataset::coverage::{class_title, counts, rows};
 use whyroad_framework::Taxonomy;
 use whyroad_lake::Lake;
 use whyroad_mining::rule::other::other;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{DriveId, Lang, Nanos};
+use whyroad_report::coverage::{class_title, counts, rows};
 
 /// Each class that was found, in both languages, with how often and where to look first.
 pub(super) fn table(

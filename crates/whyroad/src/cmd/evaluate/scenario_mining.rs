@@ -8,14 +8,14 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
-use whyroad_dataset::evaluation::scenario_mining::bridge::{self, Reference};
-use whyroad_dataset::evaluation::scenario_mining::sequence::{self, Sequence};
-use whyroad_dataset::evaluation::scenario_mining::{Figures, Scores, score};
-use whyroad_dataset::evaluation::truth::TruthSet;
 use whyroad_lake::Lake;
 use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, DriveId, ScenarioId};
+use whyroad_report::evaluation::scenario_mining::bridge::{self, Reference};
+use whyroad_report::evaluation::scenario_mining::sequence::{self, Sequence};
+use whyroad_report::evaluation::scenario_mining::{Figures, Scores, score};
+use whyroad_report::evaluation::truth::TruthSet;
 
 /// Truth and predictions from files of sequences.
 pub(super) fn from_files(global: &Global, args: &Args, predictions: &Path) -> anyhow::Result<ExitCode> {

@@ -2,11 +2,11 @@
 
 use anyhow::Context as _;
 use std::path::Path;
+use whyroad_engine::output::{Question, Searched};
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
-use whyroad_mining::output::{Question, Searched};
 use whyroad_mining::rule::file::{Named, bare_rule};
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;

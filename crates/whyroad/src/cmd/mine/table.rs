@@ -1,8 +1,8 @@
 //! What `whyroad mine` prints: what was found by class, and the best matches of a single question.
 
 use std::fmt::Write as _;
+use whyroad_engine::output::{Question, Searched, Summary};
 use whyroad_framework::Taxonomy;
-use whyroad_mining::output::{Question, Searched, Summary};
 use whyroad_model::messages::{CoverageState, MinedClip};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, ScenarioId};

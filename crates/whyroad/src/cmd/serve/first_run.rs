@@ -6,13 +6,13 @@ use crate::{Global, store_place};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use whyroad_framework::Framework;
-use whyroad_labeling::App;
-use whyroad_labeling::api::wire::project::HistoryRule;
-use whyroad_labeling::api::wire::task::CreateTasks;
-use whyroad_labeling::secret;
-use whyroad_labeling::service::{create, people, projects};
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
+use whyroad_server::App;
+use whyroad_server::api::wire::project::HistoryRule;
+use whyroad_server::api::wire::task::CreateTasks;
+use whyroad_server::secret;
+use whyroad_server::service::{create, people, projects};
 
 /// How the first account comes about.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,9 +5,9 @@ use crate::store_place;
 use anyhow::Context as _;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use whyroad_labeling::oidc::provider::Provider;
-use whyroad_labeling::oidc::settings::{Allow, Secret, Settings, Written};
 use whyroad_model::Lang;
+use whyroad_server::oidc::provider::Provider;
+use whyroad_server::oidc::settings::{Allow, Secret, Settings, Written};
 
 /// The environment's way to the secret; there is no option, since others see a program's options.
 const SECRET: &str = "WHYROAD_OIDC_CLIENT_SECRET";
@@ -128,8 +128,8 @@ fn kind(e: &serde_yaml_ng::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whyroad_labeling::oidc::settings::Accounts;
-    use whyroad_labeling::workflow::Role;
+    use whyroad_server::oidc::settings::Accounts;
+    use whyroad_server::workflow::Role;
 
     const WHOLE: &str = "
 issuer: https://id.example.com/realms/town

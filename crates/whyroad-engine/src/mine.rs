@@ -1,0 +1,266 @@
+//! A lake: each drive's signals read from its store (derived and stored where there are none), its episodes found, on
+//! all cores. The only module that does I/O besides [`crate::output`]. The result depends neither on the number of
+//! threads nor on what was stored or kept from earlier runs; a run that was interrupted goes on where it was.
+
+mod kept;
+mod prefilter;
+mod stored;
+
+pub use stored::{find_stored, read as read_columns};
+
+use crate::output::record::{MinedEpisode, write_down};
+use kept::Kept;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_lake::{Lake, LakeError, Outline};
+use whyroad_mining::drive::{DriveEpisodes, arbitrated};
+use whyroad_mining::episode::{Found, find};
+use whyroad_mining::fast::{Plan, Signals, find_all};
+use whyroad_mining::rule::RuleSet;
+use whyroad_model::messages::ClipMetadata;
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, ScenarioId, SignalTable};
+
+/// One drive's contribution.
+#[derive(Clone, Debug)]
+pub struct MinedDrive {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Its clips, without pre-labels.
+    pub clips: Vec<ClipMetadata>,
+    /// What was found, in order of keyframe, class, target.
+    pub episodes: Vec<MinedEpisode>,
+    /// For each rule, by its class: the signals for lack of which it could not be decided (none: it could).
+    pub missing: BTreeMap<ScenarioId, Vec<String>>,
+}
+
+/// What a run over a lake gave.
+#[derive(Clone, Debug, Default)]
+pub struct MinedLake {
+    /// Drives that could be read, by id.
+    pub drives: Vec<MinedDrive>,
+    /// One error a drive that could not.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Which evaluator runs the rules. Both give the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Evaluator {
+    /// The fast one, with all that is stored and kept.
+    #[default]
+    Fast,
+    /// The plain interpreter, from signals derived anew, keeping nothing: to compare.
+    Reference,
+}
+
+/// How to run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Options {
+    /// Drives worked on at once, and so the bound of memory; as many as there are cores where not said.
+    pub jobs: Option<usize>,
+    /// Which evaluator.
+    pub evaluator: Evaluator,
+    /// Language of texts in messages.
+    pub lang: Lang,
+}
+
+/// Mines every drive of the lake. `done` is called after each drive, from any thread; texts in messages are in
+/// `lang`.
+pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveId) + Sync) -> MinedLake {
+    mine_lake_with(lake, rules, &Options { lang, ..Options::default() }, done)
+}
+
+/// Mines every drive of the lake as the options say, and keeps all of it.
+pub fn mine_lake_with(
+    lake: &Lake,
+    rules: &RuleSet,
+    options: &Options,
+    done: impl Fn(&DriveId) + Sync,
+) -> MinedLake {
+    let mut drives = Vec::new();
+    let kept: Result<_, std::convert::Infallible> = mine_each(lake, rules, options, done, |drive| {
+        drives.push(drive);
+        Ok(())
+    });
+    let Ok(diagnostics) = kept;
+    MinedLake { drives, diagnostics }
+}
+
+/// Drives that are mined for each core before what came of them is handed on: what is held does not grow with the lake,
+/// and a core that is done early waits for the others once in so many drives.
+const DRIVES_A_CORE: usize = 32;
+
+/// Mines every drive of the lake as the options say, and hands what came of each to `each`, in the order of their ids; an
+/// error of `each` ends it. Gives an error a drive that could not be read.
+pub fn mine_each<E: Send>(
+    lake: &Lake,
+    rules: &RuleSet,
+    options: &Options,
+    done: impl Fn(&DriveId) + Sync,
+    mut each: impl FnMut(MinedDrive) -> Result<(), E>,
+) -> Result<Vec<Diagnostic>, E> {
+    let ids = lake.drive_ids();
+    let run = Run {
+        lake,
+        rules,
+        plan: Plan::of(rules),
+        keys: rules.rules.iter().map(kept::key).collect(),
+        options,
+        unwritable: AtomicBool::new(false),
+    };
+    let one = |id: &DriveId| {
+        let mined = run.mine_one(id);
+        done(id);
+        mined
+    };
+    let pool = options.jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
+    let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
+    let mut diagnostics = Vec::new();
+    for some in ids.chunks(cores.max(1) * DRIVES_A_CORE) {
+        // Drives one by one: their sizes differ, and each is work enough.
+        let all = || -> Vec<_> { some.par_iter().with_max_len(1).map(one).collect() };
+        let mined = match &pool {
+            Some(pool) => pool.install(all),
+            None => all(),
+        };
+        for result in mined {
+            match result {
+                Ok(drive) => each(drive)?,
+                Err(d) => diagnostics.push(*d),
+            }
+        }
+    }
+    if run.unwritable.load(Ordering::Relaxed) {
+        diagnostics.push(unwritable(lake));
+    }
+    Ok(diagnostics)
+}
+
+/// What all drives of one run share.
+struct Run<'a> {
+    lake: &'a Lake,
+    rules: &'a RuleSet,
+    plan: Plan<'a>,
+    /// Hash of each rule.
+    keys: Vec<String>,
+    options: &'a Options,
+    unwritable: AtomicBool,
+}
+
+impl Run<'_> {
+    fn mine_one(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
+        let unreadable = |e: LakeError| unreadable(id, &e);
+        let outline = self.lake.outline(id).map_err(unreadable)?;
+        let found = match self.options.evaluator {
+            Evaluator::Fast => self.found(id, &outline).map_err(unreadable)?,
+            Evaluator::Reference => {
+                let table = signals_of(self.lake, id).map_err(unreadable)?;
+                self.rules.rules.iter().map(|rule| find(rule, &table)).collect()
+            }
+        };
+        let DriveEpisodes { episodes, missing, .. } = arbitrated(self.rules, id, &outline.times, found);
+        let Outline { times, clips, clip_frames, .. } = outline;
+        let episodes = write_down(&episodes, id, &times, &clip_frames, self.options.lang);
+        Ok(MinedDrive { drive_id: id.clone(), clips, episodes, missing })
+    }
+
+    /// What came of each rule: kept from an earlier run, or found now and kept.
+    fn found(&self, id: &DriveId, outline: &Outline) -> Result<Vec<Found>, LakeError> {
+        let hash = &outline.meta.content_hash;
+        // Without a hash nobody can say that the content is the same.
+        let content = self.lake.note(id, kept::FILE).filter(|_| !hash.is_empty());
+        let mut kept = Kept::parse(content, &kept::state(hash));
+        let mut found: Vec<Option<Found>> = self.keys.iter().map(|key| kept.get(key)).collect();
+        let new: Vec<usize> = (0..found.len()).filter(|i| found[*i].is_none()).collect();
+        if !new.is_empty() {
+            for (i, of_rule) in new.iter().zip(self.run(id, &new)?) {
+                kept.put(self.keys[*i].clone(), &of_rule);
+                found[*i] = Some(of_rule);
+            }
+            let content = kept.content(&self.keys);
+            self.note(self.lake.write_note(id, kept::FILE, &content));
+        }
+        Ok(found.into_iter().map(Option::unwrap_or_default).collect())
+    }
+
+    /// Runs these rules on the stored signals; where there are none, derives and stores them.
+    fn run(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
+        if let Some(file) = self.lake.signals(id, whyroad_signals::VERSION)?
+            && let Ok(found) = find_stored(&self.plan, &file, 0, rules)
+        {
+            return Ok(found);
+        }
+        // None, or one that cannot be read after all: derived (again).
+        let table = signals_of(self.lake, id)?;
+        self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
+        let mut all = find_all(&self.plan, &Signals::of_table(&table));
+        Ok(rules.iter().map(|i| std::mem::take(&mut all[*i])).collect())
+    }
+
+    /// A lake that cannot be written is mined all the same.
+    fn note(&self, written: Result<(), LakeError>) {
+        if written.is_err() {
+            self.unwritable.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
+    let cause = e.diagnostic();
+    let message = Bilingual::new(
+        format!("行程 {id} 无法读取，已跳过：{}", cause.message.zh),
+        format!("drive {id} cannot be read and is left out: {}", cause.message.en),
+    );
+    let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.place);
+    Box::new(match cause.hint {
+        Some(hint) => d.with_hint(hint),
+        None => d,
+    })
+}
+
+fn unwritable(lake: &Lake) -> Diagnostic {
+    let message = Bilingual::new(
+        "数据湖不可写：信号与结果未保存，下次须重新计算",
+        "the lake cannot be written: signals and findings are not kept, and are worked out again next time",
+    );
+    let hint =
+        Bilingual::new("检查该文件夹的写权限与磁盘空间", "check the folder's permissions and free space");
+    Diagnostic::warning("mine.store.unwritable", message)
+        .in_file(lake.dir().display().to_string())
+        .with_hint(hint)
+}
+
+/// Derives and stores the signals of every drive that has none stored by this version, as `mine` does on the way.
+/// Gives the number of drives whose signals were derived, and an error a drive that could not.
+pub fn derive_signals(
+    lake: &Lake,
+    jobs: Option<usize>,
+    done: impl Fn(&DriveId) + Sync,
+) -> (usize, Vec<Diagnostic>) {
+    let ids = lake.drive_ids();
+    let one = |id: &DriveId| -> Result<usize, Box<Diagnostic>> {
+        let derive = || -> Result<usize, LakeError> {
+            if lake.signals(id, whyroad_signals::VERSION)?.is_some() {
+                return Ok(0);
+            }
+            lake.write_signals(id, whyroad_signals::VERSION, &signals_of(lake, id)?)?;
+            Ok(1)
+        };
+        let derived = derive().map_err(|e| unreadable(id, &e));
+        done(id);
+        derived
+    };
+    let all = || -> Vec<_> { ids.par_iter().with_max_len(1).map(one).collect() };
+    let pool = jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
+    let each = match pool {
+        Some(pool) => pool.install(all),
+        None => all(),
+    };
+    let derived = each.iter().flatten().sum();
+    (derived, each.into_iter().filter_map(Result::err).map(|d| *d).collect())
+}
+
+/// Signals of one drive: what a report plots beside an episode.
+pub fn signals_of(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
+    Ok(whyroad_signals::derive(&lake.read_drive(id)?))
+}

@@ -1,0 +1,153 @@
+//! What each rule found in a drive, kept beside it in the lake: a rule that has not changed is not run again. A rule
+//! is known by a hash of all that it is made of, so no change of a text, a parameter or an inherited part is missed.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+use std::collections::BTreeMap;
+use whyroad_mining::episode::{Episode, Found, Rank};
+use whyroad_mining::rule::Rule;
+use whyroad_model::messages::{KeyframeType, MatchedCondition};
+use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
+
+/// Name of the file beside the drive.
+pub const FILE: &str = "found.json";
+
+/// So many rules of former runs are kept beside those of the present one (single questions come and go).
+const FORMER: usize = 1000;
+
+/// What the file holds.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub struct Kept {
+    /// Of what drive content, signals and judging code.
+    of: String,
+    /// By the hash of the rule.
+    rules: BTreeMap<String, KeptFound>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct KeptFound {
+    episodes: Vec<KeptEpisode>,
+    missing: Vec<String>,
+}
+
+/// An episode as it is kept; numbers by their bits, so that what is read is what was written.
+#[derive(Debug, Serialize, Deserialize)]
+struct KeptEpisode {
+    scenario: ScenarioId,
+    target: Option<TrackId>,
+    roles: BTreeMap<String, TrackId>,
+    matched: (usize, usize),
+    kind: KeyframeType,
+    keyframe: usize,
+    second_keyframe: Option<usize>,
+    range: (usize, usize),
+    context: (usize, usize),
+    keyframe_rule: Bilingual,
+    score: u64,
+    conditions: Vec<(String, KeptValue)>,
+    signals: Vec<String>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+enum KeptValue {
+    Number(u64),
+    Other(Json),
+}
+
+/// The hash of a rule.
+pub fn key(rule: &Rule) -> String {
+    // The derived text of a rule names every field of it; numbers have all their digits.
+    let hash = blake3::hash(format!("{rule:?}").as_bytes());
+    hash.to_hex()[..32].to_owned()
+}
+
+/// What results depend on besides the rule.
+pub fn state(content_hash: &str) -> String {
+    format!("{content_hash} {} {}", whyroad_signals::VERSION, whyroad_mining::VERSION)
+}
+
+impl Kept {
+    /// Reads what was kept; nothing where it is of another state or cannot be read.
+    pub fn parse(content: Option<Vec<u8>>, state: &str) -> Self {
+        let kept = content.and_then(|c| serde_json::from_slice::<Kept>(&c).ok());
+        kept.filter(|k| k.of == state).unwrap_or(Self { of: state.to_owned(), ..Self::default() })
+    }
+
+    /// What the rule found; `None` where it has not been run.
+    pub fn get(&self, key: &str) -> Option<Found> {
+        let kept = self.rules.get(key)?;
+        let episodes = kept.episodes.iter().map(KeptEpisode::read).collect();
+        Some(Found { episodes, missing: kept.missing.iter().cloned().collect() })
+    }
+
+    /// Keeps what a rule found.
+    pub fn put(&mut self, key: String, found: &Found) {
+        let episodes = found.episodes.iter().map(KeptEpisode::of).collect();
+        self.rules.insert(key, KeptFound { episodes, missing: found.missing.iter().cloned().collect() });
+    }
+
+    /// The file's content. Too many former rules are forgotten.
+    pub fn content(mut self, present: &[String]) -> Vec<u8> {
+        if self.rules.len() > present.len() + FORMER {
+            self.rules.retain(|key, _| present.contains(key));
+        }
+        // Strings, numbers and lists of them always become JSON.
+        serde_json::to_vec(&self).unwrap_or_default()
+    }
+}
+
+fn pair(range: FrameRange) -> (usize, usize) {
+    (range.start, range.end)
+}
+
+impl KeptEpisode {
+    fn of(e: &Episode) -> Self {
+        let value = |v: &Json| match v.as_f64() {
+            Some(x) if v.is_f64() => KeptValue::Number(x.to_bits()),
+            _ => KeptValue::Other(v.clone()),
+        };
+        Self {
+            scenario: e.scenario.clone(),
+            target: e.target.clone(),
+            roles: e.roles.clone(),
+            matched: pair(e.matched),
+            kind: e.kind,
+            keyframe: e.keyframe,
+            second_keyframe: e.second_keyframe,
+            range: pair(e.range),
+            context: pair(e.context),
+            keyframe_rule: e.keyframe_rule.clone(),
+            score: e.score.to_bits(),
+            conditions: e.conditions.iter().map(|c| (c.condition.clone(), value(&c.actual_value))).collect(),
+            signals: e.signals.clone(),
+        }
+    }
+
+    fn read(&self) -> Episode {
+        let range = |(start, end): (usize, usize)| FrameRange::new(start, end);
+        let value = |v: &KeptValue| match v {
+            KeptValue::Number(bits) => Json::from(f64::from_bits(*bits)),
+            KeptValue::Other(v) => v.clone(),
+        };
+        let condition = |(text, v): &(String, KeptValue)| MatchedCondition {
+            condition: text.clone(),
+            actual_value: value(v),
+        };
+        Episode {
+            scenario: self.scenario.clone(),
+            target: self.target.clone(),
+            roles: self.roles.clone(),
+            matched: range(self.matched),
+            kind: self.kind,
+            keyframe: self.keyframe,
+            second_keyframe: self.second_keyframe,
+            range: range(self.range),
+            context: range(self.context),
+            keyframe_rule: self.keyframe_rule.clone(),
+            score: f64::from_bits(self.score),
+            conditions: self.conditions.iter().map(condition).collect(),
+            signals: self.signals.clone(),
+            rank: Rank::Primary,
+        }
+    }
+}

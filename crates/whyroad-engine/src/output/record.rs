@@ -1,0 +1,136 @@
+//! An episode as messages: the record, the pre-label, the keyframe suggestion. Here drive frames become clip
+//! frames: an episode belongs to the clip that its keyframe is in; times stay those of the drive where a
+//! message allows, frames are clamped to the clip.
+
+use whyroad_mining::episode::{Episode, Rank};
+use whyroad_mining::evaluate::STEP;
+use whyroad_model::messages::{
+    EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, ScenarioPreLabel, TimeRange,
+};
+use whyroad_model::{ClipId, DriveId, FrameRange, Lang, Nanos};
+
+/// An episode with everything that is told about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MinedEpisode {
+    /// The episode.
+    pub record: EpisodeRecord,
+    /// Proposal for the labeller: class.
+    pub pre_label: ScenarioPreLabel,
+    /// Proposal for the labeller: moment and context.
+    pub suggestion: KeyframeSuggestion,
+}
+
+/// The episodes of one drive, in their order.
+pub fn write_down(
+    episodes: &[Episode],
+    drive: &DriveId,
+    times: &[Nanos],
+    clips: &[FrameRange],
+    lang: Lang,
+) -> Vec<MinedEpisode> {
+    let ids: Vec<String> = ids(episodes, drive, clips);
+    let one = |(i, e): (usize, &Episode)| {
+        let (index, clip) = clip_of(e.keyframe, clips);
+        let record = EpisodeRecord {
+            episode_id: ids[i].clone(),
+            scenario_id: e.scenario.clone(),
+            drive_id: drive.clone(),
+            clip_id: ClipId::of(drive, index),
+            target_id: e.target.clone(),
+            roles: e.roles.clone(),
+            time_range: TimeRange {
+                start_timestamp: times[e.range.start],
+                end_timestamp: end_time(times, e.range.end),
+                start_frame_idx: Some(frame_in(clip, e.range.start)),
+                end_frame_idx: Some(frame_in(clip, e.range.end)),
+            },
+            keyframe: Keyframe {
+                timestamp: times[e.keyframe],
+                frame_idx: frame_in(clip, e.keyframe),
+                kind: e.kind,
+                range_start: (e.kind == KeyframeType::Proactive).then(|| times[e.keyframe]),
+                range_end: (e.kind == KeyframeType::Proactive).then(|| end_time(times, e.range.end)),
+            },
+            second_keyframe: e.second_keyframe.map(|frame| Keyframe {
+                timestamp: times[frame],
+                frame_idx: frame_in(clip, frame),
+                kind: KeyframeType::Reactive,
+                range_start: None,
+                range_end: None,
+            }),
+            score: rounded(e.score),
+            is_primary: e.rank == Rank::Primary,
+            primary_episode_id: match e.rank {
+                Rank::Primary => None,
+                Rank::SecondaryTo(p) => Some(ids[p].clone()),
+            },
+            keyframe_rule: e.keyframe_rule.clone(),
+            conditions_matched: e.conditions.clone(),
+            signals: e.signals.clone(),
+        };
+        let context = e.context.intersect(clip);
+        let suggestion = KeyframeSuggestion {
+            kind: e.kind,
+            suggested_timestamp: times[e.keyframe],
+            suggested_frame_idx: frame_in(clip, e.keyframe),
+            detection_rule: e.keyframe_rule.get(lang).to_owned(),
+            // What a labeller can open is the clip: here the times are clamped with the frames.
+            context_range: TimeRange {
+                start_timestamp: times[context.start],
+                end_timestamp: end_time(times, context.end),
+                start_frame_idx: Some(frame_in(clip, context.start)),
+                end_frame_idx: Some(frame_in(clip, context.end)),
+            },
+        };
+        let pre_label = ScenarioPreLabel {
+            l1: e.scenario.l1.clone(),
+            l2: e.scenario.l2.clone().unwrap_or_default(),
+            // A person confirms the variant; mining suggests it.
+            l3: None,
+            confidence: rounded(e.score),
+            mining_conditions_matched: e.conditions.iter().map(|c| c.condition.clone()).collect(),
+            suggested_l3: e.scenario.l3.clone(),
+        };
+        MinedEpisode { record, pre_label, suggestion }
+    };
+    episodes.iter().enumerate().map(one).collect()
+}
+
+/// `<clip>_<class>_<target or ego>_<frame>`: the same whenever the same thing is found again. Should two
+/// matches of one rule share a keyframe, the later ones are numbered.
+fn ids(episodes: &[Episode], drive: &DriveId, clips: &[FrameRange]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::with_capacity(episodes.len());
+    for e in episodes {
+        let (index, clip) = clip_of(e.keyframe, clips);
+        let target = e.target.as_ref().map_or("ego", |t| t.as_str());
+        let frame = frame_in(clip, e.keyframe);
+        let id = format!("{}_{}_{target}_{frame:03}", ClipId::of(drive, index), e.scenario);
+        let numbered = (2..).map(|n| format!("{id}_{n}"));
+        let free = std::iter::once(id.clone()).chain(numbered).find(|id| !out.contains(id));
+        out.push(free.unwrap_or(id));
+    }
+    out
+}
+
+fn clip_of(frame: usize, clips: &[FrameRange]) -> (usize, FrameRange) {
+    let index = clips.iter().position(|c| c.contains(frame)).unwrap_or(0);
+    (index, clips.get(index).copied().unwrap_or_default())
+}
+
+/// Frame of the drive as an index in the clip, clamped; the clip's length is its end.
+fn frame_in(clip: FrameRange, frame: usize) -> u32 {
+    u32::try_from(frame.clamp(clip.start, clip.end) - clip.start).unwrap_or(u32::MAX)
+}
+
+/// Time at which the frame before `end` is over.
+fn end_time(times: &[Nanos], end: usize) -> Nanos {
+    match times.get(end) {
+        Some(t) => *t,
+        None => times.last().map_or(Nanos::default(), |t| *t + STEP),
+    }
+}
+
+/// Scores are told to four decimals, so that a result does not differ by the last bit of a sum.
+fn rounded(score: f64) -> f64 {
+    (score * 1e4).round() / 1e4
+}

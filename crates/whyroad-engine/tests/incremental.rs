@@ -1,0 +1,101 @@
+//! A lake mined again: what was stored and kept changes no answer; only new drives and changed rules are run; an
+//! interrupted run goes on; a damaged store is made again; an unwritable lake is mined all the same.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use whyroad_engine::mine::{Evaluator, MinedLake, Options, derive_signals, mine_lake_with};
+use whyroad_framework::Framework;
+use whyroad_ingest::{Options as Ingest, find_sources, read};
+use whyroad_lake::Lake;
+use whyroad_mining::RuleSet;
+use whyroad_model::Nanos;
+use whyroad_signals::Catalogue;
+
+fn rules() -> RuleSet {
+    RuleSet::of_framework(Framework::bundled(), Catalogue::bundled()).0
+}
+
+/// A lake of some of the bundled drives.
+fn lake(dir: &Path, names: &[&str]) -> Lake {
+    let lake = Lake::create_or_open(dir.join("lake")).unwrap();
+    for name in names {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives").join(name);
+        for source in find_sources(None, &[folder]).0 {
+            lake.write_drive(&read(&source, &Ingest::default()).0.unwrap()).unwrap();
+        }
+    }
+    lake
+}
+
+fn mine(lake: &Lake, rules: &RuleSet, options: Options) -> MinedLake {
+    let mined = mine_lake_with(lake, rules, &options, |_| ());
+    assert!(mined.diagnostics.is_empty(), "{:?}", mined.diagnostics);
+    mined
+}
+
+fn assert_same(a: &MinedLake, b: &MinedLake) {
+    assert_eq!(a.drives.len(), b.drives.len());
+    for (a, b) in a.drives.iter().zip(&b.drives) {
+        assert_eq!((&a.drive_id, &a.clips, &a.missing), (&b.drive_id, &b.clips, &b.missing));
+        assert_eq!(a.episodes, b.episodes);
+    }
+}
+
+fn file(lake: &Lake, drive: usize, name: &str) -> PathBuf {
+    lake.dir().join("drives").join(lake.drive_ids()[drive].as_str()).join(name)
+}
+
+#[test]
+fn mined_again_it_says_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = lake(dir.path(), &["multilane", "back_street"]);
+    let rules = rules();
+    let reference = mine(&lake, &rules, Options { evaluator: Evaluator::Reference, ..Options::default() });
+    assert!(!file(&lake, 0, "signals").exists(), "the reference keeps nothing");
+    assert!(reference.drives.iter().any(|d| !d.episodes.is_empty()));
+    let first = mine(&lake, &rules, Options { jobs: Some(1), ..Options::default() });
+    assert_same(&first, &reference);
+    // Kept.
+    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+    // Nothing is read but what was kept: the stored signals may be gone.
+    std::fs::remove_dir_all(file(&lake, 0, "signals")).unwrap();
+    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+    assert!(!file(&lake, 0, "signals").exists(), "no rule was run, so no signal was wanted");
+    // From stored signals.
+    for drive in 0..2 {
+        std::fs::remove_file(file(&lake, drive, "found.json")).unwrap();
+    }
+    assert_eq!(derive_signals(&lake, None, |_| ()).0, 1, "one was gone");
+    assert_eq!(derive_signals(&lake, Some(1), |_| ()).0, 0, "all are there");
+    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+}
+
+#[test]
+fn only_what_is_new_is_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let a = lake(dir.path(), &["multilane"]);
+    let mut rules = rules();
+    mine(&a, &rules, Options::default());
+    let found = || std::fs::read(file(&a, 0, "found.json")).unwrap();
+    let before = found();
+    mine(&a, &rules, Options::default());
+    assert_eq!(found(), before);
+    // A changed rule is run again and gives what it now means.
+    rules.rules[0].min_duration = Nanos(3_600_000_000_000);
+    let changed = rules.rules[0].scenario.clone();
+    let mined = mine(&a, &rules, Options::default());
+    assert_ne!(found(), before);
+    assert!(mined.drives[0].episodes.iter().all(|e| e.record.scenario_id != changed));
+    assert_same(&mined, &mine(&a, &rules, Options { evaluator: Evaluator::Reference, ..Options::default() }));
+    // A new drive is added to what is known.
+    let b = lake(dir.path(), &["back_street"]);
+    assert_eq!(mine(&b, &rules, Options::default()).drives.len(), 2);
+    // What was interrupted (a drive done, another not) or damaged is made good.
+    let whole = mine(&b, &rules, Options::default());
+    std::fs::remove_file(file(&b, 0, "found.json")).unwrap();
+    std::fs::write(file(&b, 1, "found.json"), b"{ half").unwrap();
+    let stored = file(&b, 1, "signals/targets.parquet");
+    let half = std::fs::read(&stored).unwrap();
+    std::fs::write(&stored, &half[..half.len() / 2]).unwrap();
+    assert_same(&mine(&b, &rules, Options::default()), &whole);
+}

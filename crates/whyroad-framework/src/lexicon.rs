@@ -1,0 +1,180 @@
+//! The words in which a trace names decisions, in both languages (`schema/decision_lexicon.yaml`, which says
+//! what each list means), compiled to one search. What a trace *says* with them is judged in
+//! [`super::trace`].
+
+mod compile;
+mod expand;
+mod trie;
+
+pub use compile::{Hit, Role};
+
+use serde::Deserialize;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::{Bilingual, Diagnostic, Place};
+
+/// Words for decisions, for negation, and for who does what.
+#[derive(Clone, Debug, Default)]
+pub struct Lexicon {
+    pub limits: Limits,
+    pub null_allows: Says,
+    pub phrases: Vec<Says>,
+    trie: trie::Trie,
+    /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
+    pub patterns: Vec<compile::Pattern>,
+}
+
+/// Bounds of a trace's form (LABELING.md 7) and of a negation's reach.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Length of a word of Latin letters, in Chinese characters.
+    pub latin_word_counts_as: usize,
+    pub too_short_below: usize,
+    pub too_long_above: usize,
+    pub numbers_above: usize,
+    /// Bytes.
+    pub negation_reach: usize,
+    /// Bytes.
+    pub adjacent_reach: usize,
+}
+
+/// The decisions that a phrase goes with, by channel.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Says {
+    #[serde(default)]
+    pub longitudinal: Vec<Longitudinal>,
+    #[serde(default)]
+    pub lateral: Vec<Lateral>,
+    /// Too vague to be held against a label.
+    #[serde(skip)]
+    pub supports_only: bool,
+}
+
+/// One list of patterns in both languages.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Words {
+    #[serde(default)]
+    zh: Vec<String>,
+    #[serde(default)]
+    en: Vec<String>,
+}
+
+impl Words {
+    fn all(&self) -> impl Iterator<Item = &str> {
+        self.zh.iter().chain(&self.en).map(String::as_str)
+    }
+}
+
+/// The file as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[allow(dead_code)] // read by people and by the framework's version check
+    version: String,
+    limits: Limits,
+    null_allows: Says,
+    sides: Sides,
+    words: RoleWords,
+    phrases: Vec<PhraseWords>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sides {
+    left: Words,
+    right: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RoleWords {
+    sentence_end: Words,
+    clause_end: Words,
+    decision_marker: Words,
+    duty: Words,
+    reason: Words,
+    hypothesis: Words,
+    intention: Words,
+    sequel: Words,
+    negation: Words,
+    negation_adjacent: Words,
+    negation_end: Words,
+    ego: Words,
+    agent: Words,
+    object_of: Words,
+    neutral: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PhraseWords {
+    says: Says,
+    #[serde(default)]
+    side: Option<LateralDirection>,
+    #[serde(default)]
+    supports_only: bool,
+    #[serde(default)]
+    zh: Vec<String>,
+    #[serde(default)]
+    en: Vec<String>,
+}
+
+impl Lexicon {
+    /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. An unreadable file
+    /// gives an empty lexicon, with which traces are checked for form only.
+    pub fn parse(file: &str, text: &str) -> (Lexicon, Vec<Diagnostic>) {
+        let raw: File = match serde_yaml_ng::from_str(text) {
+            Ok(raw) => raw,
+            Err(e) => {
+                let place = Place {
+                    file: Some(file.to_owned()),
+                    line: e.location().map(|l| l.line()),
+                    column: e.location().map(|l| l.column()),
+                    ..Place::default()
+                };
+                let message =
+                    Bilingual::new(format!("词表无法读取：{e}"), format!("the lexicon cannot be read: {e}"));
+                return (Lexicon::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)]);
+            }
+        };
+        let (lexicon, problems) = compile::compile(&raw);
+        let diagnostics = problems
+            .into_iter()
+            .map(|message| Diagnostic::error("lexicon.pattern", message).in_file(file))
+            .collect();
+        (lexicon, diagnostics)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lexicon_of_this_repository_has_no_problems() {
+        let text = include_str!("../../../schema/decision_lexicon.yaml");
+        let (lexicon, diagnostics) = Lexicon::parse("schema/decision_lexicon.yaml", text);
+        assert!(diagnostics.is_empty(), "{diagnostics:#?}");
+        for d in Longitudinal::ALL {
+            assert!(lexicon.phrases.iter().any(|p| !p.supports_only && p.longitudinal.contains(d)), "{d}");
+        }
+        for d in Lateral::ALL {
+            assert!(lexicon.phrases.iter().any(|p| !p.supports_only && p.lateral.contains(d)), "{d}");
+        }
+    }
+
+    #[test]
+    fn a_broken_lexicon_is_reported() {
+        let text = include_str!("../../../schema/decision_lexicon.yaml");
+        let (empty, d) = Lexicon::parse("x.yaml", &text.replace("negation_end:", "negation_stop:"));
+        assert!(empty.patterns.is_empty());
+        assert_eq!((d.len(), d[0].code, d[0].place.file.as_deref()), (1, "lexicon.syntax", Some("x.yaml")));
+        // The same word for two decisions, and a choice that is never closed.
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, 变道, "));
+        assert!(d.len() == 1 && d[0].code == "lexicon.pattern" && d[0].message.en.contains("变道"), "{d:?}");
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, \"(a|b\", "));
+        assert!(d.len() == 1 && d[0].message.en.contains("(a|b"), "{d:?}");
+    }
+}

@@ -1,0 +1,144 @@
+//! From word lists to one search: leftmost, longest match, so that a longer word always hides the shorter ones
+//! inside it.
+
+use super::expand::{Plain, expand};
+use super::trie::Trie;
+use super::{File, Lexicon, Says};
+use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// What a word does in a sentence. The lexicon file explains each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    SentenceEnd,
+    ClauseEnd,
+    DecisionMarker,
+    Duty,
+    Reason,
+    Hypothesis,
+    Intention,
+    Sequel,
+    Negation,
+    NegationAdjacent,
+    NegationEnd,
+    Ego,
+    Agent,
+    ObjectOf,
+    Neutral,
+    /// The identifier of a decision, which does not belong in a trace.
+    DecisionId,
+    /// Names a decision: index into the lexicon's phrases.
+    Phrase(usize),
+}
+
+/// A word with its role, and its side where it has one.
+#[derive(Clone, Copy, Debug)]
+pub struct Pattern {
+    pub role: Role,
+    pub side: Option<LateralDirection>,
+}
+
+/// A word found in a text.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    pub role: Role,
+    pub side: Option<LateralDirection>,
+    pub start: usize,
+    pub end: usize,
+}
+
+impl Lexicon {
+    /// Gives the words of `text` to `take` in order.
+    pub fn hits(&self, text: &str, mut take: impl FnMut(Hit)) {
+        self.trie.find(text, |f| {
+            let p = &self.patterns[f.word];
+            take(Hit { role: p.role, side: p.side, start: f.start, end: f.end });
+        });
+    }
+}
+
+/// The lexicon, and what is wrong with the file's patterns.
+pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
+    let mut builder = Builder { raw, texts: BTreeMap::new(), problems: Vec::new() };
+    let w = &raw.words;
+    for (role, words) in [
+        (Role::SentenceEnd, &w.sentence_end),
+        (Role::ClauseEnd, &w.clause_end),
+        (Role::DecisionMarker, &w.decision_marker),
+        (Role::Duty, &w.duty),
+        (Role::Reason, &w.reason),
+        (Role::Hypothesis, &w.hypothesis),
+        (Role::Intention, &w.intention),
+        (Role::Sequel, &w.sequel),
+        (Role::Negation, &w.negation),
+        (Role::NegationAdjacent, &w.negation_adjacent),
+        (Role::NegationEnd, &w.negation_end),
+        (Role::Ego, &w.ego),
+        (Role::Agent, &w.agent),
+        (Role::ObjectOf, &w.object_of),
+        (Role::Neutral, &w.neutral),
+    ] {
+        for pattern in words.all() {
+            builder.add(pattern, role, None);
+        }
+    }
+    let mut phrases = Vec::new();
+    for (i, p) in raw.phrases.iter().enumerate() {
+        phrases.push(Says { supports_only: p.supports_only, ..p.says.clone() });
+        for pattern in p.zh.iter().chain(&p.en) {
+            builder.add(pattern, Role::Phrase(i), p.side);
+        }
+    }
+    // Ids of one word (`turn`, `resume`) are plain English and no evidence of anything.
+    let ids = Longitudinal::ALL.iter().map(|d| d.id()).chain(Lateral::ALL.iter().map(|d| d.id()));
+    for id in ids.filter(|id| id.contains('_')) {
+        builder.add(id, Role::DecisionId, None);
+    }
+
+    let Builder { texts, mut problems, .. } = builder;
+    // A map's keys are sorted and different, as the trie wants them.
+    let trie = Trie::new(texts.keys().map(String::as_str)).unwrap_or_else(|| {
+        problems.push(Bilingual::new(
+            "词表过大，或含有基本多文种平面之外的字",
+            "the lexicon is too large, or has characters outside the basic plane",
+        ));
+        Trie::default()
+    });
+    let patterns: Vec<Pattern> =
+        texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
+    let lexicon =
+        Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, trie, patterns };
+    (lexicon, problems)
+}
+
+struct Builder<'f> {
+    raw: &'f File,
+    texts: BTreeMap<String, (Role, Option<LateralDirection>)>,
+    problems: Vec<Bilingual>,
+}
+
+impl Builder<'_> {
+    fn add(&mut self, pattern: &str, role: Role, side: Option<LateralDirection>) {
+        let Some(plains) = expand(pattern, &self.raw.sides) else {
+            self.problems.push(Bilingual::new(
+                format!("模式 '{pattern}' 的括号不成对"),
+                format!("pattern '{pattern}' has a bracket that is not closed"),
+            ));
+            return;
+        };
+        for Plain { text, side: own } in plains {
+            let meaning = (role, side.or(own));
+            let text = text.to_lowercase();
+            match self.texts.get(&text) {
+                Some(other) if *other != meaning => self.problems.push(Bilingual::new(
+                    format!("'{text}' 在词表中有两种含义"),
+                    format!("'{text}' has two meanings in the lexicon"),
+                )),
+                _ => {
+                    self.texts.insert(text, meaning);
+                }
+            }
+        }
+    }
+}

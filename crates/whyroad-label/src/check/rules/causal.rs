@@ -1,0 +1,195 @@
+//! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only of
+//! what a document of format 2.1 may say; one of 2.0 says none of it.
+
+use super::{Finding, Sink, Words};
+use crate::check::class_index::{ClassIndex, Found, Prescribed};
+use crate::check::view::{CauseView, Slot, View};
+use whyroad_framework::taxonomy::did_you_mean;
+use whyroad_model::Nanos;
+
+/// Component ids are names: each stands for one component.
+pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
+    for (i, c) in label.linked.iter().enumerate() {
+        let Some(id) = c.id.get() else { continue };
+        let Some(first) = label.linked[..i].iter().find(|o| o.id == Slot::Is(id)) else { continue };
+        sink.report(
+            Finding::error("label.component.duplicate_id", format!("/critical_components/{}/id", c.index)),
+            &|| {
+                Words::new(
+                    format!("关键要素 {} 与 {} 的 id 都是 '{id}'", first.index, c.index),
+                    format!("components {} and {} both have the id '{id}'", first.index, c.index),
+                )
+                .hint("为每个要素取不同的 id", "give each component an id of its own")
+            },
+        );
+    }
+}
+
+/// What was only to be seen after the keyframe caused nothing. Of two keyframes the later one counts.
+pub(super) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
+    let second = label.second.get().and_then(|k| k.timestamp.get());
+    let Some(keyframe) = label.keyframe.timestamp.get().max(second) else { return };
+    for c in &label.linked {
+        let late = c.evidence.iter().enumerate().filter_map(|(k, t)| Some((k, t.get()?)));
+        for (k, time) in late.filter(|(_, t)| *t > keyframe) {
+            let at = format!("/critical_components/{}/evidence_times/{k}", c.index);
+            sink.report(Finding::error("label.evidence.after_keyframe", at), &|| {
+                Words::new(
+                    format!("证据时间 {time} 晚于关键帧 {keyframe}：关键帧之后才看到的不能是原因"),
+                    format!("evidence at {time} is after the keyframe {keyframe}: what is seen later is no cause"),
+                )
+                .hint(
+                    "写关键帧当时或之前可见的时刻；之前看不到的要素应删去",
+                    "give a time at or before the keyframe; leave out a component that could not be seen by then",
+                )
+            });
+        }
+    }
+}
+
+/// Each decision names a component, or is UNOBSERVED with a reason.
+pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
+    let Slot::Is(causes) = &label.causes else { return };
+    let known: Vec<&str> = label.linked.iter().filter_map(|c| c.id.get()).collect();
+    let longitudinal = label.longitudinal.get().map(|d| d.id());
+    let lateral = label.lateral.get().map(|d| d.id());
+    let channels = [
+        ("longitudinal", longitudinal, label.longitudinal.is_absent(), &causes.longitudinal),
+        ("lateral", lateral, label.lateral.is_absent(), &causes.lateral),
+    ];
+    for (channel, decision, is_null, cause) in channels {
+        match (decision, cause) {
+            (Some(decision), Slot::Absent) => missing(channel, decision, sink),
+            (Some(decision), Slot::Is(c)) if c.components.is_empty() && c.unobserved.is_absent() => {
+                missing(channel, decision, sink);
+            }
+            (None, Slot::Is(_)) if is_null => without_decision(channel, sink),
+            _ => {}
+        }
+        // Where there are no components at all, that has been said.
+        if let Slot::Is(cause) = cause
+            && label.components.get().is_some_and(|c| c.count > 0)
+        {
+            components(channel, cause, &known, sink);
+        }
+    }
+}
+
+fn missing(channel: &'static str, decision: &'static str, sink: &mut dyn Sink) {
+    sink.report(Finding::error("label.cause.missing", format!("/causes/{channel}")), &|| {
+        Words::new(format!("决策 {decision} 没有原因"), format!("the decision {decision} has no cause")).hint(
+            "在 components 中写出引起它的要素 id；看不到原因时写 \"unobserved\": \"理由\"",
+            "name the components that cause it; where none could be observed write \"unobserved\": \"why\"",
+        )
+    });
+}
+
+fn without_decision(channel: &'static str, sink: &mut dyn Sink) {
+    sink.report(Finding::warning("label.cause.without_decision", format!("/causes/{channel}")), &|| {
+        Words::new(
+            format!("{channel} 没有决策（null），却写了原因"),
+            format!("there is no {channel} decision (null), but a cause for it"),
+        )
+        .hint("删去该原因，或补上决策", "leave the cause out, or add the decision")
+    });
+}
+
+fn components(channel: &'static str, cause: &CauseView<'_>, known: &[&str], sink: &mut dyn Sink) {
+    if let (Some(_), false) = (cause.unobserved.get(), cause.components.is_empty()) {
+        sink.report(Finding::error("label.cause.both", format!("/causes/{channel}/unobserved")), &|| {
+            Words::new(
+                "既写了要素又写了 unobserved：两者只能取一",
+                "components and unobserved exclude one another",
+            )
+        });
+    }
+    for (i, id) in cause.components.iter().enumerate().filter_map(|(i, s)| Some((i, s.get()?))) {
+        if known.contains(&id) {
+            continue;
+        }
+        let at = format!("/causes/{channel}/components/{i}");
+        sink.report(Finding::error("label.cause.unknown_component", at), &|| {
+            let words = Words::new(
+                format!("没有 id 为 '{id}' 的关键要素"),
+                format!("no critical component has the id '{id}'"),
+            );
+            match did_you_mean(id, known.iter().copied()) {
+                Some(near) => words.meant(near),
+                None if known.is_empty() => words
+                    .hint("在要素上写 \"id\"，再在此处引用", "give the component an \"id\" and name it here"),
+                None => words
+                    .hint(format!("已有：{}", known.join("、")), format!("there are: {}", known.join(", "))),
+            }
+        });
+    }
+}
+
+/// The second keyframe: there where the class has two, not before the first, in the time range.
+pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
+    const AT: &str = "/second_keyframe";
+    let second = match &label.second {
+        Slot::Is(k) => k,
+        Slot::Broken => return,
+        Slot::Absent => {
+            // A document of 2.0 has no place for it.
+            let can_say = label.version.get().is_some_and(|v| !v.starts_with("2.0."));
+            if can_say && class.is_some_and(|c| c.two_keyframes) {
+                sink.report(Finding::warning("label.second_keyframe.missing", AT), &|| {
+                    Words::new(
+                        "该类别有两个关键帧，此处只有一个",
+                        "this class has two keyframes, here is one",
+                    )
+                    .hint("在 second_keyframe 中写第二个时刻", "give the second moment in second_keyframe")
+                });
+            }
+            return;
+        }
+    };
+    let Some(time) = second.timestamp.get() else { return };
+    let at = || format!("{AT}/timestamp");
+    if let Some(first) = label.keyframe.timestamp.get().filter(|first| time < *first) {
+        sink.report(Finding::error("label.second_keyframe.order", at()), &|| {
+            Words::new(
+                format!("第二关键帧 {time} 早于关键帧 {first}"),
+                format!("the second keyframe {time} is before the keyframe {first}"),
+            )
+        });
+    }
+    let inside =
+        |a: Option<Nanos>, b: Option<Nanos>| a.is_none_or(|a| a <= time) && b.is_none_or(|b| time <= b);
+    if !inside(label.start.get(), label.end.get()) {
+        sink.report(Finding::error("label.keyframe.outside_time_range", at()), &|| {
+            Words::new(
+                format!("第二关键帧 {time} 不在 time_range 内"),
+                format!("the second keyframe {time} is not in the time range"),
+            )
+        });
+    }
+}
+
+/// Secondary triggers are classes, and others than the primary one.
+pub(super) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn Sink) {
+    let s = &label.scenario;
+    let primary = [s.l1.get(), s.l2.get(), s.l3.get()].into_iter().flatten().collect::<Vec<_>>().join(".");
+    for (i, id) in label.secondary.iter().enumerate().filter_map(|(i, s)| Some((i, s.get()?))) {
+        let at = format!("/secondary_scenarios/{i}");
+        let mut parts = id.split('.');
+        let (l1, l2, l3) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
+        if parts.next().is_some() || l2.is_none() || matches!(classes.find(l1, l2, l3), Found::Wrong { .. }) {
+            sink.report(Finding::error("label.secondary.unknown", at), &|| {
+                Words::new(
+                    format!("'{id}' 不是分类体系中的类别"),
+                    format!("'{id}' is no class of the taxonomy"),
+                )
+                .hint("写完整 id：l1.l2.l3", "write the full id: l1.l2.l3")
+            });
+        } else if id == primary {
+            sink.report(Finding::warning("label.secondary.primary", at), &|| {
+                Words::new(
+                    format!("'{id}' 已是主类别，不必再列为次要"),
+                    format!("'{id}' is the primary class already"),
+                )
+            });
+        }
+    }
+}

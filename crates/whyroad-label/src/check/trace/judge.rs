@@ -1,0 +1,138 @@
+//! Whether what a trace says goes with the decisions of its label, channel by channel.
+
+use super::{Force, Mention, Reading};
+use whyroad_framework::lexicon::Lexicon;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// What is wrong between a trace and its label. Spans are bytes of the trace.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::check) enum TraceVerdict {
+    /// The trace decides for something else in a channel.
+    OtherDecision { label: &'static str, says: Vec<&'static str>, start: usize, end: usize },
+    /// The trace says that the label's decision is not taken.
+    Denied { label: &'static str, start: usize, end: usize },
+    /// The trace goes to the other side.
+    OtherSide { label: LateralDirection, says: LateralDirection, start: usize, end: usize },
+    /// The trace decides for something in a channel that the label leaves null.
+    Unlabelled { channel: &'static str, says: &'static str, start: usize, end: usize },
+    /// The trace names no decision at all.
+    NoDecision,
+}
+
+/// One channel of a label, for both kinds of decision.
+struct Channel<'l, D: 'static> {
+    name: &'static str,
+    label: Option<D>,
+    null_allows: &'l [D],
+    says: fn(&whyroad_framework::lexicon::Says) -> &[D],
+    id: fn(D) -> &'static str,
+}
+
+/// Everything that is wrong, in channel order.
+pub(in crate::check) fn judge(
+    reading: &Reading,
+    lexicon: &Lexicon,
+    longitudinal: Option<Longitudinal>,
+    lateral: Option<Lateral>,
+    direction: Option<LateralDirection>,
+    sink: &mut dyn FnMut(TraceVerdict),
+) {
+    if reading.mentions.is_empty() {
+        if !lexicon.patterns.is_empty() && (longitudinal.is_some() || lateral.is_some()) {
+            sink(TraceVerdict::NoDecision);
+        }
+        return;
+    }
+    let along = Channel {
+        name: "longitudinal",
+        label: longitudinal,
+        null_allows: &lexicon.null_allows.longitudinal,
+        says: |s| &s.longitudinal,
+        id: Longitudinal::id,
+    };
+    along.judge(reading, lexicon, sink);
+    let across = Channel {
+        name: "lateral",
+        label: lateral,
+        null_allows: &lexicon.null_allows.lateral,
+        says: |s| &s.lateral,
+        id: Lateral::id,
+    };
+    let agrees = across.judge(reading, lexicon, sink);
+    if let (true, Some(lateral), Some(direction)) = (agrees, lateral, direction) {
+        side(reading, lexicon, lateral, direction, sink);
+    }
+}
+
+impl<D: Copy + PartialEq> Channel<'_, D> {
+    /// True when nothing was found.
+    fn judge(&self, reading: &Reading, lexicon: &Lexicon, sink: &mut dyn FnMut(TraceVerdict)) -> bool {
+        let says = |m: &Mention| (self.says)(&lexicon.phrases[m.phrase]);
+        let firm = |m: &&Mention| m.force == Force::Asserted && !lexicon.phrases[m.phrase].supports_only;
+        let relevant = || reading.mentions.iter().filter(|m| !says(m).is_empty());
+        let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
+
+        let Some(label) = self.label else {
+            let named = deciding()
+                .filter(firm)
+                .find(|m| says(m).len() == 1 && !self.null_allows.contains(&says(m)[0]));
+            if let Some(m) = named {
+                let says = (self.id)(says(m)[0]);
+                sink(TraceVerdict::Unlabelled { channel: self.name, says, start: m.start, end: m.end });
+            }
+            return named.is_none();
+        };
+
+        let supports = |m: &&Mention| says(m).contains(&label);
+        if deciding().filter(supports).any(|m| matches!(m.force, Force::Asserted | Force::Doubtful)) {
+            return true;
+        }
+        // Without a "therefore" the decision may well stand before the last sentence.
+        if !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted) {
+            return true;
+        }
+        if let Some(m) = deciding().filter(firm).find(|m| !says(m).contains(&label)) {
+            sink(TraceVerdict::OtherDecision {
+                label: (self.id)(label),
+                says: says(m).iter().map(|d| (self.id)(*d)).collect(),
+                start: m.start,
+                end: m.end,
+            });
+            return false;
+        }
+        // "Not slowing down" denies no particular decision; a phrase for one or two does.
+        if let Some(m) = deciding().filter(supports).find(|m| m.force == Force::Negated && says(m).len() <= 2)
+        {
+            sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
+            return false;
+        }
+        true
+    }
+}
+
+fn side(
+    reading: &Reading,
+    lexicon: &Lexicon,
+    lateral: Lateral,
+    label: LateralDirection,
+    sink: &mut dyn FnMut(TraceVerdict),
+) {
+    let sided: Vec<&Mention> = reading
+        .mentions
+        .iter()
+        .filter(|m| m.start >= reading.decision_from && m.side.is_some())
+        .filter(|m| matches!(m.force, Force::Asserted | Force::Doubtful))
+        .filter(|m| lexicon.phrases[m.phrase].lateral.contains(&lateral))
+        .collect();
+    if sided.iter().any(|m| m.side == Some(label)) {
+        return;
+    }
+    // A U-turn may be told as a left turn, or the other way round in left-hand traffic.
+    let other = sided.iter().find_map(|m| match (m.side, label) {
+        (Some(s), LateralDirection::Left | LateralDirection::Right) => Some((s, m)),
+        _ => None,
+    });
+    if let Some((says, m)) = other {
+        sink(TraceVerdict::OtherSide { label, says, start: m.start, end: m.end });
+    }
+}

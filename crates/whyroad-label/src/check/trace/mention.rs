@@ -1,0 +1,248 @@
+//! Where a trace names decisions, and how firmly it says them of the ego.
+
+use whyroad_framework::lexicon::{Hit, Lexicon, Role};
+use whyroad_model::decision::LateralDirection;
+
+/// How a decision is named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::check) enum Force {
+    /// The ego does it.
+    Asserted,
+    /// Perhaps the ego, perhaps not first, perhaps only meant. Supports a label, is never held against one.
+    Doubtful,
+    /// The ego does not do it.
+    Negated,
+    /// Said of somebody else, under an "if", or as part of the cause.
+    Unsaid,
+}
+
+/// One decision named in a trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::check) struct Mention {
+    /// Index into the lexicon's phrases.
+    pub phrase: usize,
+    pub side: Option<LateralDirection>,
+    pub force: Force,
+    /// Bytes of the trace.
+    pub start: usize,
+    pub end: usize,
+    clause: usize,
+    /// Its subject is taken over from an earlier clause, where somebody else acts.
+    carried: bool,
+}
+
+/// A trace as read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(in crate::check) struct Reading {
+    pub mentions: Vec<Mention>,
+    /// Byte from which the trace states its decision.
+    pub decision_from: usize,
+    /// A word such as "therefore" says so; otherwise it is the last sentence.
+    pub marked: bool,
+    /// Bytes of the first decision identifier.
+    pub decision_id: Option<(usize, usize)>,
+}
+
+/// Who acts in a clause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Actor {
+    Unknown,
+    Ego,
+    Other,
+    /// Only somebody to whom something is done has been named.
+    Object,
+}
+
+#[derive(Clone, Copy)]
+struct Negation {
+    end: usize,
+    reach: usize,
+    used: bool,
+}
+
+/// The state of reading, from left to right.
+struct Reader<'l> {
+    lexicon: &'l Lexicon,
+    out: Reading,
+    // Since the sentence's start.
+    sequel: bool,
+    reason_until_sentence_end: bool,
+    /// Actor of the clauses before, in this sentence.
+    inherited: Actor,
+    anything_in_sentence: bool,
+    // Since the clause's start.
+    clause: usize,
+    actor: Actor,
+    hypothesis: bool,
+    intention: bool,
+    reason: bool,
+    negation: Option<Negation>,
+    /// A negation right behind this mention, unless another phrase follows it.
+    back_negation: Option<usize>,
+    /// The last word was one that makes the next noun an object.
+    governs: bool,
+}
+
+/// Reads `text` with the words of `lexicon`.
+pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
+    let mut r = Reader {
+        lexicon,
+        out: Reading::default(),
+        sequel: false,
+        reason_until_sentence_end: false,
+        inherited: Actor::Unknown,
+        anything_in_sentence: false,
+        clause: 0,
+        actor: Actor::Unknown,
+        hypothesis: false,
+        intention: false,
+        reason: false,
+        negation: None,
+        back_negation: None,
+        governs: false,
+    };
+    let text_end = text.trim_end().trim_end_matches(['。', '.', '!', '！', ' ']).len();
+    lexicon.hits(&text[..text_end], |hit| r.take(hit));
+    r.end_clause();
+    // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
+    let last = r.clause;
+    for m in &mut r.out.mentions {
+        if m.carried && m.clause == last && m.force == Force::Doubtful {
+            m.force = Force::Asserted;
+        }
+    }
+    r.out
+}
+
+impl Reader<'_> {
+    fn take(&mut self, hit: Hit) {
+        match hit.role {
+            Role::SentenceEnd => {
+                self.next_clause();
+                self.sequel = false;
+                self.reason_until_sentence_end = false;
+                self.inherited = Actor::Unknown;
+                self.anything_in_sentence = false;
+                if !self.out.marked {
+                    self.out.decision_from = hit.end;
+                }
+                return;
+            }
+            Role::ClauseEnd => return self.next_clause(),
+            Role::DecisionMarker => {
+                self.next_clause();
+                self.sequel = false;
+                self.reason_until_sentence_end = false;
+                self.actor = Actor::Ego;
+                self.inherited = Actor::Ego;
+                self.out.marked = true;
+                self.out.decision_from = hit.start;
+            }
+            Role::Duty => {
+                if matches!(self.actor, Actor::Unknown | Actor::Object) {
+                    self.actor = Actor::Ego;
+                }
+                self.negation = None;
+            }
+            Role::Reason => {
+                // "Because A, B" and "B because A, and A": only the second goes on to the end.
+                if self.anything_in_sentence {
+                    self.reason_until_sentence_end = true;
+                } else {
+                    self.reason = true;
+                }
+            }
+            Role::Hypothesis => self.hypothesis = true,
+            Role::Intention => self.intention = true,
+            Role::Sequel => self.sequel = true,
+            Role::Negation | Role::NegationAdjacent => {
+                let adjacent = hit.role == Role::NegationAdjacent;
+                let limits = &self.lexicon.limits;
+                let reach = if adjacent { limits.adjacent_reach } else { limits.negation_reach };
+                let last = self.out.mentions.last();
+                if !adjacent
+                    && last.is_some_and(|m| {
+                        m.clause == self.clause && hit.start - m.end <= limits.adjacent_reach
+                    })
+                {
+                    self.back_negation = Some(self.out.mentions.len() - 1);
+                }
+                self.negation = Some(Negation { end: hit.end, reach, used: false });
+            }
+            Role::NegationEnd => self.negation = None,
+            Role::Ego => self.actor = Actor::Ego,
+            Role::Agent => match (self.governs, self.actor) {
+                (true, Actor::Unknown) => self.actor = Actor::Object,
+                (true, _) => {}
+                (false, _) => self.actor = Actor::Other,
+            },
+            Role::Phrase(phrase) => self.mention(hit, phrase),
+            Role::DecisionId => {
+                self.out.decision_id.get_or_insert((hit.start, hit.end));
+            }
+            Role::ObjectOf | Role::Neutral => {}
+        }
+        if hit.role != Role::Neutral {
+            self.governs = matches!(hit.role, Role::ObjectOf | Role::Phrase(_) | Role::NegationAdjacent);
+        }
+        self.anything_in_sentence = true;
+    }
+
+    fn mention(&mut self, hit: Hit, phrase: usize) {
+        self.back_negation = None;
+        let actor = if self.actor == Actor::Unknown { self.inherited } else { self.actor };
+        let carried = self.actor == Actor::Unknown && self.inherited == Actor::Other;
+        let negated = match &mut self.negation {
+            Some(n) if !n.used && hit.start - n.end <= n.reach => {
+                n.used = true;
+                Force::Negated
+            }
+            // A second phrase after "no need to": negated too, or not.
+            Some(n) if n.used => Force::Doubtful,
+            _ => Force::Asserted,
+        };
+        let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end;
+        let force = match negated {
+            _ if unsaid || (actor == Actor::Other && !carried) => Force::Unsaid,
+            Force::Negated if carried => Force::Unsaid,
+            Force::Asserted if carried || self.intention || self.sequel || actor == Actor::Object => {
+                Force::Doubtful
+            }
+            f => f,
+        };
+        // What stays doubtful for another reason does not become the ego's by standing last.
+        let carried = carried && !self.intention && !self.sequel && negated == Force::Asserted;
+        self.out.mentions.push(Mention {
+            phrase,
+            side: hit.side,
+            force,
+            start: hit.start,
+            end: hit.end,
+            clause: self.clause,
+            carried,
+        });
+    }
+
+    fn end_clause(&mut self) {
+        if let Some(i) = self.back_negation.take() {
+            let m = &mut self.out.mentions[i];
+            if m.force == Force::Asserted {
+                m.force = Force::Negated;
+            }
+        }
+    }
+
+    fn next_clause(&mut self) {
+        self.end_clause();
+        if matches!(self.actor, Actor::Ego | Actor::Other) {
+            self.inherited = self.actor;
+        }
+        self.clause += 1;
+        self.actor = Actor::Unknown;
+        self.hypothesis = false;
+        self.intention = false;
+        self.reason = false;
+        self.negation = None;
+        self.governs = false;
+    }
+}

@@ -1,0 +1,136 @@
+//! Label skeletons: what mining and the ego's own motion already tell, filled in; the rest left for a person.
+//!
+//! A skeleton is never a finished label. Its trace opens with a mark that says so, and its notes say what was
+//! inferred from what, and what the annotator still owes. Causes are taken only from what could be observed at
+//! or before the keyframe; decisions only from the motion after it (LABELING.md 6).
+
+mod clip;
+mod components;
+mod decision;
+mod records;
+mod trace;
+
+pub use decision::LongitudinalMotion;
+
+use whyroad_framework::taxonomy::TypicalDecisions;
+use whyroad_framework::{Framework, Taxonomy};
+use whyroad_model::messages::{
+    Cause, Causes, CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Provenance, ProvenanceSource,
+    ScenarioLabel, Uncertainty,
+};
+use whyroad_model::time::frame_at;
+use whyroad_model::{Bilingual, Drive, Lang, ScenarioId, SignalTable};
+
+/// A skeleton and what is to be said of it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Draft {
+    /// The episode that it was made from.
+    pub episode_id: String,
+    /// The skeleton, in the format of a finished label.
+    #[serde(skip)]
+    pub label: CocLabel,
+    /// What was inferred and how, and what is owed.
+    pub notes: Vec<Bilingual>,
+}
+
+/// The skeleton of one episode. `lang` is the language of its texts.
+pub fn draft(
+    framework: &Framework,
+    drive: &Drive,
+    signals: &SignalTable,
+    episode: &EpisodeRecord,
+    lang: Lang,
+) -> Draft {
+    let mut notes = Vec::new();
+    let keyframe =
+        frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1));
+    let class = &episode.scenario_id;
+    let spec = framework.specs.get(class);
+    let typical = typical_decisions(&framework.taxonomy, class);
+    if !class.is_leaf() {
+        notes.push(Bilingual::new(
+            "记录不足以判定变体（L3），请标注员确定",
+            "the recording does not tell the variant (L3): choose it",
+        ));
+    }
+
+    let decision = decision::infer(signals, keyframe, &typical, spec.and_then(|s| s.lateral), &mut notes);
+    let components = components::observed(drive, signals, episode, keyframe, lang);
+    if components.is_empty() {
+        notes.push(Bilingual::new(
+            "没有可由信号得出的关键要素，请标注员补充",
+            "no critical component follows from the signals: name them",
+        ));
+    }
+    if spec.is_some_and(|s| s.uncertainty_high)
+        && components.iter().all(|c| c.uncertainty != Some(Uncertainty::High))
+    {
+        notes.push(Bilingual::new(
+            "该场景要求至少一个关键要素标 uncertainty = high",
+            "this class needs uncertainty = high on at least one component",
+        ));
+    }
+    let records = spec.map(|s| records::known(signals, keyframe, &s.records, &mut notes)).unwrap_or_default();
+    let coc_trace = trace::sentence(&framework.decisions, &components, &decision, lang);
+    notes.push(Bilingual::new(
+        "推理文本为模板草稿，须改写为完整的因果说明",
+        "the trace is a template: write the state, why it calls for the decision, and the decision",
+    ));
+    let (time_range, moment) = clip::inside(drive, episode, &mut notes);
+    let id = &episode.scenario_id;
+    let mut components = components;
+    for (i, c) in components.iter_mut().enumerate() {
+        c.id = Some(format!("c{}", i + 1));
+        c.evidence_times = vec![moment.timestamp];
+    }
+    let causes = causes(&decision, &components);
+    let label = CocLabel {
+        version: Some(whyroad_model::FORMAT_VERSION.to_owned()),
+        clip_id: episode.clip_id.to_string(),
+        scenario: ScenarioLabel {
+            l1: id.l1.clone(),
+            l2: id.l2.clone().unwrap_or_default(),
+            l3: id.l3.clone(),
+            full_id: Some(id.to_string()),
+        },
+        time_range,
+        keyframe: moment,
+        driving_decision: decision,
+        critical_components: components,
+        coc_trace,
+        records,
+        causes,
+        second_keyframe: episode.second_keyframe.clone(),
+        secondary_scenarios: Vec::new(),
+        provenance: Some(Provenance {
+            source: ProvenanceSource::Rule,
+            by: Some(id.to_string()),
+            at: None,
+            tool: Some(format!("whyroad {}", env!("CARGO_PKG_VERSION"))),
+            versions: [("taxonomy".to_owned(), framework.taxonomy.version.clone())].into(),
+        }),
+    };
+    Draft { episode_id: episode.episode_id.clone(), label, notes }
+}
+
+/// The draft's first component is what the rule saw: it is proposed as the cause of both decisions.
+fn causes(decision: &DrivingDecision, components: &[CriticalComponent]) -> Option<Causes> {
+    let first = components.first()?.id.clone()?;
+    let cause = || Some(Cause { components: vec![first.clone()], unobserved: None });
+    Some(Causes {
+        longitudinal: decision.longitudinal.and_then(|_| cause()),
+        lateral: decision.lateral.and_then(|_| cause()),
+    })
+}
+
+/// Those of the leaf, or of the L2 where the variant is not known.
+fn typical_decisions(taxonomy: &Taxonomy, class: &ScenarioId) -> TypicalDecisions {
+    if let Some((_, _, l3)) = taxonomy.leaf(class) {
+        return l3.typical_decisions.clone();
+    }
+    let l2 = class.l2.as_deref().and_then(|l2| taxonomy.l2(&class.l1, l2));
+    l2.map(|(_, l2)| l2.typical_decisions.clone()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,133 @@
+//! What could be observed at the keyframe, in words: the target, the light, the road. Nothing after it is read,
+//! except the route the ego was on, which its driver knew.
+
+use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
+use whyroad_model::names::class_name;
+use whyroad_model::{Bilingual, Drive, Lang, ObjectClass, SignalTable, TrackId};
+
+pub(super) fn observed(
+    drive: &Drive,
+    signals: &SignalTable,
+    episode: &EpisodeRecord,
+    keyframe: usize,
+    lang: Lang,
+) -> Vec<CriticalComponent> {
+    let mut found: Vec<(&str, Bilingual)> = Vec::new();
+    if let Some(target) = &episode.target_id {
+        let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
+        found
+            .extend(target_in_words(signals, target, class, keyframe).map(|text| ("critical_objects", text)));
+    }
+    found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
+    if episode.signals.iter().any(|s| s.starts_with("map.curvature")) {
+        found.extend(bend(signals, keyframe).map(|text| ("road_events", text)));
+    }
+    if episode.signals.iter().any(|s| s == "ego.movement") {
+        found.extend(route(signals, keyframe).map(|text| ("routing_intent", text)));
+    }
+    found
+        .into_iter()
+        .map(|(category, text)| CriticalComponent {
+            category: Some(category.to_owned()),
+            description: text.get(lang).to_owned(),
+            uncertainty: None,
+            id: None,
+            evidence_times: Vec::new(),
+            linked_objects: match (category, &episode.target_id) {
+                ("critical_objects", Some(target)) => vec![target.to_string()],
+                _ => Vec::new(),
+            },
+        })
+        .collect()
+}
+
+/// Where the target is and what it is doing.
+fn target_in_words(
+    signals: &SignalTable,
+    id: &TrackId,
+    class: ObjectClass,
+    frame: usize,
+) -> Option<Bilingual> {
+    let row = signals.target(id)?.row(frame)?;
+    let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
+    let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
+    let place = place(number("target.longitudinal")?, number("target.lateral")?);
+    let name = class_name(class);
+    let doing = if class.is_vru() && holds("target.on_crosswalk") && !holds("target.standstill") {
+        Bilingual::new("正在斑马线上通行", "is on the crosswalk")
+    } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {
+        Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
+    } else if holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3)
+    {
+        Bilingual::new("正在驶入自车车道", "is coming into the ego's lane")
+    } else if holds("target.standstill") {
+        Bilingual::new("静止不动", "is standing still")
+    } else {
+        match number("target.accel") {
+            Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
+            Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
+            _ if holds("target.is_lead") => {
+                Bilingual::new("在本车道同向行驶", "is driving ahead in the ego's lane")
+            }
+            _ => Bilingual::new("正在行驶", "is moving"),
+        }
+    };
+    Some(Bilingual::new(
+        format!("{}的{}{}", place.zh, name.zh, doing.zh),
+        format!("the {} {} {}", name.en, place.en, doing.en),
+    ))
+}
+
+/// Ahead, behind or beside, from the ego's frame (m).
+fn place(longitudinal_m: f64, lateral_m: f64) -> Bilingual {
+    let side = match lateral_m {
+        y if y > 1.8 => Some(("左", "left")),
+        y if y < -1.8 => Some(("右", "right")),
+        _ => None,
+    };
+    match (longitudinal_m > 3.0, longitudinal_m < -3.0, side) {
+        (true, _, Some((zh, en))) => Bilingual::new(format!("{zh}前方"), format!("ahead on the {en}")),
+        (true, _, None) => Bilingual::new("正前方", "straight ahead"),
+        (_, true, Some((zh, en))) => Bilingual::new(format!("{zh}后方"), format!("behind on the {en}")),
+        (_, true, None) => Bilingual::new("正后方", "behind"),
+        (_, _, Some((zh, en))) => Bilingual::new(format!("{zh}侧"), format!("on the {en}")),
+        _ => Bilingual::new("紧邻", "very close"),
+    }
+}
+
+fn light(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    let (zh, en) = match signals.frame_columns.get("light.state")?.category(frame)? {
+        "red" => ("红灯", "red"),
+        "yellow" => ("黄灯", "yellow"),
+        "green" => ("绿灯", "green"),
+        "green_yield" => ("绿灯（须让行）", "green, giving way"),
+        "red_yellow" => ("红黄灯", "red and yellow"),
+        "flashing_yellow" => ("黄闪灯", "flashing yellow"),
+        _ => return None,
+    };
+    Some(Bilingual::new(format!("本车道信号灯为{zh}"), format!("the light for the ego's lane is {en}")))
+}
+
+fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    let here = signals.frame_columns.get("map.curvature")?.number(frame)?;
+    let ahead =
+        signals.frame_columns.get("map.curvature_ahead").and_then(|c| c.number(frame)).unwrap_or(here);
+    // Under 100 m of radius a road is plainly bent; the class's own threshold decides about the class, not this.
+    (here.abs().max(ahead.abs()) > 0.01)
+        .then(|| Bilingual::new("前方道路弯急，视线与侧向稳定性受限", "the road ahead bends sharply"))
+}
+
+fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
+    let column = signals.frame_columns.get("ego.movement")?;
+    let (zh, en) = (frame..column.len()).find_map(|f| column.category(f)).and_then(|m| match m {
+        "straight" => Some(("直行", "straight on")),
+        "left" => Some(("左转", "left")),
+        "right" => Some(("右转", "right")),
+        "uturn" => Some(("掉头", "back the way it came")),
+        _ => None,
+    })?;
+    Some(Bilingual::new(
+        format!("前方为路口，自车路线为{zh}"),
+        format!("a junction lies ahead and the ego's route leads {en}"),
+    ))
+}

@@ -1,0 +1,173 @@
+//! Motions made by hand; expected decisions from LABELING.md 2 and the classes' typical decisions.
+
+use super::*;
+use crate::fixture;
+use std::sync::Arc;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::{Column, Tri};
+
+const META: [&str; 4] = ["stop", "gentle_decelerate", "maintain_speed", "gentle_accelerate"];
+
+/// A meta action for each frame, by index into [`META`]; standing still wherever it is `stop`.
+fn with_motion(signals: &mut SignalTable, meta: impl Fn(usize) -> u16) {
+    let codes: Vec<u16> = (0..fixture::FRAMES).map(meta).collect();
+    let standing = codes.iter().map(|&c| Tri::from(c == 0)).collect();
+    let names: Arc<[String]> = META.iter().map(|s| (*s).to_owned()).collect();
+    signals.frame_columns.insert("ego.meta_longitudinal".into(), Column::Category { codes, names });
+    signals.frame_columns.insert("ego.standstill".into(), Column::Flag(standing));
+}
+
+fn category(names: &[&str], codes: Vec<u16>) -> Column {
+    Column::Category { codes, names: names.iter().map(|s| (*s).to_owned()).collect() }
+}
+
+/// The draft of an episode of `leaf` with its keyframe at frame 40.
+fn draft_of(leaf: &str, change: impl FnOnce(&mut SignalTable)) -> Draft {
+    let drive = fixture::drive("d");
+    let mut signals = fixture::signals(&drive);
+    change(&mut signals);
+    let mut episode = fixture::episode(&drive);
+    episode.scenario_id = leaf.parse().unwrap();
+    draft(Framework::bundled(), &drive, &signals, &episode, Lang::Zh)
+}
+
+#[test]
+fn slowing_for_a_cut_in_is_yielding() {
+    let d = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 45 { 2 } else { 1 }));
+    assert_eq!(d.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    assert!(d.notes.iter().any(|n| n.en.contains("0.5 s after the keyframe the ego slows")));
+}
+
+#[test]
+fn slowing_behind_a_lead_is_following_and_so_is_stopping_behind_it() {
+    let slow =
+        draft_of("reactive_agent.following.steady", |s| with_motion(s, |f| if f < 45 { 2 } else { 1 }));
+    assert_eq!(slow.label.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+    let stop = draft_of("reactive_agent.following.follow_stop", |s| {
+        with_motion(s, |f| {
+            if f < 45 {
+                2
+            } else if f < 80 {
+                1
+            } else {
+                0
+            }
+        });
+    });
+    assert_eq!(stop.label.driving_decision.longitudinal, Some(Longitudinal::LeadFollowing));
+}
+
+#[test]
+fn moving_off_is_resuming() {
+    let d =
+        draft_of("reactive_agent.following.follow_start", |s| with_motion(s, |f| if f < 60 { 0 } else { 3 }));
+    assert_eq!(d.label.driving_decision.longitudinal, Some(Longitudinal::Resume));
+}
+
+#[test]
+fn no_change_is_null_and_so_is_a_motion_that_the_class_does_not_explain() {
+    let keeps = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |_| 2));
+    assert_eq!(keeps.label.driving_decision.longitudinal, None);
+    let speeds_up =
+        draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 45 { 2 } else { 3 }));
+    assert_eq!(speeds_up.label.driving_decision.longitudinal, None);
+}
+
+#[test]
+fn a_twitch_of_four_frames_is_no_action_and_what_comes_after_six_seconds_is_too_late() {
+    let twitch = draft_of("reactive_agent.cutin.urgent", |s| {
+        with_motion(s, |f| if (45..49).contains(&f) { 1 } else { 2 })
+    });
+    assert_eq!(twitch.label.driving_decision.longitudinal, None);
+    let late = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 98 { 2 } else { 1 }));
+    assert_eq!(late.label.driving_decision.longitudinal, None);
+}
+
+#[test]
+fn what_the_ego_was_already_doing_is_no_answer_to_the_keyframe() {
+    // Speeding up long before and until 1 s after, then slowing: the answer is the slowing.
+    let after = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 50 { 3 } else { 1 }));
+    assert_eq!(after.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+    // Slowing for 2 s before and all the while: no new decision. Begun 0.3 s before: the answer, early.
+    let all_along =
+        draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 20 { 2 } else { 1 }));
+    assert_eq!(all_along.label.driving_decision.longitudinal, None);
+    let early = draft_of("reactive_agent.cutin.urgent", |s| with_motion(s, |f| if f < 37 { 2 } else { 1 }));
+    assert_eq!(early.label.driving_decision.longitudinal, Some(Longitudinal::YieldToAgent));
+}
+
+#[test]
+fn a_turn_has_its_side_and_a_lane_change_is_no_decision_of_a_cut_in() {
+    let turn = draft_of("proactive.turn.left_normal", |s| {
+        let codes = (0..fixture::FRAMES).map(|f| if f < 60 { u16::MAX } else { 0 }).collect();
+        s.frame_columns.insert("ego.movement".into(), category(&["left"], codes));
+    });
+    let decision = &turn.label.driving_decision;
+    assert_eq!(
+        (decision.lateral, decision.lateral_direction),
+        (Some(Lateral::Turn), Some(LateralDirection::Left))
+    );
+
+    let change = |s: &mut SignalTable| {
+        let codes = (0..fixture::FRAMES).map(|f| u16::from(f > 50)).collect();
+        s.frame_columns.insert("ego.lane_change".into(), category(&["none", "right"], codes));
+    };
+    let own = draft_of("proactive.lane_change.efficiency", change).label.driving_decision;
+    assert_eq!(
+        (own.lateral, own.lateral_direction),
+        (Some(Lateral::LaneChange), Some(LateralDirection::Right))
+    );
+    let open = draft_of("proactive.lane_change", change);
+    assert_eq!(open.label.driving_decision.lateral, Some(Lateral::LaneChange));
+    assert_eq!(open.label.scenario.l3, None);
+    assert!(open.notes.iter().any(|n| n.en.contains("variant (L3)")));
+    let cutin = draft_of("reactive_agent.cutin.urgent", change).label.driving_decision;
+    assert_eq!((cutin.lateral, cutin.lateral_direction), (None, None));
+}
+
+#[test]
+fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
+    // TAXONOMY.md: high_curvature must record the curvature, lane_change.overtake the vehicle that is overtaken.
+    let bend = draft_of("reactive_road.geometry_adaptation.high_curvature", |s| {
+        s.frame_columns.insert("map.curvature_ahead".into(), Column::Number(vec![0.04; fixture::FRAMES]));
+    });
+    assert_eq!(bend.label.records["curvature"], serde_json::json!(0.04));
+    let overtake = draft_of("proactive.lane_change.overtake", |_| ());
+    assert_eq!(overtake.label.records["overtaken_vehicle"], serde_json::Value::Null);
+    let spec = &Framework::bundled().specs[&"proactive.lane_change.overtake".parse().unwrap()];
+    let name = &spec.records.iter().find(|r| r.id == "overtaken_vehicle").unwrap().name.en;
+    assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
+    // LABELING.md 3: mandatory for blind spots.
+    let blind = draft_of("reactive_road.blind_spot_slowdown.gap", |_| ());
+    assert!(blind.notes.iter().any(|n| n.en.contains("uncertainty = high")));
+}
+
+#[test]
+fn causes_are_what_was_seen_at_the_keyframe_and_the_trace_is_marked() {
+    let d = draft_of("reactive_agent.cutin.urgent", |s| {
+        let n = fixture::FRAMES;
+        with_motion(s, |f| if f < 45 { 2 } else { 1 });
+        s.target_columns.insert("target.longitudinal".into(), Column::Number(vec![18.0; n]));
+        // 3 m to the left at the keyframe, straight ahead right after it.
+        let lateral = (0..n).map(|f| if f <= 40 { 3.0 } else { 0.0 }).collect();
+        s.target_columns.insert("target.lateral".into(), Column::Number(lateral));
+        s.target_columns.insert("target.wheel_over_line".into(), Column::Flag(vec![Tri::True; n]));
+    });
+    assert_eq!(d.label.critical_components[0].description, "左前方的轿车正在驶入自车车道");
+    assert_eq!(d.label.coc_trace, "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。");
+}
+
+#[test]
+fn a_label_ends_where_its_clip_does() {
+    let drive = fixture::drive("d");
+    let signals = fixture::signals(&drive);
+    let mut episode = fixture::episode(&drive);
+    // The drive has 120 frames, so its only clip ends at 12.0 s.
+    episode.time_range.end_timestamp = whyroad_model::Nanos(13_000_000_000);
+    episode.keyframe.range_end = Some(whyroad_model::Nanos(14_000_000_000));
+    let d = draft(Framework::bundled(), &drive, &signals, &episode, Lang::En);
+    assert_eq!(d.label.time_range.end_timestamp, whyroad_model::Nanos(12_000_000_000));
+    assert_eq!(d.label.keyframe.range_end, Some(whyroad_model::Nanos(12_000_000_000)));
+    assert_eq!(d.label.time_range.start_timestamp, episode.time_range.start_timestamp);
+    assert!(d.notes.iter().any(|n| n.en.contains("beyond the clip")));
+}

@@ -1,0 +1,10 @@
+//! Semantics of a label: the checks of every document, and drafts from what mining found.
+//!
+//! Pure functions: nothing here opens a file, reads a clock or knows how drives and labels are stored.
+
+pub mod check;
+pub mod draft;
+
+#[cfg(test)]
+#[path = "../../whyroad-model/testing/hand_drive.rs"]
+mod fixture;

@@ -1,0 +1,91 @@
+//! HTML text under construction. What is written as markup must be a literal of this program; everything that
+//! comes from data goes through an escaping method, so that no name in a log can become markup.
+
+use std::fmt::Write;
+use whyroad_model::Bilingual;
+
+/// A piece of the page.
+#[derive(Clone, Debug, Default)]
+pub struct Markup(String);
+
+impl Markup {
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Markup that this program wrote.
+    pub fn raw(&mut self, literal: &'static str) -> &mut Self {
+        self.0.push_str(literal);
+        self
+    }
+
+    /// Text or the inside of a quoted attribute, escaped.
+    pub fn text(&mut self, text: &str) -> &mut Self {
+        for c in text.chars() {
+            match c {
+                '&' => self.0.push_str("&amp;"),
+                '<' => self.0.push_str("&lt;"),
+                '>' => self.0.push_str("&gt;"),
+                '"' => self.0.push_str("&quot;"),
+                '\'' => self.0.push_str("&#39;"),
+                c => self.0.push(c),
+            }
+        }
+        self
+    }
+
+    /// Both languages; the page shows one.
+    pub fn both(&mut self, text: &Bilingual) -> &mut Self {
+        if text.zh == text.en {
+            return self.text(&text.zh);
+        }
+        self.raw("<span lang=\"zh\">").text(&text.zh).raw("</span>");
+        self.raw("<span lang=\"en\">").text(&text.en).raw("</span>")
+    }
+
+    /// Both languages of a text of this program.
+    pub fn say(&mut self, zh: &'static str, en: &'static str) -> &mut Self {
+        self.raw("<span lang=\"zh\">").raw(zh).raw("</span><span lang=\"en\">").raw(en).raw("</span>")
+    }
+
+    /// A number with at most `digits` decimals, without trailing zeros.
+    pub fn num(&mut self, value: f64, digits: usize) -> &mut Self {
+        self.0.push_str(&number(value, digits));
+        self
+    }
+
+    /// A count.
+    pub fn int(&mut self, value: impl TryInto<u64>) -> &mut Self {
+        // Counts are never negative; what does not fit says so rather than lie.
+        match value.try_into() {
+            Ok(n) => {
+                let _ = write!(self.0, "{n}");
+            }
+            Err(_) => self.0.push('?'),
+        }
+        self
+    }
+
+    /// Another piece.
+    pub fn piece(&mut self, other: &Markup) -> &mut Self {
+        self.0.push_str(&other.0);
+        self
+    }
+
+    pub fn into_string(self) -> String {
+        self.0
+    }
+}
+
+/// `value` with at most `digits` decimals, without trailing zeros; what is not finite is named.
+pub fn number(value: f64, digits: usize) -> String {
+    if value.is_nan() {
+        return "–".to_owned();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "-∞" }.to_owned();
+    }
+    let text = format!("{value:.digits$}");
+    let text = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}

@@ -1,0 +1,257 @@
+//! The page around the pieces: head, language switch, coverage, filters, cards. Style and script are in
+//! `assets/`; the script only switches language, filters and shows details, and the page reads without it.
+
+use super::card::Card;
+use super::{ReportContext, summary, tree_map};
+use crate::coverage::{self, LeafRow, class_title};
+use std::collections::BTreeMap;
+use whyroad_model::names::missing_name;
+use whyroad_model::{Drive, DriveId, Lang, ScenarioId};
+use whyroad_render::markup::Markup;
+
+const STYLE: &str = include_str!("../../assets/report.css");
+const SCRIPT: &str = include_str!("../../assets/report.js");
+
+/// What the page says of a drive.
+#[derive(Clone, Debug)]
+pub(super) struct DriveLine {
+    id: DriveId,
+    format: String,
+    place: Option<String>,
+    licence: Option<String>,
+    seconds: f64,
+    tracks: usize,
+    episodes: usize,
+    missing: Vec<String>,
+}
+
+impl DriveLine {
+    pub(super) fn new(drive: &Drive, episodes: usize) -> Self {
+        let seconds = match (drive.times.first(), drive.times.last()) {
+            (Some(a), Some(b)) => b.seconds_since(*a),
+            _ => 0.0,
+        };
+        Self {
+            id: drive.meta.drive_id.clone(),
+            format: drive.meta.format.clone(),
+            place: drive.meta.place.clone(),
+            licence: drive.meta.licence.clone(),
+            seconds,
+            tracks: drive.tracks.len(),
+            episodes,
+            missing: drive.meta.missing.clone(),
+        }
+    }
+}
+
+/// The whole page.
+pub(super) fn render(
+    context: &ReportContext<'_>,
+    rows: &[LeafRow<'_>],
+    drives: &[DriveLine],
+    cards: &[Card],
+    episodes: usize,
+) -> String {
+    let unresolved = coverage::unresolved(&context.framework.taxonomy, context.coverage);
+    let mut m = Markup::new();
+    m.raw("<!doctype html>\n<html lang=\"").raw(if context.lang == Lang::Zh { "zh" } else { "en" });
+    m.raw(concat!(
+        "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">",
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'\">",
+        "<title>Whyroad</title><style>\n"
+    ));
+    m.raw(STYLE).raw("</style></head><body>");
+    header(&mut m, context, rows, drives, episodes);
+    m.raw("<main><section id=\"coverage\"><h2>").say("场景覆盖", "Coverage").raw("</h2>");
+    m.piece(&summary::legend(rows))
+        .raw("<div class=\"map\">")
+        .piece(&tree_map::render(rows, &unresolved))
+        .raw("</div>");
+    m.raw("<p id=\"detail\" class=\"faint\" aria-live=\"polite\">");
+    m.say(
+        "把鼠标移到格子上查看详情，点击跳到表格并筛选片段。",
+        "Point at a cell for details; click it for its line in the table and its episodes.",
+    );
+    m.raw("</p>");
+    unexplained(&mut m, context);
+    unknown(&mut m, context);
+    m.raw("</section>");
+    drives_table(&mut m, drives);
+    episodes_section(&mut m, context, drives, cards, episodes);
+    m.raw("<section id=\"leaves\"><details open><summary><h2>")
+        .say("全部场景", "All scenarios")
+        .raw("</h2></summary>");
+    m.piece(&summary::table(rows, &unresolved)).raw("</details></section>");
+    m.raw("</main><script>\n").raw(SCRIPT).raw("</script></body></html>\n");
+    m.into_string()
+}
+
+/// What the taxonomy or its rules do not reach yet.
+fn unexplained(m: &mut Markup, context: &ReportContext<'_>) {
+    let Some(other) = coverage::unexplained(context.coverage) else { return };
+    m.raw("<p class=\"other\">");
+    if other.state == whyroad_model::messages::CoverageState::NotObservable {
+        m.say(
+            "决策时刻不可观测，因此不知道有多少没有类别能解释。",
+            "Decision moments cannot be seen in these drives, so nobody knows how many no class explains.",
+        );
+    } else {
+        m.say("没有类别能解释的决策时刻（other）：", "Decision moments that no class explains (other): ");
+        m.int(other.episodes as usize);
+    }
+    m.raw("</p>");
+}
+
+fn header(
+    m: &mut Markup,
+    context: &ReportContext<'_>,
+    rows: &[LeafRow<'_>],
+    drives: &[DriveLine],
+    episodes: usize,
+) {
+    m.raw("<header><div><h1>Whyroad</h1><p class=\"faint\">")
+        .say("从行车记录到因果链标注", "from recorded drives to chain-of-causation labels");
+    m.raw("</p></div><dl class=\"figures\">");
+    let figure = |m: &mut Markup, n: usize, zh, en| {
+        m.raw("<div><dd>").int(n).raw("</dd><dt>").say(zh, en).raw("</dt></div>");
+    };
+    figure(m, drives.len(), "个行程", "drives");
+    figure(m, episodes, "个片段", "episodes");
+    m.raw("<div><dd>")
+        .int(coverage::counts(rows).found)
+        .raw("<small> / ")
+        .int(rows.len())
+        .raw("</small></dd><dt>");
+    m.say("类场景已找到", "leaves found")
+        .raw("</dt></div></dl><div class=\"right\"><div class=\"switch\" role=\"group\">");
+    m.raw("<button type=\"button\" data-lang=\"zh\">中文</button><button type=\"button\" data-lang=\"en\">English</button></div>");
+    m.raw("<p class=\"faint\">")
+        .say("分类体系 ", "taxonomy ")
+        .text(&context.framework.taxonomy.version)
+        .raw("</p></div></header>");
+}
+
+fn unknown(m: &mut Markup, context: &ReportContext<'_>) {
+    let unknown = coverage::unknown_leaves(&context.framework.taxonomy, context.coverage);
+    if unknown.is_empty() {
+        return;
+    }
+    m.raw("<p class=\"warning\">")
+        .say("以下类别不在当前分类体系中：", "Mined with another taxonomy, and unknown to this one: ");
+    for id in unknown {
+        m.raw("<code>").text(&id.to_string()).raw("</code> ");
+    }
+    m.raw("</p>");
+}
+
+fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
+    m.raw("<section id=\"drives\"><h2>")
+        .say("行程", "Drives")
+        .raw("</h2><table><thead><tr><th>ID</th><th>")
+        .say("格式", "format");
+    m.raw("</th><th>")
+        .say("地点", "place")
+        .raw("</th><th class=\"n\">")
+        .say("时长", "length")
+        .raw("</th><th class=\"n\">");
+    m.say("目标数", "objects")
+        .raw("</th><th class=\"n\">")
+        .say("片段数", "episodes")
+        .raw("</th><th>")
+        .say("许可", "licence");
+    m.raw("</th><th>").say("记录中缺少", "the log lacks").raw("</th></tr></thead><tbody>");
+    for d in drives {
+        m.raw("<tr><td><code>").text(d.id.as_str()).raw("</code></td><td>").text(&d.format).raw("</td><td>");
+        m.text(d.place.as_deref().unwrap_or("–"))
+            .raw("</td><td class=\"n\">")
+            .num(d.seconds, 1)
+            .raw(" s</td><td class=\"n\">");
+        m.int(d.tracks).raw("</td><td class=\"n\">").int(d.episodes).raw("</td><td>");
+        m.text(d.licence.as_deref().unwrap_or("–")).raw("</td><td class=\"faint\">");
+        for (i, word) in d.missing.iter().enumerate() {
+            m.raw(if i == 0 { "" } else { ", " }).both(&missing_name(word));
+        }
+        m.raw("</td></tr>");
+    }
+    m.raw("</tbody></table></section>");
+}
+
+fn episodes_section(
+    m: &mut Markup,
+    context: &ReportContext<'_>,
+    drives: &[DriveLine],
+    cards: &[Card],
+    episodes: usize,
+) {
+    m.raw("<section id=\"episodes\"><h2>").say("片段", "Episodes").raw("</h2>");
+    if episodes == 0 {
+        m.raw("<p>").say("没有找到片段。", "Nothing was found.").raw("</p></section>");
+        return;
+    }
+    let mut per_leaf: BTreeMap<&ScenarioId, usize> = BTreeMap::new();
+    for card in cards {
+        *per_leaf.entry(&card.leaf).or_default() += 1;
+    }
+    m.raw("<form class=\"filter\"><label>")
+        .say("场景", "scenario")
+        .raw(" <select name=\"leaf\"><option value=\"\">—</option>");
+    let order = context.framework.taxonomy.ids();
+    for id in order.iter().filter(|id| per_leaf.contains_key(id)) {
+        let (text, title) = (id.to_string(), class_title(&context.framework.taxonomy, id));
+        m.raw("<option value=\"").text(&text).raw("\" data-zh=\"").text(&title.zh).raw("\" data-en=\"");
+        m.text(&title.en).raw("\" data-n=\"").int(per_leaf[id]).raw("\">").text(&text).raw("</option>");
+    }
+    m.raw("</select></label><label>")
+        .say("行程", "drive")
+        .raw(" <select name=\"drive\"><option value=\"\">—</option>");
+    for d in drives.iter().filter(|d| d.episodes > 0) {
+        m.raw("<option>").text(d.id.as_str()).raw("</option>");
+    }
+    m.raw("</select></label><label><input type=\"checkbox\" name=\"primary\"> ")
+        .say("只看主场景", "primary only");
+    m.raw("</label> <output class=\"faint\"><span class=\"shown\">")
+        .int(cards.len())
+        .raw("</span> / ")
+        .int(cards.len());
+    m.raw("</output></form>");
+    if cards.len() < episodes {
+        m.raw("<p class=\"warning\">")
+            .say("页面只显示部分片段；未显示：", "The page does not hold all episodes; left out: ");
+        m.int(episodes - cards.len()).raw("</p>");
+    }
+    key(m);
+    for card in cards {
+        m.piece(&card.html);
+    }
+    m.raw("</section>");
+}
+
+/// What the colours and lines of the pictures mean.
+fn key(m: &mut Markup) {
+    m.raw("<ul class=\"key\">");
+    for (class, zh, en) in [
+        ("ego", "自车", "ego"),
+        ("vehicle target", "目标（红框）", "target (red outline)"),
+        ("vehicle", "车辆", "vehicle"),
+        ("large", "大车", "large vehicle"),
+        ("vru", "行人、骑行者、动物", "people, riders, animals"),
+        ("fixed", "其他", "other"),
+    ] {
+        m.raw("<li><svg viewBox=\"-26 -12 52 24\" width=\"30\" height=\"14\"><g class=\"").raw(class);
+        m.raw("\"><path class=\"box\" d=\"M24 -10V10H-24V-10Z\"/><path class=\"nose\" d=\"M8 -10L24 0L8 10\"/></g></svg> ");
+        m.say(zh, en).raw("</li>");
+    }
+    for (class, zh, en) in [
+        ("way way-ego before", "此前 3 s 轨迹", "way in the 3 s before"),
+        ("way way-ego after", "此后 6 s 轨迹", "way in the 6 s after"),
+    ] {
+        m.raw("<li><svg viewBox=\"0 0 60 24\" width=\"34\" height=\"14\"><path class=\"")
+            .raw(class)
+            .raw("\" d=\"M2 12H58\"/></svg> ");
+        m.say(zh, en).raw("</li>");
+    }
+    m.raw("<li><svg viewBox=\"0 0 34 14\" width=\"34\" height=\"14\"><rect class=\"shade\" width=\"34\" height=\"14\"/>");
+    m.raw("<path class=\"keyframe\" d=\"M17 0V14\"/></svg> ")
+        .say("起止区间与关键帧", "start to end, and the keyframe");
+    m.raw("</li></ul>");
+}

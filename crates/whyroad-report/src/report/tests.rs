@@ -1,0 +1,142 @@
+//! The page of a drive made by hand.
+
+use super::*;
+use crate::fixture::{coverage, drive, episode, signals};
+use whyroad_framework::Taxonomy;
+use whyroad_model::Bilingual;
+
+pub(crate) fn taxonomy() -> Taxonomy {
+    let text = include_str!("../../../../schema/scenario_taxonomy.yaml");
+    whyroad_framework::taxonomy::read_taxonomy("scenario_taxonomy.yaml", text).0.unwrap()
+}
+
+pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
+    let info = |unit: &str, zh: &str, en: &str| SignalInfo {
+        unit: unit.into(),
+        meaning: Bilingual::new(zh, en),
+        scale: 1.0,
+    };
+    [
+        ("ego.speed".to_owned(), info("m/s", "自车对地速度", "speed over ground")),
+        ("target.ttc".to_owned(), info("s", "碰撞时间", "time to collision along the path")),
+    ]
+    .into()
+}
+
+fn page(name: &str, max_cards: usize) -> String {
+    let (coverage, infos) = (coverage(), infos());
+    let drive = drive(name);
+    let mut report = ReportBuilder::new(ReportContext {
+        framework: Framework::bundled(),
+        coverage: &coverage,
+        signals: &infos,
+        lang: Lang::En,
+        max_cards,
+    });
+    report.add_drive(&drive, &signals(&drive), &[episode(&drive)]);
+    report.finish()
+}
+
+#[test]
+fn all_leaves_are_in_the_map_and_in_the_table() {
+    let page = page("d", 10);
+    let taxonomy = taxonomy();
+    assert_eq!(taxonomy.leaves().count(), 122);
+    for (l1, l2, l3) in taxonomy.leaves() {
+        let id = format!("{}.{}.{}", l1.id, l2.id, l3.id);
+        assert_eq!(page.matches(&format!("data-leaf=\"{id}\" data-state=")).count(), 1, "{id} in the map");
+        assert_eq!(page.matches(&format!("<tr id=\"leaf-{id}\"")).count(), 1, "{id} in the table");
+    }
+}
+
+#[test]
+fn the_four_states_have_their_own_fill_and_mark() {
+    let page = page("d", 10);
+    for (state, cells) in [("found", 1), ("not_found", 1), ("not_observable", 1), ("no_rule", 119)] {
+        let count = page.matches(&format!("\" data-state=\"{state}\"><title>")).count();
+        assert_eq!(count, cells, "{state}");
+        assert!(page.contains(&format!(".st-{state} {{ fill: ")), "{state} has a fill");
+    }
+    assert!(page.contains("<code>light.state</code>"), "what is missing is named");
+}
+
+#[test]
+fn what_has_no_variant_is_shown_with_its_l2_and_counted_as_no_leaf() {
+    let page = page("d", 10);
+    assert!(page.contains("<tspan class=\"more\"> +2</tspan>"));
+    assert_eq!(page.matches("<tr class=\"unresolved\">").count(), 1);
+    assert!(page.contains("<dd>1<small> / 122</small></dd>"));
+}
+
+#[test]
+fn the_page_fetches_nothing() {
+    let page = page("d", 10);
+    for what in [
+        "http:",
+        "https:",
+        "src=",
+        "@import",
+        "url(\"",
+        "url('",
+        "//cdn",
+        "<link",
+        "<iframe",
+        "fetch(",
+        "XMLHttpRequest",
+        "import(",
+    ] {
+        assert!(!page.contains(what), "{what}");
+    }
+    assert!(page.contains("default-src 'none'"));
+    // The only references are to places in the page itself.
+    for reference in page.split("href=\"").skip(1) {
+        assert!(reference.starts_with('#'), "{}", &reference[..reference.len().min(40)]);
+    }
+}
+
+#[test]
+fn names_from_logs_cannot_become_markup() {
+    let nasty = "<script>alert('x')</script>\"onload=\"y";
+    let page = page(nasty, 10);
+    assert!(!page.contains("<script>alert"));
+    assert!(!page.contains("\"onload="));
+    assert!(page.contains("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;onload=&quot;y"));
+}
+
+#[test]
+fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
+    let page = page("d", 10);
+    let card = page.split("<article").nth(1).unwrap().split("</article>").next().unwrap();
+    assert_eq!(card.matches("<figure class=\"plot\">").count(), 5);
+    assert!(card.contains("target.ttc &lt; 5 s</code></td><td>4.2</td>"));
+    assert!(card.contains("他车车轮越过车道线") && card.contains("a wheel of the other vehicle crosses"));
+    assert!(card.contains("class=\"vehicle target\""), "the target stands out");
+    assert!(card.contains("way-ego before") && card.contains("way-ego after"));
+    assert!(card.contains("class=\"zebra\"") && card.contains(">10 m</text>"));
+    // light.state has no column: it says what the log lacks instead of drawing a flat line.
+    assert!(card.contains(
+        "not observable, needs: </span><span lang=\"zh\">信号灯</span><span lang=\"en\">traffic lights"
+    ));
+    assert!(card.contains("Label draft (needs a person)"));
+    // At the keyframe, 4 s in: ego at x = 40, the car at x = 58 and y = 1.2, so 18 m up and 1.2 m to the left.
+    assert!(card.contains("<title>d · 轿车 / car · 7 m/s</title>"));
+    // Its front right corner: (58 + 2.25 - 40, 1.2 - 0.9) is 20.25 m ahead, 0.3 m left: (-3, -203) in decimetres.
+    assert!(card.contains("L-3 -203") || card.contains("L-3 -202"));
+}
+
+#[test]
+fn unknown_is_a_gap_and_infinite_is_not_drawn_as_a_number() {
+    let page = page("d", 10);
+    let plot = page.split("<code>target.ttc</code>").nth(1).unwrap().split("</figure>").next().unwrap();
+    let line = plot.split("class=\"line\" d=\"").nth(1).unwrap().split('"').next().unwrap();
+    // Frames 10 to 99 are shown (3 s around 20..70); 10 to 19 are unknown.
+    assert_eq!(line.matches('M').count(), 1);
+    assert_eq!(line.matches('L').count(), 99 - 20);
+}
+
+#[test]
+fn episodes_that_the_page_cannot_hold_are_counted() {
+    let page = page("d", 0);
+    assert!(page.contains("left out: </span>1</p>"));
+    assert!(!page.contains("<article"));
+}

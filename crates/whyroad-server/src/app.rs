@@ -1,0 +1,113 @@
+//! The service as one value: what handlers and commands work with.
+
+use crate::limits::Limits;
+use crate::oidc::provider::Provider;
+use crate::problem::Answer;
+use crate::recordings::Recordings;
+use crate::service::scene::SceneCache;
+use crate::service::webhooks::{Reach, Trust};
+use crate::store::Store;
+use crate::{secret, values};
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+use whyroad_framework::Framework;
+use whyroad_label::check::Checker;
+
+/// Milliseconds since 1970, as the service takes them; tests turn it.
+pub type Clock = Arc<dyn Fn() -> i64 + Send + Sync>;
+
+/// Takes one line for whoever runs the service.
+pub type Tell = Arc<dyn Fn(&str) + Send + Sync>;
+
+/// The service.
+pub struct App {
+    /// Where everything is kept.
+    pub store: Store,
+    /// Classes, decisions, specs.
+    pub framework: &'static Framework,
+    /// The label checker.
+    pub checker: Checker<'static>,
+    /// Drives.
+    pub recordings: Arc<dyn Recordings>,
+    /// The time.
+    pub clock: Clock,
+    /// Failed sign-ins.
+    pub limits: Limits,
+    /// Scenes that were asked for last.
+    pub scenes: SceneCache,
+    /// Key of the CSRF values.
+    pub csrf_key: String,
+    /// Whether cookies are for HTTPS only.
+    pub cookies: Cookies,
+    /// Where webhooks may go.
+    pub reach: Reach,
+    /// Whose certificates webhooks believe.
+    pub trust: Trust,
+    /// Whom to believe about where a request came from.
+    pub origin: Origin,
+    /// Tells whoever runs the service what went wrong; by itself it tells nobody.
+    pub tell: Tell,
+    /// What the maker of the first account has to show; none where only this machine reaches the service.
+    pub setup_token: Option<String>,
+    /// Where people can sign in beside here.
+    pub oidc: Option<Provider>,
+}
+
+/// Whether cookies are for HTTPS only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cookies {
+    /// Plain HTTP: a service on one's own machine or behind a proxy that does not say so.
+    Plain,
+    /// `Secure`.
+    Secure,
+}
+
+/// Whom to believe about where a request came from; failed sign-ins are counted by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The connection itself.
+    Connection,
+    /// A proxy in front: the last address in its `x-forwarded-for`, which it wrote itself.
+    Proxy,
+}
+
+impl App {
+    /// The service on `store`.
+    pub fn new(store: Store, framework: &'static Framework, recordings: Arc<dyn Recordings>) -> Answer<Self> {
+        let fresh = secret::random(32)?;
+        let csrf_key = store.write(move |tx| {
+            tx.run(
+                "INSERT INTO settings (name, value) VALUES ('csrf_key', $1) ON CONFLICT (name) DO NOTHING",
+                values![&fresh],
+            )?;
+            let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
+            row.map_or(Ok(String::new()), |r| r.text(0))
+        })?;
+        Ok(Self {
+            store,
+            framework,
+            checker: Checker::new(framework),
+            recordings,
+            clock: Arc::new(wall_clock),
+            limits: Limits::default(),
+            scenes: SceneCache::default(),
+            csrf_key,
+            cookies: Cookies::Plain,
+            reach: Reach::default(),
+            trust: Trust::default(),
+            origin: Origin::Connection,
+            tell: Arc::new(|_| {}),
+            setup_token: None,
+            oidc: None,
+        })
+    }
+
+    /// Now, ms since 1970.
+    pub fn now(&self) -> i64 {
+        (self.clock)()
+    }
+}
+
+fn wall_clock() -> i64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as i64)
+}

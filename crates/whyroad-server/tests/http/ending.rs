@@ -1,0 +1,58 @@
+//! The end of the service: what was begun is finished, nothing new is taken.
+
+use crate::recorded::{Future, Recorded};
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use whyroad_framework::Framework;
+use whyroad_server::App;
+use whyroad_server::store::{Place, Store};
+
+#[test]
+fn what_was_begun_is_finished_when_the_service_ends() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = Store::open(&Place::File(dir.path().join("s"))).unwrap();
+    let recordings = Recorded { future: Future::Brakes, pictures: dir.path().to_path_buf() };
+    let app = Arc::new(App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap());
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+    let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
+    let address = listener.local_addr().unwrap();
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let served = runtime.spawn(whyroad_server::serve(app, listener, async move {
+        let _ = stopped.await;
+    }));
+
+    // Half a request.
+    let mut half = TcpStream::connect(address).unwrap();
+    half.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    half.write_all(
+        b"POST /api/v1/session HTTP/1.1\r\nhost: t\r\ncontent-length: 2\r\nconnection: close\r\n\r\n{",
+    )
+    .unwrap();
+    // A connection that only lies there.
+    let _idle = TcpStream::connect(address).unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    stop.send(()).unwrap();
+    let start = Instant::now();
+    // From now on nothing new is taken.
+    let refuses = || match TcpStream::connect_timeout(&address, Duration::from_secs(1)) {
+        Err(_) => true,
+        Ok(mut late) => {
+            late.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
+            let _ = late.write_all(b"GET /api/v1/healthz HTTP/1.1\r\nhost: t\r\n\r\n");
+            late.read(&mut [0; 16]).map_or(true, |n| n == 0)
+        }
+    };
+    while !refuses() {
+        assert!(start.elapsed() < Duration::from_secs(30), "still takes new requests");
+    }
+    half.write_all(b"}").unwrap();
+    let mut answer = String::new();
+    half.read_to_string(&mut answer).unwrap();
+    // No CSRF value was sent: it is a refusal, but a whole one.
+    assert!(answer.starts_with("HTTP/1.1 403") && answer.contains("session.csrf"), "{answer}");
+    drop(half);
+    let ended = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), served).await });
+    assert!(ended.unwrap().unwrap().is_ok(), "and then it ends, whoever is still connected");
+}

@@ -1,0 +1,306 @@
+//! A recorded drive made by hand, in two versions that are the same up to the keyframe and differ in everything after it;
+//! with signals and drafts that look at *all* of the drive they are given. So whatever is not cut shows.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use whyroad_model::messages::{
+    CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Keyframe, KeyframeType, MatchedCondition,
+    ScenarioLabel, TimeRange,
+};
+use whyroad_model::road_map::{Area, Lane, Point3, StopLine};
+use whyroad_model::scene::{
+    ContextState, DriveMeta, Ego, EgoBus, LightColour, LightState, MediaFrame, Motion, Track, TurnSignal,
+};
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{
+    Bilingual, Column, Drive, DriveId, FrameRange, Lang, Nanos, ObjectClass, RoadMap, SignalTable,
+};
+use whyroad_server::api::wire::scene::{SignalAbout, SignalKind};
+use whyroad_server::recordings::Recordings;
+
+/// 2026-01-15T10:30:00Z.
+const START: i64 = 1_768_473_000_000_000_000;
+/// Frame of the keyframe: 10:30:09.400.
+pub const KEYFRAME: usize = 94;
+const FRAMES: usize = 200;
+pub const LEAF: &str = "reactive_agent.cutin.urgent";
+
+/// What comes after the keyframe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Future {
+    /// The ego brakes, somebody crosses, the light turns green.
+    Brakes,
+    /// It drives on, nobody comes, the light turns yellow, the drive ends sooner.
+    DrivesOn,
+}
+
+pub fn at(frame: usize) -> Nanos {
+    Nanos(START + frame as i64 * 100_000_000)
+}
+
+/// `drive1`, `drive2`, ... all alike.
+pub fn drive(id: &DriveId, future: Future) -> Drive {
+    let frames = if future == Future::Brakes { FRAMES } else { FRAMES - 20 };
+    let brakes = future == Future::Brakes;
+    let mut ego = Motion::unknown(frames);
+    let (mut x, mut speed) = (0.0, 10.0);
+    for f in 0..frames {
+        let after = f > KEYFRAME;
+        if after && brakes {
+            speed = (speed - 0.3_f64).max(0.0);
+        }
+        x += speed * 0.1;
+        (ego.x[f], ego.y[f], ego.z[f], ego.heading[f]) =
+            (x, if after && !brakes { 0.5 } else { 0.0 }, 0.0, 0.0);
+        (ego.vx[f], ego.vy[f], ego.yaw_rate[f]) = (speed, 0.0, 0.0);
+        ego.accel[f] = if after && brakes { -3.0 } else { 0.0 };
+    }
+    let bus = EgoBus {
+        steering: (0..frames).map(|f| if f > KEYFRAME && brakes { 0.3 } else { 0.01 }).collect(),
+        turn_signal: (0..frames)
+            .map(|f| Some(if f > KEYFRAME && brakes { TurnSignal::Left } else { TurnSignal::Off }))
+            .collect(),
+        ..EgoBus::default()
+    };
+    let ego =
+        Ego { length_m: 4.8, width_m: 1.9, height_m: 1.6, reference_to_centre_m: 1.4, motion: ego, bus };
+    let mut tracks = vec![track("a", 0..frames, brakes), track("b", 50..90, brakes)];
+    if brakes {
+        tracks.push(track("secret_pedestrian", KEYFRAME + 1..frames, brakes));
+    }
+    let light = |s: f64, colour| LightState {
+        lane_id: "lane1".into(),
+        to_lane_id: None,
+        time: Nanos(START).plus_secs(s),
+        colour,
+    };
+    let after = if brakes { LightColour::Green } else { LightColour::Yellow };
+    let state = |s: f64, value: &str| ContextState {
+        time: Nanos(START).plus_secs(s),
+        kind: "weather".into(),
+        value: value.into(),
+        source: "test".into(),
+    };
+    Drive {
+        meta: DriveMeta {
+            drive_id: id.clone(),
+            format: "test".into(),
+            content_hash: format!("{future:?}"),
+            // One whose first picture comes late, or never.
+            video: if brakes { vec!["roof".into(), "front left".into()] } else { vec!["front left".into()] },
+            ..DriveMeta::default()
+        },
+        times: (0..frames).map(at).collect(),
+        ego: Some(ego),
+        tracks,
+        map: Some(map()),
+        lights: Some(vec![light(1.0, LightColour::Red), light(9.9, after)]),
+        context: Some(vec![state(0.0, "clear"), state(10.0, if brakes { "rain" } else { "fog" })]),
+        media: Some((0..frames).map(picture).collect()),
+    }
+}
+
+fn picture(f: usize) -> MediaFrame {
+    MediaFrame { camera: "front left".into(), time: at(f), uri: format!("front/{f}.jpg"), index: f as u32 }
+}
+
+fn track(id: &str, frames: std::ops::Range<usize>, brakes: bool) -> Track {
+    let n = frames.len();
+    let mut motion = Motion::unknown(n);
+    for (row, f) in frames.clone().enumerate() {
+        let after = f > KEYFRAME && brakes;
+        motion.x[row] = 20.0 + 0.8 * f as f64 + if after { 3.0 } else { 0.0 };
+        motion.y[row] = if after { 0.0 } else { 3.0 };
+        (motion.heading[row], motion.vx[row], motion.vy[row]) = (0.0, 8.0, if after { -1.0 } else { 0.0 });
+    }
+    Track {
+        id: id.into(),
+        class: if id.starts_with("secret") { ObjectClass::Pedestrian } else { ObjectClass::Car },
+        source_class: "car".into(),
+        frames: frames.clone().map(|f| f as u32).collect(),
+        motion,
+        length_m: frames.map(|f| if f > KEYFRAME && brakes { 12.0 } else { 4.5 }).collect(),
+        width_m: vec![1.8; n],
+        height_m: vec![1.5; n],
+        ..Track::default()
+    }
+}
+
+fn map() -> RoadMap {
+    let point = |x: f64, y: f64| Point3 { x, y, z: 0.0 };
+    let line = |y: f64| (-10..40).map(|i| point(f64::from(i) * 20.0, y)).collect::<Vec<_>>();
+    let square = |x: f64| vec![point(x, -5.0), point(x + 10.0, -5.0), point(x + 10.0, 5.0), point(x, -5.0)];
+    RoadMap {
+        lanes: vec![Lane {
+            id: "lane1".into(),
+            left: line(1.75),
+            right: line(-1.75),
+            centre: line(0.0),
+            ..Lane::default()
+        }],
+        crosswalks: vec![
+            Area { id: "here".into(), boundary: square(120.0) },
+            Area { id: "far_ahead".into(), boundary: square(600.0) },
+        ],
+        stop_lines: vec![StopLine { id: "s".into(), line: square(118.0)[..2].to_vec(), lane_ids: vec![] }],
+        ..RoadMap::default()
+    }
+}
+
+/// Episode `n` of `drive`; what it says of the time after the keyframe follows the future.
+pub fn episode(drive: &str, n: usize, future: Future) -> EpisodeRecord {
+    let end = if future == Future::Brakes { 130 } else { 112 };
+    EpisodeRecord {
+        episode_id: format!("{drive}_e{n}"),
+        scenario_id: LEAF.parse().unwrap(),
+        drive_id: drive.into(),
+        clip_id: format!("{drive}_000").into(),
+        target_id: Some("a".into()),
+        roles: BTreeMap::new(),
+        time_range: TimeRange {
+            start_timestamp: at(74),
+            end_timestamp: at(end),
+            start_frame_idx: Some(74),
+            end_frame_idx: Some(end as u32),
+        },
+        keyframe: Keyframe {
+            timestamp: at(KEYFRAME),
+            frame_idx: KEYFRAME as u32,
+            kind: KeyframeType::Reactive,
+            range_start: None,
+            range_end: None,
+        },
+        second_keyframe: (future == Future::Brakes).then(|| Keyframe {
+            timestamp: at(120),
+            frame_idx: 120,
+            kind: KeyframeType::Reactive,
+            range_start: None,
+            range_end: None,
+        }),
+        score: if future == Future::Brakes { 0.9 } else { 0.7 },
+        is_primary: true,
+        primary_episode_id: None,
+        keyframe_rule: Bilingual::new("越线", "crosses the line"),
+        conditions_matched: conditions(future),
+        signals: vec!["ego.mean_speed".into(), "target.gap".into()],
+    }
+}
+
+fn conditions(future: Future) -> Vec<MatchedCondition> {
+    let condition = serde_json::json!({
+        "condition": "least gap", "actual_value": if future == Future::Brakes { 1.0 } else { 9.0 },
+    });
+    vec![serde_json::from_value(condition).unwrap()]
+}
+
+/// The recordings of a test.
+pub struct Recorded {
+    pub future: Future,
+    /// A file that stands for every picture, its name by frame.
+    pub pictures: PathBuf,
+}
+
+impl Recordings for Recorded {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+        if id.as_str().starts_with("drive") {
+            Ok(Arc::new(drive(id, self.future)))
+        } else {
+            Err("no such drive".to_owned())
+        }
+    }
+
+    /// Each signal depends on all frames.
+    fn signals(&self, drive: &Drive) -> SignalTable {
+        let n = drive.times.len();
+        let ego = &drive.ego.as_ref().unwrap().motion;
+        let mean = ego.vx.iter().sum::<f64>() / n as f64;
+        let number = |v: Vec<f64>| Column::Number(v);
+        let a = drive.track(&"a".into()).unwrap();
+        let gap = a.motion.y.iter().fold(f64::INFINITY, |g, y| g.min(*y)) + 5.0;
+        let words: Arc<[String]> = ["gentle decelerate".to_owned(), "maintain speed".to_owned()].into();
+        let slows = ego.accel.iter().any(|a| *a < -1.0);
+        let codes = vec![u16::from(!slows); n];
+        SignalTable {
+            drive_id: drive.meta.drive_id.clone(),
+            times: drive.times.clone(),
+            frame_columns: [
+                ("ego.mean_speed".to_owned(), number(vec![mean; n])),
+                ("ego.forward_speed".to_owned(), number(ego.vx.clone())),
+                ("ego.accel".to_owned(), number(ego.accel.clone())),
+                ("ego.meta_longitudinal".to_owned(), Column::Category { codes, names: words }),
+            ]
+            .into(),
+            targets: vec![TargetSpan {
+                id: "a".into(),
+                class: ObjectClass::Car,
+                first_row: 0,
+                frames: FrameRange::new(0, n),
+            }],
+            target_columns: [("target.gap".to_owned(), number(vec![gap; n]))].into(),
+            unavailable: BTreeMap::new(),
+        }
+    }
+
+    fn about(&self, name: &str) -> Option<SignalAbout> {
+        let unit = match name {
+            "ego.mean_speed" => "m/s",
+            "target.gap" => "m",
+            _ => return None,
+        };
+        let meaning = Bilingual::new("信号", "a signal");
+        Some(SignalAbout { kind: SignalKind::Number, unit: Some(unit.to_owned()), meaning })
+    }
+
+    fn draft(&self, drive: &Drive, signals: &SignalTable, e: &EpisodeRecord, _: Lang) -> CocLabel {
+        let gap = signals.target_columns["target.gap"].number(0).unwrap();
+        let seen = e.conditions_matched.len();
+        CocLabel {
+            version: Some("2.1.0".into()),
+            clip_id: e.clip_id.to_string(),
+            scenario: ScenarioLabel {
+                l1: "reactive_agent".into(),
+                l2: "cutin".into(),
+                l3: Some("urgent".into()),
+                full_id: Some(LEAF.into()),
+            },
+            time_range: e.time_range.clone(),
+            keyframe: e.keyframe.clone(),
+            driving_decision: DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None },
+            critical_components: vec![CriticalComponent {
+                category: Some("critical_objects".into()),
+                description: format!(
+                    "a car, least gap {gap} m in {} frames, {seen} conditions",
+                    drive.times.len()
+                ),
+                uncertainty: None,
+                id: Some("c1".into()),
+                evidence_times: vec![e.keyframe.timestamp],
+                linked_objects: vec!["a".into()],
+            }],
+            coc_trace: format!(
+                "[DRAFT] it then goes {} m",
+                drive.ego.as_ref().unwrap().motion.x.last().unwrap()
+            ),
+            records: BTreeMap::new(),
+            causes: None,
+            second_keyframe: e.second_keyframe.clone(),
+            secondary_scenarios: vec![],
+            provenance: None,
+        }
+    }
+
+    fn mined(&self) -> Vec<String> {
+        vec!["week1".into()]
+    }
+
+    fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>> {
+        (name == "week1").then(|| vec![episode("drive1", 1, self.future), episode("drive2", 1, self.future)])
+    }
+
+    fn media(&self, _: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
+        let file = self.pictures.join(frame.uri.replace('/', "_"));
+        std::fs::write(&file, format!("picture of frame {}", frame.index)).ok()?;
+        Some(file)
+    }
+}

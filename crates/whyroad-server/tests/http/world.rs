@@ -1,0 +1,269 @@
+//! A service that runs on a port of this machine, and people who call it over HTTP.
+
+use crate::recorded::{Future, Recorded, episode};
+use serde_json::{Value, json};
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+use std::time::Duration;
+use whyroad_framework::Framework;
+use whyroad_server::App;
+use whyroad_server::store::{Place, Store};
+
+/// 2026-11-21T16:00:00Z in ms.
+pub const NOON: i64 = 1_795_276_800_000;
+pub const PASSWORD: &str = "correct horse";
+
+/// A running service.
+pub struct World {
+    pub app: Arc<App>,
+    pub address: SocketAddr,
+    pub future: Future,
+    pub clock: Arc<AtomicI64>,
+    place: Place,
+    runtime: Option<tokio::runtime::Runtime>,
+    _dir: tempfile::TempDir,
+}
+
+impl World {
+    /// One on a new SQLite file.
+    pub fn on_sqlite(future: Future) -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let place = Place::File(dir.path().join("store.sqlite"));
+        Self::start(&place, future, dir)
+    }
+
+    /// One on an empty PostgreSQL database.
+    pub fn on_server(url: &str, future: Future) -> Self {
+        Self::start(&Place::parse(url), future, tempfile::tempdir().unwrap())
+    }
+
+    fn start(place: &Place, future: Future, dir: tempfile::TempDir) -> Self {
+        Self::open(place, future, dir, Arc::new(AtomicI64::new(NOON)), |_| {})
+    }
+
+    /// A second service on the same store and by the same clock, set up by `set_up`.
+    pub fn beside(&self, set_up: impl FnOnce(&mut App)) -> Self {
+        Self::open(&self.place, self.future, tempfile::tempdir().unwrap(), Arc::clone(&self.clock), set_up)
+    }
+
+    fn open(
+        place: &Place,
+        future: Future,
+        dir: tempfile::TempDir,
+        clock: Arc<AtomicI64>,
+        set_up: impl FnOnce(&mut App),
+    ) -> Self {
+        let recordings = Recorded { future, pictures: dir.path().to_path_buf() };
+        let store = Store::open(place).unwrap();
+        let mut app = App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap();
+        let hands = Arc::clone(&clock);
+        app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
+        set_up(&mut app);
+        let app = Arc::new(app);
+        let runtime =
+            tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+        let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
+        let address = listener.local_addr().unwrap();
+        runtime.spawn(whyroad_server::serve(Arc::clone(&app), listener, std::future::pending()));
+        Self { app, address, future, clock, place: place.clone(), runtime: Some(runtime), _dir: dir }
+    }
+
+    /// Lets time pass.
+    pub fn wait(&self, seconds: i64) {
+        self.clock.fetch_add(seconds * 1000, Ordering::SeqCst);
+    }
+
+    /// Somebody who is not signed in.
+    pub fn stranger(&self) -> Person {
+        Person { address: self.address, cookie: None, csrf: None, token: None, id: String::new() }
+    }
+
+    /// The first admin.
+    pub fn admin(&self) -> Person {
+        let mut p = self.stranger();
+        p.hello();
+        let body = json!({ "name": "admin", "display": "Admin", "password": PASSWORD, "lang": "zh" });
+        let answer = p.post("/setup", &body);
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        p.keep(&answer);
+        p
+    }
+
+    /// A new user with roles in a project, signed in.
+    pub fn person(&self, admin: &Person, project: &str, name: &str, roles: &[&str]) -> Person {
+        let made = admin.post("/users", &json!({ "name": name, "password": PASSWORD, "lang": "zh" }));
+        assert_eq!(made.status, 200, "{}", made.text());
+        if !roles.is_empty() {
+            let path = format!("/projects/{project}/members");
+            assert_eq!(admin.post(&path, &json!({ "user": name, "roles": roles })).status, 200);
+        }
+        self.sign_in(name)
+    }
+
+    pub fn sign_in(&self, name: &str) -> Person {
+        let mut p = self.stranger();
+        p.hello();
+        let answer = p.post("/session", &json!({ "name": name, "password": PASSWORD }));
+        assert_eq!(answer.status, 200, "{}", answer.text());
+        p.keep(&answer);
+        p
+    }
+
+    /// A project; its id.
+    pub fn project(&self, admin: &Person, name: &str, settings: &Value) -> String {
+        let made = admin.post("/projects", &json!({ "name": name, "settings": settings }));
+        assert_eq!(made.status, 200, "{}", made.text());
+        made.json()["id"].as_str().unwrap().to_owned()
+    }
+
+    /// Tasks from one episode of each of `drives`; their ids.
+    pub fn tasks(&self, lead: &Person, project: &str, drives: &[&str], overlap: u32) -> Vec<String> {
+        let episodes: Vec<Value> =
+            drives.iter().map(|d| serde_json::to_value(episode(d, 1, self.future)).unwrap()).collect();
+        let body = json!({ "episodes": episodes, "overlap": overlap });
+        let made = lead.post(&format!("/projects/{project}/tasks:create"), &body);
+        assert_eq!(made.status, 200, "{}", made.text());
+        made.json()["tasks"].as_array().unwrap().iter().map(|t| t.as_str().unwrap().to_owned()).collect()
+    }
+}
+
+impl Drop for World {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.runtime.take() {
+            runtime.shutdown_timeout(Duration::from_secs(2));
+        }
+    }
+}
+
+/// Somebody who calls the service.
+#[derive(Clone)]
+pub struct Person {
+    pub address: SocketAddr,
+    pub cookie: Option<String>,
+    pub csrf: Option<String>,
+    pub token: Option<String>,
+    pub id: String,
+}
+
+/// What came back.
+#[derive(Clone, Debug)]
+pub struct Reply {
+    pub status: u16,
+    pub headers: Vec<(String, String)>,
+    pub body: Vec<u8>,
+}
+
+impl Reply {
+    pub fn header(&self, name: &str) -> Option<&str> {
+        self.headers.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
+    }
+    pub fn text(&self) -> String {
+        String::from_utf8_lossy(&self.body).into_owned()
+    }
+    pub fn json(&self) -> Value {
+        serde_json::from_slice(&self.body).unwrap_or_else(|e| panic!("{e}: {} {}", self.status, self.text()))
+    }
+    /// The body of an answer that is fine.
+    pub fn fine(&self) -> Value {
+        assert_eq!(self.status, 200, "{}", self.text());
+        self.json()
+    }
+    /// Status and code of a refusal, which must be problem+json.
+    pub fn refusal(&self) -> (u16, String) {
+        assert_eq!(
+            self.header("content-type"),
+            Some("application/problem+json"),
+            "{} {}",
+            self.status,
+            self.text()
+        );
+        let body = self.json();
+        assert_eq!(body["status"], self.status);
+        assert!(body["detail_zh"].as_str().is_some_and(|t| !t.is_empty()));
+        assert!(body["detail_en"].as_str().is_some_and(|t| !t.is_empty()));
+        (self.status, body["code"].as_str().unwrap().to_owned())
+    }
+}
+
+impl Person {
+    /// `GET /session`: takes a cookie and its CSRF value.
+    pub fn hello(&mut self) -> Reply {
+        let answer = self.get("/session");
+        self.keep(&answer);
+        answer
+    }
+
+    /// Keeps the cookie, CSRF value and id of an answer about the session.
+    pub fn keep(&mut self, answer: &Reply) {
+        if let Some(cookie) = answer.header("set-cookie") {
+            self.cookie = Some(cookie.split(';').next().unwrap().to_owned());
+        }
+        let body = answer.json();
+        self.csrf = body["csrf"].as_str().map(str::to_owned);
+        self.id = body["user"]["id"].as_str().unwrap_or_default().to_owned();
+    }
+
+    pub fn get(&self, path: &str) -> Reply {
+        self.call("GET", path, None, &[])
+    }
+    pub fn post(&self, path: &str, body: &Value) -> Reply {
+        self.call("POST", path, Some(body.to_string().as_bytes()), &[])
+    }
+    pub fn patch(&self, path: &str, body: &Value) -> Reply {
+        self.call("PATCH", path, Some(body.to_string().as_bytes()), &[])
+    }
+
+    /// A call below `/api/v1`.
+    pub fn call(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> Reply {
+        self.raw(verb, &format!("/api/v1{path}"), body, more)
+    }
+
+    /// A call of any path.
+    pub fn raw(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> Reply {
+        let mut head = format!("{verb} {path} HTTP/1.1\r\nconnection: close\r\n");
+        let mut put = |name: &str, value: &str| head.push_str(&format!("{name}: {value}\r\n"));
+        if let Some(cookie) = &self.cookie {
+            put("cookie", cookie);
+        }
+        if let Some(csrf) = self.csrf.as_ref().filter(|_| verb != "GET") {
+            put("x-csrf-token", csrf);
+        }
+        if let Some(token) = &self.token {
+            put("authorization", &format!("Bearer {token}"));
+        }
+        if !more.iter().any(|(name, _)| *name == "host") {
+            put("host", &self.address.to_string());
+        }
+        for (name, value) in more {
+            put(name, value);
+        }
+        if let Some(body) = body {
+            put("content-length", &body.len().to_string());
+        }
+        head.push_str("\r\n");
+        let mut stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        stream.write_all(head.as_bytes()).unwrap();
+        // The service may answer and close before it has read a body that is too large.
+        let _ = stream.write_all(body.unwrap_or_default());
+        let mut bytes = Vec::new();
+        let _ = stream.read_to_end(&mut bytes);
+        parse(&bytes)
+    }
+}
+
+fn parse(bytes: &[u8]) -> Reply {
+    let end = bytes.windows(4).position(|w| w == b"\r\n\r\n").expect("an answer with a head");
+    let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
+    let mut lines = head.split("\r\n");
+    let status = lines.next().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
+    let headers = lines
+        .filter_map(|l| l.split_once(':'))
+        .map(|(n, v)| (n.to_ascii_lowercase(), v.trim().to_owned()))
+        .collect();
+    let reply = Reply { status, headers, body: bytes[end + 4..].to_vec() };
+    assert!(reply.header("transfer-encoding").is_none(), "answers have a length");
+    reply
+}

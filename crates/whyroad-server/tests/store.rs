@@ -1,0 +1,273 @@
+//! The store by itself, the same tests on a SQLite file and on a real PostgreSQL: transactions, migration, backup.
+
+#![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
+
+#[path = "support/postgres.rs"]
+#[allow(dead_code)]
+mod postgres;
+
+use std::io::{BufReader, Cursor};
+use std::path::Path;
+use whyroad_server::problem::Problem;
+use whyroad_server::store::{Place, Store, backup, restore};
+use whyroad_server::values;
+
+fn file(dir: &Path, name: &str) -> Place {
+    Place::File(dir.join(name))
+}
+
+fn put(store: &Store, name: &'static str) {
+    store
+        .write(move |tx| tx.run("INSERT INTO settings (name, value) VALUES ($1, 'x')", values![name]))
+        .unwrap();
+}
+
+fn names(store: &Store) -> Vec<String> {
+    let names = store.read(|tx| tx.rows("SELECT name FROM settings ORDER BY name", &[])).unwrap();
+    names.iter().map(|r| r.text(0).unwrap()).collect()
+}
+
+/// What must hold on both.
+fn transactions(store: &Store) {
+    put(store, "a");
+    let refused = store.write(|tx| {
+        tx.run("INSERT INTO settings (name, value) VALUES ('b', 'x')", &[])?;
+        Err::<(), _>(Problem::forbidden())
+    });
+    assert_eq!(refused.unwrap_err().code, "access.denied");
+    let broken = store.write(|tx| {
+        tx.run("INSERT INTO settings (name, value) VALUES ('c', 'x')", &[])?;
+        tx.run("INSERT INTO settings (name, value) VALUES ('a', 'x')", &[])
+    });
+    assert_eq!(broken.unwrap_err().status, 503, "a second 'a' breaks the whole");
+    assert_eq!(names(store), ["a"]);
+
+    // Many at once, some of them refused: each whole or not at all, none for another's fault.
+    std::thread::scope(|scope| {
+        for i in 0..40 {
+            scope.spawn(move || {
+                let outcome = store.write(move |tx| {
+                    let n = format!("many{i:02}");
+                    tx.run("INSERT INTO settings (name, value) VALUES ($1, 'x')", values![&n])?;
+                    if i % 4 == 0 { Err(Problem::forbidden()) } else { Ok(i) }
+                });
+                assert_eq!(outcome.is_ok(), i % 4 != 0);
+            });
+        }
+    });
+    assert_eq!(names(store).iter().filter(|n| n.starts_with("many")).count(), 30);
+
+    // One counter, many hands: no step is lost.
+    store.write(|tx| tx.run("INSERT INTO settings (name, value) VALUES ('counter', '0')", &[])).unwrap();
+    std::thread::scope(|scope| {
+        for _ in 0..20 {
+            scope.spawn(|| {
+                store
+                    .write(|tx| {
+                        let sql = format!("SELECT value FROM settings WHERE name = 'counter'{}", tx.lock());
+                        let n: i64 = tx.row(&sql, &[])?.unwrap().text(0)?.parse().unwrap();
+                        let next = (n + 1).to_string();
+                        tx.run("UPDATE settings SET value = $1 WHERE name = 'counter'", values![&next])
+                    })
+                    .unwrap();
+            });
+        }
+    });
+    let counter = store.read(|tx| tx.row("SELECT value FROM settings WHERE name = 'counter'", &[])).unwrap();
+    assert_eq!(counter.unwrap().text(0).unwrap(), "20");
+}
+
+#[test]
+fn transactions_on_sqlite() {
+    let dir = tempfile::tempdir().unwrap();
+    transactions(&Store::open(&file(dir.path(), "s")).unwrap());
+}
+
+#[test]
+fn transactions_on_postgresql() {
+    let Some(server) = postgres::Server::start() else { return };
+    let url = server.database();
+    transactions(&Store::open(&Place::parse(&url)).unwrap());
+    // Two services that start at once on an empty database make its tables once.
+    let url = server.database();
+    std::thread::scope(|scope| {
+        for _ in 0..4 {
+            scope.spawn(|| Store::open(&Place::parse(&url)).unwrap());
+        }
+    });
+}
+
+const FIRST: &str = include_str!("../migrations/0001_tables.sql");
+
+/// A project with a task, as tables of version 1 hold them.
+const OF_VERSION_1: &str = "
+    CREATE TABLE schema_version (version BIGINT NOT NULL); INSERT INTO schema_version VALUES (1);
+    INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 0);
+    INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
+      keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
+      fence, seq, created, updated)
+    VALUES ('t', 'p', 'e', 0, 1, 'd', 'c', 's', 0, 0, 0, '{}', '{}', '{}', 1, 0, 'open', '[]', 0, 0, 0, 0, 0, 0);";
+
+/// The task of [`OF_VERSION_1`], with the column that version 2 added.
+fn task(store: &Store) -> (String, String) {
+    let row = store.read(|tx| tx.row("SELECT id, lang FROM tasks", &[])).unwrap().unwrap();
+    (row.text(0).unwrap(), row.text(1).unwrap())
+}
+
+#[test]
+fn an_older_store_comes_forward_and_is_copied_aside_before() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s");
+    let old = rusqlite::Connection::open(&path).unwrap();
+    old.execute_batch(FIRST).unwrap();
+    old.execute_batch(OF_VERSION_1).unwrap();
+    drop(old);
+    let store = Store::open(&Place::File(path.clone())).unwrap();
+    assert_eq!(task(&store), ("t".into(), String::new()));
+    let aside = rusqlite::Connection::open(store.kept.as_ref().unwrap()).unwrap();
+    let version: i64 = aside.query_row("SELECT max(version) FROM schema_version", [], |r| r.get(0)).unwrap();
+    let tasks: i64 = aside.query_row("SELECT count(*) FROM tasks", [], |r| r.get(0)).unwrap();
+    assert_eq!((version, tasks), (1, 1), "the copy is the store as it was");
+    assert_eq!(Store::open(&Place::File(path.clone())).unwrap().kept, None, "nothing to bring forward");
+
+    // A store of a newer program is not touched.
+    store.write(|tx| tx.run("INSERT INTO schema_version (version) VALUES (99)", &[])).unwrap();
+    drop(store);
+    assert_eq!(Store::open(&Place::File(path)).unwrap_err().code, "store.newer");
+}
+
+/// All that a backup of `store` holds.
+fn dump(store: &Store) -> Vec<u8> {
+    let mut out = Vec::new();
+    backup(store, &mut out).unwrap();
+    out
+}
+
+fn fill(store: &Store) {
+    put(store, "csrf_key");
+    store
+        .write(|tx| {
+            tx.run(
+                "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+                 VALUES ('u', 'ann', '安<b>', 0, 'zh', 'h', 0, 5)",
+                &[],
+            )?;
+            tx.run("INSERT INTO projects VALUES ('p', 'town', 'a\nb', '{}', '{}', 7)", &[])?;
+            tx.run(
+                "INSERT INTO members (project_id, user_id, roles, skills) VALUES ('p', 'u', '[\"lead\"]', '[]')",
+                &[],
+            )
+        })
+        .unwrap();
+}
+
+#[test]
+fn a_backup_restores_into_either_store_and_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let first = Store::open(&file(dir.path(), "first")).unwrap();
+    fill(&first);
+    let bytes = dump(&first);
+    let second = Store::open(&file(dir.path(), "second")).unwrap();
+    put(&second, "made on its first start");
+    let of = |part: &[u8]| {
+        let part = part.to_vec();
+        move || Ok(Cursor::new(part.clone()))
+    };
+    restore(&second, of(&bytes)).unwrap();
+    assert_eq!(String::from_utf8(dump(&second)).unwrap(), String::from_utf8(bytes.clone()).unwrap());
+
+    assert_eq!(restore(&second, of(&bytes)).unwrap_err().code, "restore.not_empty");
+    let third = Store::open(&file(dir.path(), "third")).unwrap();
+    let cut = bytes.iter().rposition(|b| *b == b'{').unwrap();
+    assert_eq!(restore(&third, of(&bytes[..cut])).unwrap_err().code, "restore.broken");
+    assert_eq!(restore(&third, of(b"{}\n{}")).unwrap_err().code, "restore.broken");
+    assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
+
+    let Some(server) = postgres::Server::start() else { return };
+    let far = Store::open(&Place::parse(&server.database())).unwrap();
+    restore(&far, of(&bytes)).unwrap();
+    assert_eq!(dump(&far), bytes);
+}
+
+#[test]
+fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_either() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(server) = postgres::Server::start() else { return };
+    let url = server.database();
+    let mut client = ::postgres::Client::connect(&url, ::postgres::NoTls).unwrap();
+    client.batch_execute(FIRST).unwrap();
+    client.batch_execute(OF_VERSION_1).unwrap();
+    let store = Store::open_keeping(&Place::parse(&url), dir.path()).unwrap();
+    assert_eq!(task(&store), ("t".into(), String::new()));
+    let kept = store.kept.clone().unwrap();
+    assert_eq!(kept.parent(), Some(dir.path()));
+    let text = std::fs::read_to_string(&kept).unwrap();
+    assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
+    // A backup of an older program goes into a store of this one, of either kind.
+    for place in [file(dir.path(), "fresh"), Place::parse(&server.database())] {
+        let fresh = Store::open(&place).unwrap();
+        let from = kept.clone();
+        let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
+        assert_eq!((rows, task(&fresh)), (2, ("t".into(), String::new())));
+        assert_eq!(dump(&fresh), dump(&store));
+        // What is there is not mixed with what comes: a project without any user is something too.
+        let from = kept.clone();
+        let again = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?)));
+        assert_eq!(again.unwrap_err().code, "restore.not_empty");
+    }
+}
+
+#[test]
+fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let store = Store::open(&file(dir.path(), "s")).unwrap();
+    store
+        .write(|tx| {
+            // More than two pages, with keys that only the second column tells apart.
+            tx.run("INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 7)", &[])?;
+            for i in 0..2500_i64 {
+                let user = format!("u{i:04}");
+                tx.run(
+                    "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created)
+                     VALUES ($1, $2, 'd', 0, 'zh', 'h', 0, 5)",
+                    values![&user, &user],
+                )?;
+                let member =
+                    "INSERT INTO members (project_id, user_id, roles, skills) VALUES ('p', $1, '[]', '[]')";
+                tx.run(member, values![&user])?;
+            }
+            Ok(())
+        })
+        .unwrap();
+    let bytes = dump(&store);
+    let other = Store::open(&file(dir.path(), "other")).unwrap();
+    let copy = bytes.clone();
+    assert_eq!(restore(&other, move || Ok(Cursor::new(copy.clone()))).unwrap(), 5001);
+    assert_eq!(dump(&other), bytes);
+
+    let empty = Store::open(&file(dir.path(), "empty")).unwrap();
+    for (head, why) in
+        [(r#"{"whyroad_backup":1,"schema_version":99}"#, "knows up to"), ("", "empty"), ("[", "EOF")]
+    {
+        let told = restore(&empty, move || Ok(Cursor::new(head))).unwrap_err();
+        assert!(told.code == "restore.broken" && told.text.en.contains(why), "{told}");
+    }
+    // A line without an end does not fill the memory.
+    let endless = || Ok(BufReader::new(std::io::repeat(b'x')));
+    assert!(restore(&empty, endless).unwrap_err().text.en.contains("longer than"));
+}
+
+#[test]
+fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
+    let dir = tempfile::tempdir().unwrap();
+    let check = |store: &Store| {
+        let odd =
+            store.write(|tx| tx.run("INSERT INTO settings (name, value) VALUES ($1, 'x')", values!["a\0b"]));
+        assert_eq!(odd.unwrap_err().code, "text.nul");
+        let odd = store.read(|tx| tx.rows("SELECT 1 FROM settings WHERE name = $1", values!["\0"]));
+        assert_eq!(odd.unwrap_err().code, "text.nul");
+    };
+    check(&Store::open(&file(dir.path(), "s")).unwrap());
+    let Some(server) = postgres::Server::start() else { return };
+    check(&Store::open(&Place::parse(&server.database())).unwrap());
+}
