@@ -1,5 +1,5 @@
 // Files in and out in the page, and webhooks: a receiver of ours refuses the first delivery, is tried again, and checks the
-// signature as docs/guides/labelling.md describes it.
+// signature as docs/how-to/run-the-service.md describes it.
 import assert from "node:assert/strict";
 import { createHmac } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";

@@ -1,5 +1,5 @@
 //! What a mining run leaves behind: the messages of DATA_FORMAT.md 3 and 5, `episodes.parquet`, coverage.
-//! `docs/rules.md` lists the files.
+//! `docs/reference/rules.md` lists the files.
 
 pub mod coverage;
 pub mod episode_table;

@@ -1,4 +1,4 @@
-//! `docs/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with English
+//! `docs/reference/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with English
 //! beside Chinese and every number counted. `markdown` can read it back.
 
 mod overlaps;

@@ -8,7 +8,7 @@ use whyroad_framework::docs::{fill_spec_page, taxonomy_page};
 use whyroad_model::ScenarioId;
 
 fn spec_page() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/SPEC.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/SPEC.md");
     std::fs::read_to_string(path).unwrap().replace("\r\n", "\n")
 }
 
@@ -16,7 +16,7 @@ fn spec_page() -> String {
 fn the_committed_spec_page_is_up_to_date() {
     let page = spec_page();
     let filled = fill_spec_page(Framework::bundled(), &page).unwrap();
-    assert!(filled == page, "docs/SPEC.md is stale: run `whyroad taxonomy docs`");
+    assert!(filled == page, "docs/reference/SPEC.md is stale: run `whyroad taxonomy docs`");
 }
 
 #[test]

@@ -282,8 +282,8 @@ fn nothing_found(path: &str, formats: &[Format]) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new(
-        "docs/guides/ingest.zh.md 说明各格式需要哪些文件",
-        "docs/guides/ingest.md says which files each format needs",
+        "docs/how-to/ingest.zh.md 说明各格式需要哪些文件",
+        "docs/how-to/ingest.md says which files each format needs",
     ))
     .in_file(path)
 }

@@ -1,5 +1,5 @@
 //! Our own layout of Parquet or CSV files for anybody's fleet: the way in for formats that have no adapter. What each file
-//! and column means is written in `docs/guides/table-format.md`, which people write their exporters by; change both together.
+//! and column means is written in `docs/reference/table-format.md`, which people write their exporters by; change both together.
 //!
 //! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown column or
 //! word is told, a cell that cannot be read is unknown and counted, a row without time, place or id is dropped and counted.

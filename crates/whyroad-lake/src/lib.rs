@@ -1,5 +1,5 @@
 //! The lake: scene tables on disk. One folder a drive, one Parquet file a table, plain enough for DuckDB or
-//! pandas (`docs/lake.md` lists tables, columns and units). This crate knows how drives are *stored*; it
+//! pandas (`docs/reference/lake.md` lists tables, columns and units). This crate knows how drives are *stored*; it
 //! knows no input format and derives nothing.
 //!
 //! What holds for every drive in a lake: the folder appears whole or not at all (written aside, then renamed);

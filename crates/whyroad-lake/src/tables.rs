@@ -1,4 +1,4 @@
-//! The scene tables, one file each: columns to disk and back. `docs/lake.md` documents every column.
+//! The scene tables, one file each: columns to disk and back. `docs/reference/lake.md` documents every column.
 
 pub(crate) mod clips;
 pub(crate) mod ego;

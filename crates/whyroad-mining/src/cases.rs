@@ -1,5 +1,5 @@
 //! Cases beside the rules (`scenarios/<l1>/<l2>.cases.yaml`): small traces of signals, and the episodes that
-//! the rules must find in them. `docs/rules.md` describes the file. They are written by hand; nothing here
+//! the rules must find in them. `docs/reference/rules.md` describes the file. They are written by hand; nothing here
 //! knows where signals come from.
 
 mod table;

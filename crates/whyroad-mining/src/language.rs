@@ -1,4 +1,4 @@
-//! The rule language: text to a checked program. `docs/rules.md` is its manual.
+//! The rule language: text to a checked program. `docs/reference/rules.md` is its manual.
 //!
 //! ```text
 //! text --token--> tokens --parse--> syntax (names as written) --check--> Program (signals resolved, base units)

@@ -1,5 +1,5 @@
 //! Names that a rule gives: each means one thing, and reading a rule always ends. And nesting beyond sense is refused,
-//! in a rule's text as in what its definitions add up to. Expected: docs/rules.md, "Names".
+//! in a rule's text as in what its definitions add up to. Expected: docs/reference/rules.md, "Names".
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::fmt::Write as _;

@@ -1,5 +1,5 @@
 //! Closed lists of words that maps and context states are made of. Adapters bring their sources' words to these; signals
-//! read no others. What each is used for is told in `docs/lake.md`.
+//! read no others. What each is used for is told in `docs/reference/lake.md`.
 
 /// Tags of a lane ([`crate::road_map::Lane::tags`]).
 pub const LANE_TAGS: &[&str] =

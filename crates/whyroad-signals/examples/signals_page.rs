@@ -1,4 +1,4 @@
-//! Prints `docs/signals.md` from the bundled catalogue.
+//! Prints `docs/reference/signals.md` from the bundled catalogue.
 #![allow(clippy::print_stdout, reason = "the page is the output")]
 
 fn main() {

@@ -1,6 +1,6 @@
 //! Visible shares on the recorded AV2 logs against what the lidar really hit: points in each annotated box. The lidar is
 //! on the roof and sees over cars, our eye does not, so the two agree by tendency, not one to one. Prints the figures of
-//! docs/accuracy.md. Skipped where the data is not.
+//! docs/reference/accuracy.md. Skipped where the data is not.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod scene;

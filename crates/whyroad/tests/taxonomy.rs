@@ -184,7 +184,7 @@ fn lint_of_our_own_files_finds_nothing() {
     for args in [
         &["--framework", ".", "taxonomy", "lint"][..],
         &["taxonomy", "lint", "schema/scenario_taxonomy.yaml"],
-        &["taxonomy", "lint", "docs/TAXONOMY.md"],
+        &["taxonomy", "lint", "docs/reference/TAXONOMY.md"],
     ] {
         let run = whyroad(args);
         assert_eq!((run.code, run.out.as_str()), (0, ""), "{args:?}: {}", run.err);
@@ -296,7 +296,7 @@ fn diff_reads_well_in_both_languages() {
 
 #[test]
 fn diff_reads_pages_too() {
-    let run = whyroad(&["taxonomy", "diff", "docs/TAXONOMY.md", "bundled", "--format", "json"]);
+    let run = whyroad(&["taxonomy", "diff", "docs/reference/TAXONOMY.md", "bundled", "--format", "json"]);
     let found: Value = serde_json::from_str(&run.out).unwrap();
     assert_eq!(found["changes"], serde_json::json!([]), "{found:#}");
     assert_eq!(run.code, 0);

@@ -147,12 +147,12 @@ fn diff_says_when_it_compares_classes_only() {
 #[test]
 fn docs_brings_the_generated_parts_of_a_spec_page_up_to_date() {
     let folder = framework(&[]);
-    let docs = folder.path().join("mine/docs");
+    let docs = folder.path().join("mine/docs/reference");
     let args = |last: &'static [&'static str]| [&["--framework", "mine", "taxonomy", "docs"], last].concat();
     // Without a SPEC.md only the taxonomy's page is written.
     assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
     assert!(docs.join("TAXONOMY.md").is_file() && !docs.join("SPEC.md").exists());
-    let ours = std::fs::read_to_string(root().join("docs/SPEC.md")).unwrap();
+    let ours = std::fs::read_to_string(root().join("docs/reference/SPEC.md")).unwrap();
     std::fs::write(docs.join("SPEC.md"), ours.replacen("`stop_for_regulation`", "`stop_for_rule`", 2))
         .unwrap();
     let stale = whyroad_in(folder.path(), &args(&["--check"]));

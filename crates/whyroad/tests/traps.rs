@@ -1,4 +1,4 @@
-//! `docs/traps.md` names the tests that hold the known traps of the field: each must exist.
+//! `docs/reference/traps.md` names the tests that hold the known traps of the field: each must exist.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::path::Path;
@@ -17,7 +17,7 @@ fn sources(dir: &Path, out: &mut String) {
 #[test]
 fn every_trap_has_its_tests() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let page = std::fs::read_to_string(root.join("docs/traps.md")).unwrap();
+    let page = std::fs::read_to_string(root.join("docs/reference/traps.md")).unwrap();
     let mut code = String::new();
     sources(&root.join("crates"), &mut code);
     let cases =

@@ -1,5 +1,5 @@
 //! Mining on simulated drives against what the simulator or its script says happened there (`examples/truth/{agents,roads,traffic}`, sets
-//! `seen` and `unseen`, of traffic `second` and `fresh` too), with the figures of docs/accuracy.md as floors (`examples/truth/floors.json`).
+//! `seen` and `unseen`, of traffic `second` and `fresh` too), with the figures of docs/reference/accuracy.md as floors (`examples/truth/floors.json`).
 //!
 //! In a debug build a few drives of each set are mined, so that the test stays quick. All of them, with the table of each set:
 //! `WHYROAD_TRUTH=all cargo test --release -p whyroad --test truth -- --nocapture`.

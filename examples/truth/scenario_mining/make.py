@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Sequences of referred objects and what the challenge's own evaluation says of them.
 
-Writes `truth.jsonl`, `predictions.jsonl` (the format of docs/guides/evaluation.md) and `expected.json`: the figures of
+Writes `truth.jsonl`, `predictions.jsonl` (the format of docs/how-to/evaluate.md) and `expected.json`: the figures of
 `av2.evaluation.scenario_mining` (PyPI: av2 0.3.6, with trackeval 1.3.0), without its region-of-interest raster. Everything
 is made here from a fixed seed: objects on straight ways, predictions with noise, missed and invented objects, swapped
 identities, late and early frames, scores that carry some truth. Needs `pip install av2 trackeval`.

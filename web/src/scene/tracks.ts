@@ -4,7 +4,7 @@ import { classColour } from "./colours.ts";
 import type { Picture } from "./draw.ts";
 import { type Pose, trackPose, trackValue } from "./motion.ts";
 
-/** Under this share the ego does not see an object (docs/signals.md, `target.emerges`). */
+/** Under this share the ego does not see an object (docs/reference/signals.md, `target.emerges`). */
 const HIDDEN_BELOW = 0.1;
 /** Length of the tracks' tails, and the distance of their points, s: at most speeds that is as smooth as every frame. */
 const TAIL_S = 3;

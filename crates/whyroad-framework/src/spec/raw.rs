@@ -23,7 +23,7 @@ pub struct SpecFile {
     /// What holds for the whole L1 or L2.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labeling: Option<LabelingLayer>,
-    /// The mining rule of the L2, which its leaves' rules inherit from (docs/rules.md).
+    /// The mining rule of the L2, which its leaves' rules inherit from (docs/reference/rules.md).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub mining: Option<serde_yaml_ng::Value>,
@@ -39,7 +39,7 @@ pub struct LeafLayer {
     /// Where its labelling differs from its L2's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub labeling: Option<LabelingLayer>,
-    /// Its mining rule (docs/rules.md); absent while there is none.
+    /// Its mining rule (docs/reference/rules.md); absent while there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub mining: Option<serde_yaml_ng::Value>,

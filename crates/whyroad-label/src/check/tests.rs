@@ -224,7 +224,7 @@ const SAMPLES: &[(&str, Kind)] = &[
     ),
 ];
 
-/// A query with every clause that docs/rules.md adds to 5.1.
+/// A query with every clause that docs/reference/rules.md adds to 5.1.
 const CLAUSES: &str = r#"{"mining_query":{"scenario_id":"reactive_agent.cutin","conditions":[{"any":[{"field":"ttc","operator":"<","value":5,"unit":"s"},{"not":{"rule":"ego.standstill"}}]},{"all":[{"field":"light.state","operator":"in","value":["red"]}]},{"temporal":"for","seconds":2,"condition":{"rule":"ego.standstill"}},{"temporal":"within","seconds":2,"condition":{"rule":"ego.standstill"}},{"temporal":"previously","condition":{"rule":"ego.standstill"}},{"temporal":"rises","condition":{"rule":"ego.standstill"}},{"temporal":"falls","condition":{"rule":"ego.standstill"}},{"temporal":"then","seconds":1.5,"first":{"rule":"ego.standstill"},"second":{"rule":"ego.moves_off"}},{"temporal":"since","first":{"rule":"ego.standstill"},"second":{"rule":"ego.brake"}},{"temporal":"until","seconds":3,"first":{"rule":"ego.standstill"},"second":{"rule":"ego.brake"}}]}}"#;
 
 #[test]

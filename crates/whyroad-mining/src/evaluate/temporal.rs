@@ -1,4 +1,4 @@
-//! Operators over time, each by its definition in `docs/rules.md`. One principle decides every edge case:
+//! Operators over time, each by its definition in `docs/reference/rules.md`. One principle decides every edge case:
 //! *what was not recorded is unknown*. A drive that is cut off, a target that was not yet seen and a gap in
 //! the log can turn an answer into unknown, never into its opposite.
 

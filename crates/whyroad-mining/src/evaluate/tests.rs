@@ -1,4 +1,4 @@
-//! Small signal tables by hand; expected truths from the definitions in `docs/rules.md`.
+//! Small signal tables by hand; expected truths from the definitions in `docs/reference/rules.md`.
 
 mod lasting;
 mod objects;

@@ -1,4 +1,4 @@
-//! Expected readings come from the grammar in `docs/rules.md` and from DATA_FORMAT.md 5.
+//! Expected readings come from the grammar in `docs/reference/rules.md` and from DATA_FORMAT.md 5.
 
 use super::*;
 use crate::language::program::Op;

@@ -7,7 +7,7 @@ use crate::language::{Fault, Span};
 use serde_yaml_ng::{Mapping, Value};
 use whyroad_model::Diagnostic;
 
-/// The fields of a block, in the order of `docs/rules.md`.
+/// The fields of a block, in the order of `docs/reference/rules.md`.
 const FIELDS: &[&str] = &[
     "target",
     "roles",

@@ -1,4 +1,4 @@
-//! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/rules.md` describes the block.
+//! A `mining:` block of `scenarios/<l1>/<l2>.yaml` to a [`Rule`]. `docs/reference/rules.md` describes the block.
 
 use super::block;
 use super::origin::Origin;

@@ -1,5 +1,5 @@
 //! What a `mining_query` asks for: the comparisons of DATA_FORMAT.md 5.1 and, compatible with them, clauses that
-//! combine others (`any`, `all`, `not`), speak of time, or are written in the rule language (`docs/rules.md`).
+//! combine others (`any`, `all`, `not`), speak of time, or are written in the rule language (`docs/reference/rules.md`).
 
 use super::mining::{QueryCondition, QueryOperator};
 use schemars::JsonSchema;

@@ -1,4 +1,4 @@
-//! The catalogue as a page for readers: `docs/signals.md`, written from `schema/signals.yaml` and held to it by a
+//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and held to it by a
 //! test. The words before the tables are in `src/catalogue/preface.md`.
 
 use super::{Catalogue, Scope, SignalDef, SignalKind};

@@ -60,9 +60,9 @@ fn every_code_has_a_page() {
 
 #[test]
 fn the_page_is_as_the_catalogue_says() {
-    let path = format!("{}/../../docs/signals.md", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../../docs/reference/signals.md", env!("CARGO_MANIFEST_DIR"));
     let written = std::fs::read_to_string(&path).unwrap();
     let stale =
-        "docs/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/signals.md";
+        "docs/reference/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/reference/signals.md";
     assert!(written == Catalogue::bundled().page(), "{stale}");
 }

@@ -1,5 +1,5 @@
 //! Signals against the simulator's own outputs (examples/truth, made by its make.py). Every expected value here is SUMO's;
-//! thresholds are what a sound implementation must reach, with room for the classes of difference that docs/accuracy.md
+//! thresholds are what a sound implementation must reach, with room for the classes of difference that docs/reference/accuracy.md
 //! explains. Figures: `cargo test -p whyroad-signals --test sumo_truth -- --nocapture --test-threads 1`.
 
 #![allow(missing_docs, reason = "a test, not an interface")]

@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Only this class (L1, L2 or leaf; full or unambiguous short id); may be repeated
     #[arg(long, value_name = "ID", conflicts_with_all = ["query", "rule"])]
     scenario: Vec<String>,
-    /// A rule in one line (docs/rules.md), or a .yaml file that holds one, instead of the framework's rules
+    /// A rule in one line (docs/reference/rules.md), or a .yaml file that holds one, instead of the framework's rules
     #[arg(long, value_name = "TEXT|FILE", conflicts_with = "query")]
     rule: Option<String>,
     /// What the target of --rule can be; any object unless said

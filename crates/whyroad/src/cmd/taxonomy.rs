@@ -62,14 +62,14 @@ enum Command {
         #[arg(long, value_enum, default_value = "text")]
         format: DiffFormat,
     },
-    /// Write docs/TAXONOMY.md and the generated parts of docs/SPEC.md
+    /// Write docs/reference/TAXONOMY.md and the generated parts of docs/reference/SPEC.md
     ///
-    /// A framework folder without a docs/SPEC.md gets none.
+    /// A framework folder without a docs/reference/SPEC.md gets none.
     Docs {
         /// Write nothing; exit code 1 when the file is not up to date
         #[arg(long)]
         check: bool,
-        /// Page to write instead of docs/TAXONOMY.md; a SPEC.md beside it is brought up to date too
+        /// Page to write instead of docs/reference/TAXONOMY.md; a SPEC.md beside it is brought up to date too
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

@@ -74,8 +74,8 @@ fn of_a_word(catalogue: &Catalogue, word: &str, fault: Fault) -> Fault {
 
 fn see_the_list(fault: Fault) -> Fault {
     fault.hint(
-        "可用信号见 `whyroad signals list`（docs/signals.md）",
-        "`whyroad signals list` (docs/signals.md) shows the signals",
+        "可用信号见 `whyroad signals list`（docs/reference/signals.md）",
+        "`whyroad signals list` (docs/reference/signals.md) shows the signals",
     )
 }
 

@@ -87,8 +87,8 @@ pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
                     ),
                 )
                 .with_hint(Bilingual::new(
-                    "格式见 docs/guides/evaluation.zh.md",
-                    "the format is in docs/guides/evaluation.md",
+                    "格式见 docs/how-to/evaluate.zh.md",
+                    "the format is in docs/how-to/evaluate.md",
                 ))
                 .at(Place { line: Some(i + 1), column: Some(e.column().max(1)), ..Place::default() })
                 .in_file(file),

@@ -14,7 +14,7 @@ const SECRET: &str = "WHYROAD_OIDC_CLIENT_SECRET";
 
 /// Options about signing in at an OpenID provider.
 #[derive(clap::Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Signing in at an OpenID provider (docs/guides/labelling-sign-in.md)")]
+#[command(next_help_heading = "Signing in at an OpenID provider (docs/how-to/set-up-sign-in.md)")]
 pub(super) struct OidcArgs {
     /// YAML file with all of this, and with what has no option: grants, conditions on claims
     #[arg(long, value_name = "FILE", env = "WHYROAD_OIDC_CONFIG")]

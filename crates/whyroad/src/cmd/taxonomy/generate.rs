@@ -27,7 +27,7 @@ impl Action {
 /// Writes the taxonomy page, and the generated parts of the SPEC.md beside it where there is one.
 pub(super) fn docs(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let page = out.map_or_else(|| root(global).join("docs").join("TAXONOMY.md"), Path::to_owned);
+    let page = out.map_or_else(|| root(global).join("docs/reference/TAXONOMY.md"), Path::to_owned);
     let spec = page.with_file_name("SPEC.md");
     let mut files = vec![(page, taxonomy_page(&framework))];
     if spec.is_file() {
