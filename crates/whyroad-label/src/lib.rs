@@ -2,8 +2,10 @@
 //!
 //! Pure functions: nothing here opens a file, reads a clock or knows how drives and labels are stored.
 
+pub mod agreement;
 pub mod check;
 pub mod draft;
+pub mod merge;
 
 #[cfg(test)]
 #[path = "../../whyroad-model/testing/hand_drive.rs"]

@@ -3,10 +3,8 @@
 //! `workflow` says who may do what; `store` keeps it; `service` does it; `api` puts it on the wire. Recordings are handed
 //! in by the caller: this crate reads no lake and derives no signal.
 
-pub mod agreement;
 pub mod api;
 pub mod app;
-pub mod fields;
 pub mod limits;
 pub mod oidc;
 pub mod problem;

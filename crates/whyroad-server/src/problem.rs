@@ -2,6 +2,7 @@
 
 use crate::workflow::Refusal;
 use serde_json::Value;
+use whyroad_label::merge::DraftError;
 use whyroad_model::Bilingual;
 
 /// A refusal with an HTTP status, a stable code and words in both languages.
@@ -94,6 +95,13 @@ impl Problem {
     /// The disk is full.
     pub fn disk_full() -> Self {
         Self::new(507, "store.full", "磁盘已满，未保存", "the disk is full, nothing was saved")
+    }
+}
+
+impl From<DraftError> for Problem {
+    fn from(e: DraftError) -> Self {
+        let status = if e == DraftError::TooLarge { 413 } else { 422 };
+        Self { status, code: e.code(), text: e.text(), more: None }
     }
 }
 

@@ -2,16 +2,17 @@
 //! and bringing an earlier draft back.
 
 use crate::api::wire::project::Project;
-use crate::api::wire::task::{ActionName, FieldChange, NewComment, Stage, TaskAction};
+use crate::api::wire::task::{ActionName, NewComment, Stage, TaskAction};
 use crate::app::App;
 use crate::problem::{Answer, Problem};
+use crate::secret;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{audits, dashboard, drafts, findings, leases};
 use crate::store::Tx;
 use crate::values;
 use crate::workflow::{self, Action, Actor, Draw, Role, State};
-use crate::{fields, secret};
 use serde_json::{Value, json};
+use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
 
@@ -180,7 +181,7 @@ fn finish(app: &App, t: &mut TaskRow, name: &str, now: i64) -> Answer<Vec<FieldC
     let made = serde_json::to_value(made).map_err(Problem::store)?;
     let changes = vec![set("/provenance", made), set("/version", json!(FORMAT_VERSION))];
     for c in &changes {
-        fields::apply(&mut t.draft, c)?;
+        merge::apply(&mut t.draft, c)?;
     }
     refuse_errors(findings::of(app, &t.draft, Stage::Stage2))?;
     t.version += 1;

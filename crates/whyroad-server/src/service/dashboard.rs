@@ -1,7 +1,6 @@
 //! How a project goes: what stands where, who did what, how far people agree, what is missing, what audits found.
 //! Read only; all of it from the tasks and their history.
 
-use crate::agreement::{cohen, fleiss, median};
 use crate::api::wire::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
 };
@@ -11,6 +10,7 @@ use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
+use whyroad_label::agreement::{cohen, fleiss, median};
 use whyroad_model::Nanos;
 
 /// Milliseconds of a day.

@@ -1,8 +1,7 @@
 //! Saving the fields of a draft as they are changed, and putting an earlier draft together again from the history.
 
 use crate::api::wire::project::Settings;
-use crate::api::wire::task::{Conflicts, DraftChange, FieldChange, Stage};
-use crate::fields;
+use crate::api::wire::task::{Conflicts, DraftChange, Stage};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
 use crate::service::tasks::{self, Entry, TaskRow};
@@ -11,6 +10,7 @@ use crate::store::Tx;
 use crate::values;
 use crate::workflow::State;
 use serde_json::Value;
+use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::Nanos;
 
 /// What came of saving.
@@ -43,8 +43,8 @@ pub fn save(
 ) -> Answer<Saved> {
     let mut t = tasks::get_for_change(tx, task)?;
     leases::may_edit(&t, user, Some(change.fence))?;
-    if change.changes.is_empty() || change.changes.len() > fields::MAX_CHANGES {
-        return Err(Problem::request(format!("1 to {} changes", fields::MAX_CHANGES)));
+    if change.changes.is_empty() || change.changes.len() > merge::MAX_CHANGES {
+        return Err(Problem::request(format!("1 to {} changes", merge::MAX_CHANGES)));
     }
     for c in &change.changes {
         visible::may_change(t.at.state, &c.path, &c.value, Nanos(t.keyframe_ns))?;
@@ -56,9 +56,9 @@ pub fn save(
     }
     let mut draft = t.draft.clone();
     for c in &changes {
-        fields::apply(&mut draft, c)?;
+        merge::apply(&mut draft, c)?;
     }
-    fields::bounded(&draft)?;
+    merge::bounded(&draft)?;
     t.draft = draft;
     t.version += 1;
     leases::extend(&mut t, settings, now);
@@ -91,7 +91,7 @@ fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answe
         return Err(Problem::request(format!("base_version {base} is not there yet")));
     }
     let theirs = since(tx, t, base)?;
-    let conflicts = fields::conflicts(&t.draft, mine, &theirs);
+    let conflicts = merge::conflicts(&t.draft, mine, &theirs);
     if conflicts.is_empty() {
         return Ok(());
     }
@@ -147,7 +147,7 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
         }
         if let Some(changes) = row.maybe_text(1)? {
             for c in parse::<Vec<FieldChange>>(&changes)? {
-                fields::apply(&mut draft, &c)?;
+                merge::apply(&mut draft, &c)?;
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Tasks as the store has them: reading, writing, listing, and their append-only history.
 
 use crate::api::wire::project::HistoryRule;
-use crate::api::wire::task::{FieldChange, TaskSummary};
+use crate::api::wire::task::TaskSummary;
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
 use crate::service::{visible, webhooks};
@@ -10,6 +10,7 @@ use crate::values;
 use crate::workflow::{Actor, Position, Role, Seen, State};
 use serde_json::Value;
 use std::collections::HashMap;
+use whyroad_label::merge::FieldChange;
 use whyroad_model::messages::EpisodeRecord;
 
 /// A task whole.

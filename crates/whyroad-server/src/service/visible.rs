@@ -46,7 +46,7 @@ pub fn label(label: &Value, stage: Stage) -> Value {
 
 /// Refuses a change of `path` that the task's state does not allow.
 pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
-    let field = crate::fields::top(path);
+    let field = whyroad_label::merge::top(path);
     match state {
         State::Stage1 if !STAGE1_OPEN.contains(&field) => Err(Problem::new(
             422,
@@ -212,5 +212,5 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Ta
 
 /// Fields that differ from the suggestion, of those that may be seen.
 fn changed(t: &TaskRow, stage: Stage) -> Vec<String> {
-    crate::fields::differing(&label(&t.initial, stage), &label(&t.draft, stage))
+    whyroad_label::merge::differing(&label(&t.initial, stage), &label(&t.draft, stage))
 }

@@ -4,10 +4,10 @@ use super::tasks::{actor, answer, look};
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::api::wire::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
-use crate::fields::MAX_DRAFT;
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::{actions, drafts, findings, projects, tasks, visible};
+use whyroad_label::merge::MAX_DRAFT;
 
 /// `PATCH /tasks/{t}/draft`
 pub fn save(call: &Call<'_>) -> Answer<Reply> {

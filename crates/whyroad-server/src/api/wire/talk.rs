@@ -1,10 +1,11 @@
 //! What is said about a task: its history, remarks, and other people's labels of the same episode.
 
-use super::task::{FieldChange, TaskSummary};
+use super::task::TaskSummary;
 use crate::workflow::State;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use whyroad_label::merge::FieldChange;
 
 /// The history of a task.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

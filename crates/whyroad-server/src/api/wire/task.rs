@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_framework::ResolvedSpec;
+use whyroad_label::merge::{FieldChange, FieldConflict};
 use whyroad_model::messages::{Keyframe, MatchedCondition};
 
 /// How much of a task may be seen now.
@@ -250,20 +251,6 @@ pub struct DraftChange {
     pub changes: Vec<FieldChange>,
 }
 
-/// One field set, added or removed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FieldChange {
-    /// JSON pointer into the label: `/coc_trace`, `/critical_components/0/description`; `-` as the last part appends.
-    pub path: String,
-    /// New value.
-    #[serde(default)]
-    pub value: Value,
-    /// Takes the field away instead.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub remove: bool,
-}
-
 /// Answer of `PATCH /tasks/{t}/draft`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct DraftSaved {
@@ -287,17 +274,6 @@ pub struct Conflicts {
     pub draft: Value,
     /// Fields that both changed.
     pub conflicts: Vec<FieldConflict>,
-}
-
-/// A field that two changed.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct FieldConflict {
-    /// JSON pointer.
-    pub path: String,
-    /// What the caller wanted.
-    pub mine: Value,
-    /// What stands there now.
-    pub theirs: Value,
 }
 
 /// Body of `POST /tasks/{t}/actions`.

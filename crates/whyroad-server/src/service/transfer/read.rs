@@ -1,9 +1,9 @@
 //! One line of an import: an episode as `whyroad mine` writes it, a task as the export writes it, or a label.
 
-use crate::fields::{self, MAX_DRAFT};
 use crate::secret;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use whyroad_label::merge::{self, MAX_DRAFT};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::{Bilingual, ClipId, DriveId, ScenarioId};
 
@@ -46,7 +46,7 @@ fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
         .map_err(|e| Bilingual::new(format!("任务的片段：{e}"), format!("its episode: {e}")))?;
     let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
     let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
-    draft.as_ref().map_or(Ok(()), fields::bounded).map_err(|p| p.text)?;
+    draft.as_ref().map_or(Ok(()), merge::bounded).map_err(|e| e.text())?;
     let count = number("overlap_count", 1).clamp(1, 10);
     let index = number("overlap_index", 0).clamp(0, count - 1);
     Ok(Incoming { episode, draft, priority: number("priority", 0), overlap: (index, count) })
@@ -54,7 +54,7 @@ fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
 
 /// A label names no episode: one is made from what it says, under an id that is the same each time.
 fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
-    fields::bounded(value).map_err(|p| p.text)?;
+    merge::bounded(value).map_err(|e| e.text())?;
     let text = value.to_string();
     let label: CocLabel = serde_json::from_value(value.clone())
         .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("it is no label: {e}")))?;

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::api::wire::scene::SignalAbout;
-use crate::api::wire::task::FieldChange;
 use crate::recordings::Recordings;
 use crate::service::fixtures::{self, task};
 use crate::service::tasks::Entry;
@@ -10,6 +9,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use whyroad_label::merge::FieldChange;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, Nanos, SignalTable};

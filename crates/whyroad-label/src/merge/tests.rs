@@ -18,7 +18,7 @@ fn fields_are_set_made_appended_and_taken_away() {
     apply(&mut d, &FieldChange { path: "/a/1".into(), value: Value::Null, remove: true }).unwrap();
     assert_eq!(d, json!({"a": [9, 3], "b": {"c": "x"}, "list": [1]}));
     for bad in ["", "a", "/a/7", "/a/x/y", "/b/c/d"] {
-        assert_eq!(apply(&mut d, &set(bad, json!(1))).unwrap_err().code, "draft.path", "{bad}");
+        assert_eq!(apply(&mut d, &set(bad, json!(1))).unwrap_err().code(), "draft.path", "{bad}");
     }
 }
 

@@ -1,27 +1,86 @@
-//! Fields of a draft by JSON pointer (RFC 6901): reading, changing, and merging two people's changes field by field.
+//! Fields of a draft by JSON pointer (RFC 6901): changing them, and merging two people's changes field by field.
+//! Knows no task, no person and no protocol.
 
-use crate::api::wire::task::{FieldChange, FieldConflict};
-use crate::problem::{Answer, Problem};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use whyroad_model::Bilingual;
 
 /// Greatest size of a draft in bytes.
 pub const MAX_DRAFT: usize = 256 * 1024;
 /// Deepest nesting of a draft. A label needs five; what is nested beyond 128 could be stored but never be read again.
 pub const MAX_DEPTH: usize = 32;
-/// Most changes of one request.
+/// Maximum number of changes in one request.
 pub const MAX_CHANGES: usize = 100;
 
+/// One field set, added or removed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FieldChange {
+    /// JSON pointer into the label: `/coc_trace`, `/critical_components/0/description`; `-` as the last part appends.
+    pub path: String,
+    /// New value.
+    #[serde(default)]
+    pub value: Value,
+    /// Removes the field instead.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub remove: bool,
+}
+
+/// A field that two changed.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FieldConflict {
+    /// JSON pointer.
+    pub path: String,
+    /// What the caller wanted.
+    pub mine: Value,
+    /// What stands there now.
+    pub theirs: Value,
+}
+
+/// Why a change or a draft is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DraftError {
+    /// The text is not the path of a field.
+    #[error("'{0}' is not the path of a field")]
+    NotAPath(String),
+    /// The draft has no such field, and none can be added there.
+    #[error("no field at {0}")]
+    NoField(String),
+    /// Larger than [`MAX_DRAFT`].
+    #[error("the draft is too large")]
+    TooLarge,
+    /// Nested deeper than [`MAX_DEPTH`].
+    #[error("the draft is nested more than {MAX_DEPTH} levels deep")]
+    TooDeep,
+}
+
+impl DraftError {
+    /// Stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::NotAPath(_) | Self::NoField(_) => "draft.path",
+            Self::TooLarge => "draft.too_large",
+            Self::TooDeep => "draft.too_deep",
+        }
+    }
+
+    /// In words.
+    pub fn text(&self) -> Bilingual {
+        let zh = match self {
+            Self::NotAPath(path) => format!("'{path}' 不是字段路径"),
+            Self::NoField(path) => format!("路径 {path} 处没有字段"),
+            Self::TooLarge => "草稿过大".to_owned(),
+            Self::TooDeep => format!("草稿嵌套超过 {MAX_DEPTH} 层"),
+        };
+        Bilingual::new(zh, self.to_string())
+    }
+}
+
 /// Makes one change. Objects on the way are made where they are missing; list elements must be there.
-pub fn apply(draft: &mut Value, change: &FieldChange) -> Answer<()> {
+pub fn apply(draft: &mut Value, change: &FieldChange) -> Result<(), DraftError> {
     let parts = parts(&change.path)?;
-    let wrong = || {
-        Problem::new(
-            422,
-            "draft.path",
-            format!("路径 {} 不存在", change.path),
-            format!("there is no {}", change.path),
-        )
-    };
+    let wrong = || DraftError::NoField(change.path.clone());
     let Some((last, way)) = parts.split_last() else { return Err(wrong()) };
     let mut at = draft;
     for part in way {
@@ -61,17 +120,12 @@ pub fn apply(draft: &mut Value, change: &FieldChange) -> Answer<()> {
 }
 
 /// Refuses a draft that is larger or nested deeper than any label.
-pub fn bounded(draft: &Value) -> Answer<()> {
+pub fn bounded(draft: &Value) -> Result<(), DraftError> {
     if draft.to_string().len() > MAX_DRAFT {
-        return Err(Problem::new(413, "draft.too_large", "草稿过大", "the draft is too large"));
+        return Err(DraftError::TooLarge);
     }
     if depth(draft) > MAX_DEPTH {
-        return Err(Problem::new(
-            422,
-            "draft.too_deep",
-            format!("草稿嵌套超过 {MAX_DEPTH} 层"),
-            format!("the draft is nested more than {MAX_DEPTH} deep"),
-        ));
+        return Err(DraftError::TooDeep);
     }
     Ok(())
 }
@@ -86,14 +140,9 @@ fn depth(value: &Value) -> usize {
     }
 }
 
-fn parts(path: &str) -> Answer<Vec<String>> {
+fn parts(path: &str) -> Result<Vec<String>, DraftError> {
     if path.len() > 200 || !path.starts_with('/') || path.split('/').count() > 8 {
-        return Err(Problem::new(
-            422,
-            "draft.path",
-            format!("'{path}' 不是字段路径"),
-            format!("'{path}' is not the path of a field"),
-        ));
+        return Err(DraftError::NotAPath(path.to_owned()));
     }
     Ok(path.split('/').skip(1).map(|p| p.replace("~1", "/").replace("~0", "~")).collect())
 }
