@@ -211,7 +211,7 @@ fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
         format!("行程 {id} 无法读取，已跳过：{}", cause.message.zh),
         format!("drive {id} cannot be read and is left out: {}", cause.message.en),
     );
-    let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.place);
+    let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.location);
     Box::new(match cause.hint {
         Some(hint) => d.with_hint(hint),
         None => d,

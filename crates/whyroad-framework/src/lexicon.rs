@@ -10,7 +10,7 @@ pub use compile::{Hit, Role};
 
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// Words for decisions, for negation, and for who does what.
 #[derive(Clone, Debug, Default)]
@@ -128,11 +128,11 @@ impl Lexicon {
         let raw: File = match serde_yaml_ng::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
-                let place = Place {
+                let place = Location {
                     file: Some(file.to_owned()),
                     line: e.location().map(|l| l.line()),
                     column: e.location().map(|l| l.column()),
-                    ..Place::default()
+                    ..Location::default()
                 };
                 let message =
                     Bilingual::new(format!("词表无法读取：{e}"), format!("the lexicon cannot be read: {e}"));
@@ -170,7 +170,10 @@ mod tests {
         let text = include_str!("../../../schema/decision_lexicon.yaml");
         let (empty, d) = Lexicon::parse("x.yaml", &text.replace("negation_end:", "negation_stop:"));
         assert!(empty.patterns.is_empty());
-        assert_eq!((d.len(), d[0].code, d[0].place.file.as_deref()), (1, "lexicon.syntax", Some("x.yaml")));
+        assert_eq!(
+            (d.len(), d[0].code, d[0].location.file.as_deref()),
+            (1, "lexicon.syntax", Some("x.yaml"))
+        );
         // The same word for two decisions, and a choice that is never closed.
         let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, 变道, "));
         assert!(d.len() == 1 && d[0].code == "lexicon.pattern" && d[0].message.en.contains("变道"), "{d:?}");

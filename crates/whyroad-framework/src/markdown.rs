@@ -6,7 +6,7 @@ mod lint;
 pub use lint::lint_markdown;
 
 use crate::taxonomy::{L1, L2, L3, Taxonomy};
-use whyroad_model::{Bilingual, Place};
+use whyroad_model::{Bilingual, Location};
 
 /// Everything a TAXONOMY.md says of classes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Item {
     /// The text.
     pub text: String,
     /// Its place; no file.
-    pub place: Place,
+    pub place: Location,
 }
 
 /// A class with the classes below it.
@@ -53,7 +53,7 @@ pub struct Stated {
     /// The number.
     pub number: usize,
     /// Its place; no file.
-    pub place: Place,
+    pub place: Location,
     /// Which part of the text.
     pub part: Part,
 }
@@ -129,13 +129,13 @@ struct Line<'t> {
 
 impl Line<'_> {
     /// The place of `part`, a slice of this line's text starting at byte `at`.
-    fn place(&self, at: usize, part: &str) -> Place {
-        Place {
+    fn place(&self, at: usize, part: &str) -> Location {
+        Location {
             line: Some(self.number),
             column: Some(self.text[..at].chars().count() + 1),
             snippet: Some(self.text.to_owned()),
             span: part.chars().count(),
-            ..Place::default()
+            ..Location::default()
         }
     }
 
@@ -147,7 +147,7 @@ impl Line<'_> {
     }
 
     /// Numbers that stand directly before `label` in this line: `30个L2`, `30 L2`.
-    fn count_before(&self, label: &str) -> Option<(usize, Place)> {
+    fn count_before(&self, label: &str) -> Option<(usize, Location)> {
         let end = self.text.find(label)?;
         let before = self.text[..end].trim_end().trim_end_matches('个').trim_end();
         let digits_start = before

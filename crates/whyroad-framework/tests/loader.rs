@@ -97,7 +97,7 @@ fn findings(file: &str, from: &str, to: &str) -> Vec<Diagnostic> {
 }
 
 fn short(found: &[Diagnostic]) -> Vec<String> {
-    found.iter().map(|d| format!("{}:{}", d.code, d.place.line.unwrap_or(0))).collect()
+    found.iter().map(|d| format!("{}:{}", d.code, d.location.line.unwrap_or(0))).collect()
 }
 
 const T: &str = "schema/scenario_taxonomy.yaml";

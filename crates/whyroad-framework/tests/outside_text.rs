@@ -53,7 +53,7 @@ proptest! {
     fn a_page_in_any_state_is_linted(edits in edits()) {
         let text = edited(&page(), &edits);
         for d in lint_markdown("page.md", &text, Some(&Framework::bundled().taxonomy)) {
-            prop_assert!(d.place.line.is_none_or(|l| l >= 1 && l <= text.lines().count().max(1)));
+            prop_assert!(d.location.line.is_none_or(|l| l >= 1 && l <= text.lines().count().max(1)));
         }
     }
 

@@ -201,7 +201,7 @@ fn a_truncated_file_keeps_its_readable_batches_and_the_other_logs_go_on() {
     assert_eq!(short.outcome, None);
     let error = short.diagnostics.iter().find(|d| d.severity == Severity::Error).unwrap();
     assert!(error.code == "av2.feather.truncated" && error.hint.is_some());
-    assert!(error.place.file.as_ref().unwrap().ends_with("annotations.feather"));
+    assert!(error.location.file.as_ref().unwrap().ends_with("annotations.feather"));
 
     assert_eq!(
         (whole.outcome, whole.lost_input(), whole.tables[0].kept_total()),

@@ -204,6 +204,6 @@ fn a_real_file_that_was_cut_is_an_error() {
     assert_eq!(error.code, "av2.feather.truncated");
     assert!(
         error.hint.is_some()
-            && error.place.file.as_deref().is_some_and(|f| f.ends_with("annotations.feather"))
+            && error.location.file.as_deref().is_some_and(|f| f.ends_with("annotations.feather"))
     );
 }

@@ -248,7 +248,8 @@ fn a_cut_array_is_named_and_the_rest_is_kept() {
     };
     assert_eq!(codes, ["comma2k19.array.unreadable"]);
     assert!(
-        report.lost_input() && report.diagnostics[0].place.file.as_deref().unwrap().ends_with("radar/value")
+        report.lost_input()
+            && report.diagnostics[0].location.file.as_deref().unwrap().ends_with("radar/value")
     );
     let drive = drive.unwrap();
     assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| m == "radar"));

@@ -151,5 +151,5 @@ fn pictures_are_named_with_their_times_and_a_missing_table_is_told() {
     }
     let (drive, report) = nuscenes::read(dir.path(), 0, &Options::default());
     assert!(drive.is_none() && report.diagnostics[0].code == "nuscenes.table.unreadable");
-    assert!(report.diagnostics[0].place.file.as_ref().unwrap().ends_with("category.json"));
+    assert!(report.diagnostics[0].location.file.as_ref().unwrap().ends_with("category.json"));
 }

@@ -167,7 +167,7 @@ fn objects_that_share_one_array_cannot_become_more_rows_than_the_file_has_bytes(
 fn what_is_no_scenario_says_where() {
     let report = refused(b"\x80\x02}X\x06\x00\x00\x00tracks}s.");
     assert_eq!(codes(&report), ["scenarionet.schema"]);
-    assert_eq!(report.diagnostics[0].place.pointer.as_deref(), Some("/metadata/ts"));
+    assert_eq!(report.diagnostics[0].location.pointer.as_deref(), Some("/metadata/ts"));
     let whole = std::fs::read(fixtures().join("sd_byhand_p4.pkl")).unwrap();
     assert_eq!(codes(&refused(&whole[..whole.len() / 2])), ["scenarionet.pickle.unreadable"]);
 }

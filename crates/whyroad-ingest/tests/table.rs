@@ -164,7 +164,7 @@ fn unknown_names_are_told_with_the_nearest_known_one() {
     let absent = report.diagnostics.iter().find(|d| d.code == "table.column.missing").unwrap();
     assert!(
         absent.message.en.contains("'heading_rad' or 'heading_deg'")
-            && absent.place.file.as_deref().unwrap().ends_with("ego.csv")
+            && absent.location.file.as_deref().unwrap().ends_with("ego.csv")
     );
 
     let (drive, report) = changed(|dir| edit(dir, "objects.csv", "car-1,car,", "car-1,lorry,"));

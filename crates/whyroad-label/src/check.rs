@@ -27,7 +27,7 @@ use json::{Locator, SyntaxError};
 use rules::{Finding, Rulebook, Sink, Words};
 use walk::{LABEL, Walk};
 use whyroad_framework::Framework;
-use whyroad_model::{Bilingual, Diagnostic, Place, Severity};
+use whyroad_model::{Bilingual, Diagnostic, Location, Severity};
 
 /// Checks documents against one framework and, where given, one list of clips.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ impl<'f> Checker<'f> {
                 None
             }
         };
-        out[from..].sort_by_key(|a| (a.place.line, a.place.column));
+        out[from..].sort_by_key(|a| (a.location.line, a.location.column));
         let valid = out[from..].iter().all(|d| d.severity != Severity::Error);
         Verdict { kind, valid, foreign }
     }
@@ -139,11 +139,11 @@ impl<'f> Checker<'f> {
 
 /// The finding for something wrong between documents. The place has no file name.
 pub fn problem(problem: Problem, origin: &Origin) -> Diagnostic {
-    let place = Place {
+    let place = Location {
         line: Some(origin.line),
         column: Some(origin.column),
         pointer: Some(origin.element.map(|i| format!("/{i}")).unwrap_or_default()),
-        ..Place::default()
+        ..Location::default()
     };
     let b = |zh: &str, en: &str| Bilingual::new(zh, en);
     let syntax = |message| Diagnostic::error("label.json.syntax", message);

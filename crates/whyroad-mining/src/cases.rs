@@ -12,7 +12,7 @@ use crate::rule::{OTHER, RuleSet};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use table::table;
-use whyroad_model::{Bilingual, Diagnostic, ObjectClass, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ObjectClass, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// What a case shows about its rule. Every rule has at least one of each.
@@ -133,10 +133,10 @@ fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diag
 }
 
 fn said(file: &str, line: Option<usize>, message: Bilingual) -> Diagnostic {
-    Diagnostic::error("rule.case", message).at(Place {
+    Diagnostic::error("rule.case", message).at(Location {
         file: Some(file.to_owned()),
         line,
-        ..Place::default()
+        ..Location::default()
     })
 }
 

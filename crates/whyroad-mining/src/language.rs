@@ -16,7 +16,7 @@ pub use check::Checker;
 pub use program::{Moment, NodeId, Op, Program, Scope, Subject};
 pub use syntax::{Expr, Span};
 
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// What is wrong in an expression, and which part of it. Becomes a [`Diagnostic`] once the expression's
 /// own place is known.
@@ -46,11 +46,11 @@ impl Fault {
     }
 
     /// As a diagnostic about the expression `text`, shown as it is; `origin` says where it comes from.
-    pub fn about(self, text: &str, origin: &Place) -> Diagnostic {
+    pub fn about(self, text: &str, origin: &Location) -> Diagnostic {
         let start = self.span.start.min(text.len());
         let end = self.span.end.clamp(start, text.len());
         let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
-        let place = Place {
+        let place = Location {
             line: origin.line.or(Some(1)).map(|l| l + text[..start].matches('\n').count()),
             column: Some(text[line_start..start].chars().count() + 1),
             snippet: text[line_start..].lines().next().map(str::to_owned),
@@ -61,7 +61,7 @@ impl Fault {
     }
 
     /// As a diagnostic at a place that is known already.
-    pub fn at(self, place: Place) -> Diagnostic {
+    pub fn at(self, place: Location) -> Diagnostic {
         let d = Diagnostic::error(self.code, self.message).at(place);
         match self.hint {
             Some(h) => d.with_hint(*h),

@@ -35,7 +35,7 @@ fn every_fault_of_a_block_is_told_where_it_stands() {
     let found = check(FAULTY, None).found;
     let mut told: Vec<(usize, usize, &str)> = found
         .iter()
-        .map(|d| (d.place.line.unwrap_or(0), d.place.column.unwrap_or(0), d.message.en.as_str()))
+        .map(|d| (d.location.line.unwrap_or(0), d.location.column.unwrap_or(0), d.message.en.as_str()))
         .collect();
     told.sort_unstable();
     let expected = [
@@ -123,7 +123,7 @@ fn a_bare_rule_is_held_to_the_cases_beside_it() {
     let told: Vec<(Option<usize>, &str)> = checked
         .found
         .iter()
-        .map(|d| (d.place.line, d.message.en.split(" fails: ").last().unwrap()))
+        .map(|d| (d.location.line, d.message.en.split(" fails: ").last().unwrap()))
         .collect();
     assert_eq!(
         told,

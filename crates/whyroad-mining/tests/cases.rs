@@ -78,6 +78,6 @@ cases:
     not_observable: [ego.lane_change]
 "#;
     let tally = run_cases("wrong.cases.yaml", wrong, &rules(), Catalogue::bundled());
-    let places: Vec<_> = tally.failures.iter().map(|d| (d.code, d.place.line)).collect();
+    let places: Vec<_> = tally.failures.iter().map(|d| (d.code, d.location.line)).collect();
     assert_eq!(places, [6, 11, 16, 21].map(|line| ("rule.case", Some(line))));
 }

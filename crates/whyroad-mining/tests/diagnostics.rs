@@ -67,7 +67,7 @@ fn a_wrong_rule_is_shown_where_it_stands() {
         let found = faults(file, from, to);
         let text: String = found.iter().map(|d| diagnostic::render_text(d, Lang::En)).collect();
         assert!(!found.is_empty() && found.iter().all(|d| d.code == code), "{from} -> {to}: {text}");
-        assert!(found.iter().all(|d| d.place.file.as_deref() == Some(file)), "{text}");
+        assert!(found.iter().all(|d| d.location.file.as_deref() == Some(file)), "{text}");
     }
 }
 
@@ -79,7 +79,7 @@ fn the_line_and_column_are_those_of_the_file() {
     let column = text.lines().nth(line).unwrap().find("target.wheel_over_line").unwrap() + 1;
     // One fault, although three leaves inherit it.
     assert_eq!(found.len(), 1, "{found:?}");
-    assert_eq!((found[0].place.line, found[0].place.column), (Some(line + 1), Some(column)));
+    assert_eq!((found[0].location.line, found[0].location.column), (Some(line + 1), Some(column)));
 }
 
 /// DATA_FORMAT.md 5.1, as printed there.

@@ -45,7 +45,7 @@ fn faults_are_shown_where_they_are_written() {
     ] {
         let (found, line) = broken(file, from, to);
         assert_eq!(found.len(), 1, "{file}: {found:#?}");
-        let place = &found[0].place;
+        let place = &found[0].location;
         let shown = (found[0].code, place.file.as_deref(), place.line);
         assert_eq!(shown, (code, Some(file), Some(line)));
         if code == "rule.signal.unknown" {
@@ -77,7 +77,7 @@ fn an_entry_of_the_signal_catalogue_with_a_mistake_is_shown_in_its_file() {
     let (_, found) = Catalogue::parse(&text);
     let line = text.lines().enumerate().filter(|(_, l)| l.ends_with("name: ego.accel")).nth(1).unwrap().0 + 1;
     assert_eq!(found.len(), 1, "{found:?}");
-    let place = &found[0].place;
+    let place = &found[0].location;
     assert_eq!(
         (found[0].code, place.file.as_deref(), place.line),
         ("signals.name", Some("schema/signals.yaml"), Some(line))

@@ -18,8 +18,8 @@ fn check(text: &str) -> Vec<Diagnostic> {
 /// Code and marked text of each fault.
 fn faults(text: &str) -> Vec<(&'static str, String)> {
     let marked = |d: &Diagnostic| {
-        let line = d.place.snippet.clone().unwrap_or_default();
-        line.chars().skip(d.place.column.unwrap_or(1) - 1).take(d.place.span).collect()
+        let line = d.location.snippet.clone().unwrap_or_default();
+        line.chars().skip(d.location.column.unwrap_or(1) - 1).take(d.location.span).collect()
     };
     check(text).iter().map(|d| (d.code, marked(d))).collect()
 }

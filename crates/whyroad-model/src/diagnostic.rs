@@ -20,9 +20,9 @@ pub enum Severity {
     Note,
 }
 
-/// Where it is. Every part that is known.
+/// Where a finding is: the parts that are known.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Place {
+pub struct Location {
     /// File as the user named it; `<stdin>` for standard input.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
@@ -56,7 +56,8 @@ pub struct Diagnostic {
     /// What is wrong, naming the value.
     pub message: Bilingual,
     /// Where.
-    pub place: Place,
+    #[serde(rename = "place")]
+    pub location: Location,
     /// How to mend it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<Bilingual>,
@@ -65,7 +66,7 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error.
     pub fn error(code: &'static str, message: Bilingual) -> Self {
-        Self { code, severity: Severity::Error, message, place: Place::default(), hint: None }
+        Self { code, severity: Severity::Error, message, location: Location::default(), hint: None }
     }
     /// A warning.
     pub fn warning(code: &'static str, message: Bilingual) -> Self {
@@ -81,16 +82,16 @@ impl Diagnostic {
         self.hint = Some(hint);
         self
     }
-    /// The same at `place`.
+    /// The same at `location`.
     #[must_use]
-    pub fn at(mut self, place: Place) -> Self {
-        self.place = place;
+    pub fn at(mut self, location: Location) -> Self {
+        self.location = location;
         self
     }
-    /// The same in `file`, the rest of the place kept.
+    /// The same in `file`, the rest of the location kept.
     #[must_use]
     pub fn in_file(mut self, file: impl Into<String>) -> Self {
-        self.place.file = Some(file.into());
+        self.location.file = Some(file.into());
         self
     }
     /// The message in `lang`.

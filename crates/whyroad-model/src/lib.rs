@@ -19,7 +19,7 @@ pub mod units;
 pub mod vocabulary;
 
 pub use column::{Column, Tri};
-pub use diagnostic::{Diagnostic, Place, Severity};
+pub use diagnostic::{Diagnostic, Location, Severity};
 pub use ids::{ClipId, DriveId, ScenarioId, TrackId};
 pub use object::ObjectClass;
 pub use road_map::RoadMap;

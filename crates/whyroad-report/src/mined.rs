@@ -2,7 +2,7 @@
 //! paths; a line that cannot be read is named and does not stop the rest.
 
 use whyroad_model::messages::{Coverage, EpisodeRecord};
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// Codes of the diagnostics of this crate; each has a page in `docs/diagnostics/`.
 pub const CODES: &[&str] = &[
@@ -20,7 +20,7 @@ pub fn read_coverage(text: &str, file: &str) -> Result<Coverage, Box<Diagnostic>
         Box::new(
             Diagnostic::error("report.coverage.unreadable", message)
                 .with_hint(mine_again())
-                .at(Place { line: Some(e.line()), column: Some(e.column().max(1)), ..Place::default() })
+                .at(Location { line: Some(e.line()), column: Some(e.column().max(1)), ..Location::default() })
                 .in_file(file),
         )
     })
@@ -37,7 +37,8 @@ pub fn read_episodes(text: &str, file: &str) -> (Vec<EpisodeRecord>, Vec<Diagnos
                     format!("该行不是片段记录，已跳过：{e}"),
                     format!("this line is no episode and is left out: {e}"),
                 );
-                let place = Place { line: Some(i + 1), column: Some(e.column().max(1)), ..Place::default() };
+                let place =
+                    Location { line: Some(i + 1), column: Some(e.column().max(1)), ..Location::default() };
                 problems.push(
                     Diagnostic::error("report.episode.unreadable", message)
                         .with_hint(mine_again())
@@ -70,7 +71,7 @@ mod tests {
         let (episodes, problems) = read_episodes(&text, "episodes.jsonl");
         assert_eq!(episodes.len(), 2);
         assert_eq!(problems.len(), 1);
-        assert_eq!((problems[0].code, problems[0].place.line), ("report.episode.unreadable", Some(2)));
+        assert_eq!((problems[0].code, problems[0].location.line), ("report.episode.unreadable", Some(2)));
     }
 
     #[test]
@@ -80,7 +81,7 @@ mod tests {
         let cut = &text[..text.len() / 2];
         let problem = read_coverage(cut, "c").unwrap_err();
         assert_eq!(problem.code, "report.coverage.unreadable");
-        assert_eq!(problem.place.line, Some(cut.lines().count()));
+        assert_eq!(problem.location.line, Some(cut.lines().count()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// Codes of the diagnostics that this crate emits; each has a page in `docs/diagnostics/`.
 pub const CODES: &[&str] = &["signals.syntax", "signals.name", "signals.type", "signals.needs"];
@@ -150,8 +150,8 @@ impl<'t> Places<'t> {
     }
 
     /// The place of the next entry, whose name is `name`.
-    fn next(&mut self, name: &str) -> Place {
-        let in_file = Place { file: Some(FILE.to_owned()), ..Place::default() };
+    fn next(&mut self, name: &str) -> Location {
+        let in_file = Location { file: Some(FILE.to_owned()), ..Location::default() };
         let names_it = |line: &str| {
             let (_, value) = line.split_once("name:")?;
             let value = value.trim().trim_matches(['"', '\'']);
@@ -161,7 +161,7 @@ impl<'t> Places<'t> {
         else {
             return in_file;
         };
-        Place {
+        Location {
             line: Some(at + 1),
             column: Some(line[..start].chars().count() + 1),
             snippet: Some(line.to_owned()),
@@ -185,11 +185,11 @@ impl Catalogue {
         let raw: RawCatalogue = match serde_yaml_ng::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
-                let place = e.location().map_or_else(Place::default, |l| Place {
+                let place = e.location().map_or_else(Location::default, |l| Location {
                     file: Some(FILE.to_owned()),
                     line: Some(l.line()),
                     column: Some(l.column()),
-                    ..Place::default()
+                    ..Location::default()
                 });
                 let message = Bilingual::new(
                     format!("信号目录无法读取：{e}"),
@@ -209,7 +209,7 @@ impl Catalogue {
                 Err(d) => diagnostics.push(*d),
             }
             for d in diagnostics.iter_mut().skip(known) {
-                d.place = place.clone();
+                d.location = place.clone();
             }
         }
         (catalogue, diagnostics)

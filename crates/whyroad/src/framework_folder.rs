@@ -39,11 +39,11 @@ pub(crate) fn read(dir: &Path) -> anyhow::Result<(Option<Framework>, Vec<Diagnos
 pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let Some(dir) = dir else { return found };
     for d in &mut found {
-        let Some(file) = &d.place.file else { continue };
+        let Some(file) = &d.location.file else { continue };
         if (file.starts_with("schema/") || file.starts_with("scenarios/"))
             && !Path::new(file).starts_with(dir)
         {
-            d.place.file = Some(dir.join(file).display().to_string());
+            d.location.file = Some(dir.join(file).display().to_string());
         }
     }
     found

@@ -8,7 +8,7 @@ use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
 const DECISIONS: &str = "schema/driving_decisions.yaml";
@@ -149,10 +149,10 @@ fn incomplete(leaf: &ScenarioId, missing: &[&str], file: &str, at: Option<(usize
         format!("叶子 '{leaf}' 及其上级都没有规定：{fields}"),
         format!("neither leaf '{leaf}' nor its L2 or L1 states: {fields}"),
     );
-    Diagnostic::error("spec.incomplete", message).at(Place {
+    Diagnostic::error("spec.incomplete", message).at(Location {
         file: Some(file.to_owned()),
         line: at.map(|a| a.0),
         column: at.map(|a| a.1),
-        ..Place::default()
+        ..Location::default()
     })
 }

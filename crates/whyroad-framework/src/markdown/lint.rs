@@ -4,7 +4,7 @@
 use super::{Class, MarkdownTaxonomy, Part, Stated, Subject, read_markdown};
 use crate::taxonomy::{Taxonomy, did_you_mean, suggestion};
 use std::collections::BTreeMap;
-use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
 /// Everything that does not agree in a TAXONOMY.md. `reference` is the taxonomy in force.
 pub fn lint_markdown(file: &str, text: &str, reference: Option<&Taxonomy>) -> Vec<Diagnostic> {
@@ -30,9 +30,9 @@ pub fn lint_markdown(file: &str, text: &str, reference: Option<&Taxonomy>) -> Ve
         against_reference(&md, reference, &mut out);
     }
     for d in &mut out {
-        d.place.file = Some(file.to_owned());
+        d.location.file = Some(file.to_owned());
     }
-    out.sort_by_key(|d| (d.place.line, d.place.column));
+    out.sort_by_key(|d| (d.location.line, d.location.column));
     out
 }
 
@@ -107,7 +107,12 @@ enum OnlyIn {
 }
 
 /// Calls `say` for every class that one list has and the other lacks; not again for what is below such a class.
-fn compare(a: &[Class], b: &[Class], out: &mut Vec<Diagnostic>, say: fn(&str, &Place, OnlyIn) -> Diagnostic) {
+fn compare(
+    a: &[Class],
+    b: &[Class],
+    out: &mut Vec<Diagnostic>,
+    say: fn(&str, &Location, OnlyIn) -> Diagnostic,
+) {
     let mut todo = vec![(String::new(), a, b)];
     while let Some((prefix, a, b)) = todo.pop() {
         for x in a {
@@ -123,7 +128,7 @@ fn compare(a: &[Class], b: &[Class], out: &mut Vec<Diagnostic>, say: fn(&str, &P
     }
 }
 
-fn tree_differs(full: &str, place: &Place, only: OnlyIn) -> Diagnostic {
+fn tree_differs(full: &str, place: &Location, only: OnlyIn) -> Diagnostic {
     let message = match only {
         OnlyIn::First => Bilingual::new(
             format!("'{full}' 列在表中，但树状图里没有"),
@@ -188,7 +193,7 @@ fn names(t: &Taxonomy) -> Vec<(ScenarioId, &str)> {
     out
 }
 
-fn places(classes: &[Class]) -> BTreeMap<String, Place> {
+fn places(classes: &[Class]) -> BTreeMap<String, Location> {
     let mut out = BTreeMap::new();
     for a in classes {
         out.insert(a.id.text.clone(), a.id.place.clone());

@@ -3,7 +3,7 @@
 
 use super::{Entry, Mark, Node, Value};
 use crate::taxonomy::did_you_mean;
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// The codes that one family of files (`taxonomy.*`, `spec.*`) uses for mistakes of form.
 #[derive(Debug)]
@@ -31,14 +31,14 @@ impl<'t> Report<'t> {
 
     /// Adds `d` at `mark`.
     pub fn push(&mut self, d: Diagnostic, mark: Mark, pointer: &str) {
-        let place = Place {
+        let place = Location {
             file: Some(self.file.to_owned()),
             line: Some(mark.line),
             column: Some(mark.column),
             pointer: Some(pointer.to_owned()),
             snippet: self.lines.get(mark.line.saturating_sub(1)).map(|s| (*s).to_owned()),
             span: mark.span,
-            ..Place::default()
+            ..Location::default()
         };
         self.diagnostics.push(d.at(place));
     }

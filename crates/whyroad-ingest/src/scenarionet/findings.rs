@@ -3,7 +3,7 @@
 use super::tracks::Tracks;
 use crate::pickle::PickleError;
 use crate::report::RowCount;
-use whyroad_model::diagnostic::Place;
+use whyroad_model::diagnostic::Location;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of the ScenarioNet adapter; each has a page in `docs/diagnostics/`.
@@ -50,7 +50,8 @@ fn unreadable(file: &str, reason: &str) -> Diagnostic {
 }
 
 pub(super) fn schema(file: &str, pointer: &str, what: &str) -> Diagnostic {
-    let place = Place { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Place::default() };
+    let place =
+        Location { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Location::default() };
     let key = if pointer.is_empty() { "the file" } else { pointer };
     Diagnostic::error(
         "scenarionet.schema",

@@ -169,7 +169,7 @@ proptest! {
         prop_assert!(fast == clean || (nested && clean), "fast {fast}, slow {found:#?}\n{text}");
         for d in &found {
             prop_assert!(CODES.contains(&d.code), "{}", d.code);
-            prop_assert!(d.place.line.is_some() && d.place.column.is_some() && d.place.snippet.is_some());
+            prop_assert!(d.location.line.is_some() && d.location.column.is_some() && d.location.snippet.is_some());
         }
         // What passes, everybody can read.
         if verdict.valid {
@@ -259,7 +259,7 @@ fn a_query_of_clauses_passes_and_what_is_wrong_with_one_is_told() {
         said.sort_unstable();
         assert_eq!(said, codes, "{from} -> {to}: {found:#?}");
         let line = |d: &Diagnostic| {
-            d.place.pointer.as_ref().is_some_and(|p| p.starts_with("/mining_query/conditions/"))
+            d.location.pointer.as_ref().is_some_and(|p| p.starts_with("/mining_query/conditions/"))
         };
         assert!(found.iter().all(line), "{found:#?}");
     }
@@ -340,10 +340,10 @@ fn places_are_those_of_the_file() {
     checker().check(&Document { origin, bytes: text.as_bytes() }, &mut out);
     let d = out.iter().find(|d| d.code == "label.type").unwrap();
     assert_eq!(
-        (d.place.line, d.place.column, d.place.pointer.as_deref()),
+        (d.location.line, d.location.column, d.location.pointer.as_deref()),
         (Some(7), Some(33), Some("/4/scenario"))
     );
-    assert_eq!(d.place.snippet.as_deref(), Some("  {\"clip_id\": \"中文\", \"scenario\": 1}"));
+    assert_eq!(d.location.snippet.as_deref(), Some("  {\"clip_id\": \"中文\", \"scenario\": 1}"));
 }
 
 #[test]

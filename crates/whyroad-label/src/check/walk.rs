@@ -349,7 +349,7 @@ impl Sink for Walk<'_> {
             code: finding.code,
             severity: finding.severity,
             message,
-            place: Default::default(),
+            location: Default::default(),
             hint,
         };
         self.push(d, span, &finding.pointer);

@@ -111,10 +111,10 @@ fn every_kind_of_fault_has_its_code_and_place() {
 
 #[test]
 fn a_fault_reads_like_rustc() {
-    let origin = Place {
+    let origin = Location {
         file: Some("scenarios/reactive_agent/cutin.yaml".to_owned()),
         line: Some(40),
-        ..Place::default()
+        ..Location::default()
     };
     let text = "target.lateral_offset > 0.5 m and ego.sped < 3 m/s";
     insta::assert_snapshot!(render_text(&fault(text).about(text, &origin), Lang::En));

@@ -8,7 +8,7 @@ use crate::cases::run_cases;
 use serde_yaml_ng::Value;
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
-use whyroad_model::{Bilingual, Diagnostic, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// A text with the name that diagnostics give it.
@@ -58,13 +58,13 @@ pub fn check_file(
 fn unreadable(file: Named<'_>, e: &serde_yaml_ng::Error) -> Diagnostic {
     let message = Bilingual::new(format!("文件无法读取：{e}"), format!("the file cannot be read: {e}"));
     let at = e.location();
-    Diagnostic::error("rule.block", message).at(Place {
+    Diagnostic::error("rule.block", message).at(Location {
         file: Some(file.name.to_owned()),
         line: at.as_ref().map(serde_yaml_ng::Location::line),
         column: at.as_ref().map(serde_yaml_ng::Location::column),
         snippet: at.and_then(|l| file.text.lines().nth(l.line().saturating_sub(1)).map(str::to_owned)),
         span: 1,
-        ..Place::default()
+        ..Location::default()
     })
 }
 
@@ -92,9 +92,9 @@ fn scenarios(
         }
     }
     // What is wrong elsewhere in the framework is not this file's business.
-    found.retain(|d| d.place.file.as_deref() == Some(own.as_str()));
+    found.retain(|d| d.location.file.as_deref() == Some(own.as_str()));
     for d in &mut found {
-        d.place.file = Some(file.name.to_owned());
+        d.location.file = Some(file.name.to_owned());
     }
     found.append(&mut checked.found);
     Checked { found, ..checked }

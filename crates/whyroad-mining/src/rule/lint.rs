@@ -17,12 +17,12 @@ use whyroad_signals::Catalogue;
 pub fn lint(framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
     let (_, mut found) = RuleSet::of_framework(framework, catalogue);
     // A rule takes over the moments of its labelling spec; those are checked below where they are written, once each.
-    found.retain(|d| !d.place.pointer.as_ref().is_some_and(|p| p.contains("/labeling/")));
+    found.retain(|d| !d.location.pointer.as_ref().is_some_and(|p| p.contains("/labeling/")));
     for source in &framework.expressions {
         found.extend(moment(source, framework, catalogue));
     }
     found.sort_by(|a, b| {
-        let key = |d: &Diagnostic| (d.place.file.clone(), d.place.line, d.place.column);
+        let key = |d: &Diagnostic| (d.location.file.clone(), d.location.line, d.location.column);
         key(a).cmp(&key(b))
     });
     found

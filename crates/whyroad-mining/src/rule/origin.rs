@@ -2,7 +2,7 @@
 //! expression stands is found by its text, so that a fault is shown on the line that has to be changed.
 
 use crate::language::Fault;
-use whyroad_model::{Diagnostic, Place};
+use whyroad_model::{Diagnostic, Location};
 
 /// A block of a file.
 #[derive(Clone, Debug)]
@@ -30,16 +30,16 @@ impl Origin<'_> {
             // An expression that is folded over lines is not found whole, its faulty part is.
             .or_else(|| self.find(name, marked.lines().next().unwrap_or_default()));
         let Some(at) = at else {
-            let origin = Place {
+            let origin = Location {
                 file: Some(self.file.to_owned()),
                 line: Some(self.line),
                 pointer: Some(pointer),
-                ..Place::default()
+                ..Location::default()
             };
             return fault.about(expression, &origin);
         };
         let line_start = self.text[..at].rfind('\n').map_or(0, |i| i + 1);
-        fault.at(Place {
+        fault.at(Location {
             file: Some(self.file.to_owned()),
             line: Some(self.text[..at].matches('\n').count() + 1),
             column: Some(self.text[line_start..at].chars().count() + 1),
@@ -51,12 +51,12 @@ impl Origin<'_> {
     }
 
     /// The place of the block itself.
-    pub fn place(&self, key: &str) -> Place {
-        Place {
+    pub fn place(&self, key: &str) -> Location {
+        Location {
             file: Some(self.file.to_owned()),
             line: Some(self.line),
             pointer: Some(format!("{}{key}", self.owner)),
-            ..Place::default()
+            ..Location::default()
         }
     }
 

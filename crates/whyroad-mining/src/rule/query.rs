@@ -12,7 +12,7 @@ use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_label::check::Checker as MessageChecker;
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
-use whyroad_model::{Bilingual, Diagnostic, Nanos, Place, Severity};
+use whyroad_model::{Bilingual, Diagnostic, Location, Nanos, Severity};
 use whyroad_signals::Catalogue;
 
 /// The query in a JSON text, its class resolved. `file` is its name in diagnostics.
@@ -42,20 +42,20 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     // A class may be written by a short name here.
     found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
     for d in &mut found {
-        d.place.file = Some(file.to_owned());
+        d.location.file = Some(file.to_owned());
         // A text that is no JSON is no label either.
         if d.code == "label.json.syntax" {
             d.code = "mine.query.syntax";
         }
     }
     if found.is_empty() {
-        let place = Place {
+        let place = Location {
             file: Some(file.to_owned()),
             line: Some(e.line()),
             column: Some(e.column().max(1)),
             snippet: text.lines().nth(e.line().saturating_sub(1)).map(str::to_owned),
             span: 1,
-            ..Place::default()
+            ..Location::default()
         };
         let said = Bilingual::new(format!("查询无法读取：{e}"), format!("the query cannot be read: {e}"));
         found.push(Diagnostic::error("mine.query.syntax", said).at(place));
@@ -63,12 +63,13 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     found
 }
 
-/// Place of a JSON value: its pointer, and line and column of the `nth` occurrence of its text.
-fn locate(text: &str, file: &str, pointer: &str, value: &str, nth: usize) -> Place {
-    let place = Place { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Place::default() };
+/// Location of a JSON value: its pointer, and line and column of the `nth` occurrence of its text.
+fn locate(text: &str, file: &str, pointer: &str, value: &str, nth: usize) -> Location {
+    let place =
+        Location { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Location::default() };
     let Some((at, _)) = text.match_indices(value).nth(nth) else { return place };
     let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
-    Place {
+    Location {
         line: Some(text[..at].matches('\n').count() + 1),
         column: Some(text[line_start..at].chars().count() + 1),
         snippet: text[line_start..].lines().next().map(str::to_owned),
@@ -102,10 +103,10 @@ pub fn compile_query(
         match whole {
             Ok(id) => conditions.push(id),
             // Each part is sound by itself: what is wrong is how they go together.
-            Err(fault) => reader.found.push(fault.at(Place {
+            Err(fault) => reader.found.push(fault.at(Location {
                 file: Some(file.to_owned()),
                 pointer: Some(pointer),
-                ..Place::default()
+                ..Location::default()
             })),
         }
     }
@@ -114,7 +115,7 @@ pub fn compile_query(
         let fault =
             Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
         let pointer = Some("/mining_query/conditions".to_owned());
-        found.push(fault.at(Place { file: Some(file.to_owned()), pointer, ..Place::default() }));
+        found.push(fault.at(Location { file: Some(file.to_owned()), pointer, ..Location::default() }));
     }
     let bounds = query.time_constraints.clone().unwrap_or_default();
     let (least, most) = (bounds.condition_duration_min, bounds.condition_duration_max);

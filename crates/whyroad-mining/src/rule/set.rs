@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Bilingual, Diagnostic, Nanos, Place, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// Rules, in taxonomy order, an L2 before its leaves.
@@ -46,8 +46,8 @@ impl RuleSet {
         let mut unique: Vec<Diagnostic> = Vec::new();
         for d in found {
             if !unique.iter().any(|u| {
-                (u.code, u.place.line, u.place.column, &u.message)
-                    == (d.code, d.place.line, d.place.column, &d.message)
+                (u.code, u.location.line, u.location.column, &u.message)
+                    == (d.code, d.location.line, d.location.column, &d.message)
             }) {
                 unique.push(d);
             }
@@ -93,7 +93,8 @@ impl Precedence {
     pub fn parse(text: &str, taxonomy: &Taxonomy) -> (Precedence, Vec<Diagnostic>) {
         let mut found = Vec::new();
         let mut report = |line: Option<usize>, zh: String, en: String| {
-            let place = Place { file: Some("schema/precedence.yaml".to_owned()), line, ..Place::default() };
+            let place =
+                Location { file: Some("schema/precedence.yaml".to_owned()), line, ..Location::default() };
             found.push(Diagnostic::error("rule.precedence", Bilingual::new(zh, en)).at(place));
         };
         let file: PrecedenceFile = match serde_yaml_ng::from_str(text) {

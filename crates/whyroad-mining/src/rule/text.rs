@@ -5,7 +5,7 @@ use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
 use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::program::Subject;
 use crate::language::{Checker, parse};
-use whyroad_model::{Diagnostic, Nanos, Place, ScenarioId};
+use whyroad_model::{Diagnostic, Location, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// The rule of a text. Without a `target`, one that speaks of `target.*` is about any object. `name` stands for a
@@ -27,7 +27,7 @@ pub fn compile_text(
         told.add(&mut checker, &expr, PartPlace::When)?;
         Ok(when)
     });
-    let place = Place { file: Some(name.to_owned()), line: Some(1), ..Place::default() };
+    let place = Location { file: Some(name.to_owned()), line: Some(1), ..Location::default() };
     let when = checked.map_err(|fault| Box::new(fault.about(text, &place)))?;
     let any = checker.is_of_target(when).then_some(Subject::Any);
     Ok(Rule {

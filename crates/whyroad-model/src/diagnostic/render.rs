@@ -26,7 +26,7 @@ pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
         (Severity::Note, Lang::Zh) => "提示",
     };
     let _ = writeln!(out, "{word}[{}]: {}", d.code, d.message(lang));
-    let p = &d.place;
+    let p = &d.location;
     let mut place = p.file.clone().unwrap_or_default();
     if let Some(line) = p.line {
         let _ = write!(place, ":{line}");
@@ -96,7 +96,7 @@ pub fn json_row(d: &Diagnostic, lang: Lang) -> serde_json::Value {
         "severity": d.severity,
         "message": d.message(lang),
         "messages": d.message,
-        "place": d.place,
+        "place": d.location,
         "hint": d.hint.as_ref().map(|h| h.get(lang)),
     })
 }
@@ -136,17 +136,17 @@ pub fn sarif_result(d: &Diagnostic, lang: Lang) -> serde_json::Value {
         let _ = write!(text, " ({})", h.get(lang));
     }
     let mut location = json!({});
-    if let Some(file) = &d.place.file {
+    if let Some(file) = &d.location.file {
         location["physicalLocation"] = json!({ "artifactLocation": { "uri": file } });
-        if let Some(line) = d.place.line {
+        if let Some(line) = d.location.line {
             let mut region = json!({ "startLine": line });
-            if let Some(column) = d.place.column {
+            if let Some(column) = d.location.column {
                 region["startColumn"] = json!(column);
             }
             location["physicalLocation"]["region"] = region;
         }
     }
-    if let Some(pointer) = &d.place.pointer {
+    if let Some(pointer) = &d.location.pointer {
         location["logicalLocations"] = json!([{ "fullyQualifiedName": pointer }]);
     }
     json!({

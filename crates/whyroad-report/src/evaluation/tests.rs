@@ -151,11 +151,11 @@ fn a_bad_line_is_named_and_the_rest_is_read() {
     );
     let mut set = TruthSet::default();
     let problems = set.read(&text, "t.jsonl", &|c| c.l1 == "reactive_agent");
-    assert_eq!(problems.iter().map(|p| p.place.line.unwrap()).collect::<Vec<_>>(), [1, 3, 4, 5]);
+    assert_eq!(problems.iter().map(|p| p.location.line.unwrap()).collect::<Vec<_>>(), [1, 3, 4, 5]);
     assert!(
         problems
             .iter()
-            .all(|p| p.code == "evaluate.truth.line" && p.place.file.as_deref() == Some("t.jsonl"))
+            .all(|p| p.code == "evaluate.truth.line" && p.location.file.as_deref() == Some("t.jsonl"))
     );
     assert_eq!(set.entries.len(), 1);
 }

@@ -5,7 +5,7 @@
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Nanos, Place, ScenarioId, TrackId};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Location, Nanos, ScenarioId, TrackId};
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -76,7 +76,7 @@ impl TruthSet {
         let mut problems = Vec::new();
         let mut first = true;
         for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
-            let place = Place { line: Some(i + 1), ..Place::default() };
+            let place = Location { line: Some(i + 1), ..Location::default() };
             let mut refuse = |why: Bilingual, column: Option<usize>| {
                 problems.push(
                     Diagnostic::error("evaluate.truth.line", why)
@@ -84,7 +84,7 @@ impl TruthSet {
                             r#"每行一条：{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
                             r#"one entry a line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
                         ))
-                        .at(Place { column, ..place.clone() })
+                        .at(Location { column, ..place.clone() })
                         .in_file(file),
                 );
             };

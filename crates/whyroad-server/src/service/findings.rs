@@ -81,7 +81,7 @@ fn finding(d: &Diagnostic) -> Finding {
         severity: severity.to_owned(),
         message_zh: d.message.zh.clone(),
         message_en: d.message.en.clone(),
-        pointer: d.place.pointer.clone().unwrap_or_default(),
+        pointer: d.location.pointer.clone().unwrap_or_default(),
         hint_zh: d.hint.as_ref().map(|h| h.zh.clone()),
         hint_en: d.hint.as_ref().map(|h| h.en.clone()),
     }

@@ -2,7 +2,7 @@
 
 use super::Origin;
 use std::ops::Range;
-use whyroad_model::Place;
+use whyroad_model::Location;
 
 /// Characters of context that a snippet keeps on each side; terminals show about a hundred.
 const BEFORE: usize = 100;
@@ -22,7 +22,7 @@ impl<'t> Locator<'t> {
     }
 
     /// The place of `span`, called `pointer` within the document.
-    pub fn place(&self, span: Range<usize>, pointer: &str) -> Place {
+    pub fn place(&self, span: Range<usize>, pointer: &str) -> Location {
         let starts = self.lines.get_or_init(|| {
             std::iter::once(0).chain(self.text.match_indices('\n').map(|(i, _)| i + 1)).collect()
         });
@@ -46,7 +46,7 @@ impl<'t> Locator<'t> {
             Some(i) => format!("/{i}{pointer}"),
             None => pointer.to_owned(),
         };
-        Place {
+        Location {
             file: None,
             line: Some(self.origin.line + row),
             column: Some(lead + chars_before + 1),

@@ -3,7 +3,7 @@
 //! "label"?, "x", "y", "score"?}]}]}`. Positions are box centres in the city (world) frame, m.
 
 use serde::{Deserialize, Deserializer, Serialize};
-use whyroad_model::{Bilingual, Diagnostic, Place};
+use whyroad_model::{Bilingual, Diagnostic, Location};
 
 /// One log and one prompt.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -90,7 +90,7 @@ pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
                     "格式见 docs/how-to/evaluate.zh.md",
                     "the format is in docs/how-to/evaluate.md",
                 ))
-                .at(Place { line: Some(i + 1), column: Some(e.column().max(1)), ..Place::default() })
+                .at(Location { line: Some(i + 1), column: Some(e.column().max(1)), ..Location::default() })
                 .in_file(file),
             ),
         }

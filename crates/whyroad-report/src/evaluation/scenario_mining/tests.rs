@@ -60,7 +60,7 @@ fn null_is_not_absent() {
     let text = r#"{"log_id":"l","prompt":"p","frames":[{"timestamp_ns":1,"ego":[0,0],"is_positive":null,"objects":[]},{"timestamp_ns":2,"ego":[0,0],"objects":[]}]}"#;
     let (sequences, problems) = sequence::read(&format!("{text}\nnonsense\n"), "s.jsonl");
     assert_eq!(sequences[0].frames.iter().map(|f| f.is_positive).collect::<Vec<_>>(), [Some(None), None]);
-    assert_eq!((problems.len(), problems[0].place.line), (1, Some(2)));
+    assert_eq!((problems.len(), problems[0].location.line), (1, Some(2)));
     assert_eq!(
         sequence::write(&sequences).unwrap().replace(",\"score\":1.0", ""),
         format!("{}\n", text.replace("[0,0]", "[0.0,0.0]"))
