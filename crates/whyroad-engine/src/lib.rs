@@ -5,6 +5,10 @@
 
 pub mod mine;
 pub mod output;
+mod states;
+
+pub use states::{ObjectStates, States, states};
+pub use whyroad_signals::{MetaActions, meta_actions};
 
 #[cfg(test)]
 use whyroad_mining::{language, rule};

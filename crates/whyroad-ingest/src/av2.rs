@@ -170,6 +170,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
         sensors: if rows.has_points { vec!["lidar".into()] } else { Vec::new() },
         can: false,
         missing,
+        ..DriveMeta::default()
     };
     Some(Drive {
         meta,

@@ -135,6 +135,7 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             sensors,
             can: !recording.can.times.is_empty() || !recording.speed.0.is_empty(),
             missing,
+            ..DriveMeta::default()
         },
         times,
         ego: Some(Ego {

@@ -261,6 +261,7 @@ impl Simulation {
                 .filter(|(absent, _)| *absent)
                 .map(|(_, what)| what.to_owned())
                 .collect(),
+            ..DriveMeta::default()
         };
         Some(Drive {
             meta,

@@ -174,6 +174,7 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
             sensors: Vec::new(),
             can: can.iter().any(|(_, absent)| !absent),
             missing: missing.into_iter().map(String::from).collect(),
+            ..DriveMeta::default()
         },
         times,
         ego: Some(ego),

@@ -378,7 +378,9 @@ fn words_in_no_list_are_told_and_end_what_was_known() {
 
 #[test]
 fn the_guides_name_every_word() {
-    for page in ["docs/reference/table-format.md", "docs/reference/table-format.zh.md", "docs/reference/lake.md"] {
+    for page in
+        ["docs/reference/table-format.md", "docs/reference/table-format.zh.md", "docs/reference/lake.md"]
+    {
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(page);
         let text = fs::read_to_string(path).unwrap();
         let mut words: Vec<&str> =

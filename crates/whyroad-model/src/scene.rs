@@ -47,6 +47,15 @@ pub struct DriveMeta {
     pub map_ref: Option<String>,
     /// Licence of the data, as an SPDX id where there is one.
     pub licence: Option<String>,
+    /// Recording session: drives of one session are never split between training and test. `None` is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub session: Option<String>,
+    /// The single vehicle that recorded it, where `source` names a fleet. `None` is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicle: Option<String>,
+    /// Where on Earth the origin of the world frame lies, x to the east and y to the north. `None` is unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub position: Option<GeoPosition>,
     /// Frame of reference of the poses.
     pub frame_of_reference: FrameOfReference,
     /// Hash of the input's content; equal input gives an equal hash.
@@ -59,6 +68,15 @@ pub struct DriveMeta {
     pub can: bool,
     /// What the log could have had but has not, in words.
     pub missing: Vec<String>,
+}
+
+/// A position on Earth, WGS 84.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GeoPosition {
+    /// Degrees, north positive, -90 to 90.
+    pub latitude_deg: f64,
+    /// Degrees, east positive, -180 to 180.
+    pub longitude_deg: f64,
 }
 
 /// What positions in a drive refer to.

@@ -15,8 +15,7 @@ use crate::target_lanes::TargetLanes;
 use crate::way::Ways;
 use crate::{
     bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
-    line_crossing, meta_actions, on_road, pet, relations, route, sight, target_motion, terrain, ttc,
-    ttc_lane,
+    line_crossing, on_road, pet, relations, route, sight, target_motion, terrain, ttc, ttc_lane,
 };
 use whyroad_model::{Drive, SignalTable};
 
@@ -47,6 +46,37 @@ pub fn derive(drive: &Drive) -> SignalTable {
     table.finish(&missing)
 }
 
+/// The ego's meta actions (LABELING.md 5), one value per frame of the drive; `None` in a frame is unknown.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MetaActions {
+    /// Values of `ego.meta_longitudinal`.
+    pub longitudinal: Vec<Option<String>>,
+    /// Values of `ego.meta_lateral`.
+    pub lateral: Vec<Option<String>>,
+}
+
+/// Only the meta actions of [`derive`], without the other signals; `None` when the log has no ego pose.
+pub fn meta_actions(drive: &Drive) -> Option<MetaActions> {
+    let ego_only = Drive {
+        meta: drive.meta.clone(),
+        times: drive.times.clone(),
+        ego: drive.ego.clone(),
+        ..Drive::default()
+    };
+    let missing = crate::table::missing(&ego_only);
+    let start = drive.times.first().copied().unwrap_or_default();
+    let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    let ego = ego_only.ego.as_ref().filter(|_| !missing.contains("ego pose"))?;
+    let mut table = TableBuilder::new(Catalogue::bundled(), &ego_only);
+    crate::meta_actions::write(&EgoMotion::new(ego, &times), &times, &mut table);
+    let table = table.finish(&missing);
+    let values = |name: &str| {
+        let column = table.frame_columns.get(name)?;
+        Some((0..times.len()).map(|i| column.category(i).map(str::to_owned)).collect())
+    };
+    Some(MetaActions { longitudinal: values("ego.meta_longitudinal")?, lateral: values("ego.meta_lateral")? })
+}
+
 fn write_with_ego(
     drive: &Drive,
     ego: &EgoMotion,
@@ -55,7 +85,7 @@ fn write_with_ego(
     table: &mut TableBuilder<'_>,
 ) {
     ego_motion::write(ego, times, table);
-    meta_actions::write(ego, times, table);
+    crate::meta_actions::write(ego, times, table);
     let lanes = road.map(|r| EgoLane::new(r, ego));
     let Some(path) = driven_path(ego, lanes.as_ref(), times) else { return };
     curvature::write(&path, lanes.as_ref(), table);

@@ -77,7 +77,7 @@ mod traffic;
 mod ttc_accel;
 
 pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
-pub use derive::derive;
+pub use derive::{MetaActions, derive, meta_actions};
 pub use lane_ids::ego_lane_ids;
 pub use occluders::{Occluder, occluders};
 

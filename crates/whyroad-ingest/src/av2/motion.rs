@@ -113,6 +113,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
             sensors: Vec::new(),
             can: false,
             missing,
+            ..DriveMeta::default()
         },
         times: frames.iter().map(|&t| start.plus_secs(t)).collect(),
         ego,

@@ -20,8 +20,10 @@ pub(crate) const CODES: &[&str] = &[
 
 pub(super) fn ego_missing(dir: &str) -> Diagnostic {
     let message = Bilingual::new("没有 ego.parquet 或 ego.csv", "there is neither ego.parquet nor ego.csv");
-    let hint =
-        Bilingual::new("docs/reference/table-format.zh.md 说明该表", "docs/reference/table-format.md describes it");
+    let hint = Bilingual::new(
+        "docs/reference/table-format.zh.md 说明该表",
+        "docs/reference/table-format.md describes it",
+    );
     Diagnostic::error("table.ego.missing", message).in_file(dir).with_hint(hint)
 }
 

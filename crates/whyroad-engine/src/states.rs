@@ -1,0 +1,116 @@
+//! Motion and classes of a drive as they could be known at a moment: the one call through which consumers (data sets, Python,
+//! the service) take speeds, accelerations and classes. Today they are what the lake holds, cut; a later estimator replaces
+//! what is behind this call, not the call.
+
+use whyroad_model::scene::Motion;
+use whyroad_model::{Drive, ObjectClass, TrackId};
+
+/// What is known of the ego and the tracked objects from frames `0..frames` of a drive.
+#[derive(Clone, Debug, Default)]
+pub struct States {
+    /// Number of frames that were seen.
+    pub frames: usize,
+    /// The ego's box centre, one row per frame; `None` when the log has no ego.
+    pub ego: Option<Motion>,
+    /// Objects with at least one observation, ordered by id.
+    pub objects: Vec<ObjectStates>,
+}
+
+/// One object.
+#[derive(Clone, Debug, Default)]
+pub struct ObjectStates {
+    /// Id within the drive.
+    pub id: TrackId,
+    /// Class by what was seen.
+    pub class: ObjectClass,
+    /// Frame of each row, strictly ascending; may have gaps.
+    pub frames: Vec<u32>,
+    /// Motion of the box centre, a row per entry of `frames`; NaN is unknown.
+    pub motion: Motion,
+    /// Box length in m, a row each; NaN is unknown.
+    pub length_m: Vec<f64>,
+    /// Box width in m.
+    pub width_m: Vec<f64>,
+    /// Box height in m.
+    pub height_m: Vec<f64>,
+}
+
+impl ObjectStates {
+    /// Row of `frame`, if the object was observed then.
+    pub fn row_at(&self, frame: usize) -> Option<usize> {
+        let frame = u32::try_from(frame).ok()?;
+        self.frames.binary_search(&frame).ok()
+    }
+}
+
+/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame has any
+/// influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
+/// `states(drive, drive.frame_count())` is the whole drive.
+pub fn states(drive: &Drive, until: usize) -> States {
+    let frames = until.min(drive.frame_count());
+    let objects = drive.tracks.iter().filter_map(|t| {
+        let rows = t.frames.partition_point(|&f| (f as usize) < frames);
+        (rows > 0).then(|| ObjectStates {
+            id: t.id.clone(),
+            class: t.class,
+            frames: t.frames[..rows].to_vec(),
+            motion: cut(&t.motion, rows),
+            length_m: t.length_m[..rows].to_vec(),
+            width_m: t.width_m[..rows].to_vec(),
+            height_m: t.height_m[..rows].to_vec(),
+        })
+    });
+    States { frames, ego: drive.ego.as_ref().map(|e| cut(&e.motion, frames)), objects: objects.collect() }
+}
+
+fn cut(m: &Motion, rows: usize) -> Motion {
+    let head = |v: &Vec<f64>| v[..rows.min(v.len())].to_vec();
+    Motion {
+        x: head(&m.x),
+        y: head(&m.y),
+        z: head(&m.z),
+        heading: head(&m.heading),
+        vx: head(&m.vx),
+        vy: head(&m.vy),
+        accel: head(&m.accel),
+        yaw_rate: head(&m.yaw_rate),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Nanos;
+    use whyroad_model::scene::{Ego, Track};
+
+    fn motion(n: usize) -> Motion {
+        Motion { x: (0..n).map(|i| i as f64).collect(), ..Motion::unknown(n) }
+    }
+
+    #[test]
+    fn nothing_after_the_cut_is_there() {
+        let n = 4;
+        let sizes = vec![4.0; 2];
+        let track = |id: &str, frames: Vec<u32>| Track {
+            id: id.into(),
+            frames,
+            motion: motion(2),
+            length_m: sizes.clone(),
+            width_m: sizes.clone(),
+            height_m: sizes.clone(),
+            ..Track::default()
+        };
+        let drive = Drive {
+            times: (0..n).map(|i| Nanos(i * 100_000_000)).collect(),
+            ego: Some(Ego { motion: motion(4), ..Ego::default() }),
+            tracks: vec![track("a", vec![1, 3]), track("b", vec![2, 3])],
+            ..Drive::default()
+        };
+        let seen = states(&drive, 2);
+        assert_eq!(seen.frames, 2);
+        assert_eq!(seen.ego.unwrap().x, [0.0, 1.0]);
+        assert_eq!(seen.objects.len(), 1, "b was first seen in frame 2");
+        assert_eq!(seen.objects[0].frames, [1]);
+        assert_eq!(states(&drive, 99).objects.len(), 2);
+    }
+}
