@@ -4,7 +4,7 @@
 //! answer was given after its commit was on disk. `WHYROAD_BIN` names another build of the program.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // printing is what a bench is for; a panic is its report
 
-#[path = "../tests/service/mod.rs"]
+#[path = "../tests/it/service/mod.rs"]
 mod service;
 
 use serde_json::json;

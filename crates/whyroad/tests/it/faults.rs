@@ -3,14 +3,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
 
-#[path = "../../whyroad-server/tests/support/postgres.rs"]
-mod postgres;
-mod service;
-
+use crate::service::http::Client;
+use crate::service::storm::{Annotator, Progress};
+use crate::service::{Service, annotators, first_project};
 use serde_json::{Value, json};
-use service::http::Client;
-use service::storm::{Annotator, Progress};
-use service::{Service, annotators, first_project};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -181,7 +177,7 @@ impl Drop for SmallDisk {
 
 #[test]
 fn a_database_that_restarts_is_waited_for() {
-    let Some(mut server) = postgres::Server::start() else { return };
+    let Some(mut server) = crate::postgres::Server::start() else { return };
     let service = Service::start(&["--store", &server.database()]);
     let (mut admin, project, mut crew) = crew(service.at);
     for _ in 0..2 {
@@ -268,7 +264,7 @@ fn two_services_on_one_address_are_told_apart() {
     let service = Service::start(&["--data", data.path().to_str().unwrap()]);
     let second = Command::new(env!("CARGO_BIN_EXE_whyroad"))
         .args(["serve", "--listen", &service.at.to_string(), "--lake"])
-        .arg(service::demo().join("lake"))
+        .arg(crate::service::demo().join("lake"))
         .arg("--data")
         .arg(data.path())
         .output()

@@ -2,15 +2,11 @@
 //! Stage I.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
-mod service;
-#[allow(dead_code)] // only its runner is used here
-mod session;
-
+use crate::service::http::Client;
+use crate::service::storm::Annotator;
+use crate::service::{Service, annotators, demo, first_project};
+use crate::session::{Run, whyroad_in};
 use serde_json::{Value, json};
-use service::http::Client;
-use service::storm::Annotator;
-use service::{Service, annotators, demo, first_project};
-use session::{Run, whyroad_in};
 use std::path::Path;
 
 /// Frames a second of the pictures made here.
@@ -123,7 +119,7 @@ fn seconds(frame: &Value) -> f64 {
     frame["t_s"].as_f64().unwrap()
 }
 
-fn picture(client: &mut Client, frame: &Value) -> service::http::Answer {
+fn picture(client: &mut Client, frame: &Value) -> crate::service::http::Answer {
     let answer = client.get(frame["url"].as_str().unwrap().strip_prefix("/api/v1").unwrap());
     assert_eq!(answer.status, 200, "{frame}");
     answer

@@ -12,7 +12,7 @@ fn the_list_names_every_signal_of_the_catalogue() {
     let output = whyroad(&["list", "--json"]);
     assert!(output.status.success());
     let listed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let catalogue = include_str!("../../../schema/signals.yaml");
+    let catalogue = include_str!("../../../../schema/signals.yaml");
     let entries = catalogue.lines().filter(|l| l.starts_with("  - name: ")).count();
     assert_eq!(listed.as_array().unwrap().len(), entries);
     assert!(listed.as_array().unwrap().iter().all(|s| s["meaning"]["zh"] != "" && s["source"] != ""));

@@ -141,7 +141,7 @@ fn host_triple() -> String {
 fn no_query_engine_and_only_allowed_licences_in_the_build() {
     let metadata = metadata(&["--filter-platform", &host_triple()]);
     // One list for this test and for cargo-deny.
-    let deny = include_str!("../../../deny.toml");
+    let deny = include_str!("../../../../deny.toml");
     let list = deny
         .split_once("allow = [")
         .and_then(|(_, rest)| rest.split_once(']'))

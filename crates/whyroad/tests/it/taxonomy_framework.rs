@@ -2,10 +2,8 @@
 //! of two folders.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
-mod session;
-
+use crate::session::{root, whyroad_in};
 use serde_json::Value;
-use session::{root, whyroad_in};
 use std::path::Path;
 
 /// A folder with `mine/schema` and `mine/scenarios`: ours with `changes` (file, text, its replacement).

@@ -1,10 +1,8 @@
 //! `whyroad taxonomy` as a user runs it: exit codes, what goes to stdout, what a person reads in both languages.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
-mod session;
-
+use crate::session::{Run, root, whyroad_in};
 use serde_json::Value;
-use session::{Run, root, whyroad_in};
 use std::path::Path;
 
 fn whyroad(args: &[&str]) -> Run {

@@ -2,9 +2,7 @@
 //! cut-in at 16.9 s is one is told by the simulator (`examples/drives/multilane/truth.jsonl`).
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-mod session;
-
-use session::{Run, root, whyroad_in};
+use crate::session::{Run, root, whyroad_in};
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -1,15 +1,11 @@
 //! `whyroad tasks`, `backup` and `restore` as a user runs them, on the bundled drives.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
-mod service;
-#[allow(dead_code)] // only its runner is used here
-mod session;
-
+use crate::service::http::Client;
+use crate::service::storm::Annotator;
+use crate::service::{Service, annotators, demo, first_project};
+use crate::session::{Run, whyroad_in};
 use serde_json::{Value, json};
-use service::http::Client;
-use service::storm::Annotator;
-use service::{Service, annotators, demo, first_project};
-use session::{Run, whyroad_in};
 use std::path::Path;
 
 fn run(folder: &Path, line: &str) -> Run {

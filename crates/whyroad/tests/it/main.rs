@@ -1,0 +1,27 @@
+//! The commands as their users run them: one test binary for the whole crate.
+
+#[path = "../../../whyroad-server/tests/support/postgres.rs"]
+mod postgres;
+mod service;
+mod session;
+
+mod demo;
+mod evaluate;
+mod faults;
+mod imports;
+mod ingest;
+mod ingest_again;
+mod inspect;
+mod media;
+mod mine;
+mod mine_again;
+mod recorded;
+mod rules;
+mod signals;
+mod tasks;
+mod taxonomy;
+mod taxonomy_framework;
+mod traps;
+mod truth;
+mod truth_recorded;
+mod validate;
