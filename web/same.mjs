@@ -3,8 +3,9 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { server } from "./server_crate.mjs";
 
-const committed = "../crates/whyroad-server/assets";
+const committed = `${server}/assets`;
 const fresh = mkdtempSync(join(tmpdir(), "whyroad-page-"));
 const files = (dir) => readdirSync(dir, { recursive: true, withFileTypes: true }).filter((f) => f.isFile()).map((f) => f.name).sort();
 try {

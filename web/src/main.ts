@@ -2,9 +2,9 @@
 import "./app.css";
 import { mount } from "svelte";
 import App from "./App.svelte";
-import { start } from "./route.svelte.ts";
+import { startRouter } from "./route.svelte.ts";
 
-start();
+startRouter();
 
 const target = document.getElementById("app");
 if (target) mount(App, { target });

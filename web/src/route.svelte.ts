@@ -12,7 +12,7 @@ export const CALLBACK = "/oidc/callback";
 const PROJECT_SCREENS = ["tasks", "dashboard", "members", "exchange"] as const;
 
 /** The screen of a path. A project without a further word is its settings; `tasks` is where its people work. */
-export function read(path: string): Route {
+export function routeOf(path: string): Route {
   const parts = path.split("/").filter(Boolean).map(decodeURIComponent);
   const [head, id, word] = parts;
   if (head === undefined) return { screen: "projects" };
@@ -49,10 +49,10 @@ export function pathOf(to: Route): string {
 const here = (): { path: string; query: string } => ({ path: location.pathname, query: location.search });
 
 /** Where the page is now; follows the browser's back and forward. */
-export const place = $state(typeof location === "undefined" ? { path: "/", query: "" } : here());
+export const currentLocation = $state(typeof location === "undefined" ? { path: "/", query: "" } : here());
 
 function follow(): void {
-  Object.assign(place, here());
+  Object.assign(currentLocation, here());
 }
 
 /** Goes to a screen; `query` begins with `?` or is empty. */
@@ -68,13 +68,13 @@ export function replace(path: string): void {
 }
 
 /** Changes the query of this screen without a step in the browser's history: what a filter does. */
-export function requery(query: string): void {
-  history.replaceState(null, "", place.path + query);
+export function replaceQuery(query: string): void {
+  history.replaceState(null, "", currentLocation.path + query);
   follow();
 }
 
 /** Makes ordinary links change the screen without a reload. Call once. */
-export function start(): void {
+export function startRouter(): void {
   addEventListener("popstate", follow);
   document.addEventListener("click", (e) => {
     const link = e.target instanceof Element ? e.target.closest("a[href]") : null;

@@ -1,9 +1,9 @@
 // Addresses: every screen has one that leads back to it, and nothing else does.
 import assert from "node:assert/strict";
-import { test } from "node:test";
-import { pathOf, read, type Route } from "./route.svelte.ts";
+import { test } from "vitest";
+import { pathOf, routeOf, type Route } from "./route.svelte.ts";
 
-test("every screen's address is read back as that screen", () => {
+test("every screen's address is routeOf back as that screen", () => {
   const all: Route[] = [
     { screen: "projects" },
     { screen: "project", project: "p1" },
@@ -12,11 +12,11 @@ test("every screen's address is read back as that screen", () => {
     { screen: "users" },
     { screen: "settings" },
   ];
-  for (const route of all) assert.deepEqual(read(pathOf(route)), route);
+  for (const route of all) assert.deepEqual(routeOf(pathOf(route)), route);
 });
 
 test("other addresses are no screen", () => {
   for (const path of ["/tasks", "/tasks/1/2", "/projects/p/nothing", "/projects/p/tasks/1", "/users/1", "/x"]) {
-    assert.deepEqual(read(path), { screen: "unknown" }, path);
+    assert.deepEqual(routeOf(path), { screen: "unknown" }, path);
   }
 });

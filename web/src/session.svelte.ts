@@ -1,99 +1,106 @@
-// Who is signed in. One value for the whole page; every screen reads it, only these functions change it.
-import { api } from "./api/calls.ts";
-import { ApiError } from "./api/client.ts";
+// The signed-in user. One value for the whole page; every screen reads it, only these functions change it.
+import * as api from "./api/calls.generated.ts";
+import { ApiError, clearCache, setCsrf } from "./api/client.ts";
 import type { Returned, Session, User } from "./api/types.ts";
-import { CALLBACK, replace, requery } from "./route.svelte.ts";
-import { speak } from "./text/text.svelte.ts";
+import { CALLBACK, replace, replaceQuery } from "./route.svelte.ts";
+import { setLanguage } from "./text/text.svelte.ts";
 
-/** `loading` until the server has answered once; `away` when it could not be reached. */
+/** `loading` until the service has answered once; `away` when it could not be reached. */
 export const session = $state<{
   status: "loading" | "away" | "setup" | "out" | "in";
   user: User | null;
-  /** Name of the identity provider at which one can sign in too. */
+  /** Name of the identity provider; null without one. */
   provider: string | null;
-  /** Where to sign out there as well, after signing out here. */
+  /** Address at the provider that signs out there as well; set after signing out here. */
   providerSignOut: string | null;
 }>({ status: "loading", user: null, provider: null, providerSignOut: null });
 
-/** Why coming back from the identity provider led nowhere; told by the screen that shows next. */
-export const comingBack = $state<{ error: unknown }>({ error: null });
+/** Why signing in at the identity provider failed; shown by the next screen. */
+export const providerReturn = $state<{ error: unknown }>({ error: null });
 
-/** Where one was before going to the provider; this tab's alone. */
-const BEFORE = "whyroad.before";
+/** In this tab's storage: the address to return to from the provider. */
+const RETURN_TO = "whyroad.before";
 
-function take(s: Session): void {
+function adopt(s: Session): void {
+  setCsrf(s.csrf);
   session.user = s.user ?? null;
   session.provider = s.provider ?? null;
   session.status = s.user ? "in" : s.first_run ? "setup" : "out";
 }
 
-/** The language that the account was made with holds until this browser was told another. */
-function speakTheirs(): void {
+/** Uses the language of the account unless another one was chosen in this browser. */
+function useAccountLanguage(): void {
   if (session.user && !localStorage.getItem("whyroad.lang") && (session.user.lang === "zh" || session.user.lang === "en")) {
-    speak(session.user.lang);
+    setLanguage(session.user.lang);
   }
 }
 
 export async function open(): Promise<void> {
   session.status = "loading";
-  const returned = whatCameBack();
+  const returned = providerAnswer();
   try {
-    const before = await api.session();
-    if (!returned) return take(before);
+    const before = await api.getSession();
+    setCsrf(before.csrf);
+    if (!returned) return adopt(before);
     try {
-      take(await api.finishAtProvider(returned));
-      session.providerSignOut = null;
-      speakTheirs();
+      signedIn(await api.postOidcFinish(returned));
     } catch (error) {
-      comingBack.error = error;
-      take(before);
+      providerReturn.error = error;
+      adopt(before);
     }
   } catch {
     session.status = "away";
   }
 }
 
-/** What the identity provider sent the browser back with. It serves once, so it goes from the address at once. */
-function whatCameBack(): Returned | null {
+/** What the identity provider added to the address. It is valid once, so it is removed from the address. */
+function providerAnswer(): Returned | null {
   if (location.pathname !== CALLBACK) return null;
   const query = new URLSearchParams(location.search);
-  const before = sessionStorage.getItem(BEFORE) ?? "/";
-  sessionStorage.removeItem(BEFORE);
-  replace(before);
+  const returnTo = sessionStorage.getItem(RETURN_TO) ?? "/";
+  sessionStorage.removeItem(RETURN_TO);
+  replace(returnTo);
   const part = (name: string): string | null => query.get(name);
   return { state: part("state") ?? "", code: part("code"), iss: part("iss"), error: part("error") };
 }
 
-export async function signIn(name: string, password: string): Promise<void> {
-  take(await api.signIn(name, password));
+/** A new session: what another user read is no longer valid. */
+function signedIn(s: Session): void {
+  clearCache();
+  adopt(s);
   session.providerSignOut = null;
-  speakTheirs();
+  useAccountLanguage();
 }
 
-/** Goes to the identity provider: to sign in, or to let who is signed in do so there from now on. */
+export async function signIn(name: string, password: string): Promise<void> {
+  signedIn(await api.postSession({ name, password }));
+}
+
+/** Goes to the identity provider: to sign in, or to link the signed-in user to an identity there. */
 export async function goToProvider(purpose: "sign_in" | "link"): Promise<void> {
-  const url = await api.beginAtProvider(purpose);
-  sessionStorage.setItem(BEFORE, location.pathname + location.search);
+  const { url } = await api.postOidcBegin({ purpose });
+  sessionStorage.setItem(RETURN_TO, location.pathname + location.search);
   location.assign(url);
 }
 
-/** Makes the first administrator. A service beyond one's own machine wants the token from the address that it printed. */
+/** Creates the first administrator. A service that is reachable from other machines requires the token of the address it printed. */
 export async function setup(first: { name: string; display: string; password: string; lang: string }): Promise<void> {
   const token = new URLSearchParams(location.search).get("setup");
-  take(await api.setup(token ? { ...first, token } : first));
-  // The token has done its work and is nobody else's business.
-  if (token) requery("");
+  signedIn(await api.postSetup(token ? { ...first, token } : first));
+  // The token is used up and must not stay in the address.
+  if (token) replaceQuery("");
 }
 
 export async function signOut(): Promise<void> {
-  const { provider_sign_out } = await api.signOut();
+  const { provider_sign_out } = await api.deleteSession();
+  clearCache();
   await open();
   session.providerSignOut = provider_sign_out ?? null;
 }
 
-/** A session that ended while the page was open: back to the door, the address kept. */
-export function ended(error: unknown): boolean {
-  // At the door a 401 is the answer to a wrong password.
+/** Handles a session that ended while the page was open: shows the sign-in, keeps the address. */
+export function sessionEnded(error: unknown): boolean {
+  // While signing in, a 401 is the answer to a wrong password.
   if (!(error instanceof ApiError) || error.status !== 401 || session.status !== "in") return false;
   session.user = null;
   session.status = "out";

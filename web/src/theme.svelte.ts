@@ -16,7 +16,7 @@ function apply(): void {
   document.documentElement.dataset["theme"] = theme.now;
 }
 
-export function wear(choice: Theme): void {
+export function setTheme(choice: Theme): void {
   theme.choice = choice;
   localStorage.setItem(KEY, choice);
   apply();

@@ -1,7 +1,7 @@
 // The way to the server: what is sent, what is tried again, what a refusal becomes.
 import assert from "node:assert/strict";
-import { beforeEach, test } from "node:test";
-import { ApiError, call, forget, Offline, query, Raw, setCsrf } from "./client.ts";
+import { beforeEach, test } from "vitest";
+import { ApiError, call, clearCache, Offline, queryString, TextBody, setCsrf } from "./client.ts";
 
 interface Sent {
   url: string;
@@ -24,7 +24,7 @@ const header = (n: number, name: string): string | null => new Headers(sent[n]?.
 
 beforeEach(() => {
   sent = [];
-  forget();
+  clearCache();
 });
 
 test("writes carry the CSRF value, reads do not", async () => {
@@ -39,7 +39,7 @@ test("writes carry the CSRF value, reads do not", async () => {
 
 test("a read is tried again after a failed network and a passing 503, a write never", async () => {
   serve("down", json({}, 503), json({ here: true }));
-  assert.deepEqual((await call("GET", "/again")).data, { here: true });
+  assert.deepEqual(await call("GET", "/again"), { here: true });
   assert.equal(sent.length, 3);
   sent = [];
   serve("down", json({}));
@@ -50,10 +50,10 @@ test("a read is tried again after a failed network and a passing 503, a write ne
 test("an unchanged answer is not sent twice, and is forgotten with its reader", async () => {
   serve(json({ n: 1 }, 200, { etag: '"v1"' }), new Response(null, { status: 304 }), json({ n: 2 }));
   await call("GET", "/kept");
-  assert.deepEqual((await call("GET", "/kept")).data, { n: 1 });
+  assert.deepEqual(await call("GET", "/kept"), { n: 1 });
   assert.equal(header(1, "if-none-match"), '"v1"');
-  forget();
-  assert.deepEqual((await call("GET", "/kept")).data, { n: 2 });
+  clearCache();
+  assert.deepEqual(await call("GET", "/kept"), { n: 2 });
   assert.equal(header(2, "if-none-match"), null);
 });
 
@@ -68,11 +68,11 @@ test("a problem keeps its code, both languages and what belongs to it", async ()
   await assert.rejects(call("POST", "/x"), /400/);
 });
 
-test("text goes out as it is; empty members of a query do not", async () => {
+test("text goes out as it is; empty members of a queryString do not", async () => {
   serve(json({}));
-  await call("POST", "/import", new Raw("{}\n{}\n", "application/x-ndjson"));
+  await call("POST", "/import", new TextBody("{}\n{}\n", "application/x-ndjson"));
   assert.equal(sent[0]?.init.body, "{}\n{}\n");
   assert.equal(header(0, "content-type"), "application/x-ndjson");
-  assert.equal(query({ a: "1 2", b: "", c: false, d: null, e: undefined, f: 0 }), "?a=1+2&f=0");
-  assert.equal(query({}), "");
+  assert.equal(queryString({ a: "1 2", b: "", c: false, d: null, e: undefined, f: 0 }), "?a=1+2&f=0");
+  assert.equal(queryString({}), "");
 });

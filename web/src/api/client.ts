@@ -1,6 +1,6 @@
-// Talks HTTP with the server: cookies, the CSRF header, ETags, retries, problem+json. Knows no route; those are in calls.ts.
+// HTTP with the service: cookies, the CSRF header, ETags, retries, problem+json. Knows no route; calls.generated.ts does.
 
-/** What the server refused, in its own words. `more` holds what belongs to it, such as the two sides of a conflict. */
+/** A refusal of the service in both languages. `body` is the whole problem document. */
 export class ApiError extends Error {
   constructor(
     readonly status: number,
@@ -19,91 +19,100 @@ export class ApiError extends Error {
   }
 }
 
-/** The server could not be reached: nothing is known about what it did. */
+/** The service could not be reached: whether it acted is unknown. */
 export class Offline extends Error {}
+
+/** Where the API begins. */
+export const BASE = "/api/v1";
 
 let csrf = "";
 
-/** The token that every write must carry; `GET /session` hands it out. */
+/** The token that every write must carry; `GET /session` returns it. */
 export function setCsrf(token: string): void {
   csrf = token;
 }
 
 type Method = "GET" | "POST" | "PATCH" | "PUT" | "DELETE";
 
-export interface Reply<T> {
-  data: T;
-  status: number;
-  etag: string | null;
+export interface CallOptions {
+  /** How long to wait for the answer, ms. */
+  timeoutMs?: number;
 }
 
-/** Text that goes out as it is, instead of a value that becomes JSON. */
-export class Raw {
+/** A body that is sent as it is instead of being serialized as JSON. */
+export class TextBody {
   constructor(
     readonly text: string,
-    readonly type: string,
+    readonly mediaType: string,
   ) {}
 }
 
-/** Longer than any answer takes, shorter than a person waits before thinking that nothing happens. */
-const PATIENCE_MS = 30_000;
-/** For work that grows with what is sent: thousands of episodes or labels. */
-export const LONG_MS = 600_000;
-/** Waits before a read is tried again. Writes are never repeated here: whoever wrote knows whether that is safe. */
-const AGAIN_MS = [300, 1200];
-/** Answers of reads that carried an ETag, the latest ones: an unchanged one is not sent twice. */
-const fresh = new Map<string, Reply<unknown>>();
-const FRESH_MOST = 40;
+/** Longer than any ordinary answer takes. */
+const TIMEOUT_MS = 30_000;
+/** For work that grows with its input: thousands of episodes or labels. */
+export const LONG_TIMEOUT_MS = 600_000;
+/** Waits before a read is tried again. Writes are not repeated here: only the caller knows whether that is safe. */
+const RETRY_DELAYS_MS = [300, 1200];
+const TRANSIENT_STATUS = [502, 503, 504];
 
-/** Forgets what was read: for somebody else may sign in next. */
-export function forget(): void {
-  fresh.clear();
+interface CachedResponse {
+  etag: string;
+  data: unknown;
 }
 
-export async function call<T>(method: Method, path: string, body?: unknown, patience = PATIENCE_MS): Promise<Reply<T>> {
-  const again = method === "GET" ? AGAIN_MS : [];
+/** The latest reads that carried an ETag: an unchanged one is not transferred twice. */
+const cache = new Map<string, CachedResponse>();
+const CACHE_SIZE = 40;
+
+/** Empties the cache: another user may sign in next. */
+export function clearCache(): void {
+  cache.clear();
+}
+
+/** Calls a route. The result is null for an answer without content (204). */
+export async function call<T>(method: Method, path: string, body?: unknown, options: CallOptions = {}): Promise<T> {
+  const delays = method === "GET" ? RETRY_DELAYS_MS : [];
   for (let attempt = 0; ; attempt++) {
-    const wait = again[attempt];
+    const delay = delays[attempt];
     try {
-      const response = await send(method, path, body, patience);
-      const passing = [502, 503, 504].includes(response.status);
-      if (!passing || wait === undefined) return await answer<T>(method, path, response);
+      const response = await send(method, path, body, options.timeoutMs ?? TIMEOUT_MS);
+      if (delay === undefined || !TRANSIENT_STATUS.includes(response.status)) return await receive<T>(method, path, response);
     } catch (error) {
-      if (!(error instanceof Offline) || wait === undefined) throw error;
+      if (!(error instanceof Offline) || delay === undefined) throw error;
     }
-    await new Promise((done) => setTimeout(done, wait));
+    await new Promise((done) => setTimeout(done, delay));
   }
 }
 
-async function send(method: Method, path: string, body: unknown, patience: number): Promise<Response> {
+async function send(method: Method, path: string, body: unknown, timeoutMs: number): Promise<Response> {
   const headers: Record<string, string> = { accept: "application/json" };
-  const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(patience) };
+  const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(timeoutMs) };
   if (method === "GET") {
-    // The browser's own cache would answer for whoever was signed in before.
+    // The browser's own cache would answer for the user who was signed in before.
     init.cache = "no-store";
-    const etag = fresh.get(path)?.etag;
+    const etag = cache.get(path)?.etag;
     if (etag) headers["if-none-match"] = etag;
   } else {
     headers["x-csrf-token"] = csrf;
   }
-  if (body instanceof Raw) {
-    headers["content-type"] = body.type;
+  if (body instanceof TextBody) {
+    headers["content-type"] = body.mediaType;
     init.body = body.text;
   } else if (body !== undefined) {
     headers["content-type"] = "application/json";
     init.body = JSON.stringify(body);
   }
   try {
-    return await fetch(`/api/v1${path}`, init);
+    return await fetch(BASE + path, init);
   } catch {
     throw new Offline(path);
   }
 }
 
-async function answer<T>(method: Method, path: string, response: Response): Promise<Reply<T>> {
+async function receive<T>(method: Method, path: string, response: Response): Promise<T> {
   if (response.status === 304) {
-    const kept = fresh.get(path);
-    if (kept) return kept as Reply<T>;
+    const cached = cache.get(path);
+    if (cached) return cached.data as T;
   }
   let text: string;
   try {
@@ -112,31 +121,34 @@ async function answer<T>(method: Method, path: string, response: Response): Prom
     throw new Offline(path);
   }
   if (!response.ok) throw problem(response.status, text);
-  const reply = { data: parse<T>(text), status: response.status, etag: response.headers.get("etag") };
-  if (method === "GET" && reply.etag) {
-    fresh.delete(path);
-    fresh.set(path, reply);
-    for (const oldest of fresh.keys()) {
-      if (fresh.size <= FRESH_MOST) break;
-      fresh.delete(oldest);
+  const data = parse<T>(text);
+  const etag = response.headers.get("etag");
+  if (method === "GET" && etag) {
+    cache.delete(path);
+    cache.set(path, { etag, data });
+    for (const oldest of cache.keys()) {
+      if (cache.size <= CACHE_SIZE) break;
+      cache.delete(oldest);
     }
   }
-  return reply;
+  return data;
 }
 
+export type QueryValue = string | number | boolean | null | undefined;
+
 /** A query string of the members that have a value. */
-export function query(members: Record<string, string | number | boolean | null | undefined>): string {
+export function queryString(members: Record<string, QueryValue>): string {
   const q = new URLSearchParams();
-  for (const [k, v] of Object.entries(members)) {
-    if (v !== undefined && v !== null && v !== "" && v !== false) q.set(k, String(v));
+  for (const [key, value] of Object.entries(members)) {
+    if (value !== undefined && value !== null && value !== "" && value !== false) q.set(key, String(value));
   }
   const text = q.toString();
   return text ? `?${text}` : "";
 }
 
-/** Nanoseconds do not fit a double: integers of 16 digits and more come out as text, for `ns.ts` to read. */
+/** Nanoseconds do not fit a double: integers of 16 digits and more become text, which `ns.ts` reads. */
 function parse<T>(text: string): T {
-  if (text === "") return undefined as T;
+  if (text === "") return null as T;
   if (!/\d{16}/.test(text)) return JSON.parse(text) as T;
   const exact = (_key: string, value: unknown, context?: { source?: string }): unknown =>
     typeof value === "number" && context?.source && /^-?\d{16,}$/.test(context.source) ? context.source : value;
@@ -149,9 +161,9 @@ function problem(status: number, text: string): ApiError {
     const read: unknown = JSON.parse(text);
     if (typeof read === "object" && read !== null) body = read as Record<string, unknown>;
   } catch {
-    // A proxy's page or nothing at all: the status has to do.
+    // A proxy's page or an empty body: only the status is known.
   }
-  const word = (key: string): string => (typeof body[key] === "string" ? body[key] : "");
-  const title = word("title") || `HTTP ${status}`;
-  return new ApiError(status, word("code"), word("detail_zh") || title, word("detail_en") || title, body);
+  const textOf = (key: string): string => (typeof body[key] === "string" ? body[key] : "");
+  const title = textOf("title") || `HTTP ${status}`;
+  return new ApiError(status, textOf("code"), textOf("detail_zh") || title, textOf("detail_en") || title, body);
 }

@@ -1,7 +1,7 @@
 // The keyboard's promises: no two actions share a key, and nothing typed into a field is taken away.
 import assert from "node:assert/strict";
-import { test } from "node:test";
-import { actionIds, actionOf, actions, belongsTo, keyOf, refusal, strokeName } from "./keymap.ts";
+import { test } from "vitest";
+import { actionIds, actionOf, actions, fieldKeeps, keyOf, bindingProblem, strokeName } from "./keymap.ts";
 
 const stroke = (key: string, mods: Partial<Record<"ctrlKey" | "altKey" | "shiftKey" | "metaKey", boolean>> = {}) =>
   strokeName({ key, ctrlKey: false, altKey: false, shiftKey: false, metaKey: false, ...mods });
@@ -20,25 +20,25 @@ test("whatever types a character into a field stays with the field", () => {
   for (const action of actionIds) {
     const key = actions[action].key;
     const types = key.length === 1 || key === "Space" || key.startsWith("Shift+") || key.startsWith("Arrow");
-    if (types) assert.ok(belongsTo("text", key, action), `${action} takes ${key} from a text field`);
+    if (types) assert.ok(fieldKeeps("text", key, action), `${action} takes ${key} from a text field`);
   }
-  assert.ok(!belongsTo("text", "Ctrl+Enter", "advance"));
-  assert.ok(belongsTo("text", "Ctrl+Z", "undo"), "a field has its own undo");
+  assert.ok(!fieldKeeps("text", "Ctrl+Enter", "advance"));
+  assert.ok(fieldKeeps("text", "Ctrl+Z", "undo"), "a field has its own undo");
 });
 
 test("choices keep their arrows, buttons their space, the page gives both to the player", () => {
-  assert.ok(belongsTo("choice", "ArrowLeft", "back"));
-  assert.ok(belongsTo("button", "Space", "play"));
-  assert.ok(!belongsTo("page", "Space", "play"));
-  assert.ok(!belongsTo("choice", "C", "addComponent"));
+  assert.ok(fieldKeeps("choice", "ArrowLeft", "back"));
+  assert.ok(fieldKeeps("button", "Space", "play"));
+  assert.ok(!fieldKeeps("page", "Space", "play"));
+  assert.ok(!fieldKeeps("choice", "C", "addComponent"));
 });
 
 test("a key can be moved, but not onto another action's, and a key for everywhere must not type", () => {
-  assert.deepEqual(refusal("play", "N", {}), { clash: "nextObject" });
-  assert.deepEqual(refusal("advance", "G", {}), { types: true });
-  assert.equal(refusal("play", "G", {}), null);
+  assert.deepEqual(bindingProblem("play", "N", {}), { clash: "nextObject" });
+  assert.deepEqual(bindingProblem("advance", "G", {}), { types: true });
+  assert.equal(bindingProblem("play", "G", {}), null);
   assert.equal(keyOf("play", { play: "G" }), "G");
   assert.equal(actionOf("G", { play: "G" }), "play");
   assert.equal(actionOf("Space", { play: "G" }), null);
-  assert.equal(refusal("loop", "Space", { play: "G" }), null, "a key that was given up is free");
+  assert.equal(bindingProblem("loop", "Space", { play: "G" }), null, "a key that was given up is free");
 });

@@ -1,5 +1,5 @@
 // The keyboard at work: own bindings (kept in this browser), and which screen answers an action now.
-import { actionOf, belongsTo, type ActionId, type Bindings, type Focus, keyOf, strokeName } from "./keymap.ts";
+import { actionOf, fieldKeeps, type ActionId, type Bindings, type Focus, keyOf, strokeName } from "./keymap.ts";
 
 const KEY = "whyroad.keys";
 
@@ -32,7 +32,7 @@ export type Handlers = Partial<Record<ActionId, () => unknown>>;
 const stack: Handlers[] = [];
 
 /** Lets `handlers` answer until the returned function is called; later ones come first. */
-export function answer(handlers: Handlers): () => void {
+export function handleKeys(handlers: Handlers): () => void {
   stack.push(handlers);
   return () => {
     const at = stack.indexOf(handlers);
@@ -61,7 +61,7 @@ export function onKeydown(e: KeyboardEvent): void {
   const stroke = strokeName(e);
   const action = stroke && actionOf(stroke, keys.own);
   if (!stroke || !action || document.querySelector("dialog[open]")) return;
-  if (belongsTo(focusOf(document.activeElement), stroke, action)) return;
+  if (fieldKeeps(focusOf(document.activeElement), stroke, action)) return;
   const handler = stack.findLast((h) => h[action])?.[action];
   if (!handler) return;
   e.preventDefault();

@@ -1,6 +1,6 @@
 // What an annotator typed is neither lost nor doubled when changes are joined, sent again or put on another's draft.
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { test } from "vitest";
 import { apply, join, needed, rooted } from "./changes.ts";
 import { pointer, read, write } from "./pointer.ts";
 

@@ -1,8 +1,7 @@
 // Nothing that an annotator typed is lost: not while offline, not by another's change, not by a lost lease. The server here is a
-// few lines that answer as crates/whyroad-server/openapi.json says.
-import { storage } from "../testing.ts";
+// few lines that answer as the OpenAPI document of the service says.
 import assert from "node:assert/strict";
-import { beforeEach, test } from "node:test";
+import { beforeEach, test } from "vitest";
 import type { Task } from "../api/types.ts";
 import { Draft } from "./draft.svelte.ts";
 import type { Json } from "./pointer.ts";
@@ -12,7 +11,7 @@ let answer: (body: { base_version: number; changes: { path: string; value: Json;
 let sent: string[][] = [];
 
 beforeEach(() => {
-  storage.clear();
+  localStorage.clear();
   sent = [];
   answer = ({ base_version }) => ({ status: 200, body: { version: base_version + 1, findings: [], lease_until: 0 } });
   Object.assign(globalThis, {
@@ -42,13 +41,13 @@ function opened(doc: Json = { coc_trace: "" }): Draft {
 test("a change is on this machine before it is sent, and only there until it is acknowledged", async () => {
   const draft = opened();
   draft.set("/coc_trace", "前车刹车");
-  assert.equal(draft.unsaved, 1);
-  assert.ok([...storage.values()].join().includes("前车刹车"));
+  assert.equal(draft.queue.unsaved, 1);
+  assert.ok(Object.values({ ...localStorage }).join().includes("前车刹车"));
   assert.equal(sent.length, 0, "typing rests before it is sent");
   assert.ok(await draft.flush());
   assert.deepEqual(sent, [["/coc_trace"]]);
-  assert.equal(draft.saving, "saved");
-  assert.equal(storage.size, 0);
+  assert.equal(draft.queue.status, "saved");
+  assert.equal(localStorage.length, 0);
   draft.close();
 });
 
@@ -58,8 +57,8 @@ test("offline keeps everything, a new visit finds it again and sends it", async 
   draft.set("/coc_trace", "a");
   draft.set("/driving_decision", { longitudinal: "resume" });
   assert.equal(await draft.flush(), false);
-  assert.equal(draft.saving, "offline");
-  assert.equal(draft.unsaved, 2);
+  assert.equal(draft.queue.status, "offline");
+  assert.equal(draft.queue.unsaved, 2);
   draft.close();
 
   answer = ({ base_version }) => ({ status: 200, body: { version: base_version + 1, findings: [], lease_until: 0 } });
@@ -68,7 +67,7 @@ test("offline keeps everything, a new visit finds it again and sends it", async 
   assert.deepEqual(next.notice, { kind: "restored" });
   assert.ok(await next.flush());
   assert.deepEqual(sent.at(-1), ["/coc_trace", "/driving_decision"]);
-  assert.equal(storage.size, 0);
+  assert.equal(localStorage.length, 0);
   next.close();
 });
 
@@ -89,7 +88,7 @@ test("a conflict sends nothing until each place is settled; both sides can win",
       },
     });
     assert.equal(await draft.flush(), false);
-    assert.equal(draft.conflicts.length, 1);
+    assert.equal(draft.conflicts.items.length, 1);
     assert.equal(draft.at("/extra"), true, "what they changed elsewhere is there");
     let got: unknown;
     answer = (body) => {
@@ -117,8 +116,8 @@ test("an answer that got lost is no conflict with oneself", async () => {
     },
   });
   await draft.flush();
-  assert.equal(draft.conflicts.length, 0);
-  assert.equal(draft.unsaved, 0);
+  assert.equal(draft.conflicts.items.length, 0);
+  assert.equal(draft.queue.unsaved, 0);
   draft.close();
 });
 
@@ -127,8 +126,8 @@ test("a task that is no longer there for one counts as lost", async () => {
   answer = () => ({ status: 404, body: { code: "missing" } });
   draft.set("/coc_trace", "kept");
   assert.equal(await draft.flush(), false);
-  assert.equal(draft.saving, "lost");
-  assert.ok([...storage.values()].join().includes("kept"));
+  assert.equal(draft.queue.status, "lost");
+  assert.ok(Object.values({ ...localStorage }).join().includes("kept"));
   draft.close();
 });
 
@@ -137,8 +136,8 @@ test("a lost lease stops the sending and keeps the text; with a new lease it goe
   answer = () => ({ status: 409, body: { code: "lease.lost" } });
   draft.set("/coc_trace", "kept");
   assert.equal(await draft.flush(), false);
-  assert.equal(draft.saving, "lost");
-  assert.ok([...storage.values()].join().includes("kept"));
+  assert.equal(draft.queue.status, "lost");
+  assert.ok(Object.values({ ...localStorage }).join().includes("kept"));
   const before = sent.length;
   draft.set("/coc_trace", "kept too");
   await new Promise((done) => setTimeout(done, 450));
@@ -147,7 +146,7 @@ test("a lost lease stops the sending and keeps the text; with a new lease it goe
   draft.load({ ...task({ coc_trace: "" }, 4), fence: 8 } as Task);
   assert.equal(draft.text("/coc_trace"), "kept too");
   assert.ok(await draft.flush());
-  assert.equal(draft.saving, "saved");
+  assert.equal(draft.queue.status, "saved");
   draft.close();
 });
 
@@ -155,7 +154,7 @@ test("undo takes back a deed as a whole, typing in one go as one step, and redo 
   const draft = opened({ coc_trace: "", driving_decision: { longitudinal: "resume" }, causes: { longitudinal: { components: ["c1"] } } });
   draft.set("/coc_trace", "a");
   draft.set("/coc_trace", "ab");
-  draft.together(() => {
+  draft.group(() => {
     draft.set("/driving_decision/longitudinal", null);
     draft.set("/causes/longitudinal", undefined);
   });
@@ -168,6 +167,6 @@ test("undo takes back a deed as a whole, typing in one go as one step, and redo 
   draft.redo();
   assert.equal(draft.text("/coc_trace"), "ab");
   assert.equal(draft.at("/causes/longitudinal"), undefined);
-  assert.equal(draft.canRedo, false);
+  assert.equal(draft.undoHistory.canRedo, false);
   draft.close();
 });

@@ -1,9 +1,9 @@
 // A conflict is read by people: no JSON, no frame numbers, no time stamps.
 import assert from "node:assert/strict";
-import { test } from "node:test";
-import { inWords, readable, type Words } from "./readable.ts";
+import { test } from "vitest";
+import { describeFinding, readable, type LabelContext } from "./readable.ts";
 
-const words: Words = {
+const words: LabelContext = {
   framework: {
     longitudinal: [{ id: "resume", name: { zh: "起步", en: "Resume" }, meaning: null, not: null, directions: [] }],
     lateral: [],
@@ -30,7 +30,7 @@ test("a finding speaks of seconds and names, as the screen does", () => {
   const leaf = { id: "a.cutin.urgent", name: { zh: "紧急", en: "urgent" }, path: [{ zh: "甲", en: "A" }, { zh: "切入", en: "cut-in" }, { zh: "紧急", en: "urgent" }], definition: null, condition: null, typical: { longitudinal: [], lateral: [] }, decides: [] };
   const f = words.framework;
   assert.ok(f);
-  const more: Words = { ...words, framework: { ...f, leaves: new Map([[leaf.id, leaf]]), lateral: [{ id: "lane_change", name: { zh: "换道", en: "lane change" }, meaning: null, not: null, directions: [] }] } };
-  assert.equal(inWords("证据时间 2026-01-15T10:30:09.400Z 晚于关键帧 2026-01-15T10:30:09.100Z", more, "zh"), "证据时间 −0.3 s 晚于关键帧 2026-01-15T10:30:09.100Z", "a moment that is not of this drive stays");
-  assert.equal(inWords("a.cutin.urgent needs lane_change, not some_word", more, "en"), "“urgent” needs “lane change”, not some_word");
+  const more: LabelContext = { ...words, framework: { ...f, leaves: new Map([[leaf.id, leaf]]), lateral: [{ id: "lane_change", name: { zh: "换道", en: "lane change" }, meaning: null, not: null, directions: [] }] } };
+  assert.equal(describeFinding("证据时间 2026-01-15T10:30:09.400Z 晚于关键帧 2026-01-15T10:30:09.100Z", more, "zh"), "证据时间 −0.3 s 晚于关键帧 2026-01-15T10:30:09.100Z", "a moment that is not of this drive stays");
+  assert.equal(describeFinding("a.cutin.urgent needs lane_change, not some_word", more, "en"), "“urgent” needs “lane change”, not some_word");
 });

@@ -1,42 +1,23 @@
 // Values of a label in words, for conflicts, comparisons and what a field was before.
+import type { TextPair } from "../text/screen_texts.ts";
 import type { Lang } from "../text/text.svelte.ts";
 import { categoryOf, className, type Framework } from "./framework.ts";
+import { HIDDEN_MEMBERS, memberNames } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
 
 /** What turning a value into words needs to know of the task. */
-export interface Words {
+export interface LabelContext {
   framework: Framework | null;
   second(iso: unknown): number | null;
 }
 
 const MOMENT = /^\d{4}-\d\d-\d\dT/;
 
-/** Names of the fields inside objects; what is not here is shown by its key. */
-const KEYS: Record<string, readonly [string, string]> = {
-  description: ["描述", "description"],
-  category: ["类别", "category"],
-  uncertainty: ["不确定性", "uncertainty"],
-  evidence_times: ["证据", "evidence"],
-  linked_objects: ["目标", "objects"],
-  timestamp: ["时刻", "at"],
-  range_start: ["范围起点", "range from"],
-  range_end: ["范围终点", "range to"],
-  start_timestamp: ["起", "from"],
-  end_timestamp: ["止", "to"],
-  longitudinal: ["纵向", "longitudinal"],
-  lateral: ["横向", "lateral"],
-  lateral_direction: ["方向", "direction"],
-  components: ["要素", "components"],
-  unobserved: ["未观测到", "UNOBSERVED"],
-};
+const MEMBER_ORDER = Object.keys(memberNames);
+const order = (key: string): number => (MEMBER_ORDER.indexOf(key) + 99) % 99;
 
-/** Frame numbers and types follow from the moments beside them: they only make the text longer. */
-const LEFT_OUT = new Set(["frame_idx", "start_frame_idx", "end_frame_idx", "type", "id"]);
-
-const order = (key: string): number => (Object.keys(KEYS).indexOf(key) + 99) % 99;
-
-const FIXED: Record<string, readonly [string, string]> = {
+const FIXED: Record<string, TextPair> = {
   low: ["低", "low"],
   high: ["高", "high"],
   left: ["左", "left"],
@@ -44,7 +25,7 @@ const FIXED: Record<string, readonly [string, string]> = {
   uturn: ["掉头", "U-turn"],
 };
 
-export function readable(value: Json | undefined, words: Words, lang: Lang): string {
+export function readable(value: Json | undefined, words: LabelContext, lang: Lang): string {
   const zh = lang === "zh";
   if (value === undefined) return zh ? "（无）" : "(nothing)";
   if (value === null) return zh ? "空" : "null";
@@ -58,9 +39,9 @@ export function readable(value: Json | undefined, words: Words, lang: Lang): str
   }
   const id = typeof value["id"] === "string" ? `${value["id"]}${zh ? "：" : ": "}` : "";
   const parts = Object.entries(value)
-    .filter(([key]) => !LEFT_OUT.has(key))
+    .filter(([key]) => !HIDDEN_MEMBERS.has(key))
     .sort(([a], [b]) => order(a) - order(b))
-    .map(([key, v]) => `${KEYS[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
+    .map(([key, v]) => `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
   return id + parts.join(zh ? "；" : "; ");
 }
 
@@ -68,7 +49,7 @@ const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
 const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
 
 /** A sentence of the checker with moments in seconds from the keyframe and ids of classes and decisions by their names. */
-export function inWords(sentence: string, words: Words, lang: Lang): string {
+export function describeFinding(sentence: string, words: LabelContext, lang: Lang): string {
   const f = words.framework;
   const named = (id: string): string => {
     const found = f ? ([...f.longitudinal, ...f.lateral, ...f.categories].find((d) => d.id === id)?.name ?? className(f.leaves, id)) : null;
@@ -82,7 +63,7 @@ export function inWords(sentence: string, words: Words, lang: Lang): string {
     .replace(IDS, named);
 }
 
-function text(value: string, words: Words, lang: Lang): string {
+function text(value: string, words: LabelContext, lang: Lang): string {
   if (MOMENT.test(value)) {
     const s = words.second(value);
     if (s !== null) return `${signed(s, 1)} s`;

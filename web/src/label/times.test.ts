@@ -1,6 +1,6 @@
 // Moments of labels and frames of scenes meet at the nanosecond, not at what a double keeps of it.
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { test } from "vitest";
 import type { SceneView } from "../api/types.ts";
 import { clockOf, frameNear, secondOf, signed } from "./times.ts";
 

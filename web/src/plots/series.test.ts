@@ -1,6 +1,6 @@
 // Rows of the board: unknown is a gap, never 0; axes end at round numbers. Expected values by hand.
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { test } from "vitest";
 import { bounds, columnOf, linePath, percent, roundStep, runs, runSpan, ticks } from "./series.ts";
 
 const span = { from: 0, to: 4 };

@@ -1,6 +1,6 @@
 // What a number on the wire is for people. Factors by definition: 1 m/s = 3.6 km/h, pi rad = 180 degrees.
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { test } from "vitest";
 import { scaled, scaleOf } from "./units.ts";
 
 test("speeds are shown in the unit that the reader chose", () => {

@@ -1,33 +1,14 @@
 // Draws one moment of a scene. Called on every frame of a playback, so it allocates little and strokes the road in bulk.
-import type { SceneView } from "../api/types.ts";
-import { lightColours, type Palette } from "./colours.ts";
+import { lightColours } from "./colors.ts";
 import { egoPose, lightsAt, trackPose } from "./motion.ts";
 import { shortId } from "./objects.ts";
 import type { Road } from "./road.ts";
+import type { SceneFrame } from "./scene_frame.ts";
 import { shadows } from "./shadow.ts";
 import { box, drawTracks, inView } from "./tracks.ts";
-import { matrix, toScreen, type Size, type View } from "./view.ts";
+import { matrix, toScreen } from "./view.ts";
 
-export interface Picture {
-  scene: SceneView;
-  road: Road | null;
-  origin: readonly [number, number];
-  view: View;
-  size: Size;
-  ratio: number;
-  palette: Palette;
-  /** Frame, and the share of the way to the next one. */
-  index: number;
-  share: number;
-  picked: string | null;
-  linked: ReadonlySet<string>;
-  target: string | null;
-  history: boolean;
-  names: boolean;
-  occlusion: boolean;
-}
-
-export function draw(ctx: CanvasRenderingContext2D, p: Picture): void {
+export function draw(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   ctx.setTransform(p.ratio, 0, 0, p.ratio, 0, 0);
   ctx.fillStyle = p.palette.ground;
   ctx.fillRect(0, 0, p.size.width, p.size.height);
@@ -55,7 +36,7 @@ export function draw(ctx: CanvasRenderingContext2D, p: Picture): void {
   drawScale(ctx, p);
 }
 
-function drawRoad(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {
+function drawRoad(ctx: CanvasRenderingContext2D, p: SceneFrame, road: Road): void {
   const c = p.palette;
   const px = 1 / p.view.scale;
   const fill = (colour: string, path: Path2D): void => {
@@ -90,7 +71,7 @@ function drawRoad(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {
 }
 
 /** Areas that the ego does not see into, as one veil. */
-function drawShadows(ctx: CanvasRenderingContext2D, p: Picture): void {
+function drawShadows(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   const ego = egoPose(p.scene.ego, p.index, p.share);
   if (!ego) return;
   ctx.beginPath();
@@ -102,7 +83,7 @@ function drawShadows(ctx: CanvasRenderingContext2D, p: Picture): void {
   ctx.fill("nonzero");
 }
 
-function drawEgoPath(ctx: CanvasRenderingContext2D, p: Picture): void {
+function drawEgoPath(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   const ego = p.scene.ego;
   if (!ego) return;
   const px = 1 / p.view.scale;
@@ -129,7 +110,7 @@ function drawEgoPath(ctx: CanvasRenderingContext2D, p: Picture): void {
   ctx.setLineDash([]);
 }
 
-function drawLights(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void {
+function drawLights(ctx: CanvasRenderingContext2D, p: SceneFrame, road: Road): void {
   const perLane = new Map<string, number>();
   ctx.font = "bold 9px system-ui, sans-serif";
   ctx.textAlign = "center";
@@ -154,7 +135,7 @@ function drawLights(ctx: CanvasRenderingContext2D, p: Picture, road: Road): void
   ctx.textAlign = "start";
 }
 
-function drawNames(ctx: CanvasRenderingContext2D, p: Picture): void {
+function drawNames(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   ctx.font = "11px system-ui, sans-serif";
   ctx.textBaseline = "alphabetic";
   for (const track of p.scene.tracks) {
@@ -173,7 +154,7 @@ function drawNames(ctx: CanvasRenderingContext2D, p: Picture): void {
   }
 }
 
-function drawScale(ctx: CanvasRenderingContext2D, p: Picture): void {
+function drawScale(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
   const metres = [1, 2, 5, 10, 20, 50, 100].find((m) => m * p.view.scale > 50) ?? 100;
   const y = p.size.height - 12;
   ctx.strokeStyle = p.palette.text;

@@ -6,7 +6,7 @@ export type Bearing = "ahead" | "ahead_left" | "left" | "behind_left" | "behind"
 
 const BEARINGS: readonly Bearing[] = ["ahead", "ahead_left", "left", "behind_left", "behind", "behind_right", "right", "ahead_right"];
 
-export interface Seen {
+export interface ListedObject {
   id: string;
   class: string;
   /** From the ego's centre to its centre, m; null without an ego. */
@@ -24,14 +24,14 @@ export function shortId(id: string): string {
 }
 
 /** Objects present at frame `i`, the nearest first. */
-export function objectsAt(scene: SceneView, i: number): Seen[] {
+export function objectsAt(scene: SceneView, i: number): ListedObject[] {
   const ego = egoPose(scene.ego, i);
-  const out: Seen[] = [];
+  const out: ListedObject[] = [];
   for (const track of scene.tracks) {
     const pose = trackPose(track, i);
     if (!pose) continue;
     const visible = trackValue(track, "visible", i);
-    const seen: Seen = {
+    const seen: ListedObject = {
       id: track.id,
       class: track.class,
       distance: null,

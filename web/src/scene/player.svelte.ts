@@ -107,11 +107,11 @@ export function frameAt(times: readonly number[], t: number): number {
 }
 
 /** A picture is no longer what is seen now when it is older than this, s. */
-export const PICTURE_LASTS = 1;
+export const IMAGE_LIFETIME_S = 1;
 
 /** The picture that a camera shows at `t`: its last one at or before, unless that is too old; `null` when it shows none. */
-export function pictureAt(times: readonly number[], t: number): number | null {
+export function imageAt(times: readonly number[], t: number): number | null {
   const at = frameAt(times, t);
   const age = t - (times[at] ?? Infinity);
-  return age >= -1e-6 && age <= PICTURE_LASTS ? at : null;
+  return age >= -1e-6 && age <= IMAGE_LIFETIME_S ? at : null;
 }

@@ -1,8 +1,8 @@
 // The view's geometry. Expected values by hand.
 import assert from "node:assert/strict";
-import { test } from "node:test";
+import { test } from "vitest";
 import { hits, lightsAt, trackPose } from "./motion.ts";
-import { frameAt, pictureAt } from "./player.svelte.ts";
+import { frameAt, imageAt } from "./player.svelte.ts";
 import { corners, REACH, shadows, wedge } from "./shadow.ts";
 import { fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
 import type { LightView, TrackView } from "../api/types.ts";
@@ -82,6 +82,6 @@ test("what stands wholly behind a nearer thing throws no shadow of its own; what
 test("the frame shown is the last one at or before now", () => {
   assert.deepEqual([-9, 0, 0.05, 0.1, 9].map((s) => frameAt([0, 0.1, 0.2], s)), [0, 0, 0, 1, 2]);
   // No picture before the camera's first one: it would be of a later moment; none long after its last.
-  assert.deepEqual([-0.1, 0, 0.15, 1.2, 1.3].map((s) => pictureAt([0, 0.1, 0.2], s)), [null, 0, 1, 2, null]);
-  assert.equal(pictureAt([], 0), null);
+  assert.deepEqual([-0.1, 0, 0.15, 1.2, 1.3].map((s) => imageAt([0, 0.1, 0.2], s)), [null, 0, 1, 2, null]);
+  assert.equal(imageAt([], 0), null);
 });

@@ -1,7 +1,7 @@
 // Objects of the bird's-eye view: boxes with their heading and class colour, tails, rings. One fill a colour, not one an object.
 import type { TrackView } from "../api/types.ts";
-import { classColour } from "./colours.ts";
-import type { Picture } from "./draw.ts";
+import { classColour } from "./colors.ts";
+import type { SceneFrame } from "./scene_frame.ts";
 import { type Pose, trackPose, trackValue } from "./motion.ts";
 
 /** Under this share the ego does not see an object (docs/reference/signals.md, `target.emerges`). */
@@ -17,7 +17,7 @@ interface Placed {
 }
 
 /** Objects of the moment that can be on the screen: what lies outside costs nothing. */
-export function inView(p: Picture): Placed[] {
+export function inView(p: SceneFrame): Placed[] {
   const reach = Math.hypot(p.size.width, p.size.height) / p.view.scale + 15;
   const out: Placed[] = [];
   for (const track of p.scene.tracks) {
@@ -29,7 +29,7 @@ export function inView(p: Picture): Placed[] {
 }
 
 /** Tails, then boxes; one stroke or fill a colour, since each costs the browser far more than its points do. */
-export function drawTracks(ctx: CanvasRenderingContext2D, p: Picture, placed: readonly Placed[]): void {
+export function drawTracks(ctx: CanvasRenderingContext2D, p: SceneFrame, placed: readonly Placed[]): void {
   const colours = [...new Set(placed.map((o) => o.colour))];
   if (p.history) {
     ctx.globalAlpha = 0.55;
@@ -52,7 +52,7 @@ export function drawTracks(ctx: CanvasRenderingContext2D, p: Picture, placed: re
   for (const o of special) drawSpecial(ctx, p, o);
 }
 
-function tail(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void {
+function tail(ctx: CanvasRenderingContext2D, p: SceneFrame, track: TrackView): void {
   const last = p.index - track.first;
   const step = Math.max(1, Math.round(TAIL_STEP_S * p.scene.frame_rate));
   let pen = false;
@@ -72,7 +72,7 @@ function tail(ctx: CanvasRenderingContext2D, p: Picture, track: TrackView): void
 }
 
 /** Adds a box with a pointed nose to the path, so that its heading can be read. */
-export function box(ctx: CanvasRenderingContext2D, p: Picture, at: Pose, length: number, width: number): void {
+export function box(ctx: CanvasRenderingContext2D, p: SceneFrame, at: Pose, length: number, width: number): void {
   const cos = Math.cos(at.heading);
   const sin = Math.sin(at.heading);
   const x = at.x - p.origin[0];
@@ -100,14 +100,14 @@ function isHidden(track: TrackView, index: number): boolean {
 }
 
 /** Colour of the ring around an object that stands out; null for the others. */
-function ring(p: Picture, id: string): string | null {
+function ring(p: SceneFrame, id: string): string | null {
   if (id === p.picked) return p.palette.picked;
   if (p.linked.has(id)) return p.palette.linked;
   return id === p.target ? p.palette.target : null;
 }
 
 /** An object with a ring, or one that the ego does not see: a dashed outline. */
-function drawSpecial(ctx: CanvasRenderingContext2D, p: Picture, o: Placed): void {
+function drawSpecial(ctx: CanvasRenderingContext2D, p: SceneFrame, o: Placed): void {
   const hidden = isHidden(o.track, p.index);
   const around = ring(p, o.track.id);
   const px = 1 / p.view.scale;
@@ -128,7 +128,7 @@ function drawSpecial(ctx: CanvasRenderingContext2D, p: Picture, o: Placed): void
 const LEAST_PX = 6;
 
 /** Box of a track as it is drawn. */
-function drawn(p: Picture, track: TrackView): [number, number] {
+function drawn(p: SceneFrame, track: TrackView): [number, number] {
   const [length, width] = sizeOf(track);
   const least = LEAST_PX / p.view.scale;
   return [Math.max(length, least), Math.max(width, least)];

@@ -1,8 +1,9 @@
 // Which language the page speaks, and how it says things. Switching is a state change: no reload.
-import { words } from "./words.ts";
+import type { TextPair } from "./screen_texts.ts";
+import { texts } from "./texts.ts";
 
 export type Lang = "zh" | "en";
-export type WordKey = keyof typeof words;
+export type TextKey = keyof typeof texts;
 /** A text that the server sends in both languages. */
 export interface Bilingual {
   zh: string;
@@ -15,20 +16,31 @@ const first: Lang = stored === "zh" || stored === "en" ? stored : navigator.lang
 
 export const lang = $state<{ now: Lang }>({ now: first });
 
-export function speak(next: Lang): void {
+export function setLanguage(next: Lang): void {
   lang.now = next;
   localStorage.setItem(KEY, next);
   document.documentElement.lang = next === "zh" ? "zh-CN" : "en";
 }
-speak(first);
+setLanguage(first);
 
-/** The text of `key`, `{name}` replaced by `values.name`. */
-export function t(key: WordKey, values: Record<string, string | number> = {}): string {
-  const text: string = words[key][lang.now === "zh" ? 0 : 1];
-  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String(values[name] ?? whole));
+/** The names in braces in a text: `"n" | "of"` for `{n} of {of}`. */
+type Placeholder<Text extends string> = Text extends `${string}{${infer Name}}${infer Rest}` ? Name | Placeholder<Rest> : never;
+type Values<Key extends TextKey> =
+  [Placeholder<(typeof texts)[Key][0]>] extends [never] ? [] : [Record<Placeholder<(typeof texts)[Key][0]>, string | number>];
+
+/** Texts without placeholders. */
+export type PlainTextKey = { [Key in TextKey]: Values<Key> extends [] ? Key : never }[TextKey];
+
+/** The text of `key` in the current language with its placeholders filled in. */
+export function t<Key extends TextKey>(key: Key, ...[values]: Values<Key>): string {
+  const text: string = texts[key][lang.now === "zh" ? 0 : 1];
+  return text.replace(/\{(\w+)\}/g, (whole, name: string) => String((values as Record<string, string | number> | undefined)?.[name] ?? whole));
 }
 
-/** The reader's side of a bilingual text. */
-export function say(text: Bilingual | null | undefined): string {
+/** The text of a pair in `language`; undefined without a pair. */
+export const sideOf = (pair: TextPair | undefined, language: Lang): string | undefined => pair?.[language === "zh" ? 0 : 1];
+
+/** A bilingual text in the current language. */
+export function localized(text: Bilingual | null | undefined): string {
   return text ? text[lang.now] || text.en || text.zh : "";
 }

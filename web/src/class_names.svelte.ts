@@ -1,0 +1,47 @@
+// The framework's words, for the screens that list classes and for the labelling screen: read once for the whole page.
+import * as api from "./api/calls.generated.ts";
+import { type Framework, readFramework } from "./label/framework.ts";
+import { type Bilingual, localized } from "./text/text.svelte.ts";
+
+const loaded = $state<{ now: Framework | null }>({ now: null });
+let asked: Promise<Framework> | null = null;
+
+/** Asks for the framework unless it is there or under way. A failure is asked for again by the next screen. */
+export function loadFramework(): Promise<Framework> {
+  asked ??= api.getFramework().then(
+    (view) => (loaded.now = readFramework(view)),
+    (error: unknown) => {
+      asked = null;
+      throw error;
+    },
+  );
+  return asked;
+}
+
+/** The reader's name of a leaf; its id while names are not there, or for `other` and leaves of another version. */
+export function leafName(id: string): string {
+  const leaf = loaded.now?.leaves.get(id);
+  return leaf ? localized(leaf.name) : id;
+}
+
+export interface Group {
+  id: string;
+  name: Bilingual;
+  groups: { id: string; name: Bilingual; leaves: { id: string; name: Bilingual }[] }[];
+}
+
+/** All leaves under their L2 and L1, in the framework's order. */
+export function tree(): Group[] {
+  const out: Group[] = [];
+  for (const leaf of loaded.now?.leaves.values() ?? []) {
+    const [one = "", two = ""] = leaf.id.split(".");
+    const [oneName, twoName] = leaf.path;
+    if (!oneName || !twoName) continue;
+    let a = out.find((g) => g.id === one);
+    if (!a) out.push((a = { id: one, name: oneName, groups: [] }));
+    let b = a.groups.find((g) => g.id === `${one}.${two}`);
+    if (!b) a.groups.push((b = { id: `${one}.${two}`, name: twoName, leaves: [] }));
+    b.leaves.push({ id: leaf.id, name: leaf.name });
+  }
+  return out;
+}

@@ -1,0 +1,118 @@
+// What each action of the keyboard does on the labelling screen.
+import type { Handlers } from "../../keys/keys.svelte.ts";
+import { pointers } from "../../label/field_pointers.ts";
+import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn, toggleUncertainty } from "../../label/edits.ts";
+import type { TaskEditor } from "../../label/task_editor.svelte.ts";
+import { nextCamera } from "../../scene/cameras.ts";
+import { objectsAt } from "../../scene/objects.ts";
+import { tick } from "svelte";
+import { toField, toSection } from "./focus.ts";
+import { saveViewSettings, viewSettings } from "./view_settings.svelte.ts";
+import { undo, redo } from "./undo_actions.ts";
+
+/** What the screen itself answers for. */
+interface Deeds {
+  advance: () => void;
+  reject: () => void;
+  sendBack: () => void;
+}
+
+export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
+  const player = editor.player;
+
+  function pickNext(by: 1 | -1): void {
+    if (!editor.clip.scene) return;
+    const ids = objectsAt(editor.clip.scene, player.index).map((o) => o.id);
+    if (ids.length === 0) return;
+    const at = editor.selected === null ? -1 : ids.indexOf(editor.selected);
+    const next = at < 0 ? (by > 0 ? 0 : ids.length - 1) : (at + by + ids.length) % ids.length;
+    editor.selected = ids[next] ?? null;
+  }
+
+  async function add(): Promise<void> {
+    const n = addComponent(editor, editor.selected);
+    if (n === null) return;
+    await tick();
+    document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
+  }
+
+  function flip(layer: "names" | "occlusion" | "spec"): void {
+    viewSettings[layer] = !viewSettings[layer];
+    saveViewSettings();
+  }
+
+  function look(by: 1 | -1): void {
+    viewSettings.camera = nextCamera(editor.clip.scene?.cameras ?? [], viewSettings.camera, by);
+    saveViewSettings();
+  }
+
+  /** What is in the focused field is good; on to the next that nobody has looked at, then to what has to be mended, at last to the safety filter. */
+  async function acceptField(): Promise<void> {
+    const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
+    const before = editor.unaccepted;
+    const at = before.indexOf(field ?? "");
+    if (field !== undefined) editor.accept(field);
+    await tick();
+    const next = editor.unaccepted.find((p) => before.indexOf(p) > at) ?? editor.unaccepted[0];
+    if (next !== undefined) toField(next);
+    else if (editor.canEdit && editor.stage === "stage2") {
+      const wrong = editor.draft.findings.find((f) => f.severity === "error");
+      if (wrong) toField(wrong.pointer);
+      else toSection("safety");
+      // Words that have to be written anew: the first letter replaces them.
+      if (wrong && editor.mustRewrite(wrong.pointer) && document.activeElement instanceof HTMLTextAreaElement) document.activeElement.select();
+    }
+  }
+
+  return {
+    leave: () => (document.activeElement instanceof HTMLElement ? document.activeElement.blur() : undefined),
+    save: () => void editor.draft.flush(),
+    undo: () => undo(editor),
+    redo: () => redo(editor),
+    acceptField: () => void acceptField(),
+    advance: deeds.advance,
+    play: () => player.toggle(),
+    back: () => player.step(-1),
+    forward: () => player.step(1),
+    back1: () => player.step(-Math.round(editor.clip.scene?.frame_rate ?? 10)),
+    forward1: () => player.step(Math.round(editor.clip.scene?.frame_rate ?? 10)),
+    first: () => player.seek(player.first),
+    last: () => player.seek(player.end),
+    toKeyframe: () => player.seek(editor.second(editor.draft.at(pointers.keyframeTime("keyframe"))) ?? 0),
+    slower: () => player.faster(-1),
+    faster: () => player.faster(1),
+    loop: () => (player.loop = !player.loop),
+    follow: () => (viewSettings.follow = !viewSettings.follow),
+    zoomIn: () => viewSettings.zoom?.(1.3),
+    zoomOut: () => viewSettings.zoom?.(1 / 1.3),
+    nextObject: () => pickNext(1),
+    previousObject: () => pickNext(-1),
+    targetObject: () => (editor.selected = editor.target),
+    names: () => flip("names"),
+    occlusion: () => flip("occlusion"),
+    nextCamera: () => look(1),
+    previousCamera: () => look(-1),
+    addComponent: () => void add(),
+    linkObject: () => editor.selected !== null && toggleIn(editor, editor.currentComponent, "linked_objects", editor.selected),
+    evidence: () => evidenceNow(editor),
+    uncertain: () => toggleUncertainty(editor, editor.currentComponent),
+    keyframe: () => setKeyframe(editor, "keyframe"),
+    keyframe2: () => setKeyframe(editor, "second_keyframe"),
+    keyStart: () => setKeyRange(editor, "range_start"),
+    keyEnd: () => setKeyRange(editor, "range_end"),
+    rangeStart: () => setRange(editor, "start"),
+    rangeEnd: () => setRange(editor, "end"),
+    safe: () => editor.canEdit && editor.stage === "stage2" && editor.review.setSafe(!editor.review.safe),
+    reject: deeds.reject,
+    sendBack: deeds.sendBack,
+    toComponents: () => toSection("components"),
+    toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
+    toLateral: () => toSection("decisions", "[data-choices=lateral]"),
+    toCauses: () => toSection("causes"),
+    toTrace: () => toSection("trace"),
+    toRecords: () => toSection("records"),
+    toFindings: () => toSection("findings"),
+    toComments: () => toSection("comments"),
+    spec: () => flip("spec"),
+  };
+}

@@ -1,0 +1,207 @@
+// One task on the labelling screen: the task, its label, its clip and the moment shown. Every part of the screen reads from
+// here. Draws nothing and handles no key.
+import * as api from "../api/calls.generated.ts";
+import { ApiError } from "../api/client.ts";
+import type { ActionName, Finding, Task, User } from "../api/types.ts";
+import { loadFramework } from "../class_names.svelte.ts";
+import { RequestState } from "../request_state.svelte.ts";
+import type { Player } from "../scene/player.svelte.ts";
+import { within } from "./changes.ts";
+import { ClipData } from "./clip_data.svelte.ts";
+import { CommentList } from "./comment_list.svelte.ts";
+import { Draft } from "./draft.svelte.ts";
+import { DRAFTED_FIELDS, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
+import type { Channel, Framework, Spec } from "./framework.ts";
+import { Lease } from "./lease.svelte.ts";
+import { type Json, read, same } from "./pointer.ts";
+import { ReviewMarks } from "./review_marks.svelte.ts";
+
+/** States in which nobody holds the task and somebody has to take it. */
+const WAITING_STATES = ["open", "stage1_locked", "submitted", "rework", "checked"];
+
+export class TaskEditor {
+  task = $state.raw<Task | null>(null);
+  framework = $state.raw<Framework | null>(null);
+  /** The label before anybody changed it; null while it is unknown. */
+  initial = $state.raw<Json | null>(null);
+  /** Another task of the reader that has to be finished first. */
+  blockingTask = $state<string | null>(null);
+  /** Track id of the object that is selected in the view. */
+  selected = $state<string | null>(null);
+  /** What was just done, for screen readers: undo may change what is out of sight. */
+  announcement = $state("");
+  /** Number of the component that evidence and objects go to. */
+  currentComponent = $state(0);
+  readonly id: string;
+  readonly draft: Draft;
+  readonly clip: ClipData;
+  readonly review: ReviewMarks;
+  readonly comments: CommentList;
+  readonly request = new RequestState();
+  #lease: Lease;
+
+  constructor(id: string, user: User) {
+    this.id = id;
+    this.draft = new Draft(user.id);
+    this.clip = new ClipData(id);
+    this.review = new ReviewMarks(id);
+    this.comments = new CommentList(id, this.request);
+    this.#lease = new Lease(id, () => this.draft.queue.stop());
+  }
+
+  spec = $derived((this.task as { spec?: Spec | null } | null)?.spec ?? null);
+  stage = $derived(this.task?.stage ?? "stage1");
+  state = $derived(this.task?.task.state ?? "open");
+  leaf = $derived(this.framework?.leaves.get(this.task?.task.scenario_id ?? "") ?? null);
+  target = $derived(this.task?.suggestion.target_id ?? null);
+  isWaiting = $derived.by(() => WAITING_STATES.includes(this.state));
+  holdsLease = $derived.by(() => this.task?.fence != null && this.draft.queue.status !== "lost");
+  canEdit = $derived(this.holdsLease && this.can("edit"));
+  canCheck = $derived(this.holdsLease && (this.can("accept") || this.can("send_back")));
+  /** A rule, a model or an import filled the label in before the reader did. */
+  drafted = $derived.by(() => this.initial !== null && this.state !== "rework");
+  components = $derived.by(() => {
+    const list = this.draft.at(pointers.components);
+    return Array.isArray(list) ? list.map((c) => c as Record<string, Json>) : [];
+  });
+  /** Track ids that components are linked to. */
+  linkedObjects = $derived(
+    new Set(this.components.flatMap((c) => (Array.isArray(c["linked_objects"]) ? c["linked_objects"].map(String) : []))),
+  );
+  /** Drafted fields that the annotator has neither changed nor accepted. */
+  unaccepted = $derived.by(() =>
+    this.drafted && this.stage === "stage2" ? DRAFTED_FIELDS.filter((path) => this.isUnaccepted(path)) : [],
+  );
+
+  get player(): Player {
+    return this.clip.player;
+  }
+
+  /** The frame shown now. */
+  get frame(): number {
+    return this.clip.frameNear(this.player.now);
+  }
+
+  /** May the reader do this with the task now? */
+  can(action: string): boolean {
+    return this.task?.permissions.includes(action) ?? false;
+  }
+
+  /** May the reader change the field at `path` now? Stage I fills its own fields, Stage II cannot change components. */
+  isEditable(path: string): boolean {
+    if (!this.canEdit) return false;
+    if (this.stage === "stage1") return STAGE_ONE_FIELDS.some((field) => within(path, field));
+    return this.state === "rework" || !within(path, pointers.components);
+  }
+
+  second(iso: unknown): number | null {
+    return this.clip.second(iso);
+  }
+
+  /** The decision of a channel: null is "no change", undefined is "not chosen". */
+  decision(channel: Channel): string | null | undefined {
+    const value = this.draft.at(pointers.decisionOf(channel));
+    return typeof value === "string" || value === null ? value : undefined;
+  }
+
+  /** The field at `path` in the label as it was drafted; undefined while that is unknown. */
+  initialAt(path: string): Json | undefined {
+    return this.initial === null ? undefined : read(this.initial, path);
+  }
+
+  findingsAt(path: string): readonly Finding[] {
+    return this.draft.findings.filter((f) => within(f.pointer, path));
+  }
+
+  /** The validator rejects the drafted text: it cannot be accepted unchanged. */
+  mustRewrite(path: string): boolean {
+    return this.findingsAt(path).some((f) => f.code === "label.trace.draft");
+  }
+
+  /** Accepts the drafted field at `path` as it is. */
+  accept(path: string): void {
+    if (!this.mustRewrite(path)) this.review.accept(path);
+  }
+
+  /** Loads everything; on a second call only what a change of stage can change. */
+  async load(): Promise<void> {
+    await this.request.run(async () => {
+      const [task, framework] = await Promise.all([api.getTask(this.id), loadFramework()]);
+      this.framework = framework;
+      this.review.load();
+      await this.show(task);
+    });
+  }
+
+  async show(task: Task): Promise<void> {
+    const shown = this.task;
+    this.task = task;
+    this.comments.show(task);
+    this.draft.load(task);
+    this.#lease.keep(task.fence ?? null, Number(task.lease_until ?? 0));
+    if (task.stage === "stage2" && this.initial === null) void this.#loadInitial();
+    if (!this.clip.scene) await this.clip.load();
+    else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
+  }
+
+  async take(): Promise<void> {
+    await this.request.run(async () => {
+      await this.#lease.take();
+      await this.load();
+    });
+  }
+
+  async release(): Promise<boolean> {
+    if (this.#lease.fence === null || !(await this.draft.flush())) return false;
+    return (await this.request.run(async () => (await this.#lease.release(), true))) === true;
+  }
+
+  /** Saves what is unsaved, then acts. False when that failed; `request` or the draft then has the reason. */
+  async act(action: ActionName, reason?: string): Promise<boolean> {
+    if (this.holdsLease && !(await this.draft.flush())) return false;
+    return this.#post({ fence: this.#lease.fence, action, reason: reason ?? null });
+  }
+
+  /** Restores the draft of an earlier entry of the history. */
+  restore(seq: number): Promise<boolean> {
+    return this.#post({ fence: this.#lease.fence, action: "restore", seq });
+  }
+
+  close(): void {
+    this.clip.close();
+    this.#lease.stop();
+    // What was typed just before leaving is sent without the usual pause.
+    void this.draft.flush().finally(() => this.draft.close());
+  }
+
+  private isUnaccepted(path: string): boolean {
+    const before = this.initialAt(path);
+    const filled = before !== undefined && before !== null && before !== "";
+    return filled && same(before, this.draft.at(path)) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+  }
+
+  async #post(action: Parameters<typeof api.postTaskActions>[1]): Promise<boolean> {
+    const done = await this.request.run(async () => {
+      try {
+        const task = await api.postTaskActions(this.id, action);
+        if (action.action === "submit") this.review.clearStored();
+        await this.show(task);
+        return true;
+      } catch (error) {
+        const more = error instanceof ApiError ? error.more : {};
+        this.blockingTask = typeof more["task"] === "string" ? more["task"] : null;
+        if (Array.isArray(more["findings"])) this.draft.findings = more["findings"] as Finding[];
+        throw error;
+      }
+    });
+    return done === true;
+  }
+
+  async #loadInitial(): Promise<void> {
+    try {
+      this.initial = (await api.getTaskHistoryBySeq(this.id, 1)).draft as Json;
+    } catch {
+      // Only those who may read the history see what a field was before.
+    }
+  }
+}
