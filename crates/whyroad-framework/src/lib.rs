@@ -15,7 +15,6 @@ pub mod schemas;
 pub mod spec;
 pub mod taxonomy;
 pub mod version;
-mod yaml;
 
 pub use decisions::DecisionSets;
 pub use framework::{ExpressionSource, Framework, RuleSource};

@@ -13,10 +13,12 @@ pub mod object;
 pub mod road_map;
 pub mod scene;
 pub mod signal;
+pub mod suggest;
 pub mod text;
 pub mod time;
 pub mod units;
 pub mod vocabulary;
+pub mod yaml;
 
 pub use column::{Column, Tri};
 pub use diagnostic::{Diagnostic, Location, Severity};

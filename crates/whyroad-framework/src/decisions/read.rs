@@ -2,18 +2,18 @@
 
 use super::{DecisionSets, DecisionText, LateralText, LongitudinalText};
 use crate::taxonomy::{FAMILY, optional_bilingual, read_bilingual, read_version, suggestion};
-use crate::yaml::{Fields, Node, Report};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::yaml::{Fields, FileReport, Node};
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Reads the decisions. What cannot be read is left out and reported.
 pub fn read_decisions(file: &str, text: &str) -> (DecisionSets, Vec<Diagnostic>) {
-    let mut report = Report::new(file, text, &FAMILY);
+    let mut report = FileReport::new(file, text, &FAMILY);
     let sets = report.parse(text).and_then(|root| document(&root, &mut report)).unwrap_or_default();
     (sets, report.diagnostics)
 }
 
-fn document(root: &Node, r: &mut Report) -> Option<DecisionSets> {
+fn document(root: &Node, r: &mut FileReport) -> Option<DecisionSets> {
     let mut f = Fields::open(root, r)?;
     let version = read_version(&mut f, "taxonomy.version", r);
     let null_decision = f.need("null_decision", r).and_then(|n| {
@@ -70,7 +70,7 @@ fn document(root: &Node, r: &mut Report) -> Option<DecisionSets> {
     Some(sets)
 }
 
-fn read_text(f: &mut Fields, r: &mut Report) -> Option<DecisionText> {
+fn read_text(f: &mut Fields, r: &mut FileReport) -> Option<DecisionText> {
     let name = read_bilingual(f, "name_zh", "name_en", r);
     let meaning = read_bilingual(f, "meaning_zh", "meaning_en", r);
     let not = optional_bilingual(f, "not_zh", "not_en", r);
@@ -78,7 +78,7 @@ fn read_text(f: &mut Fields, r: &mut Report) -> Option<DecisionText> {
     Some(DecisionText { name: name?, meaning: meaning?, not, ar1 })
 }
 
-fn directions(f: &mut Fields, r: &mut Report) -> Vec<LateralDirection> {
+fn directions(f: &mut Fields, r: &mut FileReport) -> Vec<LateralDirection> {
     let mut out = Vec::new();
     for node in f.need("directions", r).map_or(&[][..], |n| r.items(n)) {
         let Some(text) = r.text(node) else { continue };
@@ -96,7 +96,7 @@ fn member<T>(
     f: &mut Fields,
     from_id: fn(&str) -> Option<T>,
     all: impl Iterator<Item = &'static str>,
-    r: &mut Report,
+    r: &mut FileReport,
 ) -> Option<T> {
     let node = f.need("id", r)?;
     let text = r.text(node)?;
@@ -115,10 +115,10 @@ fn member<T>(
     found
 }
 
-fn twice(node: &Node, id: &str, r: &mut Report) {
+fn twice(node: &Node, id: &str, r: &mut FileReport) {
     r.error("taxonomy.id.duplicate", node, format!("id '{id}' 重复"), format!("id '{id}' is used twice"));
 }
 
-fn differs(node: &Node, zh: String, en: String, r: &mut Report) {
+fn differs(node: &Node, zh: String, en: String, r: &mut FileReport) {
     r.error("taxonomy.decisions.set", node, zh, en);
 }

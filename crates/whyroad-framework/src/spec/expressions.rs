@@ -1,7 +1,7 @@
 //! The rule-language expressions of a labelling file with their places, so that whoever knows the language can check
 //! each one where it is written. Nothing is interpreted here.
 
-use crate::yaml::{Mark, Node, Value};
+use whyroad_model::yaml::{Mark, Node, Value};
 
 /// An `expr` as written.
 #[derive(Clone, Debug)]
@@ -39,9 +39,9 @@ fn collect(node: &Node, leaf: Option<&String>, out: &mut Vec<Written>) {
     let Value::Map(entries) = &node.value else { return };
     for e in entries {
         match &e.node.value {
-            Value::Scalar(text) if e.key == "expr" => out.push(Written {
+            Value::Scalar(scalar) if e.key == "expr" => out.push(Written {
                 leaf: leaf.cloned(),
-                text: text.trim().to_owned(),
+                text: scalar.text.trim().to_owned(),
                 mark: e.node.mark,
                 pointer: e.node.pointer.clone(),
             }),

@@ -5,13 +5,13 @@ use super::raw::{
     BoundLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer, SpecFile, Words,
 };
 use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
-use crate::yaml::{Entry, Family, Fields, Mark, Node, Report, Value};
 use indexmap::IndexMap;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{KeyframeType, Uncertainty};
+use whyroad_model::yaml::{Entry, Fields, FileReport, FormCodes, Mark, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic};
 
-static FAMILY: Family = Family {
+static FAMILY: FormCodes = FormCodes {
     syntax: "spec.yaml",
     missing: "spec.field.missing",
     unknown: "spec.field.unknown",
@@ -36,12 +36,12 @@ pub(crate) struct ReadSpec {
 
 /// Reads one file and checks it against the classes.
 pub(crate) fn read_spec(file: &str, text: &str, taxonomy: &Taxonomy) -> (Option<ReadSpec>, Vec<Diagnostic>) {
-    let mut report = Report::new(file, text, &FAMILY);
+    let mut report = FileReport::new(file, text, &FAMILY);
     let read = report.parse(text).and_then(|root| document(&root, text, taxonomy, &mut report));
     (read, report.diagnostics)
 }
 
-fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Option<ReadSpec> {
+fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<ReadSpec> {
     let mut f = Fields::open(root, r)?;
     let version = read_version(&mut f, "spec.version", r);
     let l1_node = f.need("l1", r);
@@ -113,7 +113,7 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut Report) -> Opt
 }
 
 /// The folder and file name must say the same as the fields: people look files up by name.
-fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut Report) -> bool {
+fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut FileReport) -> bool {
     let wanted = match l2 {
         None => format!("scenarios/{l1}.yaml"),
         Some(l2) => format!("scenarios/{l1}/{l2}.yaml"),
@@ -131,7 +131,7 @@ fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut Report) -> bool {
     false
 }
 
-fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node, r: &mut Report) {
+fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node, r: &mut FileReport) {
     let mut d = Diagnostic::error(
         "spec.class.unknown",
         Bilingual::new(format!("分类体系中没有 '{id}'"), format!("the taxonomy has no '{id}' here")),
@@ -149,7 +149,7 @@ fn check_leaves(
     marks: &IndexMap<String, Mark>,
     node: &Node,
     taxonomy: &Taxonomy,
-    r: &mut Report,
+    r: &mut FileReport,
 ) {
     let Some((_, class)) = taxonomy.l2(l1, l2) else { return };
     let known: Vec<&str> = class.l3.iter().map(|c| c.id.as_str()).collect();
@@ -177,7 +177,7 @@ fn check_leaves(
     }
 }
 
-fn leaf(entry: &Entry, r: &mut Report) -> (Option<LabelingLayer>, Option<Mark>) {
+fn leaf(entry: &Entry, r: &mut FileReport) -> (Option<LabelingLayer>, Option<Mark>) {
     if matches!(entry.node.value, Value::Null) {
         return (None, None);
     }
@@ -191,7 +191,7 @@ fn leaf(entry: &Entry, r: &mut Report) -> (Option<LabelingLayer>, Option<Mark>) 
     (labeling, mining.map(|e| e.mark))
 }
 
-fn layer(node: &Node, r: &mut Report) -> Option<LabelingLayer> {
+fn layer(node: &Node, r: &mut FileReport) -> Option<LabelingLayer> {
     let mut f = Fields::open(node, r)?;
     let layer = LabelingLayer {
         keyframe: f.get("keyframe").and_then(|n| keyframe(n, r)),
@@ -217,7 +217,7 @@ fn layer(node: &Node, r: &mut Report) -> Option<LabelingLayer> {
     Some(layer)
 }
 
-fn keyframe(node: &Node, r: &mut Report) -> Option<KeyframeLayer> {
+fn keyframe(node: &Node, r: &mut FileReport) -> Option<KeyframeLayer> {
     let mut f = Fields::open(node, r)?;
     let kind = f.get("type").and_then(|n| {
         member(n, "spec.keyframe.type", KeyframeType::from_id, KeyframeType::ALL.iter().map(|k| k.id()), r)
@@ -232,7 +232,7 @@ fn keyframe(node: &Node, r: &mut Report) -> Option<KeyframeLayer> {
     Some(layer)
 }
 
-fn bound(node: &Node, r: &mut Report) -> Option<BoundLayer> {
+fn bound(node: &Node, r: &mut FileReport) -> Option<BoundLayer> {
     let mut f = Fields::open(node, r)?;
     let layer = BoundLayer {
         rule: f.get("rule").and_then(|n| words(n, r)),
@@ -243,7 +243,7 @@ fn bound(node: &Node, r: &mut Report) -> Option<BoundLayer> {
     Some(layer)
 }
 
-fn moment(node: &Node, r: &mut Report) -> Option<MomentLayer> {
+fn moment(node: &Node, r: &mut FileReport) -> Option<MomentLayer> {
     let mut f = Fields::open(node, r)?;
     let rule = f.need("rule", r).and_then(|n| words(n, r));
     let expr = f.text_opt("expr", r);
@@ -251,7 +251,7 @@ fn moment(node: &Node, r: &mut Report) -> Option<MomentLayer> {
     Some(MomentLayer { rule: rule?, expr })
 }
 
-fn pack(node: &Node, r: &mut Report) -> Option<PackLayer> {
+fn pack(node: &Node, r: &mut FileReport) -> Option<PackLayer> {
     let mut f = Fields::open(node, r)?;
     let layer = PackLayer {
         before_s: f.get("before_s").and_then(|n| seconds(n, r)),
@@ -262,7 +262,7 @@ fn pack(node: &Node, r: &mut Report) -> Option<PackLayer> {
     Some(layer)
 }
 
-fn records(node: &Node, r: &mut Report) -> Vec<RecordLayer> {
+fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
     let mut out: Vec<RecordLayer> = Vec::new();
     for item in r.items(node) {
         let Some(mut f) = Fields::open(item, r) else { continue };
@@ -286,7 +286,7 @@ fn records(node: &Node, r: &mut Report) -> Vec<RecordLayer> {
     out
 }
 
-fn words(node: &Node, r: &mut Report) -> Option<Words> {
+fn words(node: &Node, r: &mut FileReport) -> Option<Words> {
     let mut f = Fields::open(node, r)?;
     let zh = f.text("zh", r);
     let en = f.text("en", r);
@@ -294,7 +294,7 @@ fn words(node: &Node, r: &mut Report) -> Option<Words> {
     Some(Words { zh: zh?, en: en? })
 }
 
-fn seconds(node: &Node, r: &mut Report) -> Option<f64> {
+fn seconds(node: &Node, r: &mut FileReport) -> Option<f64> {
     let text = r.text(node)?;
     match text.parse::<f64>() {
         Ok(s) if s.is_finite() && s >= 0.0 => Some(s),
@@ -315,7 +315,7 @@ fn member<T>(
     code: &'static str,
     from_id: fn(&str) -> Option<T>,
     all: impl Iterator<Item = &'static str> + Clone,
-    r: &mut Report,
+    r: &mut FileReport,
 ) -> Option<T> {
     let text = r.text(node)?;
     let found = from_id(&text);

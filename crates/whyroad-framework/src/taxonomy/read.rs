@@ -1,14 +1,14 @@
 //! `schema/scenario_taxonomy.yaml` (DATA_FORMAT.md 2.1 with our optional additions) to a [`Taxonomy`], with
 //! every problem reported and everything readable kept.
 
-use super::{Decides, L1, L2, L3, Taxonomy, TypicalDecisions, did_you_mean};
+use super::{Decides, L1, L2, L3, Taxonomy, TypicalDecisions, did_you_mean, suggestion};
 use crate::version::Version;
-use crate::yaml::{Family, Fields, Node, Report};
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, Longitudinal};
+use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 
-pub(crate) static FAMILY: Family = Family {
+pub(crate) static FAMILY: FormCodes = FormCodes {
     syntax: "taxonomy.yaml",
     missing: "taxonomy.field.missing",
     unknown: "taxonomy.field.unknown",
@@ -19,7 +19,7 @@ pub(crate) static FAMILY: Family = Family {
 
 /// Reads a taxonomy. `None` when the text is no YAML mapping at all.
 pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnostic>) {
-    let mut report = Report::new(file, text, &FAMILY);
+    let mut report = FileReport::new(file, text, &FAMILY);
     let taxonomy = report.parse(text).and_then(|root| {
         let mut reading = Reading { report: &mut report, against: Vec::new(), nodes: BTreeMap::new() };
         let taxonomy = reading.document(&root)?;
@@ -31,7 +31,7 @@ pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnosti
 }
 
 struct Reading<'r, 't, 'n> {
-    report: &'r mut Report<'t>,
+    report: &'r mut FileReport<'t>,
     /// `decides.against` references, checked once all classes are known: (the class that speaks, the id, its place).
     against: Vec<(ScenarioId, ScenarioId, &'n Node)>,
     /// Where each L1 and L2 was written, by full id.
@@ -230,7 +230,7 @@ impl<'n> Reading<'_, '_, 'n> {
     fn unknown_parent<'k>(
         &mut self,
         key: &str,
-        mark: crate::yaml::Mark,
+        mark: whyroad_model::yaml::Mark,
         node: &Node,
         known: impl Iterator<Item = &'k str>,
     ) {
@@ -265,7 +265,7 @@ impl<'n> Reading<'_, '_, 'n> {
     }
 }
 
-fn check_against(taxonomy: &Taxonomy, against: &[(ScenarioId, ScenarioId, &Node)], report: &mut Report) {
+fn check_against(taxonomy: &Taxonomy, against: &[(ScenarioId, ScenarioId, &Node)], report: &mut FileReport) {
     for (owner, id, node) in against {
         if owner == id {
             report.error(
@@ -287,13 +287,8 @@ fn check_against(taxonomy: &Taxonomy, against: &[(ScenarioId, ScenarioId, &Node)
     }
 }
 
-/// "did you mean".
-pub(crate) fn suggestion(near: &str) -> Bilingual {
-    Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?"))
-}
-
 /// The `version` field; reported under `code` when it is no version, and then "0.0.0".
-pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut Report) -> String {
+pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut FileReport) -> String {
     let Some(node) = f.need("version", r) else { return Version::default().to_string() };
     let Some(text) = r.text(node) else { return Version::default().to_string() };
     if Version::parse(&text).is_none() {
@@ -308,7 +303,7 @@ pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut Report) -
     text
 }
 
-fn read_id(f: &mut Fields, r: &mut Report) -> Option<String> {
+fn read_id(f: &mut Fields, r: &mut FileReport) -> Option<String> {
     let node = f.need("id", r)?;
     let id = r.text(node)?;
     let well_formed = id.starts_with(|c: char| c.is_ascii_lowercase())
@@ -330,7 +325,7 @@ pub(crate) fn read_bilingual(
     f: &mut Fields,
     zh: &'static str,
     en: &'static str,
-    r: &mut Report,
+    r: &mut FileReport,
 ) -> Option<Bilingual> {
     f.need(zh, r);
     optional_bilingual(f, zh, en, r)
@@ -341,7 +336,7 @@ pub(crate) fn optional_bilingual(
     f: &mut Fields,
     zh: &'static str,
     en: &'static str,
-    r: &mut Report,
+    r: &mut FileReport,
 ) -> Option<Bilingual> {
     let zh_node = f.get(zh);
     let zh_text = zh_node.and_then(|n| r.text(n));
@@ -364,7 +359,7 @@ pub(crate) fn optional_bilingual(
     }
 }
 
-fn read_conditions(f: &mut Fields, r: &mut Report) -> Vec<Bilingual> {
+fn read_conditions(f: &mut Fields, r: &mut FileReport) -> Vec<Bilingual> {
     let zh: Vec<String> = f.list("mining_conditions", r).iter().filter_map(|n| r.text(n)).collect();
     let en_node = f.get("mining_conditions_en");
     let en: Vec<String> = en_node.map_or(&[][..], |n| r.items(n)).iter().filter_map(|n| r.text(n)).collect();
@@ -382,7 +377,7 @@ fn read_conditions(f: &mut Fields, r: &mut Report) -> Vec<Bilingual> {
         .collect()
 }
 
-fn read_decisions(node: &Node, r: &mut Report) -> TypicalDecisions {
+fn read_decisions(node: &Node, r: &mut FileReport) -> TypicalDecisions {
     let Some(mut f) = Fields::open(node, r) else { return TypicalDecisions::default() };
     let longitudinal = f.list("longitudinal", r);
     let lateral = f.list("lateral", r);
@@ -402,7 +397,7 @@ fn read_members<T>(
     nodes: &[Node],
     from_id: fn(&str) -> Option<T>,
     all: impl Iterator<Item = &'static str> + Clone,
-    r: &mut Report,
+    r: &mut FileReport,
 ) -> Vec<T> {
     let mut out = Vec::new();
     for node in nodes {

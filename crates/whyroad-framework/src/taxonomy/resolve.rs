@@ -2,6 +2,7 @@
 
 use super::Taxonomy;
 use whyroad_model::ScenarioId;
+use whyroad_model::suggest::similarity;
 
 /// What a text names.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,7 +42,7 @@ impl Taxonomy {
                 let full = id.to_string();
                 // Every tail of the id counts, so that `urgnt`, `cutin.urgnt` and the full id are all found.
                 let tails = full.match_indices('.').map(|(i, _)| &full[i + 1..]);
-                let best = tails.map(|t| likeness(text, t)).fold(likeness(text, &full), f64::max);
+                let best = tails.map(|t| similarity(text, t)).fold(similarity(text, &full), f64::max);
                 (best, id)
             })
             .filter(|(score, _)| *score > 0.6)
@@ -52,19 +53,4 @@ impl Taxonomy {
         let floor = scored.first().map_or(0.0, |(s, _)| s - 0.15);
         scored.into_iter().take_while(|(s, _)| *s >= floor).take(3).map(|(_, id)| id).collect()
     }
-}
-
-/// How alike two ids are, 0 to 1: Damerau-Levenshtein, normalised by length.
-fn likeness(a: &str, b: &str) -> f64 {
-    strsim::normalized_damerau_levenshtein(a, b)
-}
-
-/// The candidate most like `text`, where one is alike enough to suggest.
-pub fn did_you_mean<'a>(text: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    candidates
-        .into_iter()
-        .map(|c| (likeness(text, c), c))
-        .filter(|(score, _)| *score > 0.6)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, c)| c)
 }

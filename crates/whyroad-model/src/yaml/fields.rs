@@ -1,37 +1,52 @@
 //! Reading a mapping field by field, going on after each mistake: what is missing, of the wrong kind, written
-//! twice or unknown is reported with its place, and the rest is read.
+//! twice or unknown is reported with its location, and the rest is read.
 
 use super::{Entry, Mark, Node, Value};
-use crate::taxonomy::did_you_mean;
-use whyroad_model::{Bilingual, Diagnostic, Location};
+use crate::suggest::{did_you_mean, suggestion};
+use crate::{Bilingual, Diagnostic, Location};
 
 /// The codes that one family of files (`taxonomy.*`, `spec.*`) uses for mistakes of form.
 #[derive(Debug)]
-pub(crate) struct Family {
+pub struct FormCodes {
+    /// The text is not YAML.
     pub syntax: &'static str,
+    /// A required field is missing.
     pub missing: &'static str,
+    /// A field is unknown.
     pub unknown: &'static str,
+    /// A value has the wrong type (text, list, mapping).
     pub kind: &'static str,
+    /// A key is written twice.
     pub duplicate: &'static str,
+    /// A required text is empty.
     pub empty: &'static str,
 }
 
 /// Diagnostics of one file.
-pub(crate) struct Report<'t> {
+pub struct FileReport<'t> {
+    /// Name of the file, for locations.
     pub file: &'t str,
-    pub family: &'static Family,
+    /// Codes for mistakes of form.
+    pub codes: &'static FormCodes,
     lines: Vec<&'t str>,
+    /// What was found, in the order of finding.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-impl<'t> Report<'t> {
-    pub fn new(file: &'t str, text: &'t str, family: &'static Family) -> Self {
-        Self { file, family, lines: text.lines().collect(), diagnostics: Vec::new() }
+impl<'t> FileReport<'t> {
+    /// An empty report on `text`, the content of `file`.
+    pub fn new(file: &'t str, text: &'t str, codes: &'static FormCodes) -> Self {
+        Self { file, codes, lines: text.lines().collect(), diagnostics: Vec::new() }
     }
 
     /// Adds `d` at `mark`.
     pub fn push(&mut self, d: Diagnostic, mark: Mark, pointer: &str) {
-        let place = Location {
+        self.diagnostics.push(d.at(self.location(mark, pointer)));
+    }
+
+    /// The location of `mark` in this file.
+    pub fn location(&self, mark: Mark, pointer: &str) -> Location {
+        Location {
             file: Some(self.file.to_owned()),
             line: Some(mark.line),
             column: Some(mark.column),
@@ -39,8 +54,7 @@ impl<'t> Report<'t> {
             snippet: self.lines.get(mark.line.saturating_sub(1)).map(|s| (*s).to_owned()),
             span: mark.span,
             ..Location::default()
-        };
-        self.diagnostics.push(d.at(place));
+        }
     }
 
     /// Adds an error about `node`.
@@ -54,19 +68,19 @@ impl<'t> Report<'t> {
             Ok(node) => Some(node),
             Err(e) => {
                 let message = Bilingual::new(
-                    format!("不是合法的 YAML：{}", e.message.zh),
-                    format!("not valid YAML: {}", e.message.en),
+                    format!("不是合法的 YAML：{}", e.message().zh),
+                    format!("not valid YAML: {}", e.message().en),
                 );
-                self.push(Diagnostic::error(self.family.syntax, message), e.mark, "");
+                self.push(Diagnostic::error(self.codes.syntax, message), e.mark, "");
                 None
             }
         }
     }
 
     fn wrong_kind(&mut self, node: &Node, wanted: Bilingual) {
-        let found = node.value.kind();
+        let found = node.value.description();
         self.error(
-            self.family.kind,
+            self.codes.kind,
             node,
             format!("此处应为{}，实为{}", wanted.zh, found.zh),
             format!("expected {}, found {}", wanted.en, found.en),
@@ -76,11 +90,11 @@ impl<'t> Report<'t> {
     /// The text of a scalar.
     pub fn text(&mut self, node: &Node) -> Option<String> {
         match &node.value {
-            Value::Scalar(text) if text.trim().is_empty() => {
-                self.error(self.family.empty, node, "文本为空".into(), "the text is empty".into());
+            Value::Scalar(scalar) if scalar.text.trim().is_empty() => {
+                self.error(self.codes.empty, node, "文本为空".into(), "the text is empty".into());
                 None
             }
-            Value::Scalar(text) => Some(text.trim().to_owned()),
+            Value::Scalar(scalar) => Some(scalar.text.trim().to_owned()),
             _ => {
                 self.wrong_kind(node, Bilingual::new("文本", "text"));
                 None
@@ -113,7 +127,7 @@ impl<'t> Report<'t> {
                     format!("键 '{key}' 重复，首次出现在第 {line} 行"),
                     format!("key '{key}' is written twice, first on line {line}"),
                 );
-                self.push(Diagnostic::error(self.family.duplicate, message), e.mark, &e.node.pointer);
+                self.push(Diagnostic::error(self.codes.duplicate, message), e.mark, &e.node.pointer);
             } else {
                 out.push(e);
             }
@@ -122,20 +136,20 @@ impl<'t> Report<'t> {
     }
 }
 
-/// A mapping that is being read. Every key that is asked for is a known one; [`Fields::close`] reports the others.
-pub(crate) struct Fields<'n> {
+/// A mapping that is being read. Every key that is asked for is known; [`Fields::close`] reports the others.
+pub struct Fields<'n> {
     node: &'n Node,
     entries: Vec<&'n Entry>,
     asked: Vec<&'static str>,
 }
 
 impl<'n> Fields<'n> {
-    /// Starts reading `node`; reports it when it is no mapping.
-    pub fn open(node: &'n Node, report: &mut Report) -> Option<Self> {
+    /// Starts reading `node`; reports it if it is not a mapping.
+    pub fn open(node: &'n Node, report: &mut FileReport) -> Option<Self> {
         Some(Self { node, entries: report.entries(node)?, asked: Vec::new() })
     }
 
-    /// The key as it stands, null included.
+    /// The entry of a key, null included.
     pub fn entry(&mut self, key: &'static str) -> Option<&'n Entry> {
         self.asked.push(key);
         self.entries.iter().find(|e| e.key == key).copied()
@@ -147,11 +161,11 @@ impl<'n> Fields<'n> {
     }
 
     /// The value of a required key.
-    pub fn need(&mut self, key: &'static str, report: &mut Report) -> Option<&'n Node> {
+    pub fn need(&mut self, key: &'static str, report: &mut FileReport) -> Option<&'n Node> {
         let found = self.get(key);
         if found.is_none() {
             report.error(
-                report.family.missing,
+                report.codes.missing,
                 self.node,
                 format!("缺少必填字段 '{key}'"),
                 format!("required field '{key}' is missing"),
@@ -161,35 +175,33 @@ impl<'n> Fields<'n> {
     }
 
     /// A required text.
-    pub fn text(&mut self, key: &'static str, report: &mut Report) -> Option<String> {
+    pub fn text(&mut self, key: &'static str, report: &mut FileReport) -> Option<String> {
         self.need(key, report).and_then(|n| report.text(n))
     }
 
     /// An optional text.
-    pub fn text_opt(&mut self, key: &'static str, report: &mut Report) -> Option<String> {
+    pub fn text_opt(&mut self, key: &'static str, report: &mut FileReport) -> Option<String> {
         self.get(key).and_then(|n| report.text(n))
     }
 
     /// An optional list; absent is empty.
-    pub fn list(&mut self, key: &'static str, report: &mut Report) -> &'n [Node] {
+    pub fn list(&mut self, key: &'static str, report: &mut FileReport) -> &'n [Node] {
         self.get(key).map_or(&[], |n| report.items(n))
     }
 
-    /// Reports the keys that nobody asked for.
-    pub fn close(self, report: &mut Report) {
+    /// Reports the keys that were not asked for.
+    pub fn close(self, report: &mut FileReport) {
         for e in &self.entries {
             if self.asked.contains(&e.key.as_str()) {
                 continue;
             }
             let key = &e.key;
             let mut d = Diagnostic::error(
-                report.family.unknown,
+                report.codes.unknown,
                 Bilingual::new(format!("未知字段 '{key}'"), format!("unknown field '{key}'")),
             );
             let hint = match did_you_mean(key, self.asked.iter().copied()) {
-                Some(near) => {
-                    Bilingual::new(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?"))
-                }
+                Some(near) => suggestion(near),
                 None => {
                     let known = self.asked.join(", ");
                     Bilingual::new(format!("可用字段：{known}"), format!("known fields: {known}"))
