@@ -9,6 +9,7 @@ pub mod openapi;
 pub mod pages;
 pub mod reply;
 pub mod route;
+mod router;
 pub mod server;
 pub mod table;
 pub mod wire;

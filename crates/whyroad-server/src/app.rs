@@ -81,7 +81,7 @@ impl App {
                 values![&fresh],
             )?;
             let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
-            row.map_or(Ok(String::new()), |r| r.text(0))
+            row.map_or(Ok(String::new()), |r| r.text("value"))
         })?;
         Ok(Self {
             store,

@@ -12,6 +12,7 @@ pub mod recordings;
 pub mod secret;
 pub mod service;
 pub mod store;
+mod url;
 pub mod workflow;
 
 pub use api::server::serve;

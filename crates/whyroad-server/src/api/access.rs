@@ -98,11 +98,11 @@ fn grant(tx: &mut dyn Tx, route: &Route, request: &Request, user: &User) -> Answ
             Ok(grant)
         }
         Access::CommentReader => {
-            let task = owner(tx, "SELECT task_id FROM comments WHERE id = $1", param("c"))?;
+            let task = owner(tx, "SELECT task_id AS owner FROM comments WHERE id = $1", param("c"))?;
             readable(tx, &task, user)
         }
         Access::WebhookLead => {
-            let project = owner(tx, "SELECT project_id FROM webhooks WHERE id = $1", param("w"))?;
+            let project = owner(tx, "SELECT project_id AS owner FROM webhooks WHERE id = $1", param("w"))?;
             let grant = in_project(tx, &project, user)?;
             allowed(grant.roles.contains(&Role::Lead))?;
             Ok(grant)
@@ -111,7 +111,7 @@ fn grant(tx: &mut dyn Tx, route: &Route, request: &Request, user: &User) -> Answ
 }
 
 fn owner(tx: &mut dyn Tx, sql: &str, id: &str) -> Answer<String> {
-    tx.row(sql, values![id])?.ok_or_else(Problem::missing)?.text(0)
+    tx.row(sql, values![id])?.ok_or_else(Problem::missing)?.text("owner")
 }
 
 /// Roles in a project; to who is not in it, it does not exist.

@@ -25,10 +25,8 @@ pub fn document() -> Value {
         }
         if let Some(body) = route.body {
             let schema = body(&mut generator);
-            let media =
-                if route.path.ends_with("/import") { "application/x-ndjson" } else { "application/json" };
             operation["requestBody"] =
-                json!({ "required": true, "content": { media: { "schema": schema } } });
+                json!({ "required": true, "content": { route.body_media: { "schema": schema } } });
         }
         let mut fine = json!({ "description": "done" });
         if let Some(reply) = route.reply {
@@ -37,8 +35,8 @@ pub fn document() -> Value {
             fine["content"] = json!({ media: { "schema": { "type": "string" } } });
         }
         operation["responses"]["200"] = fine;
-        if route.path.ends_with("tasks:next") {
-            operation["responses"]["204"] = json!({ "description": "the queue has nothing for the caller" });
+        if let Some(meaning) = route.empty {
+            operation["responses"]["204"] = json!({ "description": meaning });
         }
         paths.entry(route.path).or_insert_with(|| json!({}))[verb_word(route.verb)] = operation;
     }

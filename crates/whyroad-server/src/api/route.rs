@@ -1,5 +1,6 @@
 //! What a route is: verb, path, who may call it, what goes in and comes out. The router, the gate in front of every
-//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]).
+//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]). What is special about a
+//! route is an attribute of it: nothing else in this crate looks at its path.
 
 use super::call::Call;
 use super::reply::Reply;
@@ -71,6 +72,30 @@ pub type Handler = fn(&Call<'_>) -> Answer<Reply>;
 /// Makes a schema.
 pub type Shape = fn(&mut SchemaGenerator) -> Schema;
 
+/// What a request body may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodySize {
+    /// 1 MiB: one label and what is said about it.
+    Usual,
+    /// 64 MiB, many tasks at once. Read only after the gate has let the caller through.
+    Bulk,
+}
+
+impl BodySize {
+    /// The greatest size in bytes.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Usual => 1024 * 1024,
+            Self::Bulk => 64 * 1024 * 1024,
+        }
+    }
+}
+
+/// Media type of JSON.
+pub const JSON: &str = "application/json";
+/// Media type of JSON lines.
+pub const JSON_LINES: &str = "application/x-ndjson";
+
 /// One route.
 #[derive(Clone, Copy)]
 pub struct Route {
@@ -86,10 +111,16 @@ pub struct Route {
     pub query: &'static [(&'static str, &'static str)],
     /// Schema of the body.
     pub body: Option<Shape>,
+    /// Media type of the body.
+    pub body_media: &'static str,
+    /// How large the body may be.
+    pub body_size: BodySize,
     /// Schema of the answer; none for what is not JSON.
     pub reply: Option<Shape>,
     /// Media type of an answer that is not JSON.
     pub media: Option<&'static str>,
+    /// What an empty answer (204) means, where there may be one.
+    pub empty: Option<&'static str>,
     /// What runs.
     pub run: Handler,
 }
@@ -100,7 +131,20 @@ fn shape_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
 
 impl Route {
     const fn new(verb: Verb, path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
-        Self { verb, path, access, about, query: &[], body: None, reply: None, media: None, run }
+        Self {
+            verb,
+            path,
+            access,
+            about,
+            query: &[],
+            body: None,
+            body_media: JSON,
+            body_size: BodySize::Usual,
+            reply: None,
+            media: None,
+            empty: None,
+            run,
+        }
     }
     /// A route that reads.
     pub const fn get(path: &'static str, access: Access, about: &'static str, run: Handler) -> Self {
@@ -128,6 +172,24 @@ impl Route {
     #[must_use]
     pub const fn takes<T: JsonSchema>(mut self) -> Self {
         self.body = Some(shape_of::<T>);
+        self
+    }
+    /// Takes a body of this media type.
+    #[must_use]
+    pub const fn takes_media(mut self, media: &'static str) -> Self {
+        self.body_media = media;
+        self
+    }
+    /// Takes a body of this size.
+    #[must_use]
+    pub const fn takes_up_to(mut self, size: BodySize) -> Self {
+        self.body_size = size;
+        self
+    }
+    /// May answer with nothing (204), which means `meaning`.
+    #[must_use]
+    pub const fn empty_when(mut self, meaning: &'static str) -> Self {
+        self.empty = Some(meaning);
         self
     }
     /// Answers with a `T` as JSON.

@@ -7,8 +7,8 @@ use super::incoming::{forwarded, request_of};
 use super::pages;
 use super::patience::{Patient, Peer};
 use super::reply::Reply;
-use super::route::{Route, Verb};
-use super::table::ROUTES;
+use super::route::{BodySize, Route, Verb};
+use super::router::{find, wrong_method};
 use crate::app::App;
 use crate::problem::{Answer, Problem};
 use crate::service::webhooks;
@@ -16,7 +16,6 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::extract::ConnectInfo;
 use axum::http::{Method, Response};
-use std::collections::BTreeMap;
 use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,9 +24,6 @@ use whyroad_model::Nanos;
 
 /// Everything of the API is below this.
 const ROOT: &str = "/api/v1";
-/// Largest body, and largest of the routes that take many tasks at once.
-const BODY: usize = 1024 * 1024;
-const BULK: usize = 64 * 1024 * 1024;
 /// How long a body may take to come in.
 const BODY_TIME: Duration = Duration::from_secs(120);
 /// Requests worked on at once; others wait their turn.
@@ -93,7 +89,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let address = forwarded(&parts.headers, app.origin).unwrap_or(address);
     let mut request = request_of(&parts.headers, &parts.uri, params, address);
     // Much is taken in only from who may send it.
-    if is_bulk(route) {
+    if route.body_size == BodySize::Bulk {
         let (app, asked) = (Arc::clone(&app), request.clone());
         let passed = tokio::task::spawn_blocking(move || access::pass(&app, route, &asked)).await;
         if let Ok(Err(p)) = passed {
@@ -143,12 +139,8 @@ fn run(app: &Arc<App>, route: &Route, request: &Request) -> Answer<Reply> {
     (route.run)(&Call { app, request, caller, grant })
 }
 
-fn is_bulk(route: &Route) -> bool {
-    route.path.ends_with("/import") || route.path.ends_with("tasks:create")
-}
-
 async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
-    let limit = if is_bulk(route) { BULK } else { BODY };
+    let limit = route.body_size.bytes();
     match tokio::time::timeout(BODY_TIME, to_bytes(body, limit)).await {
         Ok(Ok(bytes)) => Ok(bytes.to_vec()),
         Ok(Err(_)) => Err(Problem::new(
@@ -159,61 +151,4 @@ async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
         )),
         Err(_) => Err(Problem::new(408, "request.slow", "请求太慢", "the request came in too slowly")),
     }
-}
-
-fn wrong_method() -> Problem {
-    Problem::new(405, "request.method", "不支持该方法", "this path does not take that method")
-}
-
-/// The route of a path below [`ROOT`], and the values of its parameters.
-fn find(method: &Method, path: &str) -> Answer<(&'static Route, BTreeMap<String, String>)> {
-    let verb = match method.as_str() {
-        "GET" | "HEAD" => Verb::Get,
-        "POST" => Verb::Post,
-        "PATCH" => Verb::Patch,
-        "DELETE" => Verb::Delete,
-        _ => return Err(wrong_method()),
-    };
-    let mut there = false;
-    for route in ROUTES {
-        let Some(params) = fit(route.path, path) else { continue };
-        if route.verb == verb {
-            return Ok((route, params));
-        }
-        there = true;
-    }
-    Err(if there { wrong_method() } else { Problem::missing() })
-}
-
-fn fit(pattern: &str, path: &str) -> Option<BTreeMap<String, String>> {
-    let mut params = BTreeMap::new();
-    let (mut wanted, mut given) = (pattern.split('/'), path.split('/'));
-    loop {
-        match (wanted.next(), given.next()) {
-            (None, None) => return Some(params),
-            (Some(w), Some(g)) => match w.strip_prefix('{').and_then(|w| w.strip_suffix('}')) {
-                Some(name) if !g.is_empty() => {
-                    params.insert(name.to_owned(), decoded(g)?);
-                }
-                None if w == g => {}
-                _ => return None,
-            },
-            _ => return None,
-        }
-    }
-}
-
-/// A part of a path without its percent signs; none when it is not UTF-8.
-fn decoded(part: &str) -> Option<String> {
-    let mut out = Vec::with_capacity(part.len());
-    let mut bytes = part.bytes();
-    while let Some(b) = bytes.next() {
-        if b == b'%' {
-            let digits = [bytes.next()?, bytes.next()?];
-            out.push(u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?);
-        } else {
-            out.push(b);
-        }
-    }
-    String::from_utf8(out).ok()
 }

@@ -1,13 +1,13 @@
 //! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
 
 use super::handlers::{accounts, drafts, oidc, projects, scenes, session, talk, tasks, transfer, webhooks};
-use super::route::{Access, Route};
+use super::route::{Access, BodySize, JSON_LINES, Route};
 use super::wire::{oidc::*, people::*, project::*, scene::*, task::*};
 use crate::oidc::flow::Returned;
 use serde_json::Value;
 
 /// The table.
-pub const ROUTES: &[Route] = &[
+pub static ROUTES: &[Route] = &[
     // Who.
     Route::get("/session", Access::Anyone, "Who is signed in, and the CSRF value", session::show)
         .gives::<Session>(),
@@ -121,6 +121,7 @@ pub const ROUTES: &[Route] = &[
         .gives::<MinedFolders>(),
     Route::post("/projects/{p}/tasks:create", Access::Lead, "Make tasks from episodes", tasks::create)
         .takes::<CreateTasks>()
+        .takes_up_to(BodySize::Bulk)
         .gives::<Created>(),
     Route::post(
         "/projects/{p}/tasks:next",
@@ -128,6 +129,7 @@ pub const ROUTES: &[Route] = &[
         "Take the next task of the queue; 204 when there is none",
         tasks::next,
     )
+    .empty_when("the queue has nothing for the caller")
     .takes::<NextTask>()
     .gives::<Task>(),
     Route::get("/projects/{p}/queue", Access::Member, "Why `tasks:next` has nothing for one", tasks::queue)
@@ -222,7 +224,7 @@ pub const ROUTES: &[Route] = &[
         ("version", "`2.0` for labels without what format 2.1 added"),
         ("state", "labels of these states instead of the accepted ones"),
     ])
-    .gives_media("application/x-ndjson"),
+    .gives_media(JSON_LINES),
     Route::post(
         "/projects/{p}/import",
         Access::Lead,
@@ -230,6 +232,8 @@ pub const ROUTES: &[Route] = &[
         transfer::import,
     )
     .takes::<Value>()
+    .takes_media(JSON_LINES)
+    .takes_up_to(BodySize::Bulk)
     .gives::<Imported>(),
     Route::get("/projects/{p}/webhooks", Access::Lead, "Webhooks", webhooks::list).gives::<Webhooks>(),
     Route::post("/projects/{p}/webhooks", Access::Lead, "Add a webhook", webhooks::create)

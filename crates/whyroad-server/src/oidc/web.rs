@@ -4,6 +4,7 @@
 use super::provider_fails;
 use super::settings::Secret;
 use crate::problem::{Answer, Problem};
+use crate::url::encoded;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
@@ -98,19 +99,6 @@ fn answer(url: &str, got: Result<ureq::http::Response<ureq::Body>, ureq::Error>)
         Err(_) if status != 200 => Ok((status, Value::Null)),
         Err(_) => Err(provider_fails(format!("{url}: no JSON"))),
     }
-}
-
-/// A text as it stands in a query or a form.
-pub fn encoded(text: &str) -> String {
-    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-._~".contains(&b);
-    text.bytes().fold(String::with_capacity(text.len()), |mut out, b| {
-        if plain(b) {
-            out.push(char::from(b));
-        } else {
-            out.push_str(&format!("%{b:02X}"));
-        }
-        out
-    })
 }
 
 #[cfg(test)]

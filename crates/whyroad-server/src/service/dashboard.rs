@@ -33,11 +33,11 @@ type Names = HashMap<String, String>;
 pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
     let names = tasks::names(tx)?;
     let by_state = tx.rows(
-        "SELECT state, count(*) FROM tasks WHERE project_id = $1 GROUP BY state",
+        "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state",
         values![&project.id],
     )?;
     Ok(Dashboard {
-        by_state: by_state.iter().map(|r| Ok((r.text(0)?, r.int(1)?))).collect::<Answer<_>>()?,
+        by_state: by_state.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect::<Answer<_>>()?,
         throughput: throughput(tx, &project.id, &names, now)?,
         ageing: ageing(tx, &project.id, &names, now)?,
         agreement: agreement(tx, &project.id, &names)?,
@@ -52,17 +52,17 @@ fn display(names: &Names, id: Option<String>) -> Option<String> {
 
 fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Throughput>> {
     let rows = tx.rows(
-        "SELECT h.at / 86400000, h.actor, h.action, count(*) FROM history h JOIN tasks t ON t.id = h.task_id
+        "SELECT h.at / 86400000 AS day, h.actor, h.action, count(*) AS n FROM history h JOIN tasks t ON t.id = h.task_id
          WHERE t.project_id = $1 AND h.at >= $2 AND h.action IN ('submit', 'accept', 'send_back')
          GROUP BY h.at / 86400000, h.actor, h.action",
         values![project, (now / DAY_MS - DAYS) * DAY_MS],
     )?;
     let mut out = Vec::new();
     for r in rows {
-        let midnight = Nanos(r.int(0)? * DAY_MS * 1_000_000);
+        let midnight = Nanos(r.int("day")? * DAY_MS * 1_000_000);
         let day = midnight.to_string().chars().take(10).collect();
-        let user = display(names, r.maybe_text(1)?).unwrap_or_default();
-        out.push(Throughput { day, user, action: r.text(2)?, count: r.int(3)? });
+        let user = display(names, r.maybe_text("actor")?).unwrap_or_default();
+        out.push(Throughput { day, user, action: r.text("action")?, count: r.int("n")? });
     }
     out.sort_by(|a, b| (&b.day, &a.user, &a.action).cmp(&(&a.day, &b.user, &b.action)));
     Ok(out)
@@ -70,19 +70,19 @@ fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer
 
 fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Ageing>> {
     let rows = tx.rows(
-        "SELECT id, scenario_id, state, coalesce(holder, assigned, author), updated FROM tasks
+        "SELECT id, scenario_id, state, coalesce(holder, assigned, author) AS person, updated FROM tasks
          WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected')
          ORDER BY updated, id LIMIT $2",
         values![project, OLDEST],
     )?;
     let one = |r: &crate::store::Row| {
         Ok(Ageing {
-            task: r.text(0)?,
-            scenario_id: r.text(1)?,
-            state: r.text(2)?,
-            user: display(names, r.maybe_text(3)?),
+            task: r.text("id")?,
+            scenario_id: r.text("scenario_id")?,
+            state: r.text("state")?,
+            user: display(names, r.maybe_text("person")?),
             // A clock that was set back makes nothing younger than new.
-            hours: (now - r.int(4)?).max(0) as f64 / 3_600_000.0,
+            hours: (now - r.int("updated")?).max(0) as f64 / 3_600_000.0,
         })
     };
     rows.iter().map(one).collect()
@@ -115,14 +115,14 @@ impl Rated {
 /// Labels of overlap groups, by episode: as first submitted, before any check could bring them together.
 fn overlaps(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Vec<Rated>>> {
     let rows = tx.rows(
-        "SELECT t.id, min(h.seq) FROM tasks t JOIN history h ON h.task_id = t.id
+        "SELECT t.id, min(h.seq) AS first FROM tasks t JOIN history h ON h.task_id = t.id
          WHERE t.project_id = $1 AND t.overlap_count > 1 AND t.author IS NOT NULL AND h.action = 'submit' GROUP BY t.id",
         values![project],
     )?;
     let mut groups: BTreeMap<String, Vec<Rated>> = BTreeMap::new();
     for r in rows {
-        let t = tasks::get(tx, &r.text(0)?)?;
-        let label = drafts::at(tx, &t, r.int(1)?)?;
+        let t = tasks::get(tx, &r.text("id")?)?;
+        let label = drafts::at(tx, &t, r.int("first")?)?;
         let author = t.at.author().unwrap_or_default().to_owned();
         groups.entry(t.episode.episode_id).or_default().push(Rated::of(author, &label));
     }
@@ -175,14 +175,14 @@ fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement>
 /// Episodes count once, however many people label them.
 fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
     let rows = tx.rows(
-        "SELECT scenario_id, count(DISTINCT episode_id),
-           count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END)
+        "SELECT scenario_id, count(DISTINCT episode_id) AS mined,
+           count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END) AS accepted
          FROM tasks WHERE project_id = $1 GROUP BY scenario_id",
         values![&project.id],
     )?;
     let mut leaves: BTreeMap<String, (i64, i64)> = BTreeMap::new();
     for r in rows {
-        leaves.insert(r.text(0)?, (r.int(1)?, r.int(2)?));
+        leaves.insert(r.text("scenario_id")?, (r.int("mined")?, r.int("accepted")?));
     }
     for leaf in project.quota.keys() {
         leaves.entry(leaf.clone()).or_default();
@@ -201,7 +201,7 @@ fn audit_outcomes(tx: &mut dyn Tx, project: &Project, names: &Names) -> Answer<V
     )?;
     let mut out = Vec::new();
     for r in authors {
-        let id = r.text(0)?;
+        let id = r.text("author")?;
         let (audited, failed) = audit_record(tx, &project.id, &id)?;
         let share_percent = audit_share(&project.settings, audited, failed);
         let author = display(names, Some(id)).unwrap_or_default();
@@ -220,7 +220,7 @@ pub fn audit_record(tx: &mut dyn Tx, project: &str, author: &str) -> Answer<(i64
          ORDER BY h.at DESC, h.task_id, h.seq DESC LIMIT $3",
         values![project, author, RECENT_AUDITS],
     )?;
-    let actions = rows.iter().map(|r| r.text(0)).collect::<Answer<Vec<_>>>()?;
+    let actions = rows.iter().map(|r| r.text("action")).collect::<Answer<Vec<_>>>()?;
     Ok((actions.len() as i64, actions.iter().filter(|a| *a == "send_back").count() as i64))
 }
 

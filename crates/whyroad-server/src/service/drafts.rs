@@ -115,10 +115,10 @@ fn since(tx: &mut dyn Tx, t: &TaskRow, version: i64) -> Answer<Vec<FieldChange>>
     )?;
     let mut out = Vec::new();
     for row in rows {
-        if let Some(changes) = row.maybe_text(0)? {
+        if let Some(changes) = row.maybe_text("changes")? {
             out.extend(parse::<Vec<FieldChange>>(&changes)?);
         }
-        if let Some(snapshot) = row.maybe_text(1)? {
+        if let Some(snapshot) = row.maybe_text("snapshot")? {
             let whole: Value = parse(&snapshot)?;
             let fields = whole.as_object().into_iter().flatten();
             out.extend(fields.map(|(k, v)| FieldChange {
@@ -137,15 +137,15 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
         "SELECT seq, changes, snapshot FROM history WHERE task_id = $1 AND seq <= $2 ORDER BY seq",
         values![&t.id, seq],
     )?;
-    if rows.last().map(|r| r.int(0)).transpose()? != Some(seq) {
+    if rows.last().map(|r| r.int("seq")).transpose()? != Some(seq) {
         return Err(Problem::missing());
     }
     let mut draft = t.initial.clone();
     for row in rows {
-        if let Some(snapshot) = row.maybe_text(2)? {
+        if let Some(snapshot) = row.maybe_text("snapshot")? {
             draft = parse(&snapshot)?;
         }
-        if let Some(changes) = row.maybe_text(1)? {
+        if let Some(changes) = row.maybe_text("changes")? {
             for c in parse::<Vec<FieldChange>>(&changes)? {
                 merge::apply(&mut draft, &c)?;
             }

@@ -2,7 +2,7 @@
 //! is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
 
 use crate::api::wire::scene::SignalAbout;
-#[path = "../../tests/support/postgres.rs"]
+#[path = "../../tests/it/postgres_server.rs"]
 #[allow(dead_code, reason = "restarts are for other tests")]
 mod postgres;
 

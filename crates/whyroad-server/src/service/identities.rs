@@ -94,11 +94,11 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Identity>> {
         "SELECT id, issuer, email, created, seen FROM identities WHERE user_id = $1 ORDER BY created, id";
     let identity = |r: &Row| {
         Ok(Identity {
-            id: r.text(0)?,
-            issuer: r.text(1)?,
-            email: r.maybe_text(2)?,
-            created: r.int(3)?,
-            seen: r.int(4)?,
+            id: r.text("id")?,
+            issuer: r.text("issuer")?,
+            email: r.maybe_text("email")?,
+            created: r.int("created")?,
+            seen: r.int("seen")?,
         })
     };
     tx.rows(sql, values![user])?.iter().map(identity).collect()
@@ -107,7 +107,7 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Identity>> {
 /// Unlinks an identity; the caller is its user or an admin. Sessions that began with it end. Nobody locks themselves out.
 pub fn unlink(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     let row = tx.row("SELECT user_id FROM identities WHERE id = $1", values![id])?;
-    let user = row.ok_or_else(Problem::missing)?.text(0)?;
+    let user = row.ok_or_else(Problem::missing)?.text("user_id")?;
     if user != caller.id && !caller.admin {
         return Err(Problem::missing());
     }
@@ -146,7 +146,7 @@ fn subject(claims: &Value) -> Answer<&str> {
 fn linked(tx: &mut dyn Tx, issuer: &str, subject: &str) -> Answer<Option<User>> {
     let sql = "SELECT user_id FROM identities WHERE issuer = $1 AND subject = $2";
     match tx.row(sql, values![issuer, subject])? {
-        Some(row) => people::find(tx, &row.text(0)?),
+        Some(row) => people::find(tx, &row.text("user_id")?),
         None => Ok(None),
     }
 }
@@ -161,7 +161,7 @@ fn has_identity(tx: &mut dyn Tx, issuer: &str, user: &str) -> Answer<bool> {
 fn by_address(tx: &mut dyn Tx, settings: &Settings, email: Option<&str>) -> Answer<Option<User>> {
     let Some(email) = email else { return Ok(None) };
     let Some(row) = tx.row("SELECT id FROM users WHERE email = $1", values![email])? else { return Ok(None) };
-    let id = row.text(0)?;
+    let id = row.text("id")?;
     if has_identity(tx, &settings.issuer, &id)? {
         return Err(refused(
             409,

@@ -79,7 +79,7 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks
         limit + 1
     );
     let ids = tx.rows(&sql, &query.values)?;
-    let mut found = ids.iter().map(|r| tasks::get(tx, &r.text(0)?)).collect::<Answer<Vec<_>>>()?;
+    let mut found = ids.iter().map(|r| tasks::get(tx, &r.text("id")?)).collect::<Answer<Vec<_>>>()?;
     let more = found.len() > limit;
     found.truncate(limit);
     let next = found.last().filter(|_| more).map(|t| format!("{}_{}_{}", t.priority, t.created, t.id));

@@ -12,13 +12,13 @@ const OF_U: &str = "u.id, u.name, u.display, u.admin, u.lang, u.disabled, u.emai
 
 fn user(row: &Row) -> Answer<User> {
     Ok(User {
-        id: row.text(0)?,
-        name: row.text(1)?,
-        display: row.text(2)?,
-        admin: row.int(3)? != 0,
-        lang: row.text(4)?,
-        disabled: row.int(5)? != 0,
-        email: row.maybe_text(6)?,
+        id: row.text("id")?,
+        name: row.text("name")?,
+        display: row.text("display")?,
+        admin: row.flag("admin")?,
+        lang: row.text("lang")?,
+        disabled: row.flag("disabled")?,
+        email: row.maybe_text("email")?,
     })
 }
 
@@ -141,13 +141,13 @@ fn end_sessions(tx: &mut dyn Tx, user: &str) -> Answer<()> {
 pub fn credentials(tx: &mut dyn Tx, name: &str) -> Answer<Option<(String, String)>> {
     let row =
         tx.row("SELECT id, password_hash FROM users WHERE name = $1 AND disabled = 0", values![name])?;
-    row.map(|r| Ok((r.text(0)?, r.text(1)?))).transpose()
+    row.map(|r| Ok((r.text("id")?, r.text("password_hash")?))).transpose()
 }
 
 /// The password hash of a user.
 pub fn password_hash(tx: &mut dyn Tx, user: &str) -> Answer<String> {
     let row = tx.row("SELECT password_hash FROM users WHERE id = $1", values![user])?;
-    row.ok_or_else(Problem::missing)?.text(0)
+    row.ok_or_else(Problem::missing)?.text("password_hash")
 }
 
 /// Starts a session whose cookie is `cookie`, and forgets those that ended.

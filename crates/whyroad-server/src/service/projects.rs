@@ -13,11 +13,11 @@ const COLUMNS: &str = "id, name, guide, quota, settings";
 
 fn project(row: &Row) -> Answer<Project> {
     Ok(Project {
-        id: row.text(0)?,
-        name: row.text(1)?,
-        guide: row.text(2)?,
-        quota: parse(&row.text(3)?)?,
-        settings: parse(&row.text(4)?)?,
+        id: row.text("id")?,
+        name: row.text("name")?,
+        guide: row.text("guide")?,
+        quota: parse(&row.text("quota")?)?,
+        settings: parse(&row.text("settings")?)?,
         roles: vec![],
     })
 }
@@ -104,20 +104,20 @@ pub fn update(tx: &mut dyn Tx, project: &Project) -> Answer<()> {
 pub fn roles(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<Role>> {
     let row =
         tx.row("SELECT roles FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
-    row.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+    row.map_or(Ok(vec![]), |r| parse(&r.text("roles")?))
 }
 
 /// Classes that the queue gives a member; empty for all.
 pub fn skills(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
     let row =
         tx.row("SELECT skills FROM members WHERE project_id = $1 AND user_id = $2", values![project, user])?;
-    row.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+    row.map_or(Ok(vec![]), |r| parse(&r.text("skills")?))
 }
 
 /// Languages of the tasks that the queue gives a member; empty for that of their page.
 pub fn languages(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<String>> {
     let sql = "SELECT languages FROM members WHERE project_id = $1 AND user_id = $2";
-    tx.row(sql, values![project, user])?.map_or(Ok(vec![]), |r| parse(&r.text(0)?))
+    tx.row(sql, values![project, user])?.map_or(Ok(vec![]), |r| parse(&r.text("languages")?))
 }
 
 /// Sets the languages of a member; who is none stays none.
@@ -142,11 +142,11 @@ pub fn members(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Member>> {
     )?;
     let mut out = Vec::new();
     for row in rows {
-        let Some(user) = people::find(tx, &row.text(0)?)? else { continue };
+        let Some(user) = people::find(tx, &row.text("user_id")?)? else { continue };
         // Addresses are between a user and the administrators.
         let user = User { email: None, ..user };
-        let (roles, skills) = (parse(&row.text(1)?)?, parse(&row.text(2)?)?);
-        out.push(Member { user, roles, skills, languages: parse(&row.text(3)?)? });
+        let (roles, skills) = (parse(&row.text("roles")?)?, parse(&row.text("skills")?)?);
+        out.push(Member { user, roles, skills, languages: parse(&row.text("languages")?)? });
     }
     Ok(out)
 }
@@ -182,5 +182,5 @@ pub fn leads_any(tx: &mut dyn Tx, user: &str) -> Answer<bool> {
 pub fn fellows(tx: &mut dyn Tx, user: &str) -> Answer<BTreeSet<String>> {
     let sql =
         "SELECT o.user_id FROM members m JOIN members o ON o.project_id = m.project_id WHERE m.user_id = $1";
-    tx.rows(sql, values![user])?.iter().map(|r| r.text(0)).collect()
+    tx.rows(sql, values![user])?.iter().map(|r| r.text("user_id")).collect()
 }

@@ -200,5 +200,5 @@ fn candidates(
     );
     let values: [Cell; 4] =
         [project.into(), (&worker.user.id).into(), now.into(), worker.languages.join(",").into()];
-    tx.rows(&sql, &values)?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+    tx.rows(&sql, &values)?.iter().map(|r| Ok((r.text("id")?, r.text("scenario_id")?))).collect()
 }

@@ -222,7 +222,7 @@ fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<Cam
                 index,
                 t_index: times.partition_point(|at| *at <= frame.time).saturating_sub(1),
                 t_s: columns::rounded(frame.time.seconds_since(keyframe)),
-                url: format!("/api/v1/tasks/{}/media/{}/{index}", t.id, columns::escaped(camera)),
+                url: format!("/api/v1/tasks/{}/media/{}/{index}", t.id, crate::url::encoded(camera)),
             })
             .collect(),
     };

@@ -73,40 +73,40 @@ const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, c
     assigned, holder, fence, lease_until, seq, created, updated, lang";
 
 fn task(row: &Row) -> Answer<TaskRow> {
-    let state = row.text(15)?;
+    let state = row.text("state")?;
     Ok(TaskRow {
-        id: row.text(0)?,
-        project: row.text(1)?,
-        overlap_index: row.int(2)?,
-        overlap_count: row.int(3)?,
-        drive_id: row.text(4)?,
-        clip_id: row.text(5)?,
-        scenario_id: row.text(6)?,
-        keyframe_ns: row.int(7)?,
-        from_ns: row.int(8)?,
-        to_ns: row.int(9)?,
-        episode: parse(&row.text(10)?)?,
-        initial: parse(&row.text(11)?)?,
-        draft: parse(&row.text(12)?)?,
-        version: row.int(13)?,
-        priority: row.int(14)?,
+        id: row.text("id")?,
+        project: row.text("project_id")?,
+        overlap_index: row.int("overlap_index")?,
+        overlap_count: row.int("overlap_count")?,
+        drive_id: row.text("drive_id")?,
+        clip_id: row.text("clip_id")?,
+        scenario_id: row.text("scenario_id")?,
+        keyframe_ns: row.int("keyframe_ns")?,
+        from_ns: row.int("from_ns")?,
+        to_ns: row.int("to_ns")?,
+        episode: parse(&row.text("episode")?)?,
+        initial: parse(&row.text("initial")?)?,
+        draft: parse(&row.text("draft")?)?,
+        version: row.int("version")?,
+        priority: row.int("priority")?,
         at: Position {
             state: State::from_word(&state).ok_or_else(|| Problem::store(format!("state '{state}'")))?,
-            authors: parse(&row.text(16)?)?,
-            checker: row.maybe_text(17)?,
-            auditor: row.maybe_text(18)?,
-            holder: row.maybe_text(23)?,
-            checked: row.int(19)? != 0,
+            authors: parse(&row.text("authors")?)?,
+            checker: row.maybe_text("checker")?,
+            auditor: row.maybe_text("auditor")?,
+            holder: row.maybe_text("holder")?,
+            checked: row.flag("checked")?,
         },
-        audited: row.int(20)? != 0,
-        adjudication: row.maybe_text(21)?,
-        assigned: row.maybe_text(22)?,
-        fence: row.int(24)?,
-        lease_until: row.maybe_int(25)?,
-        seq: row.int(26)?,
-        created: row.int(27)?,
-        updated: row.int(28)?,
-        lang: row.text(29)?,
+        audited: row.flag("audited")?,
+        adjudication: row.maybe_text("adjudication")?,
+        assigned: row.maybe_text("assigned")?,
+        fence: row.int("fence")?,
+        lease_until: row.maybe_int("lease_until")?,
+        seq: row.int("seq")?,
+        created: row.int("created")?,
+        updated: row.int("updated")?,
+        lang: row.text("lang")?,
     })
 }
 
@@ -139,10 +139,10 @@ pub fn concern(tx: &mut dyn Tx, id: &str) -> Answer<Concern> {
     let row = tx.row("SELECT project_id, holder, author, assigned FROM tasks WHERE id = $1", values![id])?;
     let row = row.ok_or_else(Problem::missing)?;
     Ok(Concern {
-        project: row.text(0)?,
-        holder: row.maybe_text(1)?,
-        author: row.maybe_text(2)?,
-        assigned: row.maybe_text(3)?,
+        project: row.text("project_id")?,
+        holder: row.maybe_text("holder")?,
+        author: row.maybe_text("author")?,
+        assigned: row.maybe_text("assigned")?,
     })
 }
 
@@ -225,7 +225,10 @@ pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> 
 
 /// Display names of users, by id.
 pub fn names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
-    tx.rows("SELECT id, display FROM users", &[])?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+    tx.rows("SELECT id, display FROM users", &[])?
+        .iter()
+        .map(|r| Ok((r.text("id")?, r.text("display")?)))
+        .collect()
 }
 
 /// A task in short.
@@ -293,7 +296,7 @@ pub fn show_future(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
             "这会显示您正在做阶段一的另一任务的未来；请先完成或释放该任务",
             "this would show the future of another task whose Stage I you are in: finish or release that one first",
         )
-        .with(serde_json::json!({ "task": other.text(0)? })));
+        .with(serde_json::json!({ "task": other.text("id")? })));
     }
     tx.run(
         "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5) ON CONFLICT DO NOTHING",

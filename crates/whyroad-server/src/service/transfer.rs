@@ -81,15 +81,15 @@ pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String>
     )?;
     let mut out = String::new();
     for row in rows {
-        let state = State::from_word(&row.text(1)?);
+        let state = State::from_word(&row.text("state")?);
         // Of an overlap group only what was not overruled.
-        let overruled = row.maybe_text(2)?.as_deref() == Some("superseded");
+        let overruled = row.maybe_text("adjudication")?.as_deref() == Some("superseded");
         if let Format::Labels(states, _) = format
             && (overruled || !state.is_some_and(|s| states.contains(&s)))
         {
             continue;
         }
-        let t = tasks::get(tx, &row.text(0)?)?;
+        let t = tasks::get(tx, &row.text("id")?)?;
         let line = match format {
             Format::Tasks => task_line(tx, &t, &names)?,
             Format::Labels(_, version) => label_line(&t, *version)?,
@@ -102,7 +102,7 @@ pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String>
 
 /// Login names by id: what another system knows people by.
 fn user_names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
-    tx.rows("SELECT id, name FROM users", &[])?.iter().map(|r| Ok((r.text(0)?, r.text(1)?))).collect()
+    tx.rows("SELECT id, name FROM users", &[])?.iter().map(|r| Ok((r.text("id")?, r.text("name")?))).collect()
 }
 
 /// The label; its provenance was written when it was handed in. An unfinished draft, which need not be a whole label,
@@ -124,9 +124,9 @@ fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> A
     let json_text = |text: Option<String>| text.map_or(Ok(Value::Null), |text| parse::<Value>(&text));
     let history = history.iter().map(|r| {
         Ok(json!({
-            "seq": r.int(0)?, "at": r.int(1)?, "actor": name(r.maybe_text(2)?.as_deref()), "action": r.text(3)?,
-            "from_state": r.maybe_text(4)?, "to_state": r.maybe_text(5)?, "changes": json_text(r.maybe_text(6)?)?,
-            "draft": json_text(r.maybe_text(7)?)?, "note": r.maybe_text(8)?, "version": r.int(9)?,
+            "seq": r.int("seq")?, "at": r.int("at")?, "actor": name(r.maybe_text("actor")?.as_deref()), "action": r.text("action")?,
+            "from_state": r.maybe_text("from_state")?, "to_state": r.maybe_text("to_state")?, "changes": json_text(r.maybe_text("changes")?)?,
+            "draft": json_text(r.maybe_text("snapshot")?)?, "note": r.maybe_text("note")?, "version": r.int("version")?,
         }))
     });
     let comments = tx.rows(
@@ -135,8 +135,8 @@ fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> A
     )?;
     let comments = comments.iter().map(|r| {
         Ok(json!({
-            "path": r.text(0)?, "author": name(Some(&r.text(1)?)), "text": r.text(2)?, "at": r.int(3)?,
-            "resolved": r.int(4)? != 0,
+            "path": r.text("path")?, "author": name(Some(&r.text("author")?)), "text": r.text("body")?, "at": r.int("at")?,
+            "resolved": r.flag("resolved")?,
         }))
     });
     Ok(json!({ "task": {
@@ -191,8 +191,8 @@ fn prepare(app: &App, project: &Project, incoming: Incoming, last: &mut LastDriv
 
 /// Counts by state, for `whyroad tasks list`.
 pub fn counts(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
-    let sql = "SELECT state, count(*) FROM tasks WHERE project_id = $1 GROUP BY state";
-    tx.rows(sql, values![project])?.iter().map(|r| Ok((r.text(0)?, r.int(1)?))).collect()
+    let sql = "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state";
+    tx.rows(sql, values![project])?.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect()
 }
 
 /// Tasks of a project, by class and clip; only of `state`, where one is given.

@@ -120,11 +120,11 @@ pub fn comments(
     )?;
     let mut out = Vec::new();
     for row in rows {
-        let author = row.text(2)?;
+        let author = row.text("author")?;
         if all || author == user {
             let author = names.get(&author).cloned().unwrap_or(author);
-            let (id, path, text) = (row.text(0)?, row.text(1)?, row.text(3)?);
-            out.push(Comment { id, path, author, text, at: row.int(4)?, resolved: row.int(5)? != 0 });
+            let (id, path, text) = (row.text("id")?, row.text("path")?, row.text("body")?);
+            out.push(Comment { id, path, author, text, at: row.int("at")?, resolved: row.flag("resolved")? });
         }
     }
     Ok(out)
@@ -141,11 +141,11 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
     )?;
     let mut out = Vec::new();
     for row in rows {
-        let actor = row.maybe_text(2)?;
-        let (from, to) = (row.maybe_text(4)?, row.maybe_text(5)?);
+        let actor = row.maybe_text("actor")?;
+        let (from, to) = (row.maybe_text("from_state")?, row.maybe_text("to_state")?);
         let state = |word: Option<String>| word.and_then(|w| State::from_word(&w));
         let (from_state, to_state) = (state(from), state(to));
-        let action = row.text(3)?;
+        let action = row.text("action")?;
         if !all {
             // What was done before it was opened anew may tell of the future, even to who did it.
             if action == "reopen" {
@@ -157,15 +157,15 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
             }
         }
         out.push(HistoryEntry {
-            seq: row.int(0)?,
-            at: row.int(1)?,
+            seq: row.int("seq")?,
+            at: row.int("at")?,
             actor: actor.map_or_else(|| "whyroad".to_owned(), |a| names.get(&a).cloned().unwrap_or(a)),
             action,
             from_state,
             to_state,
-            changes: row.maybe_text(6)?.map(|c| parse(&c)).transpose()?.unwrap_or_default(),
-            comment: row.maybe_text(7)?,
-            version: row.int(8)?,
+            changes: row.maybe_text("changes")?.map(|c| parse(&c)).transpose()?.unwrap_or_default(),
+            comment: row.maybe_text("note")?,
+            version: row.int("version")?,
         });
     }
     Ok(out)
@@ -174,13 +174,13 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
 /// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
 fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
     let row = tx.row(
-        "SELECT count(*) FROM history h WHERE h.task_id = $1 AND h.actor = $2 AND h.action <> 'reopen'
+        "SELECT count(*) AS n FROM history h WHERE h.task_id = $1 AND h.actor = $2 AND h.action <> 'reopen'
            AND h.seq > (SELECT coalesce(max(r.seq), 0) FROM history r WHERE r.task_id = h.task_id AND r.action = 'reopen')
            AND coalesce(h.from_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')
            AND coalesce(h.to_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')",
         values![&t.id, user],
     )?;
-    row.map_or(Ok(0), |r| r.int(0))
+    row.map_or(Ok(0), |r| r.int("n"))
 }
 
 /// The whole answer about one task.

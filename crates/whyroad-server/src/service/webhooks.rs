@@ -57,7 +57,7 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
     }
     let hooks = tx.rows("SELECT id, events FROM webhooks WHERE project_id = $1", values![&t.project])?;
     for hook in hooks {
-        let wanted: Vec<String> = parse(&hook.text(1)?)?;
+        let wanted: Vec<String> = parse(&hook.text("events")?)?;
         if !(wanted.is_empty() || wanted.iter().any(|w| w == entry.action)) {
             continue;
         }
@@ -70,7 +70,7 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
         });
         tx.run(
             "INSERT INTO outbox (id, webhook_id, body, tries, due, created) VALUES ($1, $2, $3, 0, $4, $5)",
-            values![&id, hook.text(0)?, body.to_string(), now, now],
+            values![&id, hook.text("id")?, body.to_string(), now, now],
         )?;
     }
     Ok(())
@@ -79,22 +79,22 @@ pub fn announce(tx: &mut dyn Tx, t: &TaskRow, entry: &Entry<'_>, now: i64) -> An
 /// Webhooks of a project, by URL.
 pub fn list(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Webhook>> {
     let rows = tx.rows(
-        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id),
-           (SELECT max(o.tries) FROM outbox o WHERE o.webhook_id = w.id),
-           (SELECT min(o.due) FROM outbox o WHERE o.webhook_id = w.id)
+        "SELECT w.id, w.url, w.events, w.last_error, (SELECT count(*) FROM outbox o WHERE o.webhook_id = w.id) AS pending,
+           (SELECT max(o.tries) FROM outbox o WHERE o.webhook_id = w.id) AS tries,
+           (SELECT min(o.due) FROM outbox o WHERE o.webhook_id = w.id) AS next_try
          FROM webhooks w WHERE w.project_id = $1 ORDER BY w.url, w.id",
         values![project],
     )?;
     rows.iter()
         .map(|r| {
             Ok(Webhook {
-                id: r.text(0)?,
-                url: r.text(1)?,
-                events: parse(&r.text(2)?)?,
-                last_error: r.maybe_text(3)?.map(|text| parse(&text)).transpose()?,
-                pending: r.int(4)?,
-                failures: r.maybe_int(5)?.unwrap_or(0),
-                next_try: r.maybe_int(6)?,
+                id: r.text("id")?,
+                url: r.text("url")?,
+                events: parse(&r.text("events")?)?,
+                last_error: r.maybe_text("last_error")?.map(|text| parse(&text)).transpose()?,
+                pending: r.int("pending")?,
+                failures: r.maybe_int("tries")?.unwrap_or(0),
+                next_try: r.maybe_int("next_try")?,
                 secret: None,
             })
         })
@@ -128,8 +128,8 @@ pub fn create(
         let why = post::not_reached(to.host());
         return Err(Problem::new(422, "webhook.address", why.zh, why.en));
     }
-    let count = tx.row("SELECT count(*) FROM webhooks WHERE project_id = $1", values![project])?;
-    if count.map_or(Ok(0), |r| r.int(0))? >= MOST_HOOKS {
+    let count = tx.row("SELECT count(*) AS n FROM webhooks WHERE project_id = $1", values![project])?;
+    if count.map_or(Ok(0), |r| r.int("n"))? >= MOST_HOOKS {
         return Err(Problem::request(format!("a project has at most {MOST_HOOKS} webhooks")));
     }
     let (id, key) = (secret::id()?, secret::random(32)?);
@@ -202,10 +202,15 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
     })?;
     let (mut taken, mut failing) = (0, BTreeSet::new());
     for row in due {
-        let (webhook, secret) = (row.text(2)?, row.text(4)?);
-        let message =
-            Message { id: row.text(0)?, webhook, url: row.text(3)?, body: row.text(5)?, tries: row.int(6)? };
-        if failing.contains(&message.webhook) || !claim(app, &message.id, row.int(1)?)? {
+        let (webhook, secret) = (row.text("webhook_id")?, row.text("secret")?);
+        let message = Message {
+            id: row.text("id")?,
+            webhook,
+            url: row.text("url")?,
+            body: row.text("body")?,
+            tries: row.int("tries")?,
+        };
+        if failing.contains(&message.webhook) || !claim(app, &message.id, row.int("due")?)? {
             continue;
         }
         let sent_at = app.now();

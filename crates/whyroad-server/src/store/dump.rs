@@ -82,11 +82,11 @@ pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> A
             format!("SELECT {all} FROM {table} {condition} ORDER BY {one}, {two} LIMIT {PAGE}")
         };
         let mut page = tx.rows(&sql(""), &[])?;
-        while let Some(last) = page.last().map(|row| [row.0[0].clone(), row.0[1].clone()]) {
+        while let Some(last) = page.last().map(|row| [row.values[0].clone(), row.values[1].clone()]) {
             let full = page.len() == PAGE;
             rows += page.len() as u64;
             for row in page {
-                let values: Vec<Json> = row.0.into_iter().map(to_json).collect();
+                let values: Vec<Json> = row.values.into_iter().map(to_json).collect();
                 line(out, &json!({"table": table, "row": values}))?;
             }
             // From the last key on: an offset would be counted off anew for each page.
@@ -230,7 +230,7 @@ mod tests {
         let sql =
             "SELECT name FROM sqlite_master WHERE type = 'table' AND name <> 'schema_version' ORDER BY name";
         let there = store.read(|tx| tx.rows(sql, &[])).unwrap();
-        let there: Vec<_> = there.iter().map(|r| r.text(0).unwrap()).collect();
+        let there: Vec<_> = there.iter().map(|r| r.text("name").unwrap()).collect();
         let mut kept = TABLES.to_vec();
         kept.sort_unstable();
         assert_eq!(there, kept);

@@ -18,8 +18,8 @@ pub(super) const LATEST: i64 = SCRIPTS.len() as i64;
 /// The version of the store; 0 for an empty one.
 pub(super) fn version(tx: &mut dyn Tx) -> Answer<i64> {
     tx.script("CREATE TABLE IF NOT EXISTS schema_version (version BIGINT NOT NULL)")?;
-    let row = tx.row("SELECT max(version) FROM schema_version", &[])?;
-    let version = row.map(|r| r.maybe_int(0)).transpose()?.flatten().unwrap_or(0);
+    let row = tx.row("SELECT max(version) AS version FROM schema_version", &[])?;
+    let version = row.map(|r| r.maybe_int("version")).transpose()?.flatten().unwrap_or(0);
     if version > LATEST {
         return Err(Problem::new(
             503,

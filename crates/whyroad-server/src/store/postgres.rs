@@ -8,7 +8,7 @@ use postgres::types::{IsNull, ToSql, Type, to_sql_checked};
 use postgres::{Client, Config, NoTls, Statement, Transaction};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Condvar, Mutex};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 /// Connections at once.
@@ -235,7 +235,8 @@ impl Tx for Running<'_> {
         let values: Vec<&(dyn ToSql + Sync)> = values.iter().map(|v| v as _).collect();
         let statement = self.statement(sql)?;
         let result = self.transaction.query(&statement, &values);
-        self.noted(result)?.iter().map(row).collect()
+        let columns: Arc<[String]> = statement.columns().iter().map(|c| c.name().to_owned()).collect();
+        self.noted(result)?.iter().map(|r| row(&columns, r)).collect()
     }
 
     fn script(&mut self, sql: &str) -> Answer<()> {
@@ -244,9 +245,9 @@ impl Tx for Running<'_> {
     }
 
     fn columns(&mut self, table: &str) -> Answer<Vec<String>> {
-        let sql = "SELECT CAST(column_name AS TEXT) FROM information_schema.columns
+        let sql = "SELECT CAST(column_name AS TEXT) AS name FROM information_schema.columns
                    WHERE table_schema = current_schema() AND table_name = $1 ORDER BY ordinal_position";
-        self.rows(sql, crate::values![table])?.iter().map(|r| r.text(0)).collect()
+        self.rows(sql, crate::values![table])?.iter().map(|r| r.text("name")).collect()
     }
 
     fn lock(&self) -> &'static str {
@@ -254,7 +255,7 @@ impl Tx for Running<'_> {
     }
 }
 
-fn row(row: &postgres::Row) -> Answer<Row> {
+fn row(columns: &Arc<[String]>, row: &postgres::Row) -> Answer<Row> {
     let value = |(i, column): (usize, &postgres::Column)| {
         let number = |n: Option<i64>| n.map_or(Value::Null, Value::Int);
         Ok(match *column.type_() {
@@ -265,7 +266,8 @@ fn row(row: &postgres::Row) -> Answer<Row> {
             }
         })
     };
-    row.columns().iter().enumerate().map(value).collect::<Answer<Vec<_>>>().map(Row)
+    let values = row.columns().iter().enumerate().map(value).collect::<Answer<Vec<_>>>()?;
+    Ok(Row { columns: Arc::clone(columns), values })
 }
 
 fn problem(e: &postgres::Error) -> Problem {

@@ -1,6 +1,7 @@
 //! Values, rows and statements as both databases understand them. Statements write parameters as `$1`, `$2`, ...
 
 use crate::problem::{Answer, Problem};
+use std::sync::Arc;
 
 /// A value in a column: our tables have whole numbers and texts only.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,37 +50,52 @@ impl<T: Into<Value>> From<Option<T>> for Value {
     }
 }
 
-/// One row of an answer.
+/// One row of an answer. Its values are read by the name of their column: the one after `AS`, or the column's own.
 #[derive(Clone, Debug)]
-pub struct Row(pub Vec<Value>);
+pub struct Row {
+    /// Names, shared by all rows of an answer.
+    pub(super) columns: Arc<[String]>,
+    /// Values, in the order of the names.
+    pub(super) values: Vec<Value>,
+}
 
 impl Row {
-    /// The text in column `i`.
-    pub fn text(&self, i: usize) -> Answer<String> {
-        self.maybe_text(i)?.ok_or_else(|| Problem::store(format!("column {i} is null")))
+    fn value(&self, column: &str) -> Answer<&Value> {
+        let at = self.columns.iter().position(|c| c == column);
+        at.and_then(|i| self.values.get(i)).ok_or_else(|| Problem::store(format!("no column '{column}'")))
     }
 
-    /// The text in column `i`, where there is one.
-    pub fn maybe_text(&self, i: usize) -> Answer<Option<String>> {
-        match self.0.get(i) {
-            Some(Value::Text(t)) => Ok(Some(t.clone())),
-            Some(Value::Null) => Ok(None),
-            other => Err(Problem::store(format!("column {i} is no text: {other:?}"))),
+    /// The text in `column`.
+    pub fn text(&self, column: &str) -> Answer<String> {
+        self.maybe_text(column)?.ok_or_else(|| Problem::store(format!("column '{column}' is null")))
+    }
+
+    /// The text in `column`; `None` for null.
+    pub fn maybe_text(&self, column: &str) -> Answer<Option<String>> {
+        match self.value(column)? {
+            Value::Text(t) => Ok(Some(t.clone())),
+            Value::Null => Ok(None),
+            Value::Int(n) => Err(Problem::store(format!("column '{column}' is not text: {n}"))),
         }
     }
 
-    /// The number in column `i`.
-    pub fn int(&self, i: usize) -> Answer<i64> {
-        self.maybe_int(i)?.ok_or_else(|| Problem::store(format!("column {i} is null")))
+    /// The number in `column`.
+    pub fn int(&self, column: &str) -> Answer<i64> {
+        self.maybe_int(column)?.ok_or_else(|| Problem::store(format!("column '{column}' is null")))
     }
 
-    /// The number in column `i`, where there is one.
-    pub fn maybe_int(&self, i: usize) -> Answer<Option<i64>> {
-        match self.0.get(i) {
-            Some(Value::Int(n)) => Ok(Some(*n)),
-            Some(Value::Null) => Ok(None),
-            other => Err(Problem::store(format!("column {i} is no number: {other:?}"))),
+    /// The number in `column`; `None` for null.
+    pub fn maybe_int(&self, column: &str) -> Answer<Option<i64>> {
+        match self.value(column)? {
+            Value::Int(n) => Ok(Some(*n)),
+            Value::Null => Ok(None),
+            Value::Text(_) => Err(Problem::store(format!("column '{column}' is not a number"))),
         }
+    }
+
+    /// The flag in `column`, which holds 0 or 1.
+    pub fn flag(&self, column: &str) -> Answer<bool> {
+        Ok(self.int(column)? != 0)
     }
 }
 

@@ -7,7 +7,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::sync::{Condvar, Mutex};
+use std::sync::{Arc, Condvar, Mutex};
 use std::time::Duration;
 
 /// Requests committed together at most.
@@ -156,7 +156,7 @@ impl Tx for Plain<'_> {
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
         holdable(values)?;
         let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
-        let columns = statement.column_count();
+        let columns: Arc<[String]> = statement.column_names().into_iter().map(str::to_owned).collect();
         let rows = statement.query_map(rusqlite::params_from_iter(values), |row| {
             let value = |i| {
                 Ok(match row.get_ref(i)? {
@@ -166,7 +166,8 @@ impl Tx for Plain<'_> {
                     ValueRef::Real(_) | ValueRef::Blob(_) => return Err(rusqlite::Error::InvalidQuery),
                 })
             };
-            (0..columns).map(value).collect::<rusqlite::Result<Vec<_>>>().map(Row)
+            let values = (0..columns.len()).map(value).collect::<rusqlite::Result<Vec<_>>>()?;
+            Ok(Row { columns: Arc::clone(&columns), values })
         });
         rows.map_err(problem)?.collect::<rusqlite::Result<Vec<_>>>().map_err(problem)
     }
@@ -177,7 +178,7 @@ impl Tx for Plain<'_> {
 
     fn columns(&mut self, table: &str) -> Answer<Vec<String>> {
         let sql = "SELECT name FROM pragma_table_info($1) ORDER BY cid";
-        self.rows(sql, crate::values![table])?.iter().map(|r| r.text(0)).collect()
+        self.rows(sql, crate::values![table])?.iter().map(|r| r.text("name")).collect()
     }
 
     fn lock(&self) -> &'static str {

@@ -1,6 +1,6 @@
 //! The commands as their users run them: one test binary for the whole crate.
 
-#[path = "../../../whyroad-server/tests/support/postgres.rs"]
+#[path = "../../../whyroad-server/tests/it/postgres_server.rs"]
 mod postgres;
 mod service;
 mod session;

@@ -99,7 +99,7 @@ pub fn tokens(call: &Call<'_>) -> Answer<Reply> {
     let items = call.app.store.read(|tx| {
         let sql = "SELECT id, name, created FROM api_tokens WHERE user_id = $1 ORDER BY created, id";
         let token = |r: &crate::store::Row| {
-            Ok(Token { id: r.text(0)?, name: r.text(1)?, created: r.int(2)?, token: None })
+            Ok(Token { id: r.text("id")?, name: r.text("name")?, created: r.int("created")?, token: None })
         };
         tx.rows(sql, values![user])?.iter().map(token).collect()
     })?;

@@ -79,9 +79,9 @@ pub fn resolve(call: &Call<'_>) -> Answer<Reply> {
     let comment = call.app.store.write(move |tx| {
         let row = tx.row("SELECT task_id, author FROM comments WHERE id = $1", values![&id])?;
         let row = row.ok_or_else(Problem::missing)?;
-        let t = tasks::get(tx, &row.text(0)?)?;
+        let t = tasks::get(tx, &row.text("task_id")?)?;
         // In Stage I other people's remarks are not there.
-        if !t.at.state.shows_future() && row.text(1)? != user {
+        if !t.at.state.shows_future() && row.text("author")? != user {
             return Err(Problem::missing());
         }
         tx.run("UPDATE comments SET resolved = 1 WHERE id = $1", values![&id])?;
@@ -95,11 +95,11 @@ fn read(tx: &mut dyn Tx, id: &str) -> Answer<Comment> {
                WHERE c.id = $1";
     let row = tx.row(sql, values![id])?.ok_or_else(Problem::missing)?;
     Ok(Comment {
-        id: row.text(0)?,
-        path: row.text(1)?,
-        author: row.text(2)?,
-        text: row.text(3)?,
-        at: row.int(4)?,
-        resolved: row.int(5)? != 0,
+        id: row.text("id")?,
+        path: row.text("path")?,
+        author: row.text("display")?,
+        text: row.text("body")?,
+        at: row.int("at")?,
+        resolved: row.flag("resolved")?,
     })
 }

@@ -27,12 +27,6 @@ pub(super) fn word<T: serde::Serialize>(value: &T) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// A camera's name inside a URL.
-pub(super) fn escaped(name: &str) -> String {
-    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.' | b'~');
-    name.bytes().map(|b| if plain(b) { (b as char).to_string() } else { format!("%{b:02X}") }).collect()
-}
-
 /// Tracks that were seen in the shown frames.
 pub(super) fn tracks(drive: &Drive, frames: FrameRange) -> Vec<TrackView> {
     drive.tracks.iter().filter_map(|t| track(t, frames)).collect()

@@ -125,8 +125,8 @@ fn a_receiver_that_is_away_keeps_its_messages_and_a_removed_one_loses_them() {
     assert_eq!(left, 3);
     assert!(error.unwrap().starts_with("no connection"));
     s.app.store.write(move |tx| remove(tx, &made.id)).unwrap();
-    let rest = s.app.store.read(|tx| tx.row("SELECT count(*) FROM outbox", &[])).unwrap();
-    assert_eq!(rest.unwrap().int(0).unwrap(), 0);
+    let rest = s.app.store.read(|tx| tx.row("SELECT count(*) AS n FROM outbox", &[])).unwrap();
+    assert_eq!(rest.unwrap().int("n").unwrap(), 0);
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn two_senders_do_not_send_one_message_twice() {
     hook(&s.app, "http://127.0.0.1:1/", &[]);
     tell(&s.app, "submit");
     let row = s.app.store.read(|tx| tx.row("SELECT id, due FROM outbox", &[])).unwrap().unwrap();
-    let (id, due) = (row.text(0).unwrap(), row.int(1).unwrap());
+    let (id, due) = (row.text("id").unwrap(), row.int("due").unwrap());
     assert!(claim(&s.app, &id, due).unwrap());
     assert!(!claim(&s.app, &id, due).unwrap());
 }

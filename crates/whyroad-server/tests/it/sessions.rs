@@ -124,9 +124,9 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
         .app
         .store
         .read(|tx| {
-            let password = tx.row("SELECT password_hash FROM users", &[])?.unwrap().text(0)?;
-            let token = tx.row("SELECT hash FROM api_tokens", &[])?.unwrap().text(0)?;
-            let session = tx.row("SELECT hash FROM sessions", values![])?.unwrap().text(0)?;
+            let password = tx.row("SELECT password_hash FROM users", &[])?.unwrap().text("password_hash")?;
+            let token = tx.row("SELECT hash FROM api_tokens", &[])?.unwrap().text("hash")?;
+            let session = tx.row("SELECT hash FROM sessions", values![])?.unwrap().text("hash")?;
             Ok((password, token, session))
         })
         .unwrap();

@@ -1,11 +1,6 @@
 //! The store by itself, the same tests on a SQLite file and on a real PostgreSQL: transactions, migration, backup.
 
-#![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
-
-#[path = "support/postgres.rs"]
-#[allow(dead_code)]
-mod postgres;
-
+use crate::postgres_server::Server;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 use whyroad_server::problem::Problem;
@@ -24,7 +19,7 @@ fn put(store: &Store, name: &'static str) {
 
 fn names(store: &Store) -> Vec<String> {
     let names = store.read(|tx| tx.rows("SELECT name FROM settings ORDER BY name", &[])).unwrap();
-    names.iter().map(|r| r.text(0).unwrap()).collect()
+    names.iter().map(|r| r.text("name").unwrap()).collect()
 }
 
 /// What must hold on both.
@@ -65,7 +60,7 @@ fn transactions(store: &Store) {
                 store
                     .write(|tx| {
                         let sql = format!("SELECT value FROM settings WHERE name = 'counter'{}", tx.lock());
-                        let n: i64 = tx.row(&sql, &[])?.unwrap().text(0)?.parse().unwrap();
+                        let n: i64 = tx.row(&sql, &[])?.unwrap().text("value")?.parse().unwrap();
                         let next = (n + 1).to_string();
                         tx.run("UPDATE settings SET value = $1 WHERE name = 'counter'", values![&next])
                     })
@@ -74,7 +69,7 @@ fn transactions(store: &Store) {
         }
     });
     let counter = store.read(|tx| tx.row("SELECT value FROM settings WHERE name = 'counter'", &[])).unwrap();
-    assert_eq!(counter.unwrap().text(0).unwrap(), "20");
+    assert_eq!(counter.unwrap().text("value").unwrap(), "20");
 }
 
 #[test]
@@ -85,7 +80,7 @@ fn transactions_on_sqlite() {
 
 #[test]
 fn transactions_on_postgresql() {
-    let Some(server) = postgres::Server::start() else { return };
+    let Some(server) = Server::start() else { return };
     let url = server.database();
     transactions(&Store::open(&Place::parse(&url)).unwrap());
     // Two services that start at once on an empty database make its tables once.
@@ -97,7 +92,7 @@ fn transactions_on_postgresql() {
     });
 }
 
-const FIRST: &str = include_str!("../migrations/0001_tables.sql");
+const FIRST: &str = include_str!("../../migrations/0001_tables.sql");
 
 /// A project with a task, as tables of version 1 hold them.
 const OF_VERSION_1: &str = "
@@ -111,7 +106,7 @@ const OF_VERSION_1: &str = "
 /// The task of [`OF_VERSION_1`], with the column that version 2 added.
 fn task(store: &Store) -> (String, String) {
     let row = store.read(|tx| tx.row("SELECT id, lang FROM tasks", &[])).unwrap().unwrap();
-    (row.text(0).unwrap(), row.text(1).unwrap())
+    (row.text("id").unwrap(), row.text("lang").unwrap())
 }
 
 #[test]
@@ -183,7 +178,7 @@ fn a_backup_restores_into_either_store_and_back() {
     assert_eq!(restore(&third, of(b"{}\n{}")).unwrap_err().code, "restore.broken");
     assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
 
-    let Some(server) = postgres::Server::start() else { return };
+    let Some(server) = Server::start() else { return };
     let far = Store::open(&Place::parse(&server.database())).unwrap();
     restore(&far, of(&bytes)).unwrap();
     assert_eq!(dump(&far), bytes);
@@ -192,9 +187,9 @@ fn a_backup_restores_into_either_store_and_back() {
 #[test]
 fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_either() {
     let dir = tempfile::tempdir().unwrap();
-    let Some(server) = postgres::Server::start() else { return };
+    let Some(server) = Server::start() else { return };
     let url = server.database();
-    let mut client = ::postgres::Client::connect(&url, ::postgres::NoTls).unwrap();
+    let mut client = postgres::Client::connect(&url, postgres::NoTls).unwrap();
     client.batch_execute(FIRST).unwrap();
     client.batch_execute(OF_VERSION_1).unwrap();
     let store = Store::open_keeping(&Place::parse(&url), dir.path()).unwrap();
@@ -268,6 +263,6 @@ fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
         assert_eq!(odd.unwrap_err().code, "text.nul");
     };
     check(&Store::open(&file(dir.path(), "s")).unwrap());
-    let Some(server) = postgres::Server::start() else { return };
+    let Some(server) = Server::start() else { return };
     check(&Store::open(&Place::parse(&server.database())).unwrap());
 }

@@ -1,14 +1,7 @@
-//! The service over HTTP, on both stores: each test of the suite runs on a SQLite file, and all of them on a real
-//! PostgreSQL where the machine has one.
+//! The service over HTTP and its store, on both databases: each test of the suite runs on a SQLite file, and all of them on
+//! a real PostgreSQL where the machine has one.
 
 #![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
-
-#[path = "../support/signer.rs"]
-mod signer;
-
-#[path = "../support/postgres.rs"]
-#[allow(dead_code)]
-mod postgres;
 
 mod access;
 mod attacks;
@@ -20,9 +13,13 @@ mod group;
 mod identities;
 mod leaks;
 mod oidc;
+#[allow(dead_code, reason = "restarts are for the tests of the binary")]
+mod postgres_server;
 mod provider;
 mod recorded;
 mod sessions;
+mod signer;
+mod store;
 mod wire;
 mod work;
 mod world;
@@ -36,7 +33,7 @@ macro_rules! suite {
 
         #[test]
         fn the_suite_on_postgresql() {
-            let Some(server) = postgres::Server::start() else { return };
+            let Some(server) = postgres_server::Server::start() else { return };
             let tests: &[fn(&World)] = &[$($module::$name),+];
             // A few at a time: each waits for the disk more than for anything else.
             std::thread::scope(|scope| {
