@@ -3,6 +3,7 @@
 //! Nothing here reads a file or a clock: callers pass texts, or take the copy that is built in. Mining rules
 //! are carried, not interpreted.
 
+pub mod check;
 pub mod codes;
 pub mod decisions;
 pub mod diff;

@@ -1,12 +1,13 @@
 //! How fast a label is checked, as ratios to a bare serde_json parse measured in the same run:
-//! `cargo bench -p whyroad-framework --bench validate`. No harness: the numbers wanted are ratios, of the
+//! `cargo bench -p whyroad-label --bench validate`. No harness: the numbers wanted are ratios, of the
 //! fastest rounds, because on a shared machine everything else measures the neighbours.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::hint::black_box;
 use std::time::Instant;
 use whyroad_framework::Framework;
-use whyroad_label::check::{Checker, Document, Origin};
+use whyroad_framework::check::{Document, Origin};
+use whyroad_label::check::Checker;
 use whyroad_model::messages::CocLabel;
 
 const EXAMPLES: &[(&str, &str)] = &[

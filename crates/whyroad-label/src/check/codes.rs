@@ -1,22 +1,9 @@
-//! Every code that the checker can give. Each has a page `docs/diagnostics/<code>.md`.
+//! Every code of the checks that only labels have. Each has a page `docs/diagnostics/<code>.md`.
 
-/// Codes of labels, messages and files, in the order of DATA_FORMAT.md 4.3: form, basic, business, consistency.
+/// In the order of DATA_FORMAT.md 4.3: basic, business, causal, consistency. Those of form are in
+/// `whyroad_framework::check::CODES`.
 pub const CODES: &[&str] = &[
-    // Files.
-    "label.file.unreadable",
-    "label.input.empty",
-    "label.input.foreign",
-    "label.input.nothing",
-    "label.json.bom",
-    "label.json.encoding",
-    "label.json.too_large",
-    "label.json.syntax",
-    "label.json.duplicate_key",
     // Basic.
-    "label.required",
-    "label.type",
-    "label.time.format",
-    "label.unknown_field",
     "label.version",
     "label.enum.keyframe_type",
     "label.enum.longitudinal",
@@ -25,9 +12,6 @@ pub const CODES: &[&str] = &[
     "label.enum.uncertainty",
     "label.enum.provenance_source",
     // Business.
-    "label.scenario.unknown",
-    "label.scenario.wrong_parent",
-    "label.scenario.full_id",
     "label.keyframe.type",
     "label.keyframe.range_missing",
     "label.keyframe.range_on_reactive",
@@ -68,24 +52,4 @@ pub const CODES: &[&str] = &[
     "label.trace.contradicts",
     "label.trace.direction",
     "label.trace.unlabelled",
-    // Other messages.
-    "message.kind",
-    "message.required",
-    "message.type",
-    "message.time.format",
-    "message.unknown_field",
-    "message.enum",
-    "message.range",
-    "message.order",
-    "message.clip.frames",
-    "message.keyframe.outside_range",
-    "message.frame.timestamp_mismatch",
-    "message.query.clause",
-    "message.query.value",
-    "message.query.unit",
-    "message.result.count",
-    "message.result.statistics",
-    // The lexicon that traces are read with.
-    "lexicon.syntax",
-    "lexicon.pattern",
 ];

@@ -1,38 +1,26 @@
 //! The slow path for labels: the basic level of DATA_FORMAT.md 4.3, field by field, into a [`View`].
 
-use super::json::Node;
-use super::rules::{Finding, Sink, Words};
-use super::view::{
-    CauseView, CausesView, Components, KeyframeView, LinkedComponent, ScenarioView, Slot, View,
-};
-use super::walk::{Object, Walk};
+use super::view::{CauseView, CausesView, Components, KeyframeView, LinkedComponent, View};
 use whyroad_framework::DecisionSets;
-use whyroad_framework::taxonomy::did_you_mean;
+use whyroad_framework::check::Slot;
+use whyroad_framework::check::closed_set::{ClosedSet, choose, keyframe_type};
+use whyroad_framework::check::json::{JsonKind, Node};
+use whyroad_framework::check::scenario::{self, ScenarioView};
+use whyroad_framework::check::walk::{Object, Walk};
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
-
-/// A closed set: what its members are called, in messages and by people.
-struct ClosedSet<T: 'static> {
-    code: &'static str,
-    zh: &'static str,
-    en: &'static str,
-    all: &'static [T],
-    id: fn(T) -> &'static str,
-    /// Names for people, either language.
-    names: Vec<(String, &'static str)>,
-}
+use whyroad_model::messages::{ProvenanceSource, Uncertainty};
 
 /// Reads a label. What is missing or of the wrong form is reported and becomes a hole in the view.
-pub(super) fn read<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, decisions: &DecisionSets) -> View<'d> {
+pub(super) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
     let mut v = View::default();
-    let Some(mut o) = walk.object(node, String::new()) else { return v };
+    let Some(mut o) = walk.object(walk.root, String::new()) else { return v };
     let version = o.get("version");
     v.version = walk.text(version, "/version");
     v.clip_id = required(walk.need(&mut o, "clip_id").map(|n| walk.text(Some(n), "/clip_id")));
     v.scenario = match walk.need(&mut o, "scenario") {
-        Some(n) => scenario(walk, n, "/scenario"),
-        None => broken_scenario(),
+        Some(n) => scenario::read(walk, n, "/scenario"),
+        None => ScenarioView::BROKEN,
     };
     time_range(walk, &mut o, &mut v);
     keyframe(walk, &mut o, &mut v);
@@ -60,27 +48,6 @@ pub(super) fn read<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, decisions: &Deci
 
 fn required<T>(slot: Option<Slot<T>>) -> Slot<T> {
     slot.unwrap_or(Slot::Broken)
-}
-
-fn broken_scenario<'d>() -> ScenarioView<'d> {
-    ScenarioView { l1: Slot::Broken, l2: Slot::Broken, l3: Slot::Broken, full_id: Slot::Broken }
-}
-
-/// The ids of a class; also those of a `scenario_label`.
-pub(super) fn scenario<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: &str) -> ScenarioView<'d> {
-    let Some(mut o) = walk.object(node, pointer.to_owned()) else { return broken_scenario() };
-    let mut need = |walk: &mut Walk<'d>, key| {
-        let at = o.at(key);
-        required(walk.need(&mut o, key).map(|n| walk.text(Some(n), &at)))
-    };
-    let (l1, l2) = (need(walk, "l1"), need(walk, "l2"));
-    let mut optional = |walk: &mut Walk<'d>, key| {
-        let (node, at) = (o.get(key), o.at(key));
-        walk.text(node, &at)
-    };
-    let (l3, full_id) = (optional(walk, "l3"), optional(walk, "full_id"));
-    walk.close(o, Severity::Warning);
-    ScenarioView { l1, l2, l3, full_id }
 }
 
 fn time_range<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>) {
@@ -125,24 +92,6 @@ fn one_keyframe<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Keyf
     k.range_end = walk.time(o.get("range_end"), &at("range_end"));
     walk.close(o, Severity::Warning);
     k
-}
-
-/// The type of a keyframe; also of a suggested one.
-pub(super) fn keyframe_type<'d>(
-    walk: &mut Walk<'d>,
-    node: &'d Node<'d>,
-    pointer: &str,
-    code: &'static str,
-) -> Slot<KeyframeType> {
-    let set = ClosedSet {
-        code,
-        zh: "关键帧类型",
-        en: "a keyframe type",
-        all: KeyframeType::ALL,
-        id: KeyframeType::id,
-        names: Vec::new(),
-    };
-    choose(walk, Some(node), pointer, &set)
 }
 
 fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &DecisionSets, v: &mut View<'d>) {
@@ -196,40 +145,6 @@ fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &Decisi
 
 fn both(name: &whyroad_model::Bilingual, id: &'static str) -> [(String, &'static str); 2] {
     [(name.zh.clone(), id), (name.en.to_lowercase(), id)]
-}
-
-fn choose<'d, T: Copy>(
-    walk: &mut Walk<'d>,
-    node: Option<&'d Node<'d>>,
-    pointer: &str,
-    set: &ClosedSet<T>,
-) -> Slot<T> {
-    let text = match walk.any_text(node, pointer) {
-        Slot::Is(t) => t,
-        Slot::Absent => return Slot::Absent,
-        Slot::Broken => return Slot::Broken,
-    };
-    if let Some(member) = set.all.iter().find(|m| (set.id)(**m) == text) {
-        return Slot::Is(*member);
-    }
-    walk.report(Finding::error(set.code, pointer.to_owned()), &|| {
-        let words = Words::new(format!("'{text}' 不是{}", set.zh), format!("'{text}' is not {}", set.en));
-        let ids = || set.all.iter().map(|m| (set.id)(*m));
-        let wanted = text.trim().to_lowercase();
-        // A Chinese name inside a longer phrase still says what was meant.
-        let contained = set.names.iter().filter(|(n, _)| !n.is_ascii() && wanted.contains(n.as_str()));
-        let named = set.names.iter().find(|(n, _)| *n == wanted).or(contained.max_by_key(|(n, _)| n.len()));
-        let named = named.map(|(_, id)| *id);
-        let spelled = wanted.replace([' ', '-'], "_");
-        match named.or_else(|| did_you_mean(&spelled, ids())) {
-            Some(id) => words.meant(id),
-            None => {
-                let all: Vec<&str> = ids().collect();
-                words.one_of(&all.join("、"), &all.join(", "))
-            }
-        }
-    });
-    Slot::Broken
 }
 
 fn components<'d>(
@@ -290,8 +205,8 @@ fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<&'d str
     for e in o.entries() {
         walk.free(&e.node, &o.at(&e.key));
         let blank = match &e.node.kind {
-            super::json::Kind::Null => true,
-            super::json::Kind::Text(t) => t.trim().is_empty(),
+            JsonKind::Null => true,
+            JsonKind::Text(t) => t.trim().is_empty(),
             _ => false,
         };
         if !blank {

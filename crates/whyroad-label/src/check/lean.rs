@@ -3,13 +3,15 @@
 
 mod linked;
 
-use super::view::{KeyframeView, ScenarioView, Slot, View};
+use super::view::{KeyframeView, View};
 use linked::{LeanCauses, LeanComponents, LeanLinked, LeanProvenance};
 use serde::de::{DeserializeSeed, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
+use whyroad_framework::check::Slot;
+use whyroad_framework::check::scenario::ScenarioView;
 use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};

@@ -9,73 +9,11 @@ mod moment;
 mod text;
 
 use super::ClipIndex;
-use super::class_index::{ClassIndex, Found};
 use super::clips::ClipFacts;
 use super::view::View;
-use std::borrow::Cow;
+use whyroad_framework::check::class_index::{ClassIndex, Found};
+use whyroad_framework::check::{Finding, Sink, Words, scenario};
 use whyroad_framework::lexicon::Lexicon;
-use whyroad_model::{Bilingual, Severity};
-
-pub(super) use class::scenario;
-
-/// What a rule has to say, in words.
-#[derive(Clone, Debug)]
-pub(super) struct Words {
-    pub message: Bilingual,
-    pub hint: Option<Bilingual>,
-}
-
-impl Words {
-    pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
-        Self { message: Bilingual::new(zh, en), hint: None }
-    }
-
-    pub fn hint(mut self, zh: impl Into<String>, en: impl Into<String>) -> Self {
-        self.hint = Some(Bilingual::new(zh, en));
-        self
-    }
-
-    /// With the word that was probably meant.
-    pub fn meant(self, word: &str) -> Self {
-        self.hint(format!("是否想写 '{word}'？"), format!("did you mean '{word}'?"))
-    }
-
-    /// With the words that there are, as each language lists them.
-    pub fn one_of(self, zh: &str, en: &str) -> Self {
-        self.hint(format!("可选：{zh}"), format!("choose one of: {en}"))
-    }
-}
-
-/// What was found, and where.
-#[derive(Clone, Debug)]
-pub(super) struct Finding {
-    pub code: &'static str,
-    pub severity: Severity,
-    /// JSON pointer; need not exist in the document.
-    pub pointer: Cow<'static, str>,
-    /// Bytes of the text there, when only a part is meant.
-    pub part: Option<(usize, usize)>,
-}
-
-impl Finding {
-    pub fn error(code: &'static str, pointer: impl Into<Cow<'static, str>>) -> Self {
-        Self { code, severity: Severity::Error, pointer: pointer.into(), part: None }
-    }
-
-    pub fn warning(code: &'static str, pointer: impl Into<Cow<'static, str>>) -> Self {
-        Self { severity: Severity::Warning, ..Self::error(code, pointer) }
-    }
-
-    pub fn part(mut self, start: usize, end: usize) -> Self {
-        self.part = Some((start, end));
-        self
-    }
-}
-
-/// Takes findings. The fast path only notes that there was one.
-pub(super) trait Sink {
-    fn report(&mut self, finding: Finding, words: &dyn Fn() -> Words);
-}
 
 /// What the rules know besides the label.
 pub(super) struct Rulebook<'f> {
@@ -88,7 +26,7 @@ impl Rulebook<'_> {
     /// Runs every rule.
     pub fn check(&self, label: &View<'_>, sink: &mut dyn Sink) {
         text::version(label, sink);
-        let prescribed = match scenario(&label.scenario, self.classes, "/scenario", sink) {
+        let prescribed = match scenario::check(&label.scenario, self.classes, "/scenario", sink) {
             Some(Found::Class(p)) => Some(p),
             _ => None,
         };

@@ -1,40 +1,11 @@
 //! A label as the rules see it, whether it came by the fast path (typed, everything there) or by the slow one
 //! (tolerant, holes where something was already reported).
 
+use whyroad_framework::check::Slot;
+use whyroad_framework::check::scenario::ScenarioView;
 use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::KeyframeType;
-
-/// A field of a label.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Slot<T> {
-    /// Not there, or null, where that is allowed.
-    #[default]
-    Absent,
-    /// There and wrong, or not there and required: already reported, so no rule speaks of it again.
-    Broken,
-    /// There.
-    Is(T),
-}
-
-impl<T> Slot<T> {
-    pub fn get(self) -> Option<T> {
-        match self {
-            Slot::Is(t) => Some(t),
-            Slot::Absent | Slot::Broken => None,
-        }
-    }
-
-    pub fn is_absent(&self) -> bool {
-        matches!(self, Slot::Absent)
-    }
-}
-
-impl<T> From<Option<T>> for Slot<T> {
-    fn from(o: Option<T>) -> Self {
-        o.map_or(Slot::Absent, Slot::Is)
-    }
-}
 
 /// One label.
 #[derive(Clone, Debug, Default)]
@@ -84,15 +55,6 @@ pub(super) struct CausesView<'a> {
 pub(super) struct CauseView<'a> {
     pub components: Vec<Slot<&'a str>>,
     pub unobserved: Slot<&'a str>,
-}
-
-/// The class of a label.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ScenarioView<'a> {
-    pub l1: Slot<&'a str>,
-    pub l2: Slot<&'a str>,
-    pub l3: Slot<&'a str>,
-    pub full_id: Slot<&'a str>,
 }
 
 /// The decision moment of a label.

@@ -9,7 +9,8 @@ use printer::{Format, Printer};
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use whyroad_label::check::{Checker, ClipIndex, Piece, Verdict, problem};
+use whyroad_framework::check::{Piece, Verdict, problem};
+use whyroad_label::check::{Checker, ClipIndex};
 use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
 
 /// Arguments of `whyroad validate`.

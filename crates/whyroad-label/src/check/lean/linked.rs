@@ -1,11 +1,12 @@
 //! The part of the fast path that format 2.1 added: components with names and evidence, causes, provenance.
 
 use super::{Id, Text, slot};
-use crate::check::view::{CauseView, CausesView, Components, LinkedComponent, Slot};
+use crate::check::view::{CauseView, CausesView, Components, LinkedComponent};
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::fmt;
+use whyroad_framework::check::Slot;
 use whyroad_model::Nanos;
 use whyroad_model::messages::{ProvenanceSource, Uncertainty};
 

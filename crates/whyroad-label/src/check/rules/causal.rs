@@ -1,9 +1,9 @@
 //! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only of
 //! what a document of format 2.1 may say; one of 2.0 says none of it.
 
-use super::{Finding, Sink, Words};
-use crate::check::class_index::{ClassIndex, Found, Prescribed};
-use crate::check::view::{CauseView, Slot, View};
+use crate::check::view::{CauseView, View};
+use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::taxonomy::did_you_mean;
 use whyroad_model::Nanos;
 

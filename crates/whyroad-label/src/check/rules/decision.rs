@@ -1,7 +1,7 @@
 //! Rules of the decision and its causes (LABELING.md 2 and 3).
 
-use super::{Finding, Sink, Words};
-use crate::check::view::{Slot, View};
+use crate::check::view::View;
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
 
 /// A direction where one belongs, none where none does, and one that the decision can have.
 pub(super) fn direction(label: &View<'_>, sink: &mut dyn Sink) {

@@ -1,9 +1,9 @@
 //! Rules of time: ranges, keyframe, frames against timestamps, and the clip (DATA_FORMAT.md 4.3, LABELING.md 4).
 //! Frame ranges and `time_range` are half open; the keyframe's own range includes both ends.
 
-use super::{Finding, Sink, Words};
 use crate::check::clips::ClipFacts;
-use crate::check::view::{Slot, View};
+use crate::check::view::View;
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::Nanos;
 use whyroad_model::messages::KeyframeType;
 

@@ -1,8 +1,8 @@
 //! Rules of the trace text (LABELING.md 7) and of the format version (DATA_FORMAT.md 1.3).
 
-use super::{Finding, Sink, Words};
 use crate::check::trace::{TraceVerdict, form, judge, read};
-use crate::check::view::{Slot, View};
+use crate::check::view::View;
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::FORMAT_VERSION;
 

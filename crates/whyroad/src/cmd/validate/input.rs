@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use whyroad_label::check::{Layout, Piece, Splitter};
+use whyroad_framework::check::{Layout, Piece, Splitter};
 
 /// Bytes read at a time; also what the layout is guessed from.
 const CHUNK: usize = 1 << 18;

@@ -1,13 +1,13 @@
 //! A `mining_query` (DATA_FORMAT.md 5.1) with the clauses that we add (`any`, `all`, `not`, `temporal`, `rule`). Whether its
 //! fields are signals and its rules sound is asked by whyroad-mining, which knows them.
 
-use super::{out_of_range, scenario_id};
+use super::values::{out_of_range, scenario_id};
 use crate::check::class_index::ClassIndex;
-use crate::check::json::{Kind, Node};
-use crate::check::rules::{Finding, Sink, Words};
-use crate::check::view::Slot;
+use crate::check::finding::{Finding, Sink, Words};
+use crate::check::json::{JsonKind, Node};
+use crate::check::slot::Slot;
 use crate::check::walk::{Object, Walk};
-use whyroad_framework::taxonomy::did_you_mean;
+use crate::taxonomy::did_you_mean;
 use whyroad_model::Severity;
 use whyroad_model::units::UNITS;
 
@@ -194,11 +194,12 @@ fn comparison<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
     }
     let (n, at) = (walk.need(&mut o, "value"), o.at("value"));
     if let Some(n) = n {
-        let plain = |n: &Node<'_>| matches!(n.kind, Kind::Number(_) | Kind::Text(_) | Kind::Flag(_));
+        let plain =
+            |n: &Node<'_>| matches!(n.kind, JsonKind::Number(_) | JsonKind::Text(_) | JsonKind::Flag(_));
         let fits = match (&n.kind, operator) {
-            (Kind::List(items), Some("in") | None) => items.iter().all(plain),
-            (Kind::List(_), _) | (Kind::Map(_) | Kind::Null, _) => false,
-            (Kind::Text(_) | Kind::Flag(_), Some(">" | ">=" | "<" | "<=")) => false,
+            (JsonKind::List(items), Some("in") | None) => items.iter().all(plain),
+            (JsonKind::List(_), _) | (JsonKind::Map(_) | JsonKind::Null, _) => false,
+            (JsonKind::Text(_) | JsonKind::Flag(_), Some(">" | ">=" | "<" | "<=")) => false,
             (_, Some("in")) => false,
             _ => true,
         };

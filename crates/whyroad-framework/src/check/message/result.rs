@@ -1,10 +1,10 @@
 //! What came of a mining query (DATA_FORMAT.md 5.2).
 
-use super::{scenario_id, share};
+use super::values::{scenario_id, share};
 use crate::check::class_index::ClassIndex;
+use crate::check::finding::{Finding, Sink, Words};
 use crate::check::json::Node;
-use crate::check::rules::{Finding, Sink, Words};
-use crate::check::view::Slot;
+use crate::check::slot::Slot;
 use crate::check::walk::{Object, Walk};
 use whyroad_model::Severity;
 

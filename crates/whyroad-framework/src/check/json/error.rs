@@ -6,17 +6,23 @@ use whyroad_model::Bilingual;
 
 /// Why a text is not JSON.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SyntaxError {
+pub struct SyntaxError {
+    /// Bytes of the document to underline.
     pub span: Range<usize>,
+    /// What is wrong.
     pub message: Bilingual,
+    /// What to do about it.
     pub hint: Option<Bilingual>,
 }
 
 impl SyntaxError {
+    /// An error without a hint.
     pub fn new(span: Range<usize>, zh: impl Into<String>, en: impl Into<String>) -> Self {
         Self { span, message: Bilingual::new(zh, en), hint: None }
     }
 
+    /// With a hint.
+    #[must_use]
     pub fn hint(mut self, zh: impl Into<String>, en: impl Into<String>) -> Self {
         self.hint = Some(Bilingual::new(zh, en));
         self

@@ -1,14 +1,15 @@
 //! A strict RFC 8259 parser into [`Node`]s. It takes exactly what serde_json takes (a property test holds them
 //! equal) and differs in what it keeps: places, duplicate keys, and what exactly is wrong.
 
-use super::{Entry, Kind, Node, SyntaxError};
+use super::error::SyntaxError;
+use super::node::{Entry, JsonKind, Node};
 use std::borrow::Cow;
 
 /// serde_json's limit.
 const DEPTH: usize = 128;
 
 /// Parses one value, white space around it allowed, nothing else.
-pub(crate) fn parse(text: &str) -> Result<Node<'_>, SyntaxError> {
+pub fn parse(text: &str) -> Result<Node<'_>, SyntaxError> {
     let mut p = Parser { text, at: 0, depth: 0 };
     let node = p.value()?;
     p.space();
@@ -47,16 +48,18 @@ impl<'t> Parser<'t> {
         let kind = match self.peek() {
             Some(b'{') => self.nested(Self::map)?,
             Some(b'[') => self.nested(Self::list)?,
-            Some(b'"') => Kind::Text(self.string()?),
-            Some(b'-' | b'0'..=b'9') => Kind::Number(self.number()?),
+            Some(b'"') => JsonKind::Text(self.string()?),
+            Some(b'-' | b'0'..=b'9') => JsonKind::Number(self.number()?),
             _ => self.word()?,
         };
         Ok(Node { kind, span: start..self.at })
     }
 
-    fn word(&mut self) -> Result<Kind<'t>, SyntaxError> {
+    fn word(&mut self) -> Result<JsonKind<'t>, SyntaxError> {
         let rest = &self.text[self.at..];
-        for (word, kind) in [("null", Kind::Null), ("true", Kind::Flag(true)), ("false", Kind::Flag(false))] {
+        for (word, kind) in
+            [("null", JsonKind::Null), ("true", JsonKind::Flag(true)), ("false", JsonKind::Flag(false))]
+        {
             let goes_on = |c: char| c.is_alphanumeric() || c == '_';
             if rest.strip_prefix(word).is_some_and(|r| !r.starts_with(goes_on)) {
                 self.at += word.len();
@@ -68,8 +71,8 @@ impl<'t> Parser<'t> {
 
     fn nested(
         &mut self,
-        read: fn(&mut Self) -> Result<Kind<'t>, SyntaxError>,
-    ) -> Result<Kind<'t>, SyntaxError> {
+        read: fn(&mut Self) -> Result<JsonKind<'t>, SyntaxError>,
+    ) -> Result<JsonKind<'t>, SyntaxError> {
         self.depth += 1;
         if self.depth >= DEPTH {
             let span = self.at..self.at + 1;
@@ -80,13 +83,13 @@ impl<'t> Parser<'t> {
         Ok(kind)
     }
 
-    fn list(&mut self) -> Result<Kind<'t>, SyntaxError> {
+    fn list(&mut self) -> Result<JsonKind<'t>, SyntaxError> {
         self.at += 1;
         let mut items = Vec::new();
         self.space();
         if self.peek() == Some(b']') {
             self.at += 1;
-            return Ok(Kind::List(items));
+            return Ok(JsonKind::List(items));
         }
         loop {
             items.push(self.value()?);
@@ -95,20 +98,20 @@ impl<'t> Parser<'t> {
                 Some(b',') => self.comma(b']')?,
                 Some(b']') => {
                     self.at += 1;
-                    return Ok(Kind::List(items));
+                    return Ok(JsonKind::List(items));
                 }
                 _ => return Err(SyntaxError::expected(self.text, self.at, " ',' 或 ']'", "',' or ']'")),
             }
         }
     }
 
-    fn map(&mut self) -> Result<Kind<'t>, SyntaxError> {
+    fn map(&mut self) -> Result<JsonKind<'t>, SyntaxError> {
         self.at += 1;
         let mut entries = Vec::new();
         self.space();
         if self.peek() == Some(b'}') {
             self.at += 1;
-            return Ok(Kind::Map(entries));
+            return Ok(JsonKind::Map(entries));
         }
         loop {
             self.space();
@@ -135,7 +138,7 @@ impl<'t> Parser<'t> {
                 Some(b',') => self.comma(b'}')?,
                 Some(b'}') => {
                     self.at += 1;
-                    return Ok(Kind::Map(entries));
+                    return Ok(JsonKind::Map(entries));
                 }
                 _ => return Err(SyntaxError::expected(self.text, self.at, " ',' 或 '}'", "',' or '}'")),
             }

@@ -1,19 +1,19 @@
 //! The taxonomy and its labelling specs, arranged for quick questions about one label, and the answers to
 //! "what could have been meant" for wrong ids.
 
+use crate::taxonomy::did_you_mean;
+use crate::{Framework, ResolvedSpec};
 use std::collections::HashMap;
-use whyroad_framework::taxonomy::did_you_mean;
-use whyroad_framework::{Framework, ResolvedSpec};
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Bilingual, ScenarioId};
 
 /// What fits nowhere below a class is filed under this id (LABELING.md 1); it is in no taxonomy file.
-pub(super) const OTHER: &str = "other";
+pub const OTHER: &str = "other";
 
 /// What a class prescribes for its labels.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Prescribed {
+pub struct Prescribed {
     pub kind: Option<KeyframeType>,
     pub uncertainty_high: bool,
     pub lateral: Option<Lateral>,
@@ -31,7 +31,7 @@ struct L2Entry {
 
 /// The classes of one framework.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ClassIndex {
+pub struct ClassIndex {
     l1: HashMap<String, HashMap<String, L2Entry>>,
     /// Every class with its names, in tree order.
     names: Vec<(ScenarioId, Bilingual)>,
@@ -39,7 +39,7 @@ pub(super) struct ClassIndex {
 
 /// How a scenario's ids stand to the taxonomy.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Found<'i> {
+pub enum Found<'i> {
     Class(&'i Prescribed),
     /// A class that prescribes nothing: `other`.
     Unclassified,
@@ -51,7 +51,7 @@ pub(super) enum Found<'i> {
 
 /// A level of the taxonomy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Level {
+pub enum Level {
     L1,
     L2,
     L3,
@@ -175,6 +175,6 @@ impl ClassIndex {
 }
 
 /// The last part of an id.
-pub(super) fn own_id(s: &ScenarioId) -> &str {
+pub fn own_id(s: &ScenarioId) -> &str {
     s.l3.as_deref().or(s.l2.as_deref()).unwrap_or(&s.l1)
 }

@@ -1,24 +1,28 @@
 //! The slow path's walk over a document: fields are asked for one by one, everything wrong with their form is
 //! reported with its place, and the walk goes on. What the fields mean is for the rules.
 
-use super::json::{Entry, Kind, Locator, Node};
-use super::rules::{Finding, Sink, Words};
-use super::view::Slot;
+use super::finding::{Finding, Sink, Words};
+use super::json::{Entry, JsonKind, Locator, Node};
+use super::slot::Slot;
+use crate::taxonomy::did_you_mean;
 use std::ops::Range;
-use whyroad_framework::taxonomy::did_you_mean;
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Severity};
 
 /// The codes that a family of documents uses for mistakes of form.
 #[derive(Debug)]
-pub(super) struct Family {
+pub struct Family {
+    /// A field is missing, null or blank.
     pub required: &'static str,
+    /// A value of another JSON type.
     pub kind: &'static str,
+    /// A text that is not a time.
     pub time: &'static str,
+    /// A field that no message of this family has.
     pub unknown_field: &'static str,
 }
 
 /// CoC labels and scenario labels.
-pub(super) const LABEL: Family = Family {
+pub const LABEL: Family = Family {
     required: "label.required",
     kind: "label.type",
     time: "label.time.format",
@@ -26,7 +30,7 @@ pub(super) const LABEL: Family = Family {
 };
 
 /// All other messages.
-pub(super) const MESSAGE: Family = Family {
+pub const MESSAGE: Family = Family {
     required: "message.required",
     kind: "message.type",
     time: "message.time.format",
@@ -34,16 +38,22 @@ pub(super) const MESSAGE: Family = Family {
 };
 
 /// One document being explained.
-pub(super) struct Walk<'d> {
+pub struct Walk<'d> {
+    /// The document.
     pub root: &'d Node<'d>,
+    /// From its bytes to lines and columns.
     pub locator: &'d Locator<'d>,
+    /// Codes for mistakes of form.
     pub family: &'static Family,
+    /// Takes what is found.
     pub out: &'d mut Vec<Diagnostic>,
 }
 
 /// An object being read. Every key asked for is a known one; [`Walk::close`] reports the others.
-pub(super) struct Object<'d> {
+pub struct Object<'d> {
+    /// Its value in the document.
     pub node: &'d Node<'d>,
+    /// Its JSON pointer.
     pub pointer: String,
     entries: &'d [Entry<'d>],
     asked: Vec<&'static str>,
@@ -61,16 +71,19 @@ impl<'d> Object<'d> {
         self.raw(key).filter(|n| !n.is_null())
     }
 
+    /// The JSON pointer of a key.
     pub fn at(&self, key: &str) -> String {
         format!("{}/{}", self.pointer, key.replace('~', "~0").replace('/', "~1"))
     }
 
+    /// All keys with their values.
     pub fn entries(&self) -> &'d [Entry<'d>] {
         self.entries
     }
 }
 
 impl<'d> Walk<'d> {
+    /// Adds a diagnostic that underlines these bytes.
     pub fn push(&mut self, d: Diagnostic, span: Range<usize>, pointer: &str) {
         self.out.push(d.at(self.locator.place(span, pointer)));
     }
@@ -117,12 +130,12 @@ impl<'d> Walk<'d> {
     /// Looks for keys written twice in values that nobody reads any further.
     pub fn free(&mut self, node: &Node<'_>, pointer: &str) {
         match &node.kind {
-            Kind::List(items) => {
+            JsonKind::List(items) => {
                 for (i, item) in items.iter().enumerate() {
                     self.free(item, &format!("{pointer}/{i}"));
                 }
             }
-            Kind::Map(entries) => {
+            JsonKind::Map(entries) => {
                 self.duplicates(entries, pointer);
                 for e in entries {
                     self.free(&e.node, &format!("{pointer}/{}", e.key));
@@ -155,7 +168,7 @@ impl<'d> Walk<'d> {
             if let Some(near) = did_you_mean(key, near) {
                 d = d.with_hint(Bilingual::new(
                     format!("此处有字段 '{near}'，是否写错了名字？"),
-                    format!("there is a field '{near}' here; is that a slip of the pen?"),
+                    format!("there is a field '{near}' here; is it a typo for this one?"),
                 ));
             }
             self.push(d, o.node.mark(), &o.at(key));
@@ -186,7 +199,7 @@ impl<'d> Walk<'d> {
     pub fn any_text(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<&'d str> {
         match node.map(|n| (n, &n.kind)) {
             None => Slot::Absent,
-            Some((_, Kind::Text(t))) => Slot::Is(t),
+            Some((_, JsonKind::Text(t))) => Slot::Is(t),
             Some((n, _)) => self.wrong_kind(n, pointer, "文本", "text"),
         }
     }
@@ -221,7 +234,7 @@ impl<'d> Walk<'d> {
     pub fn count(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<u64> {
         match node.map(|n| (n, &n.kind)) {
             None => Slot::Absent,
-            Some((n, Kind::Number(raw))) => match raw.parse::<u64>() {
+            Some((n, JsonKind::Number(raw))) => match raw.parse::<u64>() {
                 Ok(v) => Slot::Is(v),
                 Err(_) => self.wrong_kind(n, pointer, "不小于 0 的整数", "a whole number from 0"),
             },
@@ -245,7 +258,7 @@ impl<'d> Walk<'d> {
     pub fn number(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<f64> {
         match node.map(|n| (n, &n.kind)) {
             None => Slot::Absent,
-            Some((n, Kind::Number(raw))) => match raw.parse() {
+            Some((n, JsonKind::Number(raw))) => match raw.parse() {
                 Ok(v) => Slot::Is(v),
                 Err(_) => self.wrong_kind(n, pointer, "数字", "a number"),
             },
@@ -257,7 +270,7 @@ impl<'d> Walk<'d> {
     pub fn flag(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<bool> {
         match node.map(|n| (n, &n.kind)) {
             None => Slot::Absent,
-            Some((_, Kind::Flag(b))) => Slot::Is(*b),
+            Some((_, JsonKind::Flag(b))) => Slot::Is(*b),
             Some((n, _)) => self.wrong_kind(n, pointer, " true 或 false", "true or false"),
         }
     }
@@ -266,7 +279,7 @@ impl<'d> Walk<'d> {
     pub fn list(&mut self, node: Option<&'d Node<'d>>, pointer: &str) -> Slot<&'d [Node<'d>]> {
         match node.map(|n| (n, &n.kind)) {
             None => Slot::Absent,
-            Some((_, Kind::List(items))) => Slot::Is(items),
+            Some((_, JsonKind::List(items))) => Slot::Is(items),
             Some((n, _)) => self.wrong_kind(n, pointer, "列表 […]", "a list [...]"),
         }
     }
@@ -312,10 +325,12 @@ impl<'d> Walk<'d> {
         for step in pointer.split('/').skip(1) {
             let step = step.replace("~1", "/").replace("~0", "~");
             let next = match &node.kind {
-                Kind::Map(entries) => {
+                JsonKind::Map(entries) => {
                     entries.iter().find(|e| e.key == step).map(|e| (&e.node, Some(e.key_span.clone())))
                 }
-                Kind::List(items) => step.parse::<usize>().ok().and_then(|i| items.get(i)).map(|n| (n, None)),
+                JsonKind::List(items) => {
+                    step.parse::<usize>().ok().and_then(|i| items.get(i)).map(|n| (n, None))
+                }
                 _ => None,
             };
             match next {
@@ -330,12 +345,12 @@ impl<'d> Walk<'d> {
             }
         }
         match (part, &node.kind) {
-            (Some((start, end)), Kind::Text(t)) if whole && t.len() + 2 == node.span.len() => {
+            (Some((start, end)), JsonKind::Text(t)) if whole && t.len() + 2 == node.span.len() => {
                 node.span.start + 1 + start..node.span.start + 1 + end
             }
             // A long text is named by its key; underlining it whole shows nothing.
-            (_, Kind::Text(t)) if whole && t.len() > 60 => key_span.unwrap_or_else(|| node.mark()),
-            (_, Kind::Map(_) | Kind::List(_)) => key_span.unwrap_or_else(|| node.mark()),
+            (_, JsonKind::Text(t)) if whole && t.len() > 60 => key_span.unwrap_or_else(|| node.mark()),
+            (_, JsonKind::Map(_) | JsonKind::List(_)) => key_span.unwrap_or_else(|| node.mark()),
             _ => node.mark(),
         }
     }
@@ -359,15 +374,15 @@ impl Sink for Walk<'_> {
 /// A value, for "expected ..., found ...".
 fn describe(node: &Node<'_>) -> Bilingual {
     match &node.kind {
-        Kind::Null => Bilingual::same("null"),
-        Kind::Flag(b) => Bilingual::same(b.to_string()),
-        Kind::Number(raw) => Bilingual::new(format!("数字 {raw}"), format!("the number {raw}")),
-        Kind::Text(t) => {
+        JsonKind::Null => Bilingual::same("null"),
+        JsonKind::Flag(b) => Bilingual::same(b.to_string()),
+        JsonKind::Number(raw) => Bilingual::new(format!("数字 {raw}"), format!("the number {raw}")),
+        JsonKind::Text(t) => {
             let short: String = t.chars().take(20).collect();
             let more = if short.len() < t.len() { "…" } else { "" };
             Bilingual::new(format!("文本 \"{short}{more}\""), format!("the text \"{short}{more}\""))
         }
-        Kind::List(_) => Bilingual::new("列表", "a list"),
-        Kind::Map(_) => Bilingual::new("对象", "an object"),
+        JsonKind::List(_) => Bilingual::new("列表", "a list"),
+        JsonKind::Map(_) => Bilingual::new("对象", "an object"),
     }
 }

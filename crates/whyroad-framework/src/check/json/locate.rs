@@ -1,6 +1,6 @@
 //! From bytes of a document to line, column and snippet in its file.
 
-use super::Origin;
+use super::split::Origin;
 use std::ops::Range;
 use whyroad_model::Location;
 
@@ -9,7 +9,7 @@ const BEFORE: usize = 100;
 const AFTER: usize = 200;
 
 /// Knows where a document stands in its file.
-pub(crate) struct Locator<'t> {
+pub struct Locator<'t> {
     text: &'t str,
     origin: &'t Origin,
     /// Byte at which each line of the document starts; found out with the first question.
@@ -17,6 +17,7 @@ pub(crate) struct Locator<'t> {
 }
 
 impl<'t> Locator<'t> {
+    /// Of a document that starts at `origin` in its file.
     pub fn new(text: &'t str, origin: &'t Origin) -> Self {
         Self { text, origin, lines: std::cell::OnceCell::new() }
     }

@@ -6,12 +6,12 @@ use serde_json::Value;
 
 fn to_value(n: &Node<'_>) -> Value {
     match &n.kind {
-        Kind::Null => Value::Null,
-        Kind::Flag(b) => Value::Bool(*b),
-        Kind::Number(raw) => serde_json::from_str(raw).unwrap(),
-        Kind::Text(t) => Value::String(t.clone().into_owned()),
-        Kind::List(items) => items.iter().map(to_value).collect(),
-        Kind::Map(entries) => {
+        JsonKind::Null => Value::Null,
+        JsonKind::Flag(b) => Value::Bool(*b),
+        JsonKind::Number(raw) => serde_json::from_str(raw).unwrap(),
+        JsonKind::Text(t) => Value::String(t.clone().into_owned()),
+        JsonKind::List(items) => items.iter().map(to_value).collect(),
+        JsonKind::Map(entries) => {
             Value::Object(entries.iter().map(|e| (e.key.clone().into_owned(), to_value(&e.node))).collect())
         }
     }

@@ -1,11 +1,11 @@
 //! Labelling tasks: clip metadata, scenario pre-label, keyframe suggestion (DATA_FORMAT.md 3).
 
-use super::{ordered, out_of_range, partial_class, share, suggested_type};
+use super::values::{ordered, out_of_range, partial_class, share, suggested_type};
 use crate::check::class_index::ClassIndex;
+use crate::check::finding::{Finding, Sink, Words};
 use crate::check::json::Node;
-use crate::check::label;
-use crate::check::rules::{Finding, Sink, Words};
-use crate::check::view::{ScenarioView, Slot};
+use crate::check::scenario::{self, ScenarioView};
+use crate::check::slot::Slot;
 use crate::check::walk::Walk;
 use whyroad_model::Severity;
 
@@ -81,7 +81,7 @@ fn pre_labels<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &ClassIndex)
     const SCENARIO: &str = "/clip_metadata/pre_labels/scenario";
     let Some(mut o) = walk.object(node, "/clip_metadata/pre_labels".into()) else { return };
     if let Some(n) = walk.need(&mut o, "scenario") {
-        let s = label::scenario(walk, n, SCENARIO);
+        let s = scenario::read(walk, n, SCENARIO);
         partial_class(s, SCENARIO, classes, walk);
     }
     let (n, at) = (walk.need(&mut o, "mining_score"), o.at("mining_score"));
@@ -108,7 +108,7 @@ pub(super) fn scenario_pre_label<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, cl
     if let (Slot::Is(_), Slot::Is(_), Slot::Is(_)) = (l1, l2, suggested) {
         let view = ScenarioView { l1, l2, l3: suggested, full_id: Slot::Absent };
         let mut aside = OnlySuggested { walk };
-        crate::check::rules::scenario(&view, classes, BASE, &mut aside);
+        scenario::check(&view, classes, BASE, &mut aside);
     }
     let (n, at) = (walk.need(&mut o, "confidence"), o.at("confidence"));
     share(walk, n, &at);

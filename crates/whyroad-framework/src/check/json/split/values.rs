@@ -1,6 +1,6 @@
 //! The [`super::Layout::Values`] half of the splitter: a byte machine that follows quotes and brackets.
 
-use super::{Document, MAX_DOCUMENT_BYTES, Origin, Piece, Problem};
+use super::piece::{Document, MAX_DOCUMENT_BYTES, Origin, Piece, Problem};
 
 /// After so many pieces in a row that are neither object nor array, the file is not worth reading on.
 const MAX_STRAY: usize = 20;

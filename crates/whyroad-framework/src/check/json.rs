@@ -1,0 +1,16 @@
+//! JSON with spans, for explaining: a tree in which every key and value knows its bytes, duplicate keys kept,
+//! and syntax errors said in words. The fast path of labels never comes here; serde_json decides there.
+
+mod error;
+mod locate;
+mod node;
+mod parse;
+mod problem;
+mod split;
+
+pub use error::SyntaxError;
+pub use locate::Locator;
+pub use node::{Entry, JsonKind, Node};
+pub use parse::parse;
+pub use problem::problem;
+pub use split::{Document, Layout, MAX_DOCUMENT_BYTES, Origin, Piece, Problem, Splitter};

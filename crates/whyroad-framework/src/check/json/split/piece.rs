@@ -1,0 +1,61 @@
+//! What comes out of cutting a stream: documents, where they start, and what is wrong between them.
+
+/// The largest document that is taken into memory. A label has about 1.3 kB.
+pub const MAX_DOCUMENT_BYTES: usize = 64 << 20;
+
+/// Where a document stands in its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// Line of its first character, from 1.
+    pub line: usize,
+    /// Column of its first character, in characters, from 1.
+    pub column: usize,
+    /// Its place in the file's array, where there is one.
+    pub element: Option<usize>,
+    /// Only white space stands before it in its line.
+    pub indented: bool,
+}
+
+impl Origin {
+    /// The start of a file.
+    pub fn start() -> Self {
+        Self { line: 1, column: 1, element: None, indented: true }
+    }
+}
+
+/// A document cut out of a file. Its bytes may be broken in every way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Document<'b> {
+    /// Where it stands.
+    pub origin: Origin,
+    /// Its bytes, without the white space around it.
+    pub bytes: &'b [u8],
+}
+
+/// Something wrong between documents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Problem {
+    /// The file starts with a byte order mark; it is skipped.
+    ByteOrderMark,
+    /// The file is UTF-16; nothing in it is read.
+    Utf16,
+    /// Two elements of the array without a comma between them.
+    CommaMissing,
+    /// A comma in the array with no element before or after it.
+    CommaTooMany,
+    /// The file ends inside its array.
+    ArrayOpen,
+    /// The document is larger than [`MAX_DOCUMENT_BYTES`]; it is skipped.
+    TooLarge,
+    /// So much that is not JSON that the rest of the file is not read.
+    NotJson,
+}
+
+/// What comes out of a [`super::Splitter`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Piece<'b> {
+    /// A document.
+    Document(Document<'b>),
+    /// Something wrong between documents, at a place.
+    Problem(Problem, Origin),
+}
