@@ -14,11 +14,15 @@ pub const OTHER: &str = "other";
 /// What a class prescribes for its labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prescribed {
+    /// Type of the keyframe.
     pub kind: Option<KeyframeType>,
+    /// At least one component has high uncertainty.
     pub uncertainty_high: bool,
+    /// The lateral decision.
     pub lateral: Option<Lateral>,
     /// Id, name for people, unit.
     pub records: Vec<(String, Bilingual, Option<String>)>,
+    /// A second keyframe is expected.
     pub two_keyframes: bool,
 }
 
@@ -37,14 +41,16 @@ pub struct ClassIndex {
     names: Vec<(ScenarioId, Bilingual)>,
 }
 
-/// How a scenario's ids stand to the taxonomy.
+/// The result of looking up the ids of a class.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found<'i> {
+    /// A class, or an L2 with what its leaves have in common.
     Class(&'i Prescribed),
     /// A class that prescribes nothing: `other`.
     Unclassified,
     /// The first id, from the left, that is wrong.
     Wrong {
+        /// Its level.
         level: Level,
     },
 }
@@ -52,8 +58,11 @@ pub enum Found<'i> {
 /// A level of the taxonomy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
+    /// Top level.
     L1,
+    /// Middle level.
     L2,
+    /// Leaf.
     L3,
 }
 
@@ -81,6 +90,7 @@ impl Prescribed {
 }
 
 impl ClassIndex {
+    /// The classes of a framework with what they prescribe.
     pub fn new(framework: &Framework) -> Self {
         let mut index = Self::default();
         for a in &framework.taxonomy.l1 {
@@ -156,7 +166,7 @@ impl ClassIndex {
         by_name(|is| is).or_else(|| near(|is| is)).or_else(|| by_name(|_| true)).or_else(|| near(|_| true))
     }
 
-    /// The ids that may stand at `level` under `l1` and `l2`, in tree order.
+    /// The ids that are accepted at `level` under `l1` and `l2`, in tree order.
     pub fn choices(&self, level: Level, l1: Option<&str>, l2: Option<&str>) -> Vec<&str> {
         self.at(level)
             .filter(|(s, _)| level == Level::L1 || l1 == Some(s.l1.as_str()))

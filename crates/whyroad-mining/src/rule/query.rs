@@ -9,8 +9,8 @@ use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
 use clause::Reader;
 use whyroad_framework::Framework;
+use whyroad_framework::check::{ClassIndex, MessageKind, check_message};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
-use whyroad_label::check::Checker as MessageChecker;
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
 use whyroad_model::{Bilingual, Diagnostic, Location, Nanos, Severity};
 use whyroad_signals::Catalogue;
@@ -38,7 +38,7 @@ pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<Mini
 
 /// All that is wrong with the form of a query, as the checker of messages tells it.
 fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Error) -> Vec<Diagnostic> {
-    let mut found = MessageChecker::new(framework).check_text(text);
+    let mut found = check_message(text, MessageKind::MiningQuery, &ClassIndex::new(framework));
     // A class may be written by a short name here.
     found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
     for d in &mut found {

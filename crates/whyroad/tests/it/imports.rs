@@ -13,7 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("whyroad-lake", &["whyroad-model"]),
     ("whyroad-ingest", &["whyroad-model", "whyroad-lake"]),
     ("whyroad-signals", &["whyroad-model"]),
-    ("whyroad-mining", &["whyroad-model", "whyroad-framework", "whyroad-label", "whyroad-signals"]),
+    ("whyroad-mining", &["whyroad-model", "whyroad-framework", "whyroad-signals"]),
     (
         "whyroad-engine",
         &[

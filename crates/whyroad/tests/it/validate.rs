@@ -221,8 +221,11 @@ mod twins {
         ];
         let twins = table().twins;
         let tested = |c: &str| twins.iter().any(|t| t.code == c || t.also.iter().any(|a| a == c));
-        let missing: Vec<_> =
-            whyroad_label::check::CODES.iter().filter(|c| !elsewhere.contains(c) && !tested(c)).collect();
+        let missing: Vec<_> = whyroad_label::check::CODES
+            .iter()
+            .chain(whyroad_framework::check::CODES)
+            .filter(|c| !elsewhere.contains(c) && !tested(c))
+            .collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
 }
