@@ -1,14 +1,20 @@
-//! The words that all of Whyroad shares: ids, time, units, scene tables, signal tables, messages, diagnostics.
+//! What all of Whyroad shares: ids, time, units, scene tables, signal tables, messages, diagnostics.
+//!
+//! The build script (`build.rs`) generates [`SignalId`], the typed ids and category enums of [`catalogue`] and [`Need`]
+//! from `schema/signals.yaml` and `schema/needs.yaml`.
 //!
 //! Nothing here reads a file, knows a format or decides anything about driving. A type is here because at
 //! least two crates must agree on it.
 
+pub mod catalogue;
 pub mod column;
 pub mod decision;
 pub mod diagnostic;
+pub mod display;
 pub mod ids;
 pub mod messages;
 pub mod names;
+mod need;
 pub mod object;
 pub mod road_map;
 pub mod scene;
@@ -20,9 +26,12 @@ pub mod units;
 pub mod vocabulary;
 pub mod yaml;
 
+pub use catalogue::SignalId;
 pub use column::{Column, Tri};
 pub use diagnostic::{Diagnostic, Location, Severity};
+pub use display::Displayed;
 pub use ids::{ClipId, DriveId, ScenarioId, TrackId};
+pub use need::Need;
 pub use object::ObjectClass;
 pub use road_map::RoadMap;
 pub use scene::Drive;

@@ -69,6 +69,11 @@ impl Unit {
     pub fn parse(symbol: &str) -> Option<&'static Unit> {
         UNITS.iter().find(|u| u.symbol == symbol)
     }
+
+    /// `base`, a value in the dimension's base unit, in this unit.
+    pub fn of_base(&self, base: f64) -> f64 {
+        base / self.to_base
+    }
 }
 
 impl Dimension {
