@@ -3,7 +3,7 @@
 
 mod render;
 
-pub use render::{json_row, render_json, render_sarif, render_text, sarif_result, summary};
+pub use render::{json_row, render_ansi, render_json, render_sarif, render_text, sarif_result, summary};
 
 use crate::{Bilingual, Lang};
 use serde::Serialize;

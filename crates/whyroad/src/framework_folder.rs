@@ -12,7 +12,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
     let (framework, found) = read(dir)?;
     for d in &found {
-        tell!("{}", diagnostic::render_text(d, global.lang));
+        tell!("{}", crate::output::render_text(d, global.lang));
     }
     match framework {
         Some(framework) => Ok((framework, found)),

@@ -1,4 +1,4 @@
-//! The `whyroad` binary: arguments in, printing out; no domain logic. One file a command in `cmd/`.
+//! The `whyroad` binary: arguments in, printing out; no domain logic. One file per command in `cmd/`.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // printing is what this crate is for
 
 #[macro_use]
@@ -6,10 +6,11 @@ mod output;
 
 mod cmd;
 mod framework_folder;
+mod help;
 mod recordings;
 mod store_place;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -32,6 +33,9 @@ pub(crate) struct Global {
     /// Language of messages
     #[arg(long, global = true, value_name = "LANG", default_value = "en", env = "WHYROAD_LANG")]
     pub lang: whyroad_model::Lang,
+    /// Colors in messages: on a terminal, always or never; NO_COLOR turns them off
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto", value_parser = output::color_choice)]
+    pub color: anstream::ColorChoice,
 }
 
 #[derive(Subcommand)]
@@ -70,10 +74,23 @@ enum Command {
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
     Demo(cmd::demo::Args),
+    /// Print a completion script for a shell
+    Completions(cmd::shell::CompletionsArgs),
+    /// Write manual pages, one per command
+    Man(cmd::shell::ManArgs),
+}
+
+/// The command line with the examples of every command.
+pub(crate) fn command_line() -> clap::Command {
+    help::with_examples(Cli::command())
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::from_arg_matches(&command_line().get_matches()) {
+        Ok(cli) => cli,
+        Err(e) => e.exit(),
+    };
+    cli.global.color.write_global();
     let result = match cli.command {
         Command::Taxonomy(a) => cmd::taxonomy::run(&cli.global, a),
         Command::Validate(a) => cmd::validate::run(&cli.global, a),
@@ -92,6 +109,8 @@ fn main() -> ExitCode {
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),
+        Command::Completions(a) => cmd::shell::completions(a),
+        Command::Man(a) => cmd::shell::man(a),
     };
     result.unwrap_or_else(|e| {
         say!("error: {e:#}");

@@ -1,22 +1,48 @@
-//! Exit codes shared by the commands: 0 fine, 1 findings or failure, 2 usage (clap's), 3 done but some input was lost.
+//! Printing and exit codes shared by the commands. Color only on a terminal (or by `--color`). Exit codes: 0 fine, 1 findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
+use whyroad_model::{Diagnostic, Lang};
 
-/// Talk, without a line's end. A closed stderr is no reason to stop, where `eprint!` would panic.
+/// Prints to stderr, without a line end. A closed stderr is not a reason to stop, where `eprint!` would panic.
 macro_rules! tell {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        let _ = write!(std::io::stderr(), $($text)*);
+        let _ = write!(anstream::stderr(), $($text)*);
     }};
 }
 
-/// Talk, one line.
+/// Prints one line to stderr.
 macro_rules! say {
     ($($text:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($text)*);
+        let _ = writeln!(anstream::stderr(), $($text)*);
     }};
+}
+
+/// How a command prints the data it was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum DataFormat {
+    /// For people
+    #[default]
+    Text,
+    /// One JSON document
+    Json,
+}
+
+/// A diagnostic as text, colored where the stream is a terminal: `tell!` and `put` remove colors elsewhere.
+pub(crate) fn render_text(d: &Diagnostic, lang: Lang) -> String {
+    whyroad_model::diagnostic::render_ansi(d, lang)
+}
+
+/// The values of `--color`.
+pub(crate) fn color_choice(text: &str) -> Result<anstream::ColorChoice, String> {
+    match text {
+        "auto" => Ok(anstream::ColorChoice::Auto),
+        "always" => Ok(anstream::ColorChoice::Always),
+        "never" => Ok(anstream::ColorChoice::Never),
+        _ => Err("possible values: auto, always, never".to_owned()),
+    }
 }
 
 /// All went well.
@@ -32,13 +58,13 @@ pub(crate) fn lost_input() -> ExitCode {
 /// Writes data to stdout. A reader that has heard enough (`| head`) ends the program quietly, as it would any other.
 pub(crate) fn put(text: &str) {
     use std::io::Write as _;
-    let mut out = std::io::stdout().lock();
+    let mut out = anstream::stdout().lock();
     if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
         std::process::exit(0);
     }
 }
 
-/// A bar for so many steps; draws on stderr, and only on a terminal.
+/// A progress bar with this number of steps; drawn on stderr, and only on a terminal.
 pub(crate) fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}") {

@@ -131,7 +131,7 @@ impl Recordings for LakeRecordings {
         let text = std::fs::read_to_string(&path).ok()?;
         let (episodes, problems) = mined::read_episodes(&text, &path.display().to_string());
         for d in &problems {
-            tell!("{}", whyroad_model::diagnostic::render_text(d, Lang::En));
+            tell!("{}", crate::output::render_text(d, Lang::En));
         }
         Some(episodes)
     }

@@ -16,6 +16,33 @@ use std::fmt::Write as _;
 ///    = hint: did you mean 'stop_for_obstacle'?
 /// ```
 pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
+    render(d, lang, Style::PLAIN)
+}
+
+/// The same with ANSI colors: severity and code, location, marker and hint. The words are those of [`render_text`].
+pub fn render_ansi(d: &Diagnostic, lang: Lang) -> String {
+    let severity = match d.severity {
+        Severity::Error => "\x1b[1;31m",
+        Severity::Warning => "\x1b[1;33m",
+        Severity::Note => "\x1b[1;36m",
+    };
+    render(d, lang, Style { severity, frame: "\x1b[1;34m", hint: "\x1b[1;32m", reset: "\x1b[0m" })
+}
+
+/// Escape sequences that open a part of the text; all are empty for plain text.
+struct Style {
+    severity: &'static str,
+    frame: &'static str,
+    hint: &'static str,
+    reset: &'static str,
+}
+
+impl Style {
+    const PLAIN: Self = Self { severity: "", frame: "", hint: "", reset: "" };
+}
+
+fn render(d: &Diagnostic, lang: Lang, style: Style) -> String {
+    let Style { severity, frame, hint: hint_style, reset } = style;
     let mut out = String::new();
     let word = match (d.severity, lang) {
         (Severity::Error, Lang::En) => "error",
@@ -25,7 +52,7 @@ pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
         (Severity::Note, Lang::En) => "note",
         (Severity::Note, Lang::Zh) => "提示",
     };
-    let _ = writeln!(out, "{word}[{}]: {}", d.code, d.message(lang));
+    let _ = writeln!(out, "{severity}{word}[{}]{reset}: {}", d.code, d.message(lang));
     let p = &d.location;
     let mut place = p.file.clone().unwrap_or_default();
     if let Some(line) = p.line {
@@ -38,19 +65,24 @@ pub fn render_text(d: &Diagnostic, lang: Lang) -> String {
         let _ = write!(place, "{}({pointer})", if place.is_empty() { "" } else { " " });
     }
     if !place.is_empty() {
-        let _ = writeln!(out, "  --> {place}");
+        let _ = writeln!(out, "  {frame}-->{reset} {place}");
     }
     if let (Some(snippet), Some(line), Some(column)) = (&p.snippet, p.line, p.column) {
         let number = line.to_string();
         let pad = " ".repeat(number.len());
         let (shown, offset, width) = window(snippet, p.snippet_start, column, p.span.max(1));
-        let _ = writeln!(out, " {pad} |");
-        let _ = writeln!(out, " {number} | {shown}");
-        let _ = writeln!(out, " {pad} | {}{}", " ".repeat(offset), "^".repeat(width));
+        let _ = writeln!(out, " {pad} {frame}|{reset}");
+        let _ = writeln!(out, " {frame}{number} |{reset} {shown}");
+        let _ = writeln!(
+            out,
+            " {pad} {frame}|{reset} {}{severity}{}{reset}",
+            " ".repeat(offset),
+            "^".repeat(width)
+        );
     }
     if let Some(hint) = &d.hint {
         let word = if lang == Lang::Zh { "建议" } else { "hint" };
-        let _ = writeln!(out, "   = {word}: {}", hint.get(lang));
+        let _ = writeln!(out, "   {frame}={reset} {hint_style}{word}{reset}: {}", hint.get(lang));
     }
     out
 }

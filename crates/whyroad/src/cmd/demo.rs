@@ -6,6 +6,7 @@ mod drives;
 mod summary;
 
 use crate::cmd::report::{Found, MAX_CARDS, write_page};
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,6 @@ use whyroad_ingest::{Format, Options};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_mining::rule::OTHER;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;

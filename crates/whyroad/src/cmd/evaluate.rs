@@ -2,11 +2,11 @@
 
 mod scenario_mining;
 
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_report::evaluation::truth::TruthSet;
 use whyroad_report::evaluation::{Evaluation, evaluate, render};

@@ -5,6 +5,7 @@ mod text;
 
 use super::inspect::drive_of;
 use super::mine::plan::own_rule;
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::path::PathBuf;
@@ -16,7 +17,6 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::explain::{Explanation, explain};
 use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_signals::Catalogue;

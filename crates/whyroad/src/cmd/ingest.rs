@@ -1,5 +1,6 @@
 //! `whyroad ingest`: recorded drives into a lake, with a report of what was read, kept and lost.
 
+use crate::output::render_text;
 use crate::{Global, output};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use whyroad_ingest::report::reason_text;
 use whyroad_ingest::sumo::{Egos, Occlusion, Sensing};
 use whyroad_ingest::{Format, Options, RowCount, SourceReport};
 use whyroad_lake::{Lake, WriteOutcome};
-use whyroad_model::diagnostic::{render_json, render_text};
+use whyroad_model::diagnostic::render_json;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Nanos, Severity};
 
 /// Arguments of `whyroad ingest`.

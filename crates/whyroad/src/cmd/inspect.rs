@@ -2,6 +2,7 @@
 
 mod summary;
 
+use crate::output::render_text;
 use crate::{Global, output};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,7 +10,6 @@ use std::process::ExitCode;
 use summary::{DriveSummary, SignalShare};
 use whyroad_ingest::report::missing_text;
 use whyroad_lake::Lake;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang};
 
 /// Arguments of `whyroad inspect`.

@@ -3,13 +3,13 @@
 pub(super) mod plan;
 mod table;
 
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_engine::mine::{Evaluator, Options, mine_each};
 use whyroad_engine::output::FolderWriter;
 use whyroad_lake::Lake;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 

@@ -1,4 +1,4 @@
-//! One file a command: its arguments, and the calls that answer them.
+//! One file per command: its arguments, and the calls that answer them.
 
 pub(crate) mod accounts;
 pub(crate) mod backup;
@@ -12,6 +12,7 @@ pub(crate) mod mine;
 pub(crate) mod report;
 pub(crate) mod rules;
 pub(crate) mod serve;
+pub(crate) mod shell;
 pub(crate) mod signals;
 pub(crate) mod tasks;
 pub(crate) mod taxonomy;

@@ -1,5 +1,6 @@
 //! `whyroad report`: what mining found, as one self-contained page.
 
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::collections::BTreeMap;
@@ -7,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Diagnostic, Lang};
 use whyroad_report::mined;

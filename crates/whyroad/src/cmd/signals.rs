@@ -1,5 +1,6 @@
 //! `whyroad signals`: the catalogue of signals that rules can speak of.
 
+use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -7,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_engine::mine::derive_signals;
 use whyroad_lake::Lake;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::{Bilingual, Diagnostic, Lang};
 use whyroad_signals::catalogue::{Catalogue, Scope, SignalDef, SignalKind};
 
@@ -22,24 +22,24 @@ pub(crate) struct Args {
 enum SignalsCommand {
     /// List all signals: name, type, unit, what they need from a log
     List {
-        /// Print JSON
-        #[arg(long)]
-        json: bool,
+        /// How to print it
+        #[arg(long, value_enum, default_value = "text")]
+        format: DataFormat,
     },
     /// Show one signal, by name or alias
     Show {
         /// Name or alias: target.gap, ttc, target_vehicle.lateral_offset
         name: String,
-        /// Print JSON
-        #[arg(long)]
-        json: bool,
+        /// How to print it
+        #[arg(long, value_enum, default_value = "text")]
+        format: DataFormat,
     },
     /// Derive the signals of all drives of a lake and store them beside the drives, as `mine` does on the way
     Derive {
         /// The lake
         #[arg(long, value_name = "DIR")]
         lake: PathBuf,
-        /// Drives worked on at once; all cores unless said
+        /// Drives processed at once (default: all cores)
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
         jobs: Option<u16>,
     },
@@ -56,16 +56,19 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     let code = if found.is_empty() { output::FINE } else { output::FINDINGS };
     match args.command {
-        SignalsCommand::List { json: true } => {
+        SignalsCommand::List { format: DataFormat::Json } => {
             output::put(&format!("{:#}\n", Value::from_iter(catalogue.iter().map(as_json))));
         }
-        SignalsCommand::List { json: false } => output::put(&table(&catalogue, global.lang)),
-        SignalsCommand::Show { name, json } => {
+        SignalsCommand::List { format: DataFormat::Text } => output::put(&table(&catalogue, global.lang)),
+        SignalsCommand::Show { name, format } => {
             let Some((signal, _)) = catalogue.resolve(&name) else {
                 tell!("{}", render_text(&unknown(&catalogue, &name), global.lang));
                 return Ok(output::FINDINGS);
             };
-            output::put(&if json { format!("{:#}\n", as_json(signal)) } else { page(signal, global.lang) });
+            output::put(&match format {
+                DataFormat::Json => format!("{:#}\n", as_json(signal)),
+                DataFormat::Text => page(signal, global.lang),
+            });
         }
         SignalsCommand::Derive { .. } => {}
     }
@@ -92,7 +95,7 @@ fn derive(lake: &Path, jobs: Option<usize>, lang: Lang) -> ExitCode {
     }
     match lang {
         Lang::Zh => say!("{drives} 个行程，其中 {derived} 个新推导了信号"),
-        Lang::En => say!("{drives} drives, signals derived anew for {derived}"),
+        Lang::En => say!("{drives} drives, signals derived for {derived}"),
     }
     if found.is_empty() { output::FINE } else { output::lost_input() }
 }

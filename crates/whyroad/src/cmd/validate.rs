@@ -55,7 +55,7 @@ struct Foreign {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let stdout = io::stdout().lock();
+    let stdout = anstream::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
     let printer = Printer::new(&mut out, args.format, global.lang);
     let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };

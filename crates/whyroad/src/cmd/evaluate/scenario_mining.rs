@@ -2,6 +2,7 @@
 //! the episodes and the lake.
 
 use super::{Args, read};
+use crate::output::render_text;
 use crate::{Global, output};
 use anyhow::Context as _;
 use std::collections::BTreeSet;
@@ -9,7 +10,6 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 use whyroad_lake::Lake;
-use whyroad_model::diagnostic::render_text;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, DriveId, ScenarioId};
 use whyroad_report::evaluation::scenario_mining::bridge::{self, Reference};

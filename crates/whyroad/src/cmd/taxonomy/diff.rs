@@ -77,7 +77,7 @@ fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
 
 fn say(found: &[Diagnostic], lang: Lang) {
     for d in found {
-        tell!("{}", diagnostic::render_text(d, lang));
+        tell!("{}", crate::output::render_text(d, lang));
     }
 }
 

@@ -83,7 +83,7 @@ fn finish(
             let d = Diagnostic::error("taxonomy.generated.stale", message)
                 .with_hint(hint)
                 .in_file(name.to_string());
-            tell!("{}", diagnostic::render_text(&d, global.lang));
+            tell!("{}", crate::output::render_text(&d, global.lang));
             code = output::FINDINGS;
         }
     }

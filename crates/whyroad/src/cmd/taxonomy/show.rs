@@ -31,7 +31,7 @@ pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Re
             class_not_found(text, &near.iter().map(ToString::to_string).collect::<Vec<_>>())
         }
     };
-    tell!("{}", diagnostic::render_text(&problem, global.lang));
+    tell!("{}", crate::output::render_text(&problem, global.lang));
     Ok(output::FINDINGS)
 }
 

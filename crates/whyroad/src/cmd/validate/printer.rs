@@ -1,9 +1,10 @@
 //! Findings as they come: text, or one JSON or SARIF document written piece by piece, so that memory does not
 //! grow with their number.
 
+use crate::output::render_text;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
-use whyroad_model::diagnostic::{json_row, render_text, sarif_result};
+use whyroad_model::diagnostic::{json_row, sarif_result};
 use whyroad_model::{Diagnostic, Lang};
 
 /// How findings are printed.

@@ -1,0 +1,206 @@
+//! Examples at the end of every `--help`. A test parses each of them with the real command line, so an example that no
+//! longer works fails the build.
+
+use clap::Command;
+
+/// Path of a command (below `whyroad`) and its examples: what it does, and the line.
+const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
+    ("taxonomy list", &[("All safety classes in Chinese", "whyroad taxonomy list --l1 safety --lang zh")]),
+    ("taxonomy show", &[("By short id", "whyroad taxonomy show cutin.urgent")]),
+    (
+        "taxonomy lint",
+        &[
+            ("The built-in framework", "whyroad taxonomy lint"),
+            ("A framework folder of your own", "whyroad taxonomy lint --framework my-framework"),
+        ],
+    ),
+    (
+        "taxonomy diff",
+        &[("A framework folder against the built-in one", "whyroad taxonomy diff bundled my-framework")],
+    ),
+    ("taxonomy docs", &[("Fail if a generated page is out of date", "whyroad taxonomy docs --check")]),
+    ("taxonomy schemas", &[("Write the schemas to a folder", "whyroad taxonomy schemas --out schemas")]),
+    (
+        "validate",
+        &[
+            ("A folder of labels, messages in Chinese", "whyroad validate labels/ --lang zh"),
+            ("From another program, as SARIF", "whyroad validate - --format sarif"),
+        ],
+    ),
+    (
+        "ingest",
+        &[
+            ("Detect the format", "whyroad ingest logs/ --lake lake"),
+            (
+                "One format, with its options",
+                "whyroad ingest sumo fcd.xml.gz --net net.xml.gz --ego ego --lake lake",
+            ),
+        ],
+    ),
+    (
+        "inspect",
+        &[
+            ("The whole lake", "whyroad inspect --lake lake"),
+            ("One clip, every signal", "whyroad inspect --lake lake --clip drive_000"),
+        ],
+    ),
+    (
+        "media add",
+        &[(
+            "Ten images per second, from the start of the drive",
+            "whyroad media add --lake lake --drive drive --camera front --pictures images --rate 10",
+        )],
+    ),
+    ("signals list", &[("As JSON", "whyroad signals list --format json")]),
+    ("signals show", &[("By alias", "whyroad signals show ttc")]),
+    ("signals derive", &[("On two cores", "whyroad signals derive --lake lake --jobs 2")]),
+    (
+        "mine",
+        &[
+            ("All rules", "whyroad mine --lake lake --out mined"),
+            ("One class", "whyroad mine --lake lake --scenario cutin --out mined-cutin"),
+            ("A custom rule", "whyroad mine --lake lake --rule 'target.gap < 10 m for 1 s' --out close"),
+        ],
+    ),
+    (
+        "explain",
+        &[(
+            "Why a class was found in a clip, or why not",
+            "whyroad explain cutin.urgent --lake lake --clip drive_000",
+        )],
+    ),
+    (
+        "rules check",
+        &[(
+            "All faults of a rule file",
+            "whyroad rules check my-framework/scenarios/reactive_agent/cutin.yaml",
+        )],
+    ),
+    (
+        "evaluate",
+        &[(
+            "Precision and recall against ground truth",
+            "whyroad evaluate --truth truth.jsonl --episodes mined",
+        )],
+    ),
+    (
+        "serve",
+        &[
+            ("Bundled drives, nothing to prepare", "whyroad serve"),
+            ("A lake and mined episodes", "whyroad serve --lake lake --mined mined --data labels"),
+        ],
+    ),
+    (
+        "tasks create",
+        &[(
+            "At most 200 tasks",
+            "whyroad tasks create --from mined --project first --lake lake --limit 200 --data labels",
+        )],
+    ),
+    ("tasks list", &[("Tasks of a project", "whyroad tasks list --project first --data labels")]),
+    (
+        "tasks export",
+        &[("Accepted labels as JSON Lines", "whyroad tasks export --project first --data labels")],
+    ),
+    (
+        "tasks import",
+        &[(
+            "Labels become drafts",
+            "whyroad tasks import drafts.jsonl --project first --lake lake --data labels",
+        )],
+    ),
+    ("accounts list", &[("Accounts of a store", "whyroad accounts list --data labels")]),
+    (
+        "accounts password",
+        &[("A new password, printed once", "whyroad accounts password ada --data labels")],
+    ),
+    ("backup", &[("One file", "whyroad backup --data labels --out labels.backup")]),
+    ("restore", &[("Into an empty store", "whyroad restore --from labels.backup --data labels-2")]),
+    (
+        "report",
+        &[("A page to open in a browser", "whyroad report --lake lake --mined mined --out report.html")],
+    ),
+    ("demo", &[("Everything, into a folder", "whyroad demo --out demo")]),
+    ("completions", &[("For bash", "whyroad completions bash")]),
+    ("man", &[("Into the user's manual folder", "whyroad man --out ~/.local/share/man/man1")]),
+];
+
+/// `command` with the examples of each of its subcommands in their long and short help.
+pub(crate) fn with_examples(command: Command) -> Command {
+    EXAMPLES.iter().fold(command, |command, (path, examples)| {
+        let words: Vec<&str> = path.split(' ').collect();
+        add(command, &words, &text(examples))
+    })
+}
+
+fn text(examples: &[(&str, &str)]) -> String {
+    let lines: Vec<String> = examples.iter().map(|(about, line)| format!("  # {about}\n  {line}")).collect();
+    format!("Examples:\n{}", lines.join("\n"))
+}
+
+fn add(command: Command, path: &[&str], text: &str) -> Command {
+    match path {
+        [] => command.after_help(text.to_owned()),
+        [first, rest @ ..] if command.find_subcommand(first).is_some() => {
+            command.mut_subcommand(*first, |sub| add(sub, rest, text))
+        }
+        _ => command,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cli;
+    use clap::CommandFactory as _;
+
+    /// Words of a line; single quotes keep spaces.
+    fn words(line: &str) -> Vec<String> {
+        let parts = line.split('\'').enumerate();
+        parts
+            .flat_map(|(i, part)| {
+                if i % 2 == 1 {
+                    vec![part.to_owned()]
+                } else {
+                    part.split_whitespace().map(str::to_owned).collect()
+                }
+            })
+            .collect()
+    }
+
+    fn leaves(command: &Command, path: &str, out: &mut Vec<String>) {
+        for sub in command.get_subcommands().filter(|s| !s.is_hide_set() && s.get_name() != "help") {
+            let path = format!("{path} {}", sub.get_name()).trim().to_owned();
+            let own = EXAMPLES.iter().any(|(p, _)| *p == path);
+            if own || !sub.has_subcommands() {
+                out.push(path);
+            } else {
+                leaves(sub, &path, out);
+            }
+        }
+    }
+
+    #[test]
+    fn every_command_has_an_example() {
+        let mut all = Vec::new();
+        leaves(&Cli::command(), "", &mut all);
+        assert!(all.len() > 20, "{all:?}");
+        let without: Vec<&String> =
+            all.iter().filter(|path| !EXAMPLES.iter().any(|(p, _)| p == path)).collect();
+        assert!(without.is_empty(), "no example in --help of: {without:?}");
+        let of_nothing: Vec<&str> =
+            EXAMPLES.iter().map(|(p, _)| *p).filter(|p| !all.iter().any(|path| path == p)).collect();
+        assert!(of_nothing.is_empty(), "examples of commands that do not exist: {of_nothing:?}");
+    }
+
+    #[test]
+    fn every_example_is_a_valid_command_line() {
+        for (path, examples) in EXAMPLES {
+            for (_, line) in *examples {
+                let parsed = Cli::command().try_get_matches_from(words(line));
+                assert!(parsed.is_ok(), "{path}: {line}\n{}", parsed.unwrap_err());
+                assert!(line.starts_with(&format!("whyroad {path}")), "{line} is not an example of {path}");
+            }
+        }
+    }
+}
