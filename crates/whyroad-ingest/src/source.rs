@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
+/// Codes that several adapters use.
+pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled"];
+
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
 /// Equal hashes mean an equal drive, so a lake need not write it again.
 pub(crate) struct ContentHash(blake3::Hasher);

@@ -1,0 +1,141 @@
+//! The interface between the ingest and a recorded format. A new format is one implementation of [`Adapter`], registered
+//! in `formats.rs`; the command line, the search for sources and the list of diagnostic codes follow from it.
+
+use crate::options::{OptionSpec, Options};
+use crate::report::SourceReport;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use whyroad_model::{Drive, DriveId};
+
+/// A recorded format.
+pub trait Adapter: Sync {
+    /// Name on the command line and in `DriveMeta::format`.
+    fn name(&self) -> &'static str;
+
+    /// One line for the help text: what the format is.
+    fn about(&self) -> &'static str;
+
+    /// An example call for the help text, after `whyroad ingest`.
+    fn example(&self) -> &'static str;
+
+    /// Options of this format.
+    fn options(&self) -> &'static [OptionSpec] {
+        &[]
+    }
+
+    /// Codes of the diagnostics of this format; each has a page in `docs/diagnostics/`.
+    fn codes(&self) -> Vec<&'static str>;
+
+    /// Sources at or below `path`, sorted.
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>>;
+
+    /// Files that are read together with a source and lie outside of it.
+    fn companions(&self, _source: &Path) -> Vec<PathBuf> {
+        Vec::new()
+    }
+
+    /// Why a file that looks like one of this format is not a source; `None` when it does not look so.
+    fn why_skipped(&self, _file: &Path) -> Option<SkipReason> {
+        None
+    }
+
+    /// Reads one source: a drive with its report, or a report alone that says why there is no drive. Some sources have
+    /// several drives (a simulation: one per ego).
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>);
+
+    /// Maximum number of parts of one file or folder that [`Adapter::read_batch`] reads in one pass.
+    fn batch_size(&self) -> usize {
+        1
+    }
+
+    /// Reads several parts of one file or folder.
+    fn read_batch(&self, sources: &[Source], options: &Options, drives: &mut DriveSink<'_>) {
+        sources.iter().for_each(|source| self.read(source, options, drives));
+    }
+}
+
+/// Why a file is not a source, in both languages.
+pub type SkipReason = whyroad_model::Bilingual;
+
+/// Where a source is.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Located {
+    /// Folder or file.
+    pub path: PathBuf,
+    /// Which drive of a file or folder with several: the byte at which its record begins, or the index of its scene.
+    pub part: Option<u64>,
+}
+
+impl From<PathBuf> for Located {
+    fn from(path: PathBuf) -> Self {
+        Self { path, part: None }
+    }
+}
+
+/// The paths as sources without parts.
+pub(crate) fn whole(paths: Vec<PathBuf>) -> Vec<Located> {
+    paths.into_iter().map(Located::from).collect()
+}
+
+/// One log to be read.
+#[derive(Clone, Copy)]
+pub struct AdapterRef(pub &'static dyn Adapter);
+
+impl fmt::Debug for AdapterRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.name())
+    }
+}
+
+impl PartialEq for AdapterRef {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.name() == other.0.name()
+    }
+}
+
+impl Eq for AdapterRef {}
+
+/// One source: a log folder, a recording, a simulation, a scene of a set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// Adapter that reads it.
+    pub adapter: AdapterRef,
+    /// Folder or file.
+    pub path: PathBuf,
+    /// See [`Located::part`].
+    pub part: Option<u64>,
+}
+
+impl Source {
+    /// Name of the source's format.
+    pub fn format(&self) -> &'static str {
+        self.adapter.0.name()
+    }
+}
+
+/// Receives the drives of a source one at a time, each with its report.
+pub struct DriveSink<'a> {
+    holds: &'a dyn Fn(&DriveId, &str) -> bool,
+    each: &'a mut dyn FnMut(Option<Drive>, SourceReport),
+}
+
+impl<'a> DriveSink<'a> {
+    /// A sink that calls `each`; `holds` says whether the lake has a drive with this id and content hash.
+    pub fn new(
+        holds: &'a dyn Fn(&DriveId, &str) -> bool,
+        each: &'a mut dyn FnMut(Option<Drive>, SourceReport),
+    ) -> Self {
+        Self { holds, each }
+    }
+
+    /// True when the lake has this drive: it need not be made, [`DriveSink::put`] takes its report alone, with the id.
+    pub fn holds(&self, id: &DriveId, content_hash: &str) -> bool {
+        (self.holds)(id, content_hash)
+    }
+
+    /// Hands over a drive, or a report that says why there is none.
+    pub fn put(&mut self, (drive, report): (Option<Drive>, SourceReport)) {
+        (self.each)(drive, report);
+    }
+}

@@ -1,0 +1,12 @@
+//! What several adapters need to turn rows into scene tables: frames, kinematics, maps, plausibility.
+
+pub(crate) mod feature_map;
+pub(crate) mod frames;
+pub(crate) mod geodesy;
+pub(crate) mod geometry;
+pub(crate) mod junctions;
+pub mod kinematics;
+pub(crate) mod lane_lights;
+pub mod plausibility;
+pub(crate) mod resample;
+pub(crate) mod se3;

@@ -1,0 +1,231 @@
+//! ROS 2 messages (CDR, little and big endian, as rosbag2 writes them) as JSON values, by the message definition that an
+//! MCAP file carries (`ros2msg`: `.msg` text, the definitions of its parts behind lines of `=`).
+
+use serde_json::{Map, Number, Value};
+use std::collections::BTreeMap;
+
+/// Nothing in ROS nests deeper.
+const MAX_DEPTH: usize = 20;
+
+#[derive(Clone, Debug)]
+struct Field {
+    name: String,
+    kind: String,
+    many: Many,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Many {
+    One,
+    Fixed(usize),
+    Sequence,
+}
+
+/// A message type with all its parts.
+pub(crate) struct MessageType {
+    root: Vec<Field>,
+    parts: BTreeMap<String, Vec<Field>>,
+}
+
+/// `package/msg/Type` and `package/Type` are one name.
+fn plain(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+fn is_builtin(kind: &str) -> bool {
+    matches!(
+        kind,
+        "bool"
+            | "byte"
+            | "char"
+            | "int8"
+            | "uint8"
+            | "int16"
+            | "uint16"
+            | "int32"
+            | "uint32"
+            | "int64"
+            | "uint64"
+            | "float32"
+            | "float64"
+            | "string"
+            | "wstring"
+    )
+}
+
+fn fields(text: &str, package: &str) -> Vec<Field> {
+    let mut out = Vec::new();
+    for line in text.lines() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        let mut words = line.split_whitespace();
+        let (Some(kind), Some(name)) = (words.next(), words.next()) else { continue };
+        // `int32 NAME=1` and `int32 NAME = 1` are constants.
+        if name.contains('=') || words.next().is_some_and(|w| w.starts_with('=')) {
+            continue;
+        }
+        let (kind, many) = match kind.split_once('[') {
+            None => (kind, Many::One),
+            Some((kind, size)) => {
+                let size = size.trim_end_matches(']');
+                (kind, size.parse().map_or(Many::Sequence, Many::Fixed))
+            }
+        };
+        // `string<=10` is a bounded string, written like any other.
+        let kind = kind.split("<=").next().unwrap_or(kind);
+        let kind = match kind {
+            _ if is_builtin(kind) => kind.to_owned(),
+            "Header" => "std_msgs/Header".to_owned(),
+            _ if kind.contains('/') => plain(kind),
+            _ => format!("{package}/{kind}"),
+        };
+        out.push(Field { name: name.to_owned(), kind, many });
+    }
+    out
+}
+
+impl MessageType {
+    /// From the definition's text; `name` as in `nav_msgs/msg/Odometry`.
+    pub fn parse(name: &str, text: &str) -> Self {
+        let mut sections = vec![(plain(name), String::new())];
+        for line in text.lines() {
+            if line.len() > 10 && line.chars().all(|c| c == '=') {
+                sections.push((String::new(), String::new()));
+                continue;
+            }
+            let Some((title, body)) = sections.last_mut() else { continue };
+            match line.strip_prefix("MSG:") {
+                Some(part) => *title = plain(part.trim()),
+                None => *body += &format!("{line}\n"),
+            }
+        }
+        let package = |name: &str| name.split('/').next().unwrap_or_default().to_owned();
+        let mut all = sections.into_iter().map(|(name, body)| {
+            let f = fields(&body, &package(&name));
+            (name, f)
+        });
+        let root = all.next().map(|(_, f)| f).unwrap_or_default();
+        let mut parts: BTreeMap<String, Vec<Field>> = all.collect();
+        let stamp = || fields("int32 sec\nuint32 nanosec", "");
+        for builtin in ["builtin_interfaces/Time", "builtin_interfaces/Duration"] {
+            parts.entry(builtin.to_owned()).or_insert_with(stamp);
+        }
+        Self { root, parts }
+    }
+
+    /// A message; `None` when its bytes do not fit the definition.
+    pub fn decode(&self, message: &[u8]) -> Option<Value> {
+        let (&[_, order, _, _], body) = message.split_first_chunk::<4>()?;
+        let mut r = Bytes { body, at: 0, little: order & 1 == 1 };
+        self.structure(&self.root, &mut r, 0)
+    }
+
+    fn structure(&self, fields: &[Field], r: &mut Bytes<'_>, depth: usize) -> Option<Value> {
+        if depth > MAX_DEPTH {
+            return None;
+        }
+        let mut out = Map::new();
+        for f in fields {
+            let n = match f.many {
+                Many::One => {
+                    out.insert(f.name.clone(), self.one(&f.kind, r, depth)?);
+                    continue;
+                }
+                Many::Fixed(n) => n,
+                Many::Sequence => r.int::<4>()? as usize,
+            };
+            // An element has at least one byte, so a longer list than there are bytes is a lie.
+            if n > r.body.len() - r.at.min(r.body.len()) {
+                return None;
+            }
+            let items = (0..n).map(|_| self.one(&f.kind, r, depth)).collect::<Option<_>>()?;
+            out.insert(f.name.clone(), Value::Array(items));
+        }
+        Some(Value::Object(out))
+    }
+
+    fn one(&self, kind: &str, r: &mut Bytes<'_>, depth: usize) -> Option<Value> {
+        Some(match kind {
+            "bool" => Value::Bool(r.int::<1>()? != 0),
+            "byte" | "char" | "uint8" => r.int::<1>()?.into(),
+            "int8" => (r.int::<1>()? as i8).into(),
+            "int16" => (r.int::<2>()? as i16).into(),
+            "uint16" => r.int::<2>()?.into(),
+            "int32" => (r.int::<4>()? as i32).into(),
+            "uint32" => r.int::<4>()?.into(),
+            "int64" => (r.int::<8>()? as i64).into(),
+            "uint64" => r.int::<8>()?.into(),
+            "float32" => number(f64::from(f32::from_bits(r.int::<4>()? as u32))),
+            "float64" => number(f64::from_bits(r.int::<8>()?)),
+            "string" => {
+                let n = r.int::<4>()? as usize;
+                let text = r.take(n)?;
+                Value::String(String::from_utf8_lossy(text.strip_suffix(b"\0").unwrap_or(text)).into_owned())
+            }
+            "wstring" => return None,
+            other => self.structure(self.parts.get(other)?, r, depth + 1)?,
+        })
+    }
+}
+
+/// JSON has no NaN: unknown.
+fn number(v: f64) -> Value {
+    Number::from_f64(v).map_or(Value::Null, Value::Number)
+}
+
+struct Bytes<'a> {
+    body: &'a [u8],
+    at: usize,
+    little: bool,
+}
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, n: usize) -> Option<&'a [u8]> {
+        let out = self.body.get(self.at..self.at.checked_add(n)?)?;
+        self.at += n;
+        Some(out)
+    }
+
+    /// Values lie at multiples of their size, counted from behind the four bytes of the header.
+    fn int<const N: usize>(&mut self) -> Option<u64> {
+        self.at = self.at.next_multiple_of(N);
+        let raw = self.take(N)?;
+        let mut wide = [0; 8];
+        for (k, slot) in wide.iter_mut().take(N).enumerate() {
+            *slot = raw[if self.little { k } else { N - 1 - k }];
+        }
+        Some(u64::from_le_bytes(wide))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_aligned_and_either_end_first() {
+        // CDR by hand: uint8 7, three bytes of filling, uint32 1, string "ab" (length 3 with its zero), filling, double 1.5.
+        let t =
+            MessageType::parse("a/msg/B", "uint8 x\nint32 C=5 # a constant\nuint32 y\nstring s\nfloat64 z");
+        let little = b"\0\x01\0\0\x07\0\0\0\x01\0\0\0\x03\0\0\0ab\0\0\0\0\0\0\0\0\xf8\x3f";
+        let big = b"\0\0\0\0\x07\0\0\0\0\0\0\x01\0\0\0\x03ab\0\0\x3f\xf8\0\0\0\0\0\0";
+        let want = serde_json::json!({"x": 7, "y": 1, "s": "ab", "z": 1.5});
+        assert_eq!((t.decode(little), t.decode(big)), (Some(want.clone()), Some(want)));
+        assert_eq!(t.decode(&little[..20]), None);
+    }
+
+    #[test]
+    fn a_list_longer_than_the_message_is_refused_and_a_type_in_itself_ends() {
+        let t = MessageType::parse("a/B", "B[] b\nuint8[] c");
+        assert_eq!(t.decode(b"\0\x01\0\0\xff\xff\xff\x7f"), None);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_bytes_and_no_definition_make_it_panic(
+            bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200),
+            text in "(uint8|float64|string|B|C)(\\[\\]|\\[3\\])? [a-c]\n(B|string\\[\\]) d\n={12}\nMSG: a/B\n(a/C|int16) e\n",
+        ) {
+            let _ = MessageType::parse("a/msg/A", &text).decode(&bytes);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! XML files of SUMO, plain or compressed, read as a stream of tags. What stands before a break in the file is kept.
+
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::reader::Reader;
+use std::borrow::Cow;
+use std::io::BufReader;
+use std::path::Path;
+
+/// A tag as it opens (also one without content) or closes.
+pub(crate) enum Tag<'a> {
+    Open(Element<'a>),
+    Close(&'a str),
+}
+
+/// An opening tag.
+pub(crate) struct Element<'a>(&'a BytesStart<'a>);
+
+impl<'a> Element<'a> {
+    pub fn name(&self) -> &'a str {
+        self.0.name().into_inner()
+    }
+
+    /// The attribute's text; a broken attribute counts as absent.
+    pub fn get(&self, name: &str) -> Option<Cow<'_, str>> {
+        self.0.try_get_attribute(name).ok()??.normalized_value(XmlVersion::Implicit1_0).ok()
+    }
+
+    pub fn text(&self, name: &str) -> Option<String> {
+        self.get(name).map(Cow::into_owned)
+    }
+
+    /// The attribute as a finite number.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.get(name)?.trim().parse().ok().filter(|v: &f64| v.is_finite())
+    }
+}
+
+/// Hands every tag to `visit`. `Err` says where and why reading stopped; tags before that have been handed over.
+pub(crate) fn for_each_tag(path: &Path, mut visit: impl FnMut(Tag)) -> Result<(), String> {
+    let input = super::compressed::open(path).map_err(|e| e.to_string())?;
+    let mut reader = Reader::from_reader(BufReader::with_capacity(1 << 16, input));
+    let mut buffer = Vec::new();
+    let mut depth = 0usize;
+    let mut seen = 0usize;
+    loop {
+        buffer.clear();
+        match reader.read_event_into(&mut buffer) {
+            Ok(Event::Start(e)) => {
+                depth += 1;
+                seen += 1;
+                visit(Tag::Open(Element(&e)));
+            }
+            Ok(Event::Empty(e)) => {
+                seen += 1;
+                visit(Tag::Open(Element(&e)));
+                visit(Tag::Close(e.name().into_inner()));
+            }
+            Ok(Event::End(e)) => {
+                depth = depth.saturating_sub(1);
+                visit(Tag::Close(e.name().into_inner()));
+            }
+            Ok(Event::Eof) if depth > 0 => return Err("the file ends inside an element".to_owned()),
+            Ok(Event::Eof) if seen == 0 => return Err("there is no XML element in it".to_owned()),
+            Ok(Event::Eof) => return Ok(()),
+            Ok(_) => {}
+            Err(e) => return Err(format!("at byte {}: {e}", reader.buffer_position())),
+        }
+    }
+}

@@ -1,0 +1,404 @@
+//! AV2 sensor logs (Argoverse 2, Wilson et al. 2021): cuboid tracks at 10 Hz in the ego frame, ego poses at about
+//! 170 Hz in a city frame, a vector map. Tracks are brought to the city frame and differentiated there.
+//!
+//! Times are AV2's nanoseconds as they stand (a GPS-like clock whose epoch reads as 1980). Frames are the times
+//! that have an annotation. Not read: lidar sweeps, and camera pictures beyond their names and times.
+
+mod annotations;
+mod classes;
+pub(crate) mod ego_box;
+pub(crate) mod findings;
+mod map;
+pub(crate) mod map_file;
+mod pose;
+
+use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::assemble::kinematics;
+use crate::assemble::plausibility::forget_impossible;
+use crate::assemble::se3::{self, Se3};
+use crate::encodings::feather;
+use crate::options::Options;
+use crate::report::SourceReport;
+use crate::source::{ContentHash, file_label, impossible_speeds};
+use annotations::{Annotations, Cuboid};
+use ego_box::EgoBox;
+use map_file::{map_file, read_map};
+use pose::PoseTrack;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, MediaFrame, Motion, Track};
+use whyroad_model::{Drive, DriveId, Nanos, TrackId};
+
+/// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
+const REVISION: u32 = 1;
+const ANNOTATIONS: [&str; 2] = ["annotations_with_ego.feather", "annotations.feather"];
+const POSE: &str = "city_SE3_egovehicle.feather";
+
+/// Argoverse 2 sensor logs.
+pub struct Av2;
+
+impl Adapter for Av2 {
+    fn name(&self) -> &'static str {
+        "av2"
+    }
+
+    fn about(&self) -> &'static str {
+        "Argoverse 2 sensor logs: a folder with annotations.feather, poses and a map"
+    }
+
+    fn example(&self) -> &'static str {
+        "av2 path/to/sensor_logs --lake lake"
+    }
+
+    fn codes(&self) -> Vec<&'static str> {
+        findings::CODES.to_vec()
+    }
+
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+        if path.is_dir() { find_logs(path).map(whole) } else { Ok(Vec::new()) }
+    }
+
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
+        drives.put(read(&source.path, options.drive_id.as_ref()));
+    }
+}
+
+/// Log folders at or below `path`, sorted. A folder is a log when it has annotations, poses or a map of its own.
+pub fn find_logs(path: &Path) -> io::Result<Vec<PathBuf>> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
+        if is_log(dir) {
+            out.push(dir.to_owned());
+            return Ok(());
+        }
+        if depth == 0 {
+            return Ok(());
+        }
+        for entry in fs::read_dir(dir)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                // A folder that is a log's in name only: an interrupted download. It is reported, not passed over.
+                if is_uuid(&path) && fs::read_dir(&path)?.next().is_none() {
+                    out.push(path);
+                } else {
+                    search(&path, depth - 1, out)?;
+                }
+            }
+        }
+        Ok(())
+    }
+    let mut out = Vec::new();
+    search(path, 3, &mut out)?;
+    out.sort();
+    Ok(out)
+}
+
+fn is_log(dir: &Path) -> bool {
+    ANNOTATIONS.iter().chain([&POSE]).any(|f| dir.join(f).is_file()) || map_file(&dir.join("map")).is_some()
+}
+
+fn is_uuid(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.len() == 36 && name.bytes().all(|b| b.is_ascii_hexdigit() || b == b'-')
+}
+
+/// Reads one log folder. `None` when there is nothing that could be kept; the report says why.
+pub fn read(dir: &Path, drive_id: Option<&DriveId>) -> (Option<Drive>, SourceReport) {
+    let mut report = SourceReport::new(dir.display().to_string());
+    let drive = read_log(dir, drive_id, &mut report);
+    (drive, report)
+}
+
+fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -> Option<Drive> {
+    let mut hash = ContentHash::new("av2", REVISION);
+    let Some(file) = ANNOTATIONS.iter().map(|f| dir.join(f)).find(|p| p.is_file()) else {
+        report.diagnostics.push(findings::log_missing(&dir.display().to_string()));
+        return None;
+    };
+    let label = file.display().to_string();
+    let table = read_feather(&file, &mut hash, report)?;
+    let mut rows = match annotations::read(&table.columns) {
+        Ok(rows) => rows,
+        Err(reason) => {
+            report.diagnostics.push(findings::unreadable(&label, &reason));
+            return None;
+        }
+    };
+    if rows.objects.is_empty() && rows.ego.is_empty() {
+        report.diagnostics.extend(findings::of_rows(&label, &rows, &BTreeMap::new()));
+        // A file of which nothing could be read has said so already.
+        if table.truncated.is_none() {
+            report.diagnostics.push(findings::log_empty(&label));
+        }
+        report.tables.push(rows.count);
+        return None;
+    }
+
+    let mut missing: Vec<String> = Vec::new();
+    let poses = read_poses(dir, &mut hash, report);
+    let (road, map_ref) = read_map(&dir.join("map"), &mut hash, report);
+    let times: BTreeSet<i64> = rows.objects.iter().chain(&rows.ego).map(|c| c.time).collect();
+    let posed: BTreeMap<i64, Se3> =
+        poses.iter().flat_map(|p| times.iter().filter_map(|&t| Some((t, p.at(t)?)))).collect();
+    // A pose file that covers no frame is as good as none.
+    let with_pose = !posed.is_empty();
+    let times: Vec<i64> =
+        if with_pose { posed.keys().copied().collect() } else { times.into_iter().collect() };
+    if !with_pose {
+        missing.push("ego pose".into());
+    }
+    if road.is_none() {
+        missing.push("map".into());
+    }
+    if !rows.has_points {
+        missing.push("lidar points in boxes".into());
+    }
+    missing.extend(["traffic lights", "vehicle bus", "weather and surface"].map(String::from));
+    let media = camera_frames(dir);
+    if media.is_empty() {
+        missing.push("camera pictures".into());
+    }
+
+    drop_uncovered(&mut rows, &posed, with_pose, dir, report);
+    let (ego_box, at_axle) = match rows.ego.first() {
+        Some(row) => ego_box::from_row(row.size, row.t),
+        None => (ego_box::FORD_FUSION, false),
+    };
+    if at_axle {
+        report.diagnostics.push(findings::box_at_axle(&label));
+    }
+    let seconds: Vec<f64> = times.iter().map(|t| (t - times[0]) as f64 / 1e9).collect();
+    let ego = with_pose.then(|| ego(&times, &seconds, &posed, ego_box));
+    let mut unknown_categories = BTreeMap::new();
+    let tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
+    rows.count.keep("track", rows.objects.len());
+    report.diagnostics.extend(findings::of_rows(&label, &rows, &unknown_categories));
+    report.tables.insert(0, rows.count);
+
+    let video: BTreeSet<String> = media.iter().map(|m| m.camera.clone()).collect();
+    let meta = DriveMeta {
+        drive_id: drive_id.cloned().unwrap_or_else(|| crate::source::drive_id(&file_label(dir))),
+        format: "av2".into(),
+        source: "av2".into(),
+        place: map_ref.as_deref().and_then(city).map(str::to_owned),
+        map_ref,
+        licence: Some("CC-BY-NC-SA-4.0".into()),
+        frame_of_reference: if with_pose { FrameOfReference::World } else { FrameOfReference::Ego },
+        content_hash: hash.finish(),
+        video: video.into_iter().collect(),
+        // The boxes' point counts come from the lidar, whether or not its sweeps are here.
+        sensors: if rows.has_points { vec!["lidar".into()] } else { Vec::new() },
+        can: false,
+        missing,
+        ..DriveMeta::default()
+    };
+    Some(Drive {
+        meta,
+        times: times.into_iter().map(Nanos).collect(),
+        ego,
+        tracks,
+        map: road,
+        lights: None,
+        context: None,
+        media: (!media.is_empty()).then_some(media),
+    })
+}
+
+fn read_feather(file: &Path, hash: &mut ContentHash, report: &mut SourceReport) -> Option<feather::Feather> {
+    let label = file.display().to_string();
+    let read = fs::read(file).map_err(|e| e.to_string()).and_then(|bytes| {
+        hash.add(&file_label(file), &bytes);
+        feather::read(&bytes)
+    });
+    match read {
+        Ok(f) => {
+            if let Some(reason) = &f.truncated {
+                report.diagnostics.push(findings::truncated(&label, f.columns.rows(), reason));
+            }
+            Some(f)
+        }
+        Err(reason) => {
+            report.diagnostics.push(findings::unreadable(&label, &reason));
+            None
+        }
+    }
+}
+
+fn read_poses(dir: &Path, hash: &mut ContentHash, report: &mut SourceReport) -> Option<PoseTrack> {
+    let file = dir.join(POSE);
+    if !file.is_file() {
+        report.diagnostics.push(findings::pose_missing(&dir.display().to_string()));
+        return None;
+    }
+    let label = file.display().to_string();
+    let table = read_feather(&file, hash, report)?;
+    // Nothing readable before the cut: the message about the cut is enough.
+    if table.truncated.is_some() && table.columns.rows() == 0 {
+        return None;
+    }
+    match pose::read(&table.columns) {
+        Ok((poses, count, backward)) => {
+            if count.dropped_total() > 0 {
+                report.diagnostics.push(findings::pose_invalid(&label, count.dropped_total()));
+            }
+            if backward {
+                report.diagnostics.push(findings::pose_backward(&label));
+            }
+            report.tables.push(count);
+            Some(poses)
+        }
+        Err(reason) => {
+            report.diagnostics.push(findings::unreadable(&label, &reason));
+            None
+        }
+    }
+}
+
+/// City in a map reference such as `PIT_city_47896` (the six cities of AV2, by AV2's codes).
+fn city(map_ref: &str) -> Option<&'static str> {
+    match map_ref.split('_').next()? {
+        "ATX" => Some("Austin"),
+        "DTW" => Some("Detroit"),
+        "MIA" => Some("Miami"),
+        "PAO" => Some("Palo Alto"),
+        "PIT" => Some("Pittsburgh"),
+        "WDC" => Some("Washington, DC"),
+        _ => None,
+    }
+}
+
+/// Rows of frames without an ego pose cannot be placed in the city: they go, counted.
+fn drop_uncovered(
+    rows: &mut Annotations,
+    posed: &BTreeMap<i64, Se3>,
+    with_pose: bool,
+    dir: &Path,
+    report: &mut SourceReport,
+) {
+    if !with_pose {
+        return;
+    }
+    let mut frames = BTreeSet::new();
+    let mut keep = |c: &Cuboid| {
+        let covered = posed.contains_key(&c.time);
+        if !covered {
+            frames.insert(c.time);
+        }
+        covered
+    };
+    let before = (rows.objects.len(), rows.ego.len());
+    rows.objects.retain(&mut keep);
+    rows.ego.retain(&mut keep);
+    let ego_lost = before.1 - rows.ego.len();
+    let lost = before.0 - rows.objects.len() + ego_lost;
+    if lost > 0 {
+        rows.count.drop_rows("no_pose", lost);
+        rows.count.kept.insert("ego", rows.ego.len());
+        report.diagnostics.push(findings::pose_uncovered(
+            &dir.join(POSE).display().to_string(),
+            frames.len(),
+            lost,
+        ));
+    }
+}
+
+fn ego(times: &[i64], seconds: &[f64], posed: &BTreeMap<i64, Se3>, shape: EgoBox) -> Ego {
+    let mut motion = Motion::unknown(times.len());
+    for (i, t) in times.iter().enumerate() {
+        let pose = posed[t];
+        let centre = pose.apply(shape.centre);
+        (motion.x[i], motion.y[i], motion.z[i]) = (centre[0], centre[1], centre[2]);
+        motion.heading[i] = se3::heading(pose.q);
+    }
+    let d = kinematics::derive(seconds, &motion.x, &motion.y, &motion.heading, |_| false);
+    (motion.vx, motion.vy, motion.accel, motion.yaw_rate) = (d.vx, d.vy, d.accel, d.yaw_rate);
+    Ego {
+        length_m: shape.length_m,
+        width_m: shape.width_m,
+        height_m: shape.height_m,
+        reference_to_centre_m: shape.centre[0],
+        motion,
+        bus: EgoBus::default(),
+    }
+}
+
+fn tracks(
+    rows: &Annotations,
+    times: &[i64],
+    posed: &BTreeMap<i64, Se3>,
+    unknown_categories: &mut BTreeMap<String, usize>,
+    label: &str,
+    report: &mut SourceReport,
+) -> Vec<Track> {
+    let mut by_track: BTreeMap<&str, Vec<&Cuboid>> = BTreeMap::new();
+    for c in &rows.objects {
+        by_track.entry(&c.track).or_default().push(c);
+    }
+    let mut impossible = BTreeMap::new();
+    let tracks = by_track
+        .into_iter()
+        .map(|(id, mut cuboids)| {
+            cuboids.sort_by_key(|c| c.time);
+            let category = &cuboids[0].category;
+            let class = classes::class_of(category).unwrap_or_else(|| {
+                *unknown_categories.entry(category.clone()).or_default() += cuboids.len();
+                Default::default()
+            });
+            let mut motion = Motion::unknown(cuboids.len());
+            for (i, c) in cuboids.iter().enumerate() {
+                let (p, q) = match posed.get(&c.time) {
+                    Some(pose) => (pose.apply(c.t), se3::compose(pose.q, c.q)),
+                    None => (c.t, c.q),
+                };
+                (motion.x[i], motion.y[i], motion.z[i]) = (p[0], p[1], p[2]);
+                motion.heading[i] = se3::heading(q);
+            }
+            // In the ego's frame the derivatives would be relative to a moving car: they stay unknown.
+            if !posed.is_empty() {
+                let seconds: Vec<f64> = cuboids.iter().map(|c| (c.time - times[0]) as f64 / 1e9).collect();
+                let d = kinematics::derive(&seconds, &motion.x, &motion.y, &motion.heading, |_| false);
+                (motion.vx, motion.vy, motion.accel, motion.yaw_rate) = (d.vx, d.vy, d.accel, d.yaw_rate);
+                let rows = forget_impossible(class, &mut motion);
+                if rows > 0 {
+                    impossible.insert(id.to_owned(), rows);
+                }
+            }
+            let frame_of = |t: i64| times.partition_point(|&x| x < t) as u32;
+            Track {
+                id: TrackId::from(id),
+                class,
+                source_class: category.clone(),
+                frames: cuboids.iter().map(|c| frame_of(c.time)).collect(),
+                motion,
+                length_m: cuboids.iter().map(|c| c.size[0]).collect(),
+                width_m: cuboids.iter().map(|c| c.size[1]).collect(),
+                height_m: cuboids.iter().map(|c| c.size[2]).collect(),
+                interior_points: cuboids.iter().map(|c| c.points).collect(),
+                turn_signal: Vec::new(),
+                visible_share: Vec::new(),
+                occluder: Vec::new(),
+            }
+        })
+        .collect();
+    report.diagnostics.extend(impossible_speeds(label, &impossible));
+    tracks
+}
+
+/// Names and times of camera pictures, where the log has them: `sensors/cameras/<camera>/<timestamp_ns>.jpg`.
+fn camera_frames(dir: &Path) -> Vec<MediaFrame> {
+    let list = |p: &Path| -> Vec<String> {
+        let Ok(entries) = fs::read_dir(p) else { return Vec::new() };
+        entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect()
+    };
+    let root = dir.join("sensors").join("cameras");
+    let mut frames: Vec<MediaFrame> = Vec::new();
+    for camera in list(&root) {
+        for name in list(&root.join(&camera)) {
+            let Some(time) = name.strip_suffix(".jpg").and_then(|t| t.parse().ok()) else { continue };
+            let uri = format!("sensors/cameras/{camera}/{name}");
+            frames.push(MediaFrame { camera: camera.clone(), time: Nanos(time), uri, index: 0 });
+        }
+    }
+    frames.sort_by(|a, b| (&a.camera, a.time).cmp(&(&b.camera, b.time)));
+    frames
+}

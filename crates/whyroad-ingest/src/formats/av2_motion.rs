@@ -1,0 +1,304 @@
+//! AV2 motion forecasting scenarios (Argoverse 2, Wilson et al. 2021): 11 s of tracks at 10 Hz in the city frame, with
+//! velocities and headings as the tracker had them, and a map that has centre lines.
+//!
+//! Nothing has a size and there is no height. The track `AV` is the ego; it is taken for the middle of the car that AV2's
+//! sensor logs were recorded with, as every other row is the middle of its object (if it were the rear axle, the ego's box
+//! would be 1.34 m further forward: nothing published says, and this car does not turn enough here to tell).
+
+mod findings;
+
+use super::av2::ego_box::FORD_FUSION;
+use super::av2::map_file::read_map;
+use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::assemble::frames::{Sample, Sampled};
+use crate::assemble::geometry::{centre_line, distance};
+use crate::assemble::kinematics::MAX_GAP_S;
+use crate::encodings::columns::{Columns, read_parquet};
+use crate::options::{OptionSpec, Options, START};
+use crate::report::{RowCount, SourceReport};
+use crate::source::{ContentHash, drive_id, file_label, find_folders, impossible_speeds};
+pub(crate) use findings::CODES;
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FRAME_RATE_HZ, FrameOfReference, Track};
+use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap};
+
+/// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
+const REVISION: u32 = 1;
+/// `track_id` of the recording vehicle.
+const EGO: &str = "AV";
+
+/// Argoverse 2 motion forecasting scenarios.
+pub struct Av2Motion;
+
+impl Adapter for Av2Motion {
+    fn name(&self) -> &'static str {
+        "av2-motion"
+    }
+
+    fn about(&self) -> &'static str {
+        "Argoverse 2 motion forecasting: a folder with scenario_*.parquet and a map"
+    }
+
+    fn example(&self) -> &'static str {
+        "av2-motion path/to/scenarios --lake lake"
+    }
+
+    fn options(&self) -> &'static [OptionSpec] {
+        const { &[START] }
+    }
+
+    fn codes(&self) -> Vec<&'static str> {
+        CODES.to_vec()
+    }
+
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+        find_scenarios(path).map(whole)
+    }
+
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
+        drives.put(read(&source.path, options));
+    }
+}
+
+/// Scenario folders (one with `scenario_*.parquet` in it) at or below `path`, sorted.
+pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
+    find_folders(path, |dir| scenario_file(dir).is_some())
+}
+
+fn scenario_file(dir: &Path) -> Option<PathBuf> {
+    let is_scenario = |p: &PathBuf| {
+        let name = p.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with("scenario_") && name.ends_with(".parquet")
+    };
+    fs::read_dir(dir).ok()?.flatten().map(|e| e.path()).filter(is_scenario).min()
+}
+
+/// Reads one scenario folder. `None` when there is nothing that could be kept; the report says why.
+pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    let mut report = SourceReport::new(dir.display().to_string());
+    let drive = read_scenario(dir, options, &mut report);
+    (drive, report)
+}
+
+fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let mut hash = ContentHash::new("av2-motion", REVISION);
+    let Some(file) = scenario_file(dir) else {
+        report
+            .diagnostics
+            .push(findings::unreadable(&dir.display().to_string(), "there is no scenario_*.parquet"));
+        return None;
+    };
+    let label = file.display().to_string();
+    let read = fs::read(&file).map_err(|e| e.to_string()).and_then(|bytes| {
+        hash.add(&file_label(&file), &bytes);
+        Scenario::read(&read_parquet(&file)?)
+    });
+    let scenario = match read {
+        Ok(s) => s,
+        Err(reason) => {
+            report.diagnostics.push(findings::unreadable(&label, &reason));
+            return None;
+        }
+    };
+    report.diagnostics.extend(findings::of_rows(&label, &scenario));
+    let frames: Vec<f64> = (0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect();
+    if scenario.tracks.is_empty() {
+        report.tables.push(scenario.count);
+        return None;
+    }
+    let (mut road, map_file) = read_map(dir, &mut hash, report);
+    if let Some(map) = &mut road {
+        lift_centre_lines(map);
+    }
+
+    let mut missing = vec!["object sizes".to_owned()];
+    if road.is_none() {
+        missing.push("map".into());
+    }
+    let ego = scenario.tracks.get(EGO).map(|(_, samples)| ego(samples, &frames));
+    if ego.is_none() {
+        missing.push("ego pose".into());
+        report.diagnostics.push(findings::no_ego(&label));
+    }
+    missing.extend(
+        ["lidar points in boxes", "traffic lights", "vehicle bus", "weather and surface", "camera pictures"]
+            .map(String::from),
+    );
+    let tracks = tracks(&scenario, &frames, &label, report);
+    report.tables.insert(0, scenario.count);
+
+    let start = scenario.start.unwrap_or_else(|| {
+        hash.add("start", &options.start().0.to_le_bytes());
+        options.start()
+    });
+    Some(Drive {
+        meta: DriveMeta {
+            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(&file_label(dir))),
+            format: "av2-motion".into(),
+            source: "av2".into(),
+            place: scenario.city.as_deref().map(city),
+            map_ref: map_file.map(|file| scenario.map_ref.unwrap_or(file)),
+            licence: Some("CC-BY-NC-SA-4.0".into()),
+            frame_of_reference: FrameOfReference::World,
+            content_hash: hash.finish(),
+            video: Vec::new(),
+            sensors: Vec::new(),
+            can: false,
+            missing,
+            ..DriveMeta::default()
+        },
+        times: frames.iter().map(|&t| start.plus_secs(t)).collect(),
+        ego,
+        tracks,
+        map: road,
+        lights: None,
+        context: None,
+        media: None,
+    })
+}
+
+/// What the parquet file has.
+struct Scenario {
+    /// Object type and samples by track id.
+    tracks: BTreeMap<String, (String, Sampled)>,
+    /// Number of frames.
+    steps: usize,
+    start: Option<Nanos>,
+    city: Option<String>,
+    map_ref: Option<String>,
+    count: RowCount,
+    /// First row that could not be used, in words.
+    invalid_example: Option<String>,
+    /// Rows by object type that AV2 does not define.
+    unknown_types: BTreeMap<String, usize>,
+}
+
+impl Scenario {
+    fn read(table: &Columns) -> Result<Self, String> {
+        let (ids, types) = (table.texts("track_id")?, table.texts("object_type")?);
+        let steps = table.integers("timestep")?;
+        let [x, y, heading, vx, vy] = ["position_x", "position_y", "heading", "velocity_x", "velocity_y"]
+            .map(|name| table.numbers(name));
+        let (x, y, heading, vx, vy) = (x?, y?, heading?, vx?, vy?);
+        let length = table.integers("num_timestamps").ok().and_then(|v| v.into_iter().flatten().next());
+        let first_text = |name: &str| table.texts(name).ok().and_then(|v| v.into_iter().flatten().next());
+        // Written as floating-point nanoseconds: at this size they are multiples of 64 ns.
+        let start = table.numbers("start_timestamp").ok().and_then(|v| v.into_iter().find(|t| t.is_finite()));
+        let city = first_text("city");
+        let map_id = table.integers("map_id").ok().and_then(|v| v.into_iter().flatten().next());
+        let mut out = Self {
+            tracks: BTreeMap::new(),
+            steps: 0,
+            start: start.map(|t| Nanos(t as i64)),
+            map_ref: map_id.map(|id| format!("{}_{id}", city.as_deref().unwrap_or("av2"))),
+            city,
+            count: RowCount { read: ids.len(), ..RowCount::new("scenario") },
+            invalid_example: None,
+            unknown_types: BTreeMap::new(),
+        };
+        let mut order: Vec<usize> = (0..ids.len()).collect();
+        order.sort_by_key(|&i| steps[i]);
+        let mut seen = HashSet::new();
+        for i in order {
+            let within = |step: i64| step >= 0 && length.is_none_or(|n| step < n);
+            let finite = [x[i], y[i], heading[i]].iter().all(|v| v.is_finite());
+            let (Some(id), Some(step), true) = (ids[i].as_ref(), steps[i].filter(|&s| within(s)), finite)
+            else {
+                out.count.drop_rows("invalid", 1);
+                out.invalid_example.get_or_insert_with(|| format!("row {}", i + 1));
+                continue;
+            };
+            if !seen.insert((id, step)) {
+                out.count.drop_rows("duplicate", 1);
+                continue;
+            }
+            out.count.keep(if id == EGO { "ego" } else { "track" }, 1);
+            out.steps = out.steps.max(step as usize + 1);
+            let kind = types[i].clone().unwrap_or_default();
+            let (_, samples) = out.tracks.entry(id.clone()).or_insert_with(|| (kind, Sampled::default()));
+            samples.push(Sample {
+                time: step as f64 / FRAME_RATE_HZ,
+                position: [x[i], y[i], f64::NAN],
+                heading: heading[i],
+                velocity: [vx[i], vy[i]],
+                size: [f64::NAN; 3],
+                points: f64::NAN,
+            });
+        }
+        for (kind, samples) in out.tracks.values() {
+            if class_of(kind).is_none() {
+                *out.unknown_types.entry(kind.clone()).or_default() += samples.times.len();
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// These maps write their centre lines at height 0 though the edges have heights: they get the height half way between the edges.
+fn lift_centre_lines(map: &mut RoadMap) {
+    for lane in map.lanes.iter_mut().filter(|l| l.centre.iter().all(|p| p.z == 0.0)) {
+        let between = centre_line(&lane.left, &lane.right);
+        for p in &mut lane.centre {
+            let nearest = between.iter().min_by(|a, b| distance(**a, *p).total_cmp(&distance(**b, *p)));
+            p.z = nearest.map_or(f64::NAN, |q| q.z);
+        }
+    }
+}
+
+fn ego(samples: &Sampled, frames: &[f64]) -> Ego {
+    Ego {
+        length_m: FORD_FUSION.length_m,
+        width_m: FORD_FUSION.width_m,
+        height_m: FORD_FUSION.height_m,
+        reference_to_centre_m: 0.0,
+        motion: samples.motion_at(frames, MAX_GAP_S),
+        bus: EgoBus::default(),
+    }
+}
+
+fn tracks(scenario: &Scenario, frames: &[f64], label: &str, report: &mut SourceReport) -> Vec<Track> {
+    let mut impossible = BTreeMap::new();
+    let tracks = scenario
+        .tracks
+        .iter()
+        .filter(|(id, _)| *id != EGO)
+        .map(|(id, (kind, samples))| {
+            let class = class_of(kind).unwrap_or_default();
+            let (track, rows) = samples.track_at(id, class, kind, frames, MAX_GAP_S);
+            if rows > 0 {
+                impossible.insert(id.clone(), rows);
+            }
+            track
+        })
+        .collect();
+    report.diagnostics.extend(impossible_speeds(label, &impossible));
+    tracks
+}
+
+/// Our class for an object type; `None` for one that AV2 does not define (`ObjectType` of the AV2 API). `background` is what
+/// the tracker could not name.
+fn class_of(kind: &str) -> Option<ObjectClass> {
+    Some(match kind {
+        "vehicle" => ObjectClass::Car,
+        "bus" => ObjectClass::Bus,
+        "pedestrian" => ObjectClass::Pedestrian,
+        "motorcyclist" => ObjectClass::Motorcyclist,
+        "cyclist" => ObjectClass::Bicyclist,
+        "riderless_bicycle" => ObjectClass::Bicycle,
+        "static" | "construction" => ObjectClass::StaticObject,
+        "background" | "unknown" => ObjectClass::Unknown,
+        _ => return None,
+    })
+}
+
+/// `palo-alto` as people write it.
+fn city(name: &str) -> String {
+    if name == "washington-dc" {
+        return "Washington, DC".into();
+    }
+    let word =
+        |w: &str| w.chars().take(1).flat_map(char::to_uppercase).chain(w.chars().skip(1)).collect::<String>();
+    name.split('-').map(word).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,158 @@
+//! Raw CAN of a comma2k19 segment to [`EgoBus`], by the DBC that the user gives.
+
+use super::recording::Recording;
+use crate::assemble::resample::{latest, linear};
+use crate::encodings::can::{CanDatabase, SignalCoding};
+use std::collections::BTreeMap;
+use whyroad_model::scene::{EgoBus, TurnSignal};
+
+/// The bus that a comma device sees the car's own messages on; others are its echoes and the radar's.
+const CAR_BUS: i64 = 0;
+/// Steering angle and speed (83 Hz) may be missing this long and still be interpolated, s.
+const SAMPLE_GAP_S: f64 = 0.25;
+
+/// Where a state stands in the DBC of a make, and how long one message speaks for: cars repeat them at their own pace.
+struct StateSource {
+    message: &'static str,
+    signal: &'static str,
+    holds_s: f64,
+}
+
+/// Messages of Toyota's 2017 DBC (opendbc). Brake light and brake pedal messages come 30 times a second or more, gear and
+/// cruise once a second, indicators every 8.5 s and at each change; each holds for a good two periods.
+const BRAKE: StateSource = StateSource { message: "PCM_CRUISE_2", signal: "BRAKE_PRESSED", holds_s: 0.25 };
+const BRAKE_LIGHT: StateSource = StateSource { message: "VSC1S07", signal: "BRKON", holds_s: 0.25 };
+const CRUISE: StateSource =
+    StateSource { message: "PCM_CRUISE_SM", signal: "CRUISE_CONTROL_STATE", holds_s: 2.5 };
+const GEAR: StateSource = StateSource { message: "GEAR_PACKET", signal: "GEAR", holds_s: 2.5 };
+const TURN: StateSource = StateSource { message: "BLINKERS_STATE", signal: "TURN_SIGNALS", holds_s: 20.0 };
+const HAZARD: StateSource = StateSource { message: "BLINKERS_STATE", signal: "HAZARD_LIGHT", holds_s: 20.0 };
+
+/// Bus signals on `frames` (seconds on the log's clock), and what the log or the DBC does not have.
+pub(super) fn decode(
+    recording: &Recording,
+    dbc: Option<&CanDatabase>,
+    frames: &[f64],
+) -> (EgoBus, Vec<String>) {
+    let mut bus = EgoBus::default();
+    let mut missing = Vec::new();
+    let mut at_frames = |name: &str, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
+        if times.is_empty() {
+            missing.push(name.to_owned());
+            return Vec::new();
+        }
+        let scaled: Vec<f64> = values.iter().map(|v| v * scale).collect();
+        linear(times, &scaled, frames, SAMPLE_GAP_S)
+    };
+    bus.steering = at_frames("steering angle", &recording.steering, 1.0_f64.to_radians());
+    bus.speed_mps = at_frames("vehicle speed", &recording.speed, 1.0);
+    let Some(dbc) = dbc else {
+        missing.extend(["brake", "cruise", "gear", "turn signal"].map(String::from));
+        return (bus, missing);
+    };
+    let messages = by_address(recording);
+    let state = |source: &StateSource| -> Option<Vec<Option<State>>> {
+        let coding = dbc.signal(source.message, source.signal)?;
+        let rows = messages.get(&i64::from(coding.address)).filter(|r| !r.is_empty())?;
+        let times: Vec<f64> = rows.iter().map(|&i| recording.can.times[i]).collect();
+        let at = latest(&times, frames, source.holds_s);
+        Some(at.into_iter().map(|k| State::read(&coding, recording.can.frame(rows[k?]))).collect())
+    };
+    let mut need = |name: &str, found: bool| {
+        if !found {
+            missing.push(name.to_owned());
+        }
+    };
+
+    // The brake lights say what the car does, the pedal what the driver does; the lights come first.
+    let brake = state(&BRAKE_LIGHT).or_else(|| state(&BRAKE));
+    need("brake", brake.is_some());
+    bus.brake = brake.into_iter().flatten().map(|s| s.map(|s| s.raw != 0)).collect();
+
+    let cruise = state(&CRUISE);
+    need("cruise", cruise.is_some());
+    bus.cruise = cruise
+        .into_iter()
+        .flatten()
+        .map(|s| match s?.name.as_deref() {
+            Some("enabled" | "hold" | "hold_waiting_user_cmd") => Some(true),
+            Some("disabled") => Some(false),
+            _ => None,
+        })
+        .collect();
+
+    let gear = state(&GEAR);
+    need("gear", gear.is_some());
+    bus.gear = gear
+        .into_iter()
+        .flatten()
+        .map(|s| match s?.name.as_deref() {
+            // Sport and engine-brake positions drive forwards.
+            Some("D" | "S" | "B") => Some('D'),
+            Some("R") => Some('R'),
+            Some("N") => Some('N'),
+            Some("P") => Some('P'),
+            _ => None,
+        })
+        .collect();
+
+    let turn = state(&TURN);
+    need("turn signal", turn.is_some());
+    let hazard = state(&HAZARD);
+    bus.turn_signal = turn
+        .into_iter()
+        .flatten()
+        .enumerate()
+        .map(|(i, s)| {
+            if hazard.as_ref().and_then(|h| h[i].as_ref()).is_some_and(|h| h.raw != 0) {
+                return Some(TurnSignal::Hazard);
+            }
+            match s?.name.as_deref() {
+                Some("left") => Some(TurnSignal::Left),
+                Some("right") => Some(TurnSignal::Right),
+                Some("none") => Some(TurnSignal::Off),
+                _ => None,
+            }
+        })
+        .collect();
+    (bus, missing)
+}
+
+/// True when the DBC led to none of the states that are looked for.
+pub(super) fn has_no_state(bus: &EgoBus) -> bool {
+    bus.brake.is_empty() && bus.cruise.is_empty() && bus.gear.is_empty() && bus.turn_signal.is_empty()
+}
+
+/// What is looked for in a DBC, for people.
+pub(super) fn looked_for() -> String {
+    let names: Vec<String> =
+        [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();
+    names.join(", ")
+}
+
+/// A decoded state: its number and, where the DBC names it, its name.
+struct State {
+    raw: i64,
+    name: Option<String>,
+}
+
+impl State {
+    fn read(coding: &SignalCoding, frame: &[u8]) -> Option<State> {
+        let raw = coding.raw(frame)?;
+        Some(State { raw, name: coding.names.get(&raw).cloned() })
+    }
+}
+
+/// Rows of the car's own bus by arbitration id, each in the order of time.
+fn by_address(recording: &Recording) -> BTreeMap<i64, Vec<usize>> {
+    let mut rows: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for (i, (&address, &source)) in recording.can.addresses.iter().zip(&recording.can.sources).enumerate() {
+        if source == CAR_BUS {
+            rows.entry(address).or_default().push(i);
+        }
+    }
+    for list in rows.values_mut() {
+        list.sort_by(|&a, &b| recording.can.times[a].total_cmp(&recording.can.times[b]));
+    }
+    rows
+}

@@ -1,0 +1,394 @@
+//! MCAP recordings: ROS 2 (CDR), protobuf and JSON messages, each decoded by the schema that the file carries.
+//!
+//! Without a mapping file, the message types whose meaning is fixed are read: `nav_msgs/Odometry`,
+//! `geometry_msgs/PoseStamped`, `foxglove.PoseInFrame` as the ego, `vision_msgs/Detection3DArray` and
+//! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file says the rest. Frames are every 0.1 s of the
+//! ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`), maps,
+//! lights, pictures, ROS 1.
+
+mod bus;
+pub(crate) mod findings;
+mod mapping;
+mod rows;
+
+use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::assemble::frames::{Frames, Sample, Sampled};
+use crate::assemble::se3::{self, Se3};
+use crate::encodings::mcap_records::{self, Channel};
+use crate::encodings::{cdr, protobuf};
+use crate::options::{LICENCE, OptionSpec, OptionType, Options};
+use crate::report::{RowCount, SourceReport};
+use crate::source::{ContentHash, drive_id, file_label, find_files, impossible_speeds, resampled};
+use mapping::{Frame, Mapping, Role, Rule};
+use rows::{BusRow, EgoRow, ObjectRow, Rows};
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track};
+use whyroad_model::{Drive, Nanos, ObjectClass};
+
+/// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
+const REVISION: u32 = 1;
+/// The file that says which topics are what.
+pub const MAPPING: OptionSpec =
+    OptionSpec::new("mapping", OptionType::File, "FILE", "mapping file: which topics are what");
+/// Poses further apart are not of one motion, s.
+const EGO_GAP_S: f64 = 0.25;
+/// Objects are interpolated over as much, s: detectors run at 2 to 20 Hz.
+const OBJECT_GAP_S: f64 = 0.6;
+/// Names that the vehicle's own frame has by convention (ROS REP 105 and common use).
+const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicle", "vehicle", "rear_axle"];
+
+/// MCAP recordings.
+pub struct Mcap;
+
+impl Adapter for Mcap {
+    fn name(&self) -> &'static str {
+        "mcap"
+    }
+
+    fn about(&self) -> &'static str {
+        "MCAP recordings: ROS 2 (CDR), protobuf and JSON messages"
+    }
+
+    fn example(&self) -> &'static str {
+        "mcap drive.mcap --mapping topics.yaml --lake lake"
+    }
+
+    fn options(&self) -> &'static [OptionSpec] {
+        const { &[MAPPING, LICENCE] }
+    }
+
+    fn codes(&self) -> Vec<&'static str> {
+        findings::CODES.to_vec()
+    }
+
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+        find_recordings(path).map(whole)
+    }
+
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
+        drives.put(read(&source.path, options));
+    }
+}
+
+/// MCAP files at or below `path`, sorted.
+pub fn find_recordings(path: &Path) -> io::Result<Vec<PathBuf>> {
+    find_files(path, |file| file.extension().is_some_and(|e| e == "mcap"))
+}
+
+/// Reads one recording. `None` when there is nothing that could be kept; the report says why.
+pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    let mut report = SourceReport::new(path.display().to_string());
+    let drive = read_recording(path, options, &mut report);
+    (drive, report)
+}
+
+/// A topic: its rule, how its messages are decoded, and what came of them.
+struct Topic {
+    rule: Rule,
+    schema: String,
+    decoder: Decoder,
+    messages: usize,
+    undecodable: usize,
+    ego: Vec<EgoRow>,
+}
+
+enum Decoder {
+    Json,
+    Cdr(cdr::MessageType),
+    Protobuf(protobuf::messages::MessageTypes),
+    /// Why there is none.
+    None(String),
+}
+
+impl Topic {
+    fn new(channel: &Channel, mapping: &Mapping) -> Self {
+        let schema = &channel.schema;
+        let rule = mapping.topics.get(&channel.topic).cloned().or_else(|| mapping::standard(&schema.name));
+        let decoder = match (channel.encoding.as_str(), schema.encoding.as_str()) {
+            ("json", _) => Decoder::Json,
+            ("cdr", "ros2msg") => {
+                Decoder::Cdr(cdr::MessageType::parse(&schema.name, &String::from_utf8_lossy(&schema.data)))
+            }
+            ("protobuf", "protobuf") => {
+                let types = protobuf::messages::MessageTypes::parse(&schema.data);
+                types.map_or(Decoder::None("its schema is broken".into()), Decoder::Protobuf)
+            }
+            (message, schema) => {
+                Decoder::None(format!("encoding '{message}' with schema '{schema}' is not read"))
+            }
+        };
+        let (rule, schema) = (rule.unwrap_or_default(), schema.name.clone());
+        Self { rule, schema, decoder, messages: 0, undecodable: 0, ego: Vec::new() }
+    }
+
+    fn decode(&self, data: &[u8]) -> Option<Value> {
+        match &self.decoder {
+            Decoder::Json => serde_json::from_slice(data).ok(),
+            Decoder::Cdr(t) => t.decode(data),
+            Decoder::Protobuf(t) => t.decode(&self.schema, data),
+            Decoder::None(_) => None,
+        }
+    }
+}
+
+/// Everything that the messages of a recording gave.
+#[derive(Default)]
+struct Recording {
+    topics: BTreeMap<String, Topic>,
+    objects: Vec<ObjectRow>,
+    bus: Vec<BusRow>,
+    ego_rows: RowCount,
+    object_rows: RowCount,
+}
+
+impl Recording {
+    fn read(path: &Path, mapping: &Mapping, hash: &mut ContentHash, report: &mut SourceReport) -> Self {
+        let mut out =
+            Self { ego_rows: RowCount::new("ego"), object_rows: RowCount::new("objects"), ..Self::default() };
+        let mut each = |m: mcap_records::Message<'_>| {
+            let name = &m.channel.topic;
+            if !out.topics.contains_key(name) {
+                out.topics.insert(name.clone(), Topic::new(m.channel, mapping));
+            }
+            let Some(topic) = out.topics.get_mut(name) else { return };
+            topic.messages += 1;
+            if topic.rule.role == Role::Ignore {
+                return;
+            }
+            hash.add(name, &m.log_time.to_le_bytes());
+            hash.add(name, m.data);
+            let Some(message) = topic.decode(m.data) else {
+                topic.undecodable += 1;
+                return;
+            };
+            let Rows { ego, objects, bus, dropped } = rows::of(&message, &topic.rule, m.log_time);
+            let count = if topic.rule.role == Role::Ego { &mut out.ego_rows } else { &mut out.object_rows };
+            if topic.rule.role != Role::Bus {
+                count.read += ego.len() + objects.len() + dropped.len();
+                dropped.iter().for_each(|reason| count.drop_rows(reason, 1));
+            }
+            topic.ego.extend(ego);
+            out.objects.extend(objects);
+            out.bus.extend(bus);
+        };
+        let errors = mcap_records::read(path, &mut each);
+        let label = path.display().to_string();
+        report.diagnostics.extend(errors.iter().map(|e| findings::broken(&label, &e.to_string())));
+        for (name, t) in out.topics.iter().filter(|(_, t)| t.undecodable > 0) {
+            let what = match &t.decoder {
+                Decoder::None(reason) => reason.as_str(),
+                _ => "they do not fit their schema",
+            };
+            report.diagnostics.push(findings::undecodable(&label, name, what, t.undecodable));
+        }
+        out
+    }
+
+    /// The ego's poses by time. Of several topics with poses, odometry goes before bare poses, then by name.
+    fn take_ego(&mut self, label: &str, report: &mut SourceReport) -> Vec<EgoRow> {
+        let mut with_poses: Vec<(bool, &String)> = self
+            .topics
+            .iter()
+            .filter(|(_, t)| !t.ego.is_empty())
+            .map(|(n, t)| (t.rule.velocity.is_none(), n))
+            .collect();
+        with_poses.sort();
+        let names: Vec<String> = with_poses.into_iter().map(|(_, n)| n.clone()).collect();
+        let Some(taken) = names.first().cloned() else { return Vec::new() };
+        if names.len() > 1 {
+            report.diagnostics.push(findings::ego_ambiguous(label, &names.join(", "), &taken));
+        }
+        for other in &names[1..] {
+            let rows = self.topics.get(other).map_or(0, |t| t.ego.len());
+            self.ego_rows.set_aside("another_topic", rows);
+        }
+        let mut rows = self.topics.get_mut(&taken).map(|t| std::mem::take(&mut t.ego)).unwrap_or_default();
+        let all = rows.len();
+        rows.sort_by_key(|r| r.time);
+        rows.dedup_by_key(|r| r.time);
+        self.ego_rows.drop_rows("duplicate", all - rows.len());
+        self.ego_rows.keep("pose", rows.len());
+        rows
+    }
+}
+
+fn read_mapping(options: &Options, hash: &mut ContentHash, report: &mut SourceReport) -> Option<Mapping> {
+    let Some(file) = options.file(&MAPPING) else { return Some(Mapping::default()) };
+    let parsed = fs::read_to_string(file).map_err(|e| e.to_string()).and_then(|text| {
+        hash.add("mapping", text.as_bytes());
+        serde_yaml_ng::from_str(&text).map_err(|e| e.to_string())
+    });
+    parsed.map_err(|e| report.diagnostics.push(findings::mapping(&file.display().to_string(), &e))).ok()
+}
+
+fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let label = path.display().to_string();
+    let mut hash = ContentHash::new("mcap", REVISION);
+    let mapping = read_mapping(options, &mut hash, report)?;
+    let mut recording = Recording::read(path, &mapping, &mut hash, report);
+    let poses = recording.take_ego(&label, report);
+    let (Some(first), true) = (poses.first().map(|r| r.time), poses.len() >= 2) else {
+        let topics: Vec<String> =
+            recording.topics.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect();
+        report.diagnostics.push(findings::ego_missing(&label, &topics.join(", ")));
+        return None;
+    };
+    let seconds = |ns: i64| (ns - first) as f64 / 1e9;
+    let times: Vec<f64> = poses.iter().map(|r| seconds(r.time)).collect();
+    let frames = Frames::of(&times);
+    if frames.resampled() {
+        report.diagnostics.push(resampled(&label, frames.native_step_s));
+    }
+    let ego = ego(&poses, &times, &frames.seconds, &mapping);
+    let bus = bus::at_frames(&recording.bus, seconds, &frames.seconds);
+    let tracks = tracks(&mut recording, &poses, seconds, &frames.seconds, &mapping, &label, report);
+    for count in [recording.ego_rows, recording.object_rows] {
+        if count.dropped_total() > 0 {
+            report.diagnostics.push(findings::dropped(&label, &count));
+        }
+        report.tables.push(count);
+    }
+    let can = !recording.bus.is_empty();
+    let missing = [
+        (ego.length_m.is_nan(), "ego size"),
+        (true, "map"),
+        (true, "traffic lights"),
+        (!can, "vehicle bus"),
+        (true, "weather and surface"),
+        (true, "camera pictures"),
+    ];
+    let name = file_label(path);
+    Some(Drive {
+        meta: DriveMeta {
+            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(name.trim_end_matches(".mcap"))),
+            format: "mcap".into(),
+            source: "mcap".into(),
+            licence: options.licence(),
+            content_hash: hash.finish(),
+            can,
+            missing: missing
+                .iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| (*what).to_owned())
+                .collect(),
+            ..DriveMeta::default()
+        },
+        times: frames.seconds.iter().map(|&s| Nanos(first).plus_secs(s)).collect(),
+        ego: Some(Ego { bus, ..ego }),
+        tracks,
+        ..Drive::default()
+    })
+}
+
+fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Ego {
+    let forward = mapping.ego.reference_to_centre_m;
+    let mut sampled = Sampled::default();
+    for (row, &time) in poses.iter().zip(times) {
+        // The velocity told is that of the pose's point; away from it the middle of the car moves differently in turns.
+        let velocity = row.velocity.filter(|_| forward == 0.0).map_or([f64::NAN; 2], |[ahead, left]| {
+            let v = se3::rotate(row.pose.q, [ahead, left, 0.0]);
+            [v[0], v[1]]
+        });
+        sampled.push(Sample {
+            time,
+            position: row.pose.apply([forward, 0.0, 0.0]),
+            heading: se3::heading(row.pose.q),
+            velocity,
+            size: [f64::NAN; 3],
+            points: f64::NAN,
+        });
+    }
+    Ego {
+        length_m: mapping.ego.length_m.unwrap_or(f64::NAN),
+        width_m: mapping.ego.width_m.unwrap_or(f64::NAN),
+        height_m: mapping.ego.height_m.unwrap_or(f64::NAN),
+        reference_to_centre_m: forward,
+        motion: sampled.motion_at(frames, EGO_GAP_S),
+        bus: EgoBus::default(),
+    }
+}
+
+/// Where the ego was at a time between two of its poses.
+fn pose_at(poses: &[EgoRow], time: i64) -> Option<Se3> {
+    let next = poses.partition_point(|r| r.time < time);
+    let b = poses.get(next)?;
+    if b.time == time {
+        return Some(b.pose);
+    }
+    let a = &poses[next.checked_sub(1)?];
+    let span = (b.time - a.time) as f64;
+    (span <= EGO_GAP_S * 1e9).then(|| a.pose.between(&b.pose, (time - a.time) as f64 / span))
+}
+
+fn tracks(
+    recording: &mut Recording,
+    poses: &[EgoRow],
+    seconds: impl Fn(i64) -> f64,
+    frames: &[f64],
+    mapping: &Mapping,
+    label: &str,
+    report: &mut SourceReport,
+) -> Vec<Track> {
+    let count = &mut recording.object_rows;
+    let (world, own) = poses.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
+    let mut strangers: BTreeMap<String, usize> = BTreeMap::new();
+    let mut objects: BTreeMap<String, (String, BTreeMap<i64, Sample>)> = BTreeMap::new();
+    for row in std::mem::take(&mut recording.objects) {
+        let id = row.frame_id.as_str();
+        let frame = row.frame.or_else(|| {
+            let ego = (!own.is_empty() && id == own) || EGO_FRAMES.contains(&id);
+            if id == world { Some(Frame::World) } else { ego.then_some(Frame::Ego) }
+        });
+        let pose = match frame {
+            None => {
+                *strangers.entry(row.frame_id.clone()).or_default() += 1;
+                count.drop_rows("unknown_frame", 1);
+                continue;
+            }
+            Some(Frame::World) => row.pose,
+            Some(Frame::Ego) => match pose_at(poses, row.time) {
+                Some(at) => Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) },
+                None => {
+                    count.drop_rows("no_pose", 1);
+                    continue;
+                }
+            },
+        };
+        let velocity = row.velocity.unwrap_or([f64::NAN; 2]);
+        let (size, heading) = (row.size, se3::heading(pose.q));
+        let sample =
+            Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, points: f64::NAN };
+        let (_, samples) = objects.entry(row.id).or_insert_with(|| (row.class, BTreeMap::new()));
+        match samples.insert(row.time, sample) {
+            Some(_) => count.drop_rows("duplicate", 1),
+            None => count.keep("track", 1),
+        }
+    }
+    report.diagnostics.extend(strangers.iter().map(|(id, n)| findings::frame(label, id, *n)));
+    let (mut out, mut unknown, mut impossible) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
+    for (id, (name, samples)) in objects {
+        let class =
+            mapping.classes.get(&name).copied().or_else(|| ObjectClass::from_id(&name.to_lowercase()));
+        if class.is_none() {
+            unknown.insert(if name.is_empty() { "-".to_owned() } else { name.clone() });
+        }
+        let mut sampled = Sampled::default();
+        samples.into_values().for_each(|s| sampled.push(s));
+        let class = class.unwrap_or_default();
+        let (track, rows) = sampled.track_at(&id, class, &name, frames, OBJECT_GAP_S);
+        if rows > 0 {
+            impossible.insert(id, rows);
+        }
+        if !track.frames.is_empty() {
+            out.push(track);
+        }
+    }
+    if !unknown.is_empty() {
+        report.diagnostics.push(findings::class(label, &unknown.into_iter().collect::<Vec<_>>().join(", ")));
+    }
+    report.diagnostics.extend(impossible_speeds(label, &impossible));
+    out
+}

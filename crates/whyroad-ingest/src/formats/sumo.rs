@@ -1,0 +1,372 @@
+//! SUMO simulations: floating car data (`--fcd-output`, XML or CSV, plain or compressed) with the network as map, and any
+//! vehicles as egos, a drive each.
+//!
+//! FCD places vehicles by the centre of their front bumper and turns them clockwise from north in degrees; scene
+//! tables want box centres and radians from x. A person's place is taken as its centre (its front is at most half a
+//! body's depth away). A vehicle's speed along its heading is the simulator's own, its sideways speed comes from
+//! positions; a person's motion comes from positions altogether, because a person moved by script is not where
+//! its speed says. Times are `start` plus simulated time.
+
+mod border;
+mod csv;
+mod egos;
+mod fcd;
+pub(crate) mod findings;
+mod frames;
+mod inputs;
+mod lights;
+mod net;
+mod objects;
+mod options;
+mod ramps;
+mod roundabouts;
+mod sensing;
+mod shapes;
+mod vehicle_types;
+
+pub use options::{EGO, EGO_SHARE, LIGHTS, NET, OCCLUSION, SEED, SENSOR_RANGE, TYPES};
+
+use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::encodings::compressed::without_ending;
+use crate::options::{OptionSpec, Options};
+use crate::report::{RowCount, SourceReport};
+use crate::source::{ContentHash, drive_id, file_label, impossible_speeds};
+use fcd::{Fcd, Object};
+use frames::Cadence;
+use inputs::{NetParts, add_file, read_lights, read_net, read_types};
+use objects::{Notes, ego_table, samples_at, tracks};
+use sensing::{Occlusion, Sensing, Unseen};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use vehicle_types::{IsPerson, VehicleTypes};
+use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
+use whyroad_model::{Diagnostic, Drive, DriveId, Nanos};
+
+/// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
+const REVISION: u32 = 7;
+
+/// SUMO simulations.
+pub struct Sumo;
+
+impl Adapter for Sumo {
+    fn name(&self) -> &'static str {
+        "sumo"
+    }
+
+    fn about(&self) -> &'static str {
+        "SUMO simulations: floating car data (FCD) as XML or CSV, with the network"
+    }
+
+    fn example(&self) -> &'static str {
+        "sumo path/to/runs --ego ego --lake lake"
+    }
+
+    fn options(&self) -> &'static [OptionSpec] {
+        options::ALL
+    }
+
+    fn codes(&self) -> Vec<&'static str> {
+        findings::CODES.to_vec()
+    }
+
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+        find_simulations(path).map(whole)
+    }
+
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
+        read_new(&source.path, options, drives);
+    }
+}
+
+/// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is a file.
+pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
+        for entry in fs::read_dir(dir)? {
+            let path = entry?.path();
+            if path.is_dir() && depth > 0 {
+                search(&path, depth - 1, out)?;
+            } else if path.is_file() && (is_named(&path, "fcd", ".xml") || is_named(&path, "fcd", ".csv")) {
+                out.push(path);
+            }
+        }
+        Ok(())
+    }
+    if path.is_file() {
+        let name = file_label(path).to_lowercase();
+        let plain = without_ending(&name);
+        // Many a program writes CSV; what is FCD must say so.
+        let is_log = plain.ends_with(".xml") || is_named(path, "fcd", ".csv");
+        return Ok(if is_log { vec![path.to_owned()] } else { Vec::new() });
+    }
+    let mut out = Vec::new();
+    search(path, 3, &mut out)?;
+    out.sort();
+    Ok(out)
+}
+
+/// `...fcd....xml`, `...net.xml.gz` and the like.
+fn is_named(path: &Path, word: &str, ending: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let stem = without_ending(&name).strip_suffix(ending);
+    stem.is_some_and(|s| s.split(['.', '_', '-']).any(|part| part == word))
+}
+
+/// Files beside `fcd`, and in the folder above, that are named `word`.
+fn beside(fcd: &Path, words: &[&str]) -> Vec<PathBuf> {
+    let near = fcd.parent().into_iter().chain(fcd.parent().and_then(Path::parent));
+    let mut out = Vec::new();
+    for dir in near {
+        let Ok(entries) = fs::read_dir(dir) else { continue };
+        let mut here: Vec<PathBuf> = entries
+            .flatten()
+            .map(|e| e.path())
+            .filter(|p| p.is_file() && words.iter().any(|w| is_named(p, w, ".xml")))
+            .collect();
+        here.sort();
+        out.extend(here);
+    }
+    out
+}
+
+/// Reads one simulation as seen from its first ego. `None` when there is nothing that could be kept; the report says why.
+pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    let mut first = None;
+    read_each(path, options, &mut |drive, report| {
+        first.get_or_insert((drive, report));
+    });
+    first.unwrap_or_else(|| (None, SourceReport::new(path.display().to_string())))
+}
+
+/// Reads one simulation and hands over a drive with its report for each ego, one at a time: the log is in memory once,
+/// drives one by one.
+pub fn read_each(path: &Path, options: &Options, each: &mut dyn FnMut(Option<Drive>, SourceReport)) {
+    read_new(path, options, &mut DriveSink::new(&|_, _| false, each));
+}
+
+/// The same without the drives that the lake holds: these are not made, and are handed over as `None` with a report that
+/// names the drive.
+fn read_new(path: &Path, options: &Options, drives: &mut DriveSink<'_>) {
+    let mut report = SourceReport::new(path.display().to_string());
+    let Some(run) = Simulation::read(path, options, &mut report) else { return drives.put((None, report)) };
+    let egos = options::egos(options).choose(&run.fcd, &run.types);
+    if egos.is_empty() {
+        report.diagnostics.push(findings::none_drawn(&run.label));
+        return drives.put((None, report));
+    }
+    let sensing = options::sensing(options);
+    for id in &egos {
+        // What is wrong with the files is told once.
+        let mut report = std::mem::replace(&mut report, SourceReport::new(run.label.clone()));
+        let name = run.drive_id(id, egos.len(), options);
+        // A single drive is made again all the same: its report tells of every row.
+        if egos.len() > 1 && drives.holds(&name, &run.content_hash(id, sensing)) {
+            report.drive_id = Some(name);
+            drives.put((None, report));
+            continue;
+        }
+        let drive = run.seen_from(id, egos.len(), options, &mut report);
+        drives.put((drive, report));
+    }
+}
+
+/// The files of a run, read once for all its egos.
+struct Simulation {
+    label: String,
+    name: String,
+    fcd: Fcd,
+    types: VehicleTypes,
+    net: Option<NetParts>,
+    lights: Option<Vec<LightState>>,
+    /// Rows of the network.
+    tables: Vec<RowCount>,
+    hash: String,
+}
+
+impl Simulation {
+    fn read(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Self> {
+        let label = path.display().to_string();
+        let mut hash = ContentHash::new("sumo", REVISION);
+        hash.add("start", &options.start().0.to_le_bytes());
+        add_file(&mut hash, path);
+        let fcd = match fcd::read(path) {
+            Ok(fcd) => fcd,
+            Err(reason) => {
+                report.diagnostics.push(findings::fcd_unreadable(&label, &reason));
+                return None;
+            }
+        };
+        if let Some(reason) = &fcd.broken {
+            report.diagnostics.push(findings::fcd_broken(&label, reason, fcd.count.read));
+        }
+        if fcd.count.dropped_total() > 0 {
+            let example =
+                fcd.invalid_example.clone().unwrap_or_else(|| "a repeated or backward time step".to_owned());
+            report.diagnostics.push(findings::fcd_invalid(&label, fcd.count.dropped_total(), &example));
+        }
+        let types = read_types(path, options, &mut hash, report);
+        let net = read_net(path, options, &mut hash, report);
+        let lights =
+            net.as_ref().and_then(|(_, links, _)| read_lights(path, options, links, &mut hash, report));
+        let tables = std::mem::take(&mut report.tables);
+        Some(Self { label, name: run_name(path), fcd, types, net, lights, tables, hash: hash.finish() })
+    }
+
+    fn content_hash(&self, ego: &str, sensing: Sensing) -> String {
+        let mut hash = ContentHash::new("sumo", REVISION);
+        hash.add("files", self.hash.as_bytes());
+        hash.add("ego", ego.as_bytes());
+        let range = sensing.range_m.unwrap_or(f64::INFINITY);
+        hash.add("range", &range.to_le_bytes());
+        hash.add("occlusion", &[u8::from(sensing.occlusion == Occlusion::ByBoxes)]);
+        hash.finish()
+    }
+
+    fn drive_id(&self, ego: &str, egos: usize, options: &Options) -> DriveId {
+        match &options.drive_id {
+            Some(id) if egos == 1 => id.clone(),
+            Some(id) => drive_id(&format!("{}-{ego}", id.as_str())),
+            None => drive_id(&format!("{}-{ego}", self.name)),
+        }
+    }
+
+    fn seen_from(
+        &self,
+        id: &str,
+        egos: usize,
+        options: &Options,
+        report: &mut SourceReport,
+    ) -> Option<Drive> {
+        let label = &self.label;
+        let Some(ego) = self.fcd.objects.get(id).filter(|o| o.is_person == IsPerson::No) else {
+            let some: Vec<&str> = self.fcd.objects.keys().map(String::as_str).take(8).collect();
+            report.diagnostics.push(findings::ego_missing(label, id, &some));
+            return None;
+        };
+        let (times, cadence) = frames::frames(&self.fcd.steps, ego);
+        if let Cadence::Filled(step) = cadence {
+            report.diagnostics.push(findings::step(label, step as f64 / 1e9));
+        }
+        let mut notes = Notes::default();
+        let ego_samples = samples_at(ego, &times);
+        let (ego_type, known) = self.types.get(&ego.type_id, ego.is_person);
+        notes.assume(&ego.type_id, known);
+        let ego_state = ego_table(&ego_samples, &ego_type, &mut notes);
+        let mut tracks = tracks(&self.fcd, id, &times, &self.types, &mut notes);
+        let unseen = {
+            let map = self.net.as_ref().map(|(map, _, _)| map);
+            sensing::apply(options::sensing(options), &ego_state, map, &mut tracks)
+        };
+        let mut count = self.fcd.count.clone();
+        count_rows(&mut count, &self.fcd, id, ego, &times, cadence, unseen);
+        report.tables.push(count);
+        report.tables.extend(self.tables.iter().cloned());
+        report.diagnostics.extend(diagnostics_of(&notes, label));
+
+        let bus = !ego_state.bus.turn_signal.is_empty();
+        let missing = [
+            (self.net.is_none(), "map"),
+            (self.lights.is_none(), "traffic lights"),
+            (!bus, "vehicle bus"),
+            (true, "weather and surface"),
+            (true, "camera pictures"),
+        ];
+        let map_ref = self.net.as_ref().map(|(_, _, name)| name.clone());
+        let meta = DriveMeta {
+            drive_id: self.drive_id(id, egos, options),
+            format: "sumo".into(),
+            source: "sumo".into(),
+            place: map_ref.clone(),
+            map_ref,
+            licence: options.licence(),
+            frame_of_reference: FrameOfReference::World,
+            content_hash: self.content_hash(id, options::sensing(options)),
+            video: Vec::new(),
+            sensors: Vec::new(),
+            can: bus,
+            missing: missing
+                .into_iter()
+                .filter(|(absent, _)| *absent)
+                .map(|(_, what)| what.to_owned())
+                .collect(),
+            ..DriveMeta::default()
+        };
+        Some(Drive {
+            meta,
+            times: times.iter().map(|t| options.start() + Nanos(*t)).collect(),
+            ego: Some(ego_state),
+            tracks,
+            map: self.net.as_ref().map(|(map, _, _)| map.clone()),
+            lights: self.lights.clone(),
+            context: None,
+            media: None,
+        })
+    }
+}
+
+fn diagnostics_of(notes: &Notes, label: &str) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    if notes.jumps > 0 {
+        out.push(findings::lane_jump(label, notes.jumps, &notes.jump_example));
+    }
+    if !notes.assumed.is_empty() {
+        out.push(findings::type_assumed(label, &notes.assumed));
+    }
+    out.extend(impossible_speeds(label, &notes.impossible));
+    out
+}
+
+/// The name of a run: the file's without its endings, or the folder's when the file is just called `fcd`.
+fn run_name(path: &Path) -> String {
+    let name = file_label(path);
+    let stem = without_ending(&name);
+    let stem = stem.strip_suffix(".xml").or_else(|| stem.strip_suffix(".csv")).unwrap_or(stem);
+    // `crossroads.fcd.xml` is the run `crossroads`.
+    let stem = [".fcd", "_fcd", "-fcd"].iter().find_map(|e| stem.strip_suffix(e)).unwrap_or(stem).to_owned();
+    let folder = path.canonicalize().ok().and_then(|p| Some(file_label(p.parent()?)));
+    if stem.eq_ignore_ascii_case("fcd") { folder.unwrap_or(stem) } else { stem }
+}
+
+/// Accounts for every row of the file.
+fn count_rows(
+    count: &mut RowCount,
+    fcd: &Fcd,
+    id: &str,
+    ego: &Object,
+    times: &[i64],
+    cadence: Cadence,
+    unseen: Unseen,
+) {
+    let chosen: BTreeSet<i64> = times.iter().copied().collect();
+    let (first, last) = (times.first().copied().unwrap_or(0), times.last().copied().unwrap_or(0));
+    let own: BTreeSet<i64> = ego.samples.iter().map(|s| s.time).collect();
+    let all = fcd.objects.iter().map(|(k, o)| (if k == id { "ego" } else { "track" }, o));
+    let mut counts: BTreeMap<(bool, &'static str), usize> = BTreeMap::new();
+    for (what, o) in all {
+        for s in &o.samples {
+            // Interpolated frames are made of every step in their span.
+            let used = match cadence {
+                Cadence::Filled(_) => first <= s.time && s.time <= last && own.contains(&s.time),
+                _ => chosen.contains(&s.time),
+            };
+            let key = match (used, own.contains(&s.time)) {
+                (true, _) => (true, what),
+                (false, true) => (false, "between_frames"),
+                (false, false) => (false, "ego_away"),
+            };
+            *counts.entry(key).or_default() += 1;
+        }
+    }
+    // Interpolated rows are not rows of the file; otherwise each row taken out of a track is one.
+    if !matches!(cadence, Cadence::Filled(_)) {
+        for (key, rows) in [("out_of_range", unseen.out_of_range), ("hidden", unseen.hidden)] {
+            if let Some(tracks) = counts.get_mut(&(true, "track")) {
+                *tracks = tracks.saturating_sub(rows);
+            }
+            count.set_aside(key, rows);
+        }
+    }
+    for ((kept, key), rows) in counts {
+        if kept { count.keep(key, rows) } else { count.set_aside(key, rows) }
+    }
+}

@@ -1,0 +1,374 @@
+//! `.net.xml`: lanes, crossings, junction areas, lights' stop lines.
+//!
+//! Lane edges are the lane's shape moved by half its width to either side. Lanes inside junctions are SUMO's internal
+//! lanes; walking areas and tracks of rails are left out. A node counts as a junction when it joins three or more
+//! other nodes: a node that only bends a road or changes its number of lanes is none, nor is one where one-way roads merge or
+//! part at small angles (ramps of a motorway). SUMO has no lane marks
+//! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
+
+use super::border::Border;
+use super::{ramps, roundabouts};
+use crate::assemble::geometry::{beside, between, distance};
+use crate::encodings::xml::{Element, Tag, for_each_tag};
+use crate::report::RowCount;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
+use whyroad_model::RoadMap;
+use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, Point3, StopLine, TurnKind};
+
+/// SUMO's width of a lane that states none, m.
+const DEFAULT_WIDTH_M: f64 = 3.2;
+/// Opposite lanes are neighbours when their left edges are no further apart than this, m.
+const OPPOSITE_GAP_M: f64 = 1.0;
+
+/// One movement that a light controls.
+#[derive(Clone, Debug)]
+pub(super) struct LightLink {
+    pub tls: String,
+    pub index: usize,
+    pub lane: String,
+    /// First lane behind the light.
+    pub to_lane: String,
+}
+
+/// A network.
+#[derive(Default)]
+pub(super) struct Net {
+    pub map: RoadMap,
+    pub count: RowCount,
+    pub links: Vec<LightLink>,
+    /// Ends of links that name no lane of the network.
+    pub dangling: Vec<String>,
+    pub broken: Option<String>,
+    /// First lane that could not be used.
+    pub invalid_example: Option<String>,
+}
+
+#[derive(Default)]
+pub(super) struct Edge {
+    pub(super) from: String,
+    pub(super) to: String,
+    function: String,
+    /// `highway.motorway_link`; empty where the network does not tell.
+    kind: String,
+    /// Ids of its lanes, from the right.
+    pub(super) lanes: Vec<String>,
+}
+
+struct Connection {
+    from: String,
+    to: String,
+    via: Option<String>,
+    turn: Option<TurnKind>,
+    light: Option<(String, usize)>,
+}
+
+#[derive(Default)]
+struct Raw {
+    edges: BTreeMap<String, Edge>,
+    lanes: BTreeMap<String, Lane>,
+    crossings: Vec<Area>,
+    nodes: BTreeMap<String, Vec<Point3>>,
+    border: Border,
+    connections: Vec<Connection>,
+    /// Junctions with lights.
+    lit: BTreeSet<String>,
+    /// Edges of each roundabout.
+    roundabouts: Vec<Vec<String>>,
+}
+
+/// Reads the network as far as it can be read. `Err` when it is none.
+pub(super) fn read(path: &Path) -> Result<Net, String> {
+    let mut net = Net { count: RowCount::new("map"), ..Net::default() };
+    let mut raw = Raw::default();
+    let (mut is_net, mut edge_id) = (false, String::new());
+    let end = for_each_tag(path, |tag| {
+        let Tag::Open(e) = tag else { return };
+        match e.name() {
+            "net" => is_net = true,
+            "edge" => {
+                edge_id = e.text("id").unwrap_or_default();
+                let text = |n: &str| e.text(n).unwrap_or_default();
+                let edge = Edge {
+                    from: text("from"),
+                    to: text("to"),
+                    function: text("function"),
+                    kind: text("type"),
+                    lanes: Vec::new(),
+                };
+                raw.edges.insert(edge_id.clone(), edge);
+            }
+            "lane" => add_lane(&e, &edge_id, &mut raw, &mut net),
+            "junction" => {
+                raw.border.add(&e);
+                if let (Some(id), Some(shape)) = (e.text("id"), e.get("shape"))
+                    && !matches!(e.get("type").as_deref(), Some("internal" | "dead_end"))
+                {
+                    if e.get("type").is_some_and(|t| t.starts_with("traffic_light")) {
+                        raw.lit.insert(id.clone());
+                    }
+                    raw.nodes.insert(id, points(&shape));
+                }
+            }
+            "connection" => raw.connections.extend(connection(&e)),
+            "roundabout" => {
+                let edges = e.get("edges").unwrap_or_default();
+                raw.roundabouts.push(edges.split_whitespace().map(str::to_owned).collect());
+            }
+            _ => {}
+        }
+    });
+    if !is_net {
+        return Err(end.err().unwrap_or_else(|| "it has no <net>".to_owned()));
+    }
+    net.broken = end.err();
+    assemble(raw, &mut net);
+    Ok(net)
+}
+
+pub(super) fn points(shape: &str) -> Vec<Point3> {
+    shape
+        .split_whitespace()
+        .filter_map(|p| {
+            let mut c = p.split(',').map(|v| v.parse::<f64>().ok().filter(|v| v.is_finite()));
+            Some(Point3 { x: c.next()??, y: c.next()??, z: c.next().flatten().unwrap_or(0.0) })
+        })
+        .collect()
+}
+
+fn add_lane(e: &Element, edge_id: &str, raw: &mut Raw, net: &mut Net) {
+    net.count.read += 1;
+    let id = e.text("id").unwrap_or_default();
+    let centre = points(e.get("shape").as_deref().unwrap_or(""));
+    let width = e.number("width").filter(|w| *w > 0.0).unwrap_or(DEFAULT_WIDTH_M);
+    let Some(edge) = raw.edges.get_mut(edge_id) else { return net.count.drop_rows("invalid", 1) };
+    let kind = lane_kind(e.get("allow").as_deref(), e.get("disallow").as_deref());
+    let (Some(kind), false) = (kind, edge.function == "walkingarea") else {
+        return net.count.set_aside("not_a_road_user_lane", 1);
+    };
+    if centre.len() < 2 || id.is_empty() {
+        net.invalid_example.get_or_insert_with(|| format!("lane '{id}' has fewer than two points"));
+        return net.count.drop_rows("invalid", 1);
+    }
+    let (left, right) = (beside(&centre, width / 2.0), beside(&centre, -width / 2.0));
+    if edge.function == "crossing" {
+        net.count.keep("crosswalk", 1);
+        raw.crossings.push(Area { id, boundary: between(&left, &right) });
+        return;
+    }
+    net.count.keep("lane", 1);
+    edge.lanes.push(id.clone());
+    let internal = edge.function == "internal";
+    let fast = matches!(e.get("acceleration").as_deref(), Some("1" | "true"));
+    let tags = [("ramp", ramps::is_link_type(&edge.kind)), ("acceleration", fast)];
+    let lane = Lane {
+        id: id.clone(),
+        tags: tags.into_iter().filter(|(_, holds)| *holds).map(|(tag, _)| tag.to_owned()).collect(),
+        left,
+        right,
+        centre,
+        kind,
+        speed_limit_mps: e.number("speed").filter(|_| !internal),
+        width_m: Some(width),
+        ..Lane::default()
+    };
+    raw.lanes.insert(id, lane);
+}
+
+/// Who a lane is for, from the classes that may use it; `None` for rails, water and the like.
+fn lane_kind(allow: Option<&str>, disallow: Option<&str>) -> Option<LaneKind> {
+    let Some(allow) = allow.filter(|a| !a.is_empty()) else {
+        let barred: BTreeSet<&str> = disallow.unwrap_or("").split_whitespace().collect();
+        let open = |class: &str| !barred.contains(class) && !barred.contains("all");
+        // A lane closed to cars is for whoever of these may still use it.
+        let kinds = [
+            ("passenger", LaneKind::Vehicle),
+            ("bus", LaneKind::Bus),
+            ("bicycle", LaneKind::Bike),
+            ("pedestrian", LaneKind::Sidewalk),
+        ];
+        return kinds.into_iter().find(|(class, _)| open(class)).map(|(_, kind)| kind);
+    };
+    let classes: BTreeSet<&str> = allow.split_whitespace().collect();
+    let has = |c: &[&str]| c.iter().any(|c| classes.contains(c));
+    if has(&["passenger", "private", "all", "truck", "delivery"]) {
+        Some(LaneKind::Vehicle)
+    } else if has(&["bus", "coach", "taxi"]) {
+        Some(LaneKind::Bus)
+    } else if has(&["bicycle"]) {
+        Some(LaneKind::Bike)
+    } else if has(&["pedestrian"]) {
+        Some(LaneKind::Sidewalk)
+    } else if has(&["emergency", "authority"]) {
+        Some(LaneKind::Shoulder)
+    } else if classes
+        .iter()
+        .all(|c| c.contains("rail") || ["tram", "subway", "ship", "cable_car"].contains(c))
+    {
+        None
+    } else {
+        Some(LaneKind::Other)
+    }
+}
+
+fn connection(e: &Element) -> Option<Connection> {
+    let lane = |edge: &str, index: &str| Some(format!("{}_{}", e.get(edge)?, e.get(index)?));
+    let turn = match e.get("dir").as_deref() {
+        Some("s") => Some(TurnKind::Straight),
+        Some("l" | "L") => Some(TurnKind::Left),
+        Some("r" | "R") => Some(TurnKind::Right),
+        Some("t" | "T") => Some(TurnKind::Uturn),
+        _ => None,
+    };
+    let light = e.text("tl").zip(e.get("linkIndex").and_then(|i| i.parse().ok()));
+    Some(Connection {
+        from: lane("from", "fromLane")?,
+        to: lane("to", "toLane")?,
+        via: e.text("via"),
+        turn,
+        light,
+    })
+}
+
+fn assemble(raw: Raw, net: &mut Net) {
+    let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts: rings } = raw;
+    let junctions = real_junctions(&edges, &lanes);
+
+    for edge in edges.values() {
+        // Lanes are numbered from the right; SUMO writes them in that order.
+        for pair in edge.lanes.windows(2) {
+            set(&mut lanes, &pair[0], |l| l.left_neighbour = Some(pair[1].clone()));
+            set(&mut lanes, &pair[1], |l| l.right_neighbour = Some(pair[0].clone()));
+        }
+    }
+    for (id, edge) in &edges {
+        let node = if edge.function == "internal" { internal_node(id) } else { Some(edge.to.as_str()) };
+        let Some(node) = node.filter(|n| junctions.contains(n)) else { continue };
+        for lane in &edge.lanes {
+            set(&mut lanes, lane, |l| {
+                l.in_junction = edge.function == "internal";
+                l.junction_id = Some(node.to_owned());
+            });
+        }
+    }
+    join_opposites(&edges, &mut lanes);
+    for c in connections {
+        let next = c.via.clone().unwrap_or_else(|| c.to.clone());
+        let missing = [&c.from, &next].into_iter().find(|id| !lanes.contains_key(*id)).cloned();
+        if let Some(missing) = missing {
+            // Walking areas and crossings are connected too; only lanes of the road are meant here.
+            if !edges.contains_key(missing.rsplit_once('_').map_or("", |p| p.0)) {
+                net.dangling.push(format!("{} -> {missing}", c.from));
+            }
+            continue;
+        }
+        set(&mut lanes, &c.from, |l| push_new(&mut l.successors, &next));
+        set(&mut lanes, &next, |l| push_new(&mut l.predecessors, &c.from));
+        let behind = if c.via.is_some() { &next } else { &c.from };
+        if behind.starts_with(':') {
+            set(&mut lanes, behind, |l| l.turn = l.turn.or(c.turn));
+        }
+        if let Some((tls, index)) = c.light {
+            net.links.push(LightLink { tls, index, lane: c.from, to_lane: next });
+        }
+    }
+    let outside: Vec<&Vec<String>> =
+        edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
+    ramps::tag_feeders(&outside, &mut lanes);
+    ramps::tag_joints(&mut lanes);
+    let exits = border.exits();
+    for edge in edges.values().filter(|e| e.function.is_empty() && exits.contains(&e.to.as_str())) {
+        for lane in &edge.lanes {
+            set(&mut lanes, lane, |l| l.successors.push(format!("beyond:{}", edge.to)));
+        }
+    }
+    let stops: BTreeSet<&str> = net.links.iter().map(|l| l.lane.as_str()).collect();
+    net.map.stop_lines = stops
+        .into_iter()
+        .filter_map(|id| {
+            let l = lanes.get(id)?;
+            let line = vec![*l.left.last()?, *l.right.last()?];
+            Some(StopLine { id: format!("stop_{id}"), line, lane_ids: vec![id.to_owned()] })
+        })
+        .collect();
+    net.map.facilities = rings.iter().filter_map(|r| roundabouts::area(r, &edges, &lanes, &nodes)).collect();
+    net.map.facilities.extend(nodes.iter().filter(|(id, shape)| lit.contains(*id) && shape.len() >= 3).map(
+        |(id, shape)| {
+            let boundary = shape.iter().chain(shape.first()).copied().collect();
+            Facility { id: format!("lights_{id}"), kind: "traffic_light".into(), boundary }
+        },
+    ));
+    net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
+    // netconvert marks every roundabout that it finds; of ramps, lanes to gain speed and lights a network has what its vehicles know of.
+    net.map.complete_for = ["acceleration", "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
+    net.map.lanes = lanes.into_values().collect();
+    net.map.crosswalks = crossings;
+    net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
+    net.map.junctions = nodes
+        .into_iter()
+        .filter(|(id, shape)| junctions.contains(id.as_str()) && shape.len() >= 3)
+        .map(|(id, mut boundary)| {
+            boundary.extend(boundary.first().copied());
+            Area { id, boundary }
+        })
+        .collect();
+}
+
+fn set(lanes: &mut BTreeMap<String, Lane>, id: &str, change: impl FnOnce(&mut Lane)) {
+    if let Some(l) = lanes.get_mut(id) {
+        change(l);
+    }
+}
+
+fn push_new(list: &mut Vec<String>, id: &str) {
+    if !list.iter().any(|x| x == id) {
+        list.push(id.to_owned());
+    }
+}
+
+/// The node of an internal edge `:node_index`.
+fn internal_node(edge_id: &str) -> Option<&str> {
+    edge_id.strip_prefix(':')?.rsplit_once('_').map(|p| p.0)
+}
+
+/// Nodes that join three or more other nodes by edges that have lanes, but for those at which one-way roads only merge or part.
+fn real_junctions<'e>(
+    edges: &'e BTreeMap<String, Edge>,
+    lanes: &BTreeMap<String, Lane>,
+) -> BTreeSet<&'e str> {
+    let mut flows: HashMap<&str, ramps::Flows> = HashMap::new();
+    let mut others: HashMap<&str, BTreeSet<&str>> = HashMap::new();
+    for e in edges.values().filter(|e| e.function.is_empty() && !e.lanes.is_empty()) {
+        others.entry(&e.from).or_default().insert(&e.to);
+        others.entry(&e.to).or_default().insert(&e.from);
+        if let Some(lane) = e.lanes.first().and_then(|id| lanes.get(id)) {
+            flows.entry(&e.from).or_default().leaves(&e.to, lane);
+            flows.entry(&e.to).or_default().comes(&e.from, lane);
+        }
+    }
+    let only_flows = |node: &str| flows.get(node).is_some_and(ramps::Flows::run_together);
+    others.into_iter().filter(|(node, o)| o.len() >= 3 && !only_flows(node)).map(|(node, _)| node).collect()
+}
+
+/// The leftmost lanes of an edge and of the one that runs the other way are neighbours where they touch.
+fn join_opposites(edges: &BTreeMap<String, Edge>, lanes: &mut BTreeMap<String, Lane>) {
+    let by_ends: BTreeMap<(&str, &str), &Edge> = edges
+        .values()
+        .filter(|e| e.function.is_empty())
+        .map(|e| ((e.from.as_str(), e.to.as_str()), e))
+        .collect();
+    for edge in by_ends.values() {
+        let Some(back) = by_ends.get(&(edge.to.as_str(), edge.from.as_str())) else { continue };
+        let (Some(own), Some(other)) = (edge.lanes.last(), back.lanes.last()) else { continue };
+        let touch = match (lanes.get(own), lanes.get(other)) {
+            (Some(a), Some(b)) => match (a.left.first(), b.left.last()) {
+                (Some(&p), Some(&q)) => distance(p, q) <= OPPOSITE_GAP_M,
+                _ => false,
+            },
+            _ => false,
+        };
+        if touch {
+            set(lanes, own, |l| l.left_neighbour = Some(other.clone()));
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Our own layout of Parquet or CSV files for anybody's fleet: the way in for formats that have no adapter. What each file
+//! and column means is written in `docs/reference/table-format.md`, which people write their exporters by; change both together.
+//!
+//! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown column or
+//! word is told, a cell that cannot be read is unknown and counted, a row without time, place or id is dropped and counted.
+
+mod ego;
+mod findings;
+mod meta;
+mod objects;
+mod problems;
+mod road;
+mod sheet;
+mod signs;
+mod states;
+mod words;
+
+use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::assemble::frames::{Frames, every_tenth};
+use crate::options::{LICENCE, OptionSpec, Options, START};
+use crate::report::SourceReport;
+use crate::source::{ContentHash, drive_id, file_label, find_folders, resampled};
+pub(crate) use findings::CODES;
+use meta::Meta;
+use sheet::{Sheet, sheet_file};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ, FrameOfReference};
+use whyroad_model::{Drive, Nanos};
+
+/// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
+const REVISION: u32 = 3;
+/// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
+const MAX_GAP_S: f64 = 0.25;
+const GAP_STEPS: f64 = 1.5;
+
+/// Our own table layout.
+pub struct Table;
+
+impl Adapter for Table {
+    fn name(&self) -> &'static str {
+        "table"
+    }
+
+    fn about(&self) -> &'static str {
+        "tables: Parquet or CSV files in the documented layout, for any other log"
+    }
+
+    fn example(&self) -> &'static str {
+        "table path/to/drives --lake lake"
+    }
+
+    fn options(&self) -> &'static [OptionSpec] {
+        const { &[START, LICENCE] }
+    }
+
+    fn codes(&self) -> Vec<&'static str> {
+        CODES.to_vec()
+    }
+
+    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+        find_drives(path).map(whole)
+    }
+
+    fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
+        drives.put(read(&source.path, options));
+    }
+}
+
+/// Drive folders at or below `path`, sorted: with a drive file, an ego table, and not of a lake (which has `clips.parquet`).
+pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
+    find_folders(path, is_drive)
+}
+
+fn is_drive(dir: &Path) -> bool {
+    meta::drive_file(dir).is_some()
+        && (sheet_file(dir, "ego").is_some() || sheet_file(dir, "objects").is_some())
+        && !dir.join("clips.parquet").is_file()
+}
+
+/// Reads one drive folder. `None` when there is nothing that could be kept; the report says why.
+pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    let mut report = SourceReport::new(dir.display().to_string());
+    let drive = read_drive(dir, options, &mut report);
+    (drive, report)
+}
+
+/// What every table is read with.
+struct Reader<'a> {
+    dir: &'a Path,
+    hash: ContentHash,
+    report: &'a mut SourceReport,
+    /// Time of `time_s` zero.
+    start: Nanos,
+}
+
+/// A log's times: frames, and how far apart samples may be to be joined.
+struct Clock {
+    /// ns.
+    origin: i64,
+    /// s since `origin`.
+    frames: Vec<f64>,
+    max_gap_s: f64,
+}
+
+impl Clock {
+    /// Frames from the ego's times (ns, ascending).
+    fn of(times: &[i64]) -> (Self, Frames) {
+        let origin = times.first().copied().unwrap_or_default();
+        let clock = Self { origin, frames: Vec::new(), max_gap_s: MAX_GAP_S };
+        let seconds: Vec<f64> = times.iter().map(|&t| clock.seconds(t)).collect();
+        let mut frames = Frames::of(&seconds);
+        // A log whose typical step is 0.1 s but which is not evenly spaced is brought to tenths as well.
+        let uneven = seconds.windows(2).any(|w| w[1] - w[0] < 0.5 / FRAME_RATE_HZ);
+        if uneven && !frames.resampled() {
+            frames.seconds = every_tenth(&seconds);
+        }
+        let max_gap_s = gap_for(frames.native_step_s);
+        (Self { frames: frames.seconds.clone(), max_gap_s, ..clock }, frames)
+    }
+
+    fn seconds(&self, time: i64) -> f64 {
+        (time - self.origin) as f64 / 1e9
+    }
+}
+
+fn gap_for(step_s: f64) -> f64 {
+    // `max` passes over NaN.
+    (GAP_STEPS * step_s).max(MAX_GAP_S)
+}
+
+fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+    let mut reader =
+        Reader { dir, hash: ContentHash::new("table", REVISION), report, start: options.start() };
+    let meta = Meta::read(&mut reader)?;
+    match meta.start_time {
+        Some(start) => reader.start = start,
+        None => reader.hash.add("start", &options.start().0.to_le_bytes()),
+    }
+    let ego_sheet = reader.sheet("ego", ego::COLUMNS, ego::REQUIRED);
+    let Some(rows) = ego_sheet.and_then(|s| ego::rows(s, &mut reader)) else {
+        if sheet_file(dir, "ego").is_none() {
+            reader.report.diagnostics.push(findings::ego_missing(&dir.display().to_string()));
+        }
+        return None;
+    };
+    let (mut clock, native) = Clock::of(&rows.times);
+    if native.resampled() {
+        reader.report.diagnostics.push(resampled(&rows.label, native.native_step_s));
+    }
+    rows.keep_covered(&mut clock);
+    let ego = rows.at(&clock, &meta.ego);
+
+    let mut missing = Vec::new();
+    let (tracks, lacking) = match reader.sheet("objects", objects::COLUMNS, objects::REQUIRED) {
+        Some(sheet) => objects::tracks(sheet, &clock, &mut reader),
+        None => (Vec::new(), vec!["objects"]),
+    };
+    missing.extend(lacking);
+    let map = road::read(&meta.map_complete_for, &mut reader);
+    let lights = states::lights(&mut reader);
+    let context = states::context(&mut reader);
+    if !ego.length_m.is_finite() || !ego.width_m.is_finite() {
+        missing.push("ego size");
+    }
+    let bus = &ego.bus;
+    let can = [
+        ("vehicle speed", bus.speed_mps.is_empty()),
+        ("steering angle", bus.steering.is_empty()),
+        ("throttle", bus.throttle.is_empty()),
+        ("brake", bus.brake.is_empty()),
+        ("gear", bus.gear.is_empty()),
+        ("turn signal", bus.turn_signal.is_empty()),
+        ("emergency braking", bus.aeb.is_empty()),
+        ("cruise", bus.cruise.is_empty()),
+        ("route", bus.route_command.is_empty()),
+    ];
+    if can.iter().all(|(_, absent)| *absent) {
+        missing.push("vehicle bus");
+    } else {
+        missing.extend(can.iter().filter(|(_, absent)| *absent).map(|(name, _)| *name));
+    }
+    for (name, absent) in [
+        ("map", map.is_none()),
+        ("traffic lights", lights.is_none()),
+        ("weather and surface", context.is_none()),
+    ] {
+        if absent {
+            missing.push(name);
+        }
+    }
+    missing.push("camera pictures");
+
+    let times = clock.frames.iter().map(|&t| Nanos(clock.origin).plus_secs(t)).collect();
+    Some(Drive {
+        meta: DriveMeta {
+            drive_id: options
+                .drive_id
+                .clone()
+                .unwrap_or_else(|| drive_id(meta.drive_id.as_deref().unwrap_or(&file_label(dir)))),
+            format: "table".into(),
+            source: meta.source,
+            place: meta.place,
+            map_ref: meta.map_ref,
+            licence: meta.licence.or_else(|| options.licence()),
+            frame_of_reference: FrameOfReference::World,
+            content_hash: reader.hash.finish(),
+            video: Vec::new(),
+            sensors: Vec::new(),
+            can: can.iter().any(|(_, absent)| !absent),
+            missing: missing.into_iter().map(String::from).collect(),
+            ..DriveMeta::default()
+        },
+        times,
+        ego: Some(ego),
+        tracks,
+        map,
+        lights,
+        context,
+        media: None,
+    })
+}
+
+impl Reader<'_> {
+    /// Opens one table of the drive, if it is there and has what it needs.
+    fn sheet(
+        &mut self,
+        stem: &'static str,
+        columns: &[&'static str],
+        required: &[&[&'static str]],
+    ) -> Option<Sheet> {
+        let path = sheet_file(self.dir, stem)?;
+        let label = path.display().to_string();
+        match fs::read(&path) {
+            Ok(bytes) => self.hash.add(&file_label(&path), &bytes),
+            Err(e) => {
+                self.report.diagnostics.push(findings::unreadable(&label, &e.to_string()));
+                return None;
+            }
+        }
+        let sheet = match Sheet::open(&path) {
+            Ok(s) => s,
+            Err(e) => {
+                self.report.diagnostics.push(findings::unreadable(&label, &e));
+                return None;
+            }
+        };
+        let names = sheet.names();
+        let unknown = names.iter().filter(|n| !columns.contains(&n.as_str()));
+        self.report.diagnostics.extend(unknown.map(|n| findings::unknown_column(&label, n, columns)));
+        let absent: Vec<_> = required.iter().filter(|any| !any.iter().any(|n| sheet.has(n))).collect();
+        self.report.diagnostics.extend(absent.iter().map(|any| findings::missing_column(&label, any)));
+        absent.is_empty().then_some(sheet)
+    }
+}

@@ -1,0 +1,217 @@
+//! `ego`: the recording vehicle's pose and bus, at its own rate, brought to frames.
+
+use super::meta::EgoBox;
+use super::problems::Problems;
+use super::sheet::{Sheet, TIME};
+use super::{Clock, Reader};
+use crate::assemble::frames::{Sample, Sampled};
+use crate::assemble::resample::{latest, linear};
+use crate::report::RowCount;
+use whyroad_model::scene::{Ego, EgoBus};
+
+pub(super) const COLUMNS: &[&str] = &[
+    "timestamp_ns",
+    "time",
+    "time_s",
+    "x_m",
+    "y_m",
+    "z_m",
+    "heading_rad",
+    "heading_deg",
+    "vx_mps",
+    "vy_mps",
+    "speed_mps",
+    "accel_mps2",
+    "yaw_rate_radps",
+    "bus_speed_mps",
+    "steering_rad",
+    "throttle",
+    "brake",
+    "gear",
+    "turn_signal",
+    "aeb",
+    "cruise",
+    "route_command",
+];
+pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["x_m"], &["y_m"], &["heading_rad", "heading_deg"]];
+
+const ROUTES: &[&str] = &["none", "left", "right", "straight", "uturn", "exit"];
+
+/// The rows that can be kept, ascending in time.
+pub(super) struct EgoRows {
+    pub label: String,
+    /// ns.
+    pub times: Vec<i64>,
+    pose: Vec<Pose>,
+    accel: Vec<f64>,
+    yaw_rate: Vec<f64>,
+    /// One value a row.
+    bus: EgoBus,
+}
+
+#[derive(Clone, Copy)]
+struct Pose {
+    position: [f64; 3],
+    heading: f64,
+    velocity: [f64; 2],
+}
+
+/// Velocity over ground from `vx_mps, vy_mps`, or from `speed_mps` along the heading (negative: backwards).
+pub(super) fn velocities(sheet: &Sheet, headings: &[f64], problems: &mut Problems) -> Vec<[f64; 2]> {
+    if sheet.has("speed_mps") && !sheet.has("vx_mps") {
+        let speed = sheet.numbers("speed_mps", problems);
+        return speed.iter().zip(headings).map(|(v, h)| [v * h.cos(), v * h.sin()]).collect();
+    }
+    let (vx, vy) = (sheet.numbers("vx_mps", problems), sheet.numbers("vy_mps", problems));
+    vx.into_iter().zip(vy).map(|(x, y)| [x, y]).collect()
+}
+
+/// Reads the table; `None` when no row can be kept.
+pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
+    let mut problems = Problems::default();
+    let p = &mut problems;
+    let times = sheet.times(reader.start, p);
+    let [x, y, z] = ["x_m", "y_m", "z_m"].map(|n| sheet.numbers(n, p));
+    let headings = sheet.headings(p);
+    let velocity = velocities(&sheet, &headings, p);
+    let [accel, yaw_rate, speed, steering, throttle] =
+        ["accel_mps2", "yaw_rate_radps", "bus_speed_mps", "steering_rad", "throttle"]
+            .map(|n| sheet.numbers(n, p));
+    let [brake, aeb, cruise] = ["brake", "aeb", "cruise"].map(|n| sheet.flags(n, p));
+    let gear = sheet.parsed("gear", "one of P, R, N, D", p, |t| match t {
+        "P" | "R" | "N" | "D" => t.chars().next(),
+        _ => None,
+    });
+    let turn_signal = sheet.words("turn_signal", "one of off, left, right, hazard", p);
+    let route = sheet.parsed("route_command", "one of none, left, right, straight, uturn, exit", p, |t| {
+        ROUTES.contains(&t).then(|| t.to_owned())
+    });
+
+    let mut count = RowCount { read: sheet.rows, ..RowCount::new("ego") };
+    let mut order: Vec<(i64, usize)> = Vec::new();
+    for (i, time) in times.iter().enumerate() {
+        let row = sheet.first_row + i;
+        match time {
+            None => problems.row("no_time", row, &mut count),
+            Some(_) if [x[i], y[i], headings[i]].iter().any(|v| v.is_nan()) => {
+                problems.row("no_position", row, &mut count);
+            }
+            Some(t) => order.push((*t, i)),
+        }
+    }
+    order.sort_unstable();
+    let mut kept: Vec<(i64, usize)> = Vec::with_capacity(order.len());
+    for (t, i) in order {
+        if kept.last().is_some_and(|(last, _)| *last == t) {
+            problems.row("duplicate", sheet.first_row + i, &mut count);
+        } else {
+            kept.push((t, i));
+        }
+    }
+    count.keep("pose", kept.len());
+    reader.report.tables.push(count);
+    reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
+    if kept.is_empty() {
+        return None;
+    }
+    let pose = |i: usize| Pose { position: [x[i], y[i], z[i]], heading: headings[i], velocity: velocity[i] };
+    let numbers = |v: &[f64]| kept.iter().map(|&(_, i)| v[i]).collect::<Vec<_>>();
+    fn pick<T: Clone>(kept: &[(i64, usize)], v: &[Option<T>]) -> Vec<Option<T>> {
+        kept.iter().map(|&(_, i)| v[i].clone()).collect()
+    }
+    Some(EgoRows {
+        label: sheet.label.clone(),
+        times: kept.iter().map(|k| k.0).collect(),
+        pose: kept.iter().map(|&(_, i)| pose(i)).collect(),
+        accel: numbers(&accel),
+        yaw_rate: numbers(&yaw_rate),
+        bus: EgoBus {
+            speed_mps: numbers(&speed),
+            steering: numbers(&steering),
+            brake: pick(&kept, &brake),
+            throttle: numbers(&throttle),
+            gear: pick(&kept, &gear),
+            turn_signal: pick(&kept, &turn_signal),
+            aeb: pick(&kept, &aeb),
+            cruise: pick(&kept, &cruise),
+            route_command: pick(&kept, &route),
+        },
+    })
+}
+
+impl EgoRows {
+    fn seconds(&self, clock: &Clock) -> Vec<f64> {
+        self.times.iter().map(|&t| clock.seconds(t)).collect()
+    }
+
+    /// Takes away the frames for which there is no pose: a gap in the log is a gap in the drive.
+    pub fn keep_covered(&self, clock: &mut Clock) {
+        let seconds = self.seconds(clock);
+        let there = linear(&seconds, &vec![0.0; seconds.len()], &clock.frames, clock.max_gap_s);
+        let mut there = there.iter();
+        clock.frames.retain(|_| there.next().is_some_and(|v| !v.is_nan()));
+    }
+
+    /// The ego at the clock's frames, its pose moved to the middle of its box.
+    pub fn at(&self, clock: &Clock, shape: &EgoBox) -> Ego {
+        let seconds = self.seconds(clock);
+        let d = shape.reference_to_centre_m;
+        let mut samples = Sampled::default();
+        for (pose, &time) in self.pose.iter().zip(&seconds) {
+            let (s, c) = pose.heading.sin_cos();
+            let [x, y, z] = pose.position;
+            samples.push(Sample {
+                time,
+                position: [x + d * c, y + d * s, z],
+                heading: pose.heading,
+                velocity: pose.velocity,
+                size: [f64::NAN; 3],
+                points: f64::NAN,
+            });
+        }
+        let mut motion = samples.motion_at(&clock.frames, clock.max_gap_s);
+        let number = |v: &[f64]| linear(&seconds, v, &clock.frames, clock.max_gap_s);
+        let told = |v: &[f64]| v.iter().any(|x| x.is_finite());
+        if told(&self.yaw_rate) {
+            motion.yaw_rate = number(&self.yaw_rate);
+        }
+        if told(&self.accel) {
+            motion.accel = number(&self.accel);
+        }
+        if samples.vx.iter().any(|v| v.is_finite()) && d != 0.0 {
+            // Stated velocities are those of the reference point; the middle of the car also swings round it.
+            for i in 0..motion.len() {
+                let (s, c) = motion.heading[i].sin_cos();
+                motion.vx[i] -= motion.yaw_rate[i] * d * s;
+                motion.vy[i] += motion.yaw_rate[i] * d * c;
+            }
+        }
+        let last = latest(&seconds, &clock.frames, clock.max_gap_s);
+        Ego {
+            length_m: shape.length_m,
+            width_m: shape.width_m,
+            height_m: shape.height_m,
+            reference_to_centre_m: d,
+            motion,
+            bus: EgoBus {
+                speed_mps: if told(&self.bus.speed_mps) { number(&self.bus.speed_mps) } else { Vec::new() },
+                steering: if told(&self.bus.steering) { number(&self.bus.steering) } else { Vec::new() },
+                throttle: if told(&self.bus.throttle) { number(&self.bus.throttle) } else { Vec::new() },
+                brake: states(&self.bus.brake, &last),
+                gear: states(&self.bus.gear, &last),
+                turn_signal: states(&self.bus.turn_signal, &last),
+                aeb: states(&self.bus.aeb, &last),
+                cruise: states(&self.bus.cruise, &last),
+                route_command: states(&self.bus.route_command, &last),
+            },
+        }
+    }
+}
+
+/// States at frames; none at all when no row has one.
+pub(super) fn states<T: Clone>(values: &[Option<T>], last: &[Option<usize>]) -> Vec<Option<T>> {
+    if values.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    last.iter().map(|i| values[(*i)?].clone()).collect()
+}

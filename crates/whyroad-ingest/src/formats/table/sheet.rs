@@ -1,0 +1,145 @@
+//! One table, Parquet or CSV, as columns of texts. An empty cell is an unknown value.
+
+use super::problems::Problems;
+use crate::encodings::columns::{Columns, read_parquet};
+use std::path::{Path, PathBuf};
+use whyroad_model::Nanos;
+
+/// `ego.parquet` or `ego.csv` in the folder; the former when both are there.
+pub(super) fn sheet_file(dir: &Path, stem: &str) -> Option<PathBuf> {
+    ["parquet", "csv"].iter().map(|ext| dir.join(format!("{stem}.{ext}"))).find(|p| p.is_file())
+}
+
+/// The three ways to give a row's time; one of them is enough.
+pub(super) const TIME: &[&str] = &["timestamp_ns", "time", "time_s"];
+
+/// Name and cells.
+type Column = (String, Vec<Option<String>>);
+
+/// A table in memory.
+pub(super) struct Sheet {
+    /// Path as the user knows it.
+    pub label: String,
+    /// Name and cells of each column, in the file's order.
+    columns: Vec<Column>,
+    pub rows: usize,
+    /// Number of the first row of data: in a CSV the header is row 1, as a spreadsheet shows it.
+    pub first_row: usize,
+}
+
+impl Sheet {
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let is_csv = path.extension().is_some_and(|e| e == "csv");
+        let columns = if is_csv { read_csv(path)? } else { texts_of(&read_parquet(path)?)? };
+        let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+        Ok(Self { label: path.display().to_string(), columns, rows, first_row: if is_csv { 2 } else { 1 } })
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        self.columns.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.columns.iter().any(|(n, _)| n == name)
+    }
+
+    /// A column's cells; all unknown when it is not there.
+    pub fn texts(&self, name: &str) -> Vec<Option<String>> {
+        let column = self.columns.iter().find(|(n, _)| n == name);
+        column.map_or_else(|| vec![None; self.rows], |(_, cells)| cells.clone())
+    }
+
+    /// A column brought to a type; a cell that cannot be is unknown and goes to the problems.
+    pub fn parsed<T>(
+        &self,
+        name: &str,
+        expected: &'static str,
+        problems: &mut Problems,
+        parse: impl Fn(&str) -> Option<T>,
+    ) -> Vec<Option<T>> {
+        let Some((_, cells)) = self.columns.iter().find(|(n, _)| n == name) else {
+            return (0..self.rows).map(|_| None).collect();
+        };
+        cells
+            .iter()
+            .enumerate()
+            .map(|(i, cell)| {
+                let text = cell.as_deref()?;
+                let value = parse(text);
+                if value.is_none() {
+                    problems.cell(name, expected, self.first_row + i, text);
+                }
+                value
+            })
+            .collect()
+    }
+
+    /// A column of numbers; NaN is unknown.
+    pub fn numbers(&self, name: &str, problems: &mut Problems) -> Vec<f64> {
+        let number = |text: &str| text.parse::<f64>().ok().filter(|v| !v.is_infinite());
+        self.parsed(name, "a number", problems, number).into_iter().map(|v| v.unwrap_or(f64::NAN)).collect()
+    }
+
+    /// A column of truth values.
+    pub fn flags(&self, name: &str, problems: &mut Problems) -> Vec<Option<bool>> {
+        self.parsed(name, "true or false", problems, |text| match text.to_ascii_lowercase().as_str() {
+            "true" | "1" => Some(true),
+            "false" | "0" => Some(false),
+            _ => None,
+        })
+    }
+
+    /// A column of words of a closed set, spelled as in the lake.
+    pub fn words<T: serde::de::DeserializeOwned>(
+        &self,
+        name: &str,
+        expected: &'static str,
+        problems: &mut Problems,
+    ) -> Vec<Option<T>> {
+        self.parsed(name, expected, problems, |text| {
+            serde_json::from_value(serde_json::Value::String(text.to_ascii_lowercase())).ok()
+        })
+    }
+
+    /// The heading in radians, from whichever of the two columns is there.
+    pub fn headings(&self, problems: &mut Problems) -> Vec<f64> {
+        if self.has("heading_rad") {
+            return self.numbers("heading_rad", problems);
+        }
+        self.numbers("heading_deg", problems).into_iter().map(f64::to_radians).collect()
+    }
+
+    /// Times in ns since 1970, from whichever of the three columns is there.
+    pub fn times(&self, start: Nanos, problems: &mut Problems) -> Vec<Option<i64>> {
+        if self.has("timestamp_ns") {
+            self.parsed("timestamp_ns", "a whole number of nanoseconds", problems, |t| t.parse().ok())
+        } else if self.has("time") {
+            self.parsed("time", "an ISO 8601 time with an offset from UTC", problems, |t| {
+                Nanos::parse_iso(t).ok().map(|t| t.0)
+            })
+        } else {
+            let seconds = |t: &str| t.parse::<f64>().ok().filter(|v| v.is_finite());
+            self.parsed("time_s", "a number of seconds", problems, |t| Some(start.plus_secs(seconds(t)?).0))
+        }
+    }
+}
+
+fn read_csv(path: &Path) -> Result<Vec<Column>, String> {
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|e| e.to_string())?;
+    let header = reader.headers().map_err(|e| e.to_string())?.clone();
+    // Spreadsheets begin UTF-8 files with a byte order mark.
+    let name = |n: &str| n.trim_start_matches('\u{feff}').to_owned();
+    let mut columns: Vec<_> = header.iter().map(|n| (name(n), Vec::new())).collect();
+    for record in reader.records() {
+        let record = record.map_err(|e| e.to_string())?;
+        for ((_, cells), text) in columns.iter_mut().zip(record.iter()) {
+            cells.push((!text.is_empty()).then(|| text.to_owned()));
+        }
+    }
+    Ok(columns)
+}
+
+fn texts_of(table: &Columns) -> Result<Vec<Column>, String> {
+    table.names().into_iter().map(|name| table.texts(&name).map(|cells| (name, cells))).collect()
+}
