@@ -45,7 +45,7 @@ pub enum OptionType {
 }
 
 /// An option that an adapter declares.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct OptionSpec {
     /// Name on the command line, without dashes.
     pub name: &'static str,
@@ -179,6 +179,12 @@ pub struct Options {
 }
 
 impl Options {
+    /// These options with an id for the drive.
+    pub fn with_drive_id(mut self, id: DriveId) -> Self {
+        self.drive_id = Some(id);
+        self
+    }
+
     /// These options and a value of an adapter's option.
     pub fn with(mut self, option: &OptionSpec, value: impl Into<OptionValue>) -> Self {
         self.set(option, value.into());

@@ -11,7 +11,7 @@ use equality::{assert_equal, part, rules, with_gaps, with_less};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use whyroad_ingest::sumo::{self, Egos};
+use whyroad_ingest::sumo;
 use whyroad_ingest::{Options, find_sources, read};
 use whyroad_model::Drive;
 
@@ -53,8 +53,9 @@ fn drives_in(folder: &Path, out: &mut Vec<PathBuf>) {
 /// Calls `with` for the first `most` drives of the folder; `egos.txt` beside a simulation names its egos where they are not `ego`.
 fn each_drive(folder: &Path, most: usize, with: &mut dyn FnMut(Drive)) {
     let egos = std::fs::read_to_string(folder.join("egos.txt")).ok();
-    let named = |e: String| Egos::Named(e.split_whitespace().take(most).map(str::to_owned).collect());
-    let options = Options { egos: egos.map(named).unwrap_or_default(), ..Options::default() };
+    let egos = egos.unwrap_or_default();
+    let named = egos.split_whitespace().take(most);
+    let options = named.fold(Options::default(), |options, ego| options.with(&sumo::EGO, ego));
     for source in &find_sources(None, &[folder.to_owned()]).0 {
         if folder.join("fcd.xml.gz").is_file() {
             sumo::read_each(&source.path, &options, &mut |drive, _| drive.into_iter().for_each(&mut *with));

@@ -82,7 +82,7 @@ fn compare(name: &str, tally: &mut Tally) {
     let mut egos: Vec<String> = rows.iter().map(|r| r.ego.clone()).collect();
     egos.dedup();
     for ego in egos {
-        let options = Options { egos: whyroad_ingest::sumo::Egos::one(&ego), ..Options::default() };
+        let options = Options::default().with(&whyroad_ingest::sumo::EGO, ego.as_str());
         let (sources, _) = find_sources(None, &[folder(name)]);
         let drive = read(&sources[0], &options).0.unwrap();
         let t = Table::of(&drive);

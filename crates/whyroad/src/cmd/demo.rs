@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use whyroad_engine::mine::{MinedLake, mine_lake};
 use whyroad_engine::output::{Question, Summary, write_folder};
 use whyroad_framework::Framework;
-use whyroad_ingest::{Format, Options};
+use whyroad_ingest::{AdapterRef, LICENCE, Options, av2, sumo};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
 use whyroad_mining::rule::OTHER;
@@ -92,14 +92,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
     // Two lakes, so that a page never mixes what was shipped with what the user brought.
     let (format, path, folder) = match &args.av2 {
-        Some(path) => (Format::Av2, path.clone(), "lake-av2"),
-        None => (Format::Sumo, drives::unpack(&args.out.join("drives"))?, "lake"),
+        Some(path) => (AdapterRef(&av2::Av2), path.clone(), "lake-av2"),
+        None => (AdapterRef(&sumo::Sumo), drives::unpack(&args.out.join("drives"))?, "lake"),
     };
     let (sources, problems) = whyroad_ingest::find_sources(Some(format), &[path]);
     steps.findings(&problems);
-    let options = match format {
-        Format::Sumo => Options { licence: Some(drives::LICENCE.to_owned()), ..Options::default() },
-        _ => Options::default(),
+    let options = match &args.av2 {
+        Some(_) => Options::default(),
+        None => Options::default().with(&LICENCE, drives::LICENCE),
     };
     let lake = fresh_lake(&args.out.join(folder))?;
     let mut kept = 0;

@@ -64,11 +64,11 @@ fn words(words: &[&str]) -> Vec<String> {
 
 /// Brings a drive into the lake; `egos.txt` beside a simulation names its egos where they are not `ego`.
 fn ingest(drive: &Path, lake: &str) {
-    let mut args = words(&["ingest", "--lake", lake]);
+    let format = if drive.join("fcd.xml.gz").is_file() { "sumo" } else { "table" };
+    let mut args = words(&["ingest", format, "--lake", lake]);
     if let Ok(egos) = std::fs::read_to_string(drive.join("egos.txt")) {
         args.extend(egos.split_whitespace().flat_map(|e| words(&["--ego", e])));
     }
-    args.push(if drive.join("fcd.xml.gz").is_file() { "sumo" } else { "table" }.to_owned());
     args.push(drive.display().to_string());
     whyroad(&args);
 }

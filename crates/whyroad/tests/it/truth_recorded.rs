@@ -34,11 +34,12 @@ fn what_a_person_saw_is_found() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
     let (lake, mined) = (at("lake"), at("mined"));
-    for folder in ["av2/sensor_logs", "av2/motion_forecasting", "comma2k19"] {
-        let dbc = data.join("opendbc/_toyota_2017.dbc");
-        let source = data.join(folder);
-        whyroad(&["ingest", "--lake", &lake, "--dbc", dbc.to_str().unwrap(), source.to_str().unwrap()]);
+    for folder in ["av2/sensor_logs", "av2/motion_forecasting"] {
+        whyroad(&["ingest", "--lake", &lake, data.join(folder).to_str().unwrap()]);
     }
+    let (dbc, route) = (data.join("opendbc/_toyota_2017.dbc"), data.join("comma2k19"));
+    let (dbc, route) = (dbc.to_str().unwrap(), route.to_str().unwrap());
+    whyroad(&["ingest", "comma2k19", "--lake", &lake, "--dbc", dbc, route]);
     whyroad(&["mine", "--lake", &lake, "--out", &mined]);
     let truth = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/truth/recorded");
     let files: Vec<String> = DRIVES

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, scenarionet};
+use whyroad_ingest::{Options, SourceReport, find_sources, scenarionet};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::LaneMark;
 use whyroad_model::scene::LightColour;
@@ -175,9 +175,7 @@ fn what_is_no_scenario_says_where() {
 #[test]
 fn a_database_is_recognised_and_the_same_scenario_comes_in_once() {
     let (sources, problems) = find_sources(None, &[fixtures()]);
-    assert!(
-        problems.is_empty() && sources.len() == 5 && sources.iter().all(|s| s.format == Format::ScenarioNet)
-    );
+    assert!(problems.is_empty() && sources.len() == 5 && sources.iter().all(|s| s.format() == "scenarionet"));
     let dir = tempfile::tempdir().unwrap();
     let lake = Lake::create_or_open(dir.path()).unwrap();
     let outcome = || whyroad_ingest::ingest(&sources[1], &Options::default(), &lake).outcome;

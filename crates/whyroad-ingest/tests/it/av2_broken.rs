@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use whyroad_ingest::{Format, Options, SourceReport, av2, find_sources, ingest};
+use whyroad_ingest::{AdapterRef, Options, SourceReport, av2, find_sources, ingest};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::{Drive, ObjectClass, Severity};
 
@@ -188,7 +188,7 @@ fn a_truncated_file_keeps_its_readable_batches_and_the_other_logs_go_on() {
         fs::write(&file, &bytes[..(bytes.len() as f64 * keep) as usize]).unwrap();
     }
     let lake = Lake::create_or_open(folder.path().join("lake")).unwrap();
-    let (sources, problems) = find_sources(Some(Format::Av2), &[folder.path().to_owned()]);
+    let (sources, problems) = find_sources(Some(AdapterRef(&av2::Av2)), &[folder.path().to_owned()]);
     assert_eq!((sources.len(), problems.len()), (3, 0));
     let reports: Vec<_> = sources.iter().map(|s| ingest(s, &Options::default(), &lake)).collect();
     let [cut, short, whole] = &reports[..] else { panic!("three logs") };

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, nuscenes};
+use whyroad_ingest::{Options, SourceReport, find_sources, nuscenes};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::LaneMark;
 use whyroad_model::scene::TurnSignal;
@@ -27,7 +27,7 @@ fn near(a: f64, b: f64) -> bool {
 #[test]
 fn each_scene_is_a_drive_with_its_own_rows_only() {
     let (sources, problems) = find_sources(None, &[fixtures()]);
-    assert!(problems.is_empty() && sources.iter().all(|s| s.format == Format::NuScenes), "{sources:?}");
+    assert!(problems.is_empty() && sources.iter().all(|s| s.format() == "nuscenes"), "{sources:?}");
     let drives: Vec<Drive> =
         sources.iter().map(|s| whyroad_ingest::read(s, &Options::default()).0.unwrap()).collect();
     let ids: Vec<_> =

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, sumo};
+use whyroad_ingest::{AdapterRef, Options, SourceReport, find_sources, sumo};
 use whyroad_model::road_map::{LaneKind, TurnKind};
 use whyroad_model::scene::{LightColour, TurnSignal};
 use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
@@ -146,7 +146,7 @@ fn the_network_becomes_a_map() {
 
 #[test]
 fn light_states_are_those_of_the_links() {
-    let options = Options { lights: Some(fixtures().join("crossroads.lights.xml")), ..Options::default() };
+    let options = Options::default().with(&sumo::LIGHTS, fixtures().join("crossroads.lights.xml"));
     let (drive, _) = sumo::read(&fixtures().join("crossroads.fcd.xml"), &options);
     let lights = drive.unwrap().lights.unwrap();
     let got: Vec<_> = lights
@@ -180,7 +180,7 @@ fn frames_without_the_ego_are_cut_and_counted() {
     assert_eq!(drive.frame_count(), 20);
     assert_eq!(
         drive.times[0].0 % 10_000_000_000,
-        1_000_000_000 + Options::default().start.0 % 10_000_000_000
+        1_000_000_000 + Options::default().start().0 % 10_000_000_000
     );
     assert_eq!(report.tables[0].set_aside.get("ego_away"), Some(&10));
     assert_eq!(drive.tracks[0].frames.len(), 20);
@@ -237,8 +237,7 @@ fn what_is_wrong_is_named_and_the_rest_is_kept() {
     assert_eq!(report.tables[0].dropped.get("invalid"), Some(&2));
     assert_eq!(drive.unwrap().frame_count(), 9);
 
-    let (drive, report) =
-        sumo::read(&file, &Options { egos: sumo::Egos::one("nobody"), ..Options::default() });
+    let (drive, report) = sumo::read(&file, &Options::default().with(&sumo::EGO, "nobody"));
     let error = report.diagnostics.iter().find(|d| d.severity == Severity::Error).unwrap();
     assert!(
         drive.is_none()
@@ -260,7 +259,7 @@ fn what_is_wrong_is_named_and_the_rest_is_kept() {
 #[test]
 fn the_bundled_drives_are_found_and_read_whole() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives");
-    let (sources, problems) = find_sources(Some(Format::Sumo), &[folder]);
+    let (sources, problems) = find_sources(Some(AdapterRef(&sumo::Sumo)), &[folder]);
     assert!(problems.is_empty());
     let names: Vec<_> =
         sources.iter().map(|s| s.path.parent().unwrap().file_name().unwrap().to_owned()).collect();

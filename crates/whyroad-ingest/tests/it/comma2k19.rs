@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, comma2k19, find_sources};
+use whyroad_ingest::{Options, START, SourceReport, comma2k19, find_sources};
 use whyroad_model::scene::TurnSignal;
 use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
 
@@ -26,7 +26,10 @@ fn route() -> Option<PathBuf> {
 }
 
 fn toyota() -> Options {
-    Options { dbc: data("opendbc/_toyota_2017.dbc"), ..Options::default() }
+    match data("opendbc/_toyota_2017.dbc") {
+        Some(file) => Options::default().with(&comma2k19::DBC, file),
+        None => Options::default(),
+    }
 }
 
 fn read() -> Option<(Drive, SourceReport)> {
@@ -52,10 +55,7 @@ fn a_route_is_found_and_every_row_accounted_for() {
     // From the data set's folder, without being told the format; the same from the one segment.
     let (sources, problems) = find_sources(None, &[route.parent().unwrap().to_owned()]);
     assert!(problems.is_empty());
-    assert_eq!(
-        sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(),
-        [(Format::Comma2k19, &route)]
-    );
+    assert_eq!(sources.iter().map(|s| (s.format(), &s.path)).collect::<Vec<_>>(), [("comma2k19", &route)]);
     let Some((drive, report)) = read() else { return };
     let (of_segment, _) = comma2k19::read(&route.join("40"), &toyota());
     assert_eq!(of_segment.unwrap().meta, drive.meta);
@@ -293,14 +293,14 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
     let dir = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| {
         fs::write(dir.path().join(name), text).unwrap();
-        Options { dbc: Some(dir.path().join(name)), ..Options::default() }
+        Options::default().with(&comma2k19::DBC, dir.path().join(name))
     };
     let foreign = "VERSION \"\"\n\nNS_ :\n\nBS_:\n\nBU_: XXX\n\nBO_ 100 DEMO: 8 XXX\n SG_ SPEED : 7|16@0- (0.01,0) [0|0] \"m/s\" XXX\n";
     for (options, code) in [
         (Options::default(), "comma2k19.dbc.missing"),
         (write("page.dbc", "<html/>"), "comma2k19.dbc.unreadable"),
         (
-            Options { dbc: Some(dir.path().join("nowhere.dbc")), ..Options::default() },
+            Options::default().with(&comma2k19::DBC, dir.path().join("nowhere.dbc")),
             "comma2k19.dbc.unreadable",
         ),
         (write("other.dbc", foreign), "comma2k19.dbc.foreign"),
@@ -322,7 +322,7 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
 #[test]
 fn without_gps_time_the_start_is_the_one_given() {
     let start = Nanos::parse_iso("2020-02-03T04:05:06.000Z").unwrap();
-    let options = Options { start, ..toyota() };
+    let options = toyota().with(&START, start);
     let Some((drive, _, _)) =
         broken(&options, |s| fs::remove_file(s.join("global_pose/frame_gps_times")).unwrap())
     else {

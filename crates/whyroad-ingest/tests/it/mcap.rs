@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, mcap};
+use whyroad_ingest::{Options, SourceReport, find_sources, mcap};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::scene::TurnSignal;
 use whyroad_model::{Drive, ObjectClass};
@@ -14,7 +14,7 @@ fn fixture(name: &str) -> PathBuf {
 }
 
 fn with_mapping() -> Options {
-    Options { mapping: Some(fixture("fleet.yaml")), ..Options::default() }
+    Options::default().with(&mcap::MAPPING, fixture("fleet.yaml"))
 }
 
 fn read(name: &str, options: &Options) -> (Drive, SourceReport) {
@@ -123,8 +123,7 @@ fn without_a_mapping_the_topics_are_named_and_a_wrong_mapping_says_where() {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("m.yaml");
     fs::write(&file, "topics:\n  /a: { role: ego, postion: p }\n").unwrap();
-    let (_, report) =
-        mcap::read(&fixture("fleet.mcap"), &Options { mapping: Some(file), ..Options::default() });
+    let (_, report) = mcap::read(&fixture("fleet.mcap"), &Options::default().with(&mcap::MAPPING, file));
     assert_eq!(codes(&report), ["mcap.mapping"]);
     assert!(report.diagnostics[0].message.en.contains("postion"), "{:?}", report.diagnostics);
 }
@@ -154,7 +153,7 @@ fn what_a_cut_or_changed_file_still_has_is_kept() {
 fn recordings_are_recognised_and_come_in_once() {
     let (sources, problems) = find_sources(None, &[fixture("")]);
     assert!(
-        problems.is_empty() && sources.len() == 3 && sources.iter().all(|s| s.format == Format::Mcap),
+        problems.is_empty() && sources.len() == 3 && sources.iter().all(|s| s.format() == "mcap"),
         "{sources:?}"
     );
     let dir = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use whyroad_ingest::{Format, Options, SourceReport, av2::motion, find_sources};
+use whyroad_ingest::{Options, SourceReport, av2_motion, find_sources};
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass, Severity};
 
@@ -27,7 +27,7 @@ fn scenario() -> Option<PathBuf> {
 }
 
 fn read() -> Option<(Drive, SourceReport)> {
-    let (drive, report) = motion::read(&scenario()?, &Options::default());
+    let (drive, report) = av2_motion::read(&scenario()?, &Options::default());
     Some((drive.unwrap(), report))
 }
 
@@ -40,10 +40,7 @@ fn the_scenario_is_found_and_every_row_accounted_for() {
     let Some(folder) = scenario() else { return };
     let (sources, problems) = find_sources(None, &[folder.parent().unwrap().to_owned()]);
     assert!(problems.is_empty());
-    assert_eq!(
-        sources.iter().map(|s| (s.format, &s.path)).collect::<Vec<_>>(),
-        [(Format::Av2Motion, &folder)]
-    );
+    assert_eq!(sources.iter().map(|s| (s.format(), &s.path)).collect::<Vec<_>>(), [("av2-motion", &folder)]);
     let Some((drive, report)) = read() else { return };
     // pandas: 2434 rows, 58 tracks of which one is the AV with 110 rows.
     let count = &report.tables[0];
@@ -154,7 +151,7 @@ fn copy(change: impl Fn(&Path)) -> Option<(Option<Drive>, Vec<&'static str>)> {
         fs::copy(entry.path(), dir.path().join(entry.file_name())).unwrap();
     }
     change(dir.path());
-    let (drive, report) = motion::read(dir.path(), &Options::default());
+    let (drive, report) = av2_motion::read(dir.path(), &Options::default());
     Some((drive, report.diagnostics.iter().map(|d| d.code).filter(|c| *c != "av2.map.border").collect()))
 }
 
@@ -199,7 +196,7 @@ fn written(change: impl Fn(&mut Vec<(&'static str, ArrayRef)>)) -> (Option<Drive
     let mut writer = parquet::arrow::ArrowWriter::try_new(file, batch.schema(), None).unwrap();
     writer.write(&batch).unwrap();
     writer.close().unwrap();
-    motion::read(dir.path(), &Options::default())
+    av2_motion::read(dir.path(), &Options::default())
 }
 
 fn set(columns: &mut [(&'static str, ArrayRef)], name: &str, array: impl arrow_array::Array + 'static) {

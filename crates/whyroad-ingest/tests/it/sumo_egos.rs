@@ -5,8 +5,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::sumo::{Egos, Occlusion, Sensing};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, sumo};
+use whyroad_ingest::sumo::{EGO, EGO_SHARE, NET, OCCLUSION, SEED, SENSOR_RANGE, TYPES};
+use whyroad_ingest::{AdapterRef, OptionValue, Options, SourceReport, find_sources, sumo};
 use whyroad_model::Drive;
 use whyroad_model::road_map::{LaneKind, Point3};
 
@@ -46,10 +46,10 @@ fn all(file: &Path, options: &Options) -> Vec<(Option<Drive>, SourceReport)> {
 
 #[test]
 fn csv_and_compressed_files_are_the_same_log() {
-    let options = || Options {
-        net: Some(fixtures().join("crossroads.net.xml")),
-        types: vec![fixtures().join("crossroads.rou.xml")],
-        ..Options::default()
+    let options = || {
+        Options::default()
+            .with(&NET, fixtures().join("crossroads.net.xml"))
+            .with(&TYPES, fixtures().join("crossroads.rou.xml"))
     };
     let plain = sumo::read(&fixtures().join("crossroads.fcd.xml"), &options()).0.unwrap();
     let dir = tempfile::tempdir().unwrap();
@@ -83,7 +83,7 @@ fn logs_are_found_by_name_and_other_csv_is_not() {
     for name in ["a.fcd.csv", "b_fcd.xml.xz", "fcd.csv.zst", "tripinfo.csv", "net.xml"] {
         fs::write(dir.path().join(name), "").unwrap();
     }
-    let (sources, _) = find_sources(Some(Format::Sumo), &[dir.path().to_owned()]);
+    let (sources, _) = find_sources(Some(AdapterRef(&sumo::Sumo)), &[dir.path().to_owned()]);
     let names: Vec<_> =
         sources.iter().map(|s| s.path.file_name().unwrap().to_str().unwrap().to_owned()).collect();
     assert_eq!(names, ["a.fcd.csv", "b_fcd.xml.xz", "fcd.csv.zst"]);
@@ -107,8 +107,7 @@ fn each_ego_is_a_drive_and_the_others_are_its_tracks() {
         dir.path(),
         &[("a", CAR, 0.0, 0.0, 10.0), ("b", CAR, 30.0, 0.0, 8.0), ("c", CAR, 60.0, 0.0, 8.0)],
     );
-    let named =
-        Options { egos: Egos::Named(vec!["b".into(), "nobody".into(), "a".into()]), ..Options::default() };
+    let named = Options::default().with(&EGO, "b").with(&EGO, "nobody").with(&EGO, "a");
     let found = all(&file, &named);
     assert_eq!(found.len(), 3);
     let drive = found[0].0.as_ref().unwrap();
@@ -121,7 +120,7 @@ fn each_ego_is_a_drive_and_the_others_are_its_tracks() {
     assert_ne!(other.meta.content_hash, drive.meta.content_hash);
 
     let share =
-        |share, seed| all(&file, &Options { egos: Egos::Share { share, seed }, ..Options::default() });
+        |share: f64, seed: u64| all(&file, &Options::default().with(&EGO_SHARE, share).with(&SEED, seed));
     assert_eq!(share(1.0, 3).len(), 3);
     let none = share(0.0, 3);
     assert!(
@@ -144,7 +143,7 @@ fn a_share_draws_motor_vehicles_only_and_the_same_ones_again() {
         .collect();
     let file = log(dir.path(), &cars);
     let drawn = |seed| -> Vec<String> {
-        let found = all(&file, &Options { egos: Egos::Share { share: 0.3, seed }, ..Options::default() });
+        let found = all(&file, &Options::default().with(&EGO_SHARE, 0.3).with(&SEED, seed));
         found.iter().filter_map(|(d, _)| Some(d.as_ref()?.meta.drive_id.to_string())).collect()
     };
     let first = drawn(1);
@@ -163,8 +162,7 @@ fn the_sensor_sees_so_far() {
         dir.path(),
         &[("ego", CAR, 0.0, 0.0, 10.0), ("fast", CAR, 79.0, 0.0, 11.0), ("far", CAR, 200.0, 0.0, 10.0)],
     );
-    let sensing = Sensing { range_m: Some(80.0), ..Sensing::default() };
-    let (drive, report) = all(&file, &Options { sensing, ..Options::default() }).remove(0);
+    let (drive, report) = all(&file, &Options::default().with(&SENSOR_RANGE, 80.0)).remove(0);
     let drive = drive.unwrap();
     assert_eq!(
         drive.tracks.iter().map(|t| (t.id.as_str(), t.frames.len())).collect::<Vec<_>>(),
@@ -187,9 +185,9 @@ fn vehicles_hide_what_is_behind_them() {
         ("shade", CAR, -10.0, -0.9, 10.0),
         ("half", CAR, -30.0, 0.0, 10.0),
     ];
-    let sensing = Sensing { occlusion: Occlusion::ByBoxes, ..Sensing::default() };
+    let options = Options::default().with(&OCCLUSION, OptionValue::Flag);
     let file = log(dir.path(), &cars);
-    let (drive, report) = all(&file, &Options { sensing, ..Options::default() }).remove(0);
+    let (drive, report) = all(&file, &options).remove(0);
     let drive = drive.unwrap();
     let seen = |id: &str| drive.tracks.iter().find(|t| t.id.as_str() == id).map(|t| t.interior_points[0]);
     assert_eq!((seen("near"), seen("behind"), seen("left")), (Some(100.0), None, Some(100.0)));
@@ -255,7 +253,7 @@ fn a_roundabout_reaches_to_the_give_way_lines() {
     // A ring of four arms by netconvert: a road's lanes end at its give-way line and begin where the exit's mouth ends.
     let dir = tempfile::tempdir().unwrap();
     let net = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/truth/traffic/seen-ring/net.xml.gz");
-    let options = Options { net: Some(net), ..Options::default() };
+    let options = Options::default().with(&NET, net);
     let file = log(dir.path(), &[("ego", CAR, 0.0, 0.0, 1.0)]);
     let map = all(&file, &options).remove(0).0.unwrap().map.unwrap();
     let area = &map.facilities.iter().find(|f| f.kind == "roundabout").unwrap().boundary;

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, waymo};
+use whyroad_ingest::{AdapterRef, Options, SourceReport, find_sources, waymo};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::road_map::{LaneKind, LaneMark};
 use whyroad_model::scene::LightColour;
@@ -36,7 +36,7 @@ fn near(a: f64, b: f64) -> bool {
 #[test]
 fn each_record_is_a_drive() {
     let (sources, problems) = find_sources(None, &[fixtures()]);
-    assert!(problems.is_empty() && sources.iter().all(|s| s.format == Format::WaymoMotion));
+    assert!(problems.is_empty() && sources.iter().all(|s| s.format() == "waymo-motion"));
     let found: Vec<_> = sources
         .iter()
         .map(|s| {
@@ -124,7 +124,7 @@ fn a_cut_or_changed_record_is_told_and_the_others_are_kept() {
     let second = usize::try_from(u64::from_le_bytes(bytes[..8].try_into().unwrap())).unwrap() + 16;
 
     fs::write(&path, &bytes[..bytes.len() - 100]).unwrap();
-    let (sources, _) = find_sources(Some(Format::WaymoMotion), std::slice::from_ref(&path));
+    let (sources, _) = find_sources(Some(AdapterRef(&waymo::WaymoMotion)), std::slice::from_ref(&path));
     assert_eq!(sources.iter().map(|s| s.part).collect::<Vec<_>>(), [Some(0), Some(second as u64)]);
     let (drive, report) = read(&path, second as u64);
     assert!(drive.is_none() && codes(&report) == ["waymo.record.truncated"]);
@@ -140,7 +140,8 @@ fn a_cut_or_changed_record_is_told_and_the_others_are_kept() {
     }
     // A file that is something else is not taken for one of ours.
     fs::write(&path, b"not a record at all, but a text").unwrap();
-    let (sources, problems) = find_sources(Some(Format::WaymoMotion), std::slice::from_ref(&path));
+    let (sources, problems) =
+        find_sources(Some(AdapterRef(&waymo::WaymoMotion)), std::slice::from_ref(&path));
     assert!(sources.is_empty() && problems[0].code == "ingest.nothing_found");
 }
 

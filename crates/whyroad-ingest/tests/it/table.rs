@@ -6,7 +6,7 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use whyroad_ingest::{Format, Options, SourceReport, find_sources, table};
+use whyroad_ingest::{Options, SourceReport, find_sources, table};
 use whyroad_model::scene::{LightColour, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 use whyroad_model::{Drive, ObjectClass, Severity};
@@ -44,7 +44,7 @@ fn codes(report: &SourceReport) -> Vec<&'static str> {
 fn the_example_is_what_its_formulas_say() {
     let (sources, problems) = find_sources(None, &[example().parent().unwrap().to_owned()]);
     assert!(problems.is_empty());
-    assert_eq!(sources.iter().map(|s| s.format).collect::<Vec<_>>(), [Format::Table]);
+    assert_eq!(sources.iter().map(|s| s.format()).collect::<Vec<_>>(), ["table"]);
     let (drive, report) = table::read(&sources[0].path, &Options::default());
     let drive = drive.unwrap();
     assert!(codes(&report).is_empty() && !report.lost_input(), "{:?}", report.diagnostics);

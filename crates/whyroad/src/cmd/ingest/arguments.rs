@@ -1,0 +1,183 @@
+//! Arguments of `whyroad ingest`: one subcommand per format, built from the options that its adapter declares, and a form
+//! without a format, which recognises it.
+
+use super::ReportFormat;
+use clap::builder::ValueParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Arg, ArgAction, ArgMatches, Command, ValueEnum, value_parser};
+use std::path::{Path, PathBuf};
+use whyroad_ingest::{AdapterRef, LICENCE, OptionSpec, OptionType, OptionValue, Options, START, formats};
+use whyroad_model::DriveId;
+
+/// What the user asked for.
+pub(crate) struct Args {
+    pub format: Option<AdapterRef>,
+    pub paths: Vec<PathBuf>,
+    pub lake: PathBuf,
+    pub options: Options,
+    pub print: ReportFormat,
+}
+
+/// Options without a format: those whose meaning is the same for every format.
+const SHARED: &[OptionSpec] = &[START, LICENCE];
+
+const EXAMPLES: &str = "\
+Examples:
+  whyroad ingest av2 path/to/sensor_logs --lake lake
+  whyroad ingest sumo path/to/runs --ego ego --lake lake
+  whyroad ingest path/to/drives --lake lake          the format of each drive is recognised
+  whyroad ingest comma2k19 --help                    options of one format";
+
+impl clap::Args for Args {
+    fn augment_args(command: Command) -> Command {
+        let command = with_common(command)
+            .args(SHARED.iter().map(argument))
+            .arg(paths().required(true))
+            .args_conflicts_with_subcommands(false)
+            .subcommand_negates_reqs(true)
+            .subcommand_help_heading("Formats")
+            .subcommand_value_name("FORMAT")
+            .disable_help_subcommand(true)
+            .override_usage("whyroad ingest [FORMAT] [OPTIONS] --lake <DIR> <PATH>...")
+            .after_help(EXAMPLES);
+        command.subcommands(formats::ALL.iter().map(|adapter| {
+            let adapter = adapter.0;
+            Command::new(adapter.name())
+                .about(adapter.about())
+                .override_usage(format!("whyroad ingest {} [OPTIONS] --lake <DIR> <PATH>...", adapter.name()))
+                .arg(paths().required(true))
+                .args(adapter.options().iter().map(argument))
+                .after_help(format!("Example:\n  whyroad ingest {}", adapter.example()))
+        }))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// Options of `ingest` that may be given before or after the format.
+fn with_common(command: Command) -> Command {
+    command
+        .arg(
+            Arg::new("lake")
+                .long("lake")
+                .value_name("DIR")
+                .value_parser(value_parser!(PathBuf))
+                .global(true)
+                .help("Lake to write into; created if it does not exist (required)"),
+        )
+        .arg(
+            Arg::new("drive-id")
+                .long("drive-id")
+                .value_name("ID")
+                .global(true)
+                .help("Id of the drive; only with a single source"),
+        )
+        .arg(
+            Arg::new("print")
+                .long("format")
+                .value_name("FORMAT")
+                .value_parser(value_parser!(ReportFormat))
+                .default_value("text")
+                .global(true)
+                .help("Format of the report"),
+        )
+}
+
+fn paths() -> Arg {
+    Arg::new("paths")
+        .value_name("PATH")
+        .num_args(1..)
+        .value_parser(value_parser!(PathBuf))
+        .help("Log folders, files, or folders of them")
+}
+
+/// The command-line argument of a declared option.
+fn argument(option: &OptionSpec) -> Arg {
+    let action = match (option.value, option.repeatable) {
+        (OptionType::Flag, _) => ArgAction::SetTrue,
+        (_, true) => ArgAction::Append,
+        (_, false) => ArgAction::Set,
+    };
+    let mut help = option.help.to_owned();
+    help[..1].make_ascii_uppercase();
+    let mut arg = Arg::new(option.name)
+        .long(option.name)
+        .help(help)
+        .action(action)
+        .conflicts_with_all(option.conflicts);
+    if option.value != OptionType::Flag {
+        let spec = option.clone();
+        let parse = move |text: &str| spec.parse(text);
+        arg = arg.value_name(option.value_name).value_parser(ValueParser::new(parse));
+    }
+    match option.requires {
+        Some(other) => arg.requires(other),
+        None => arg,
+    }
+}
+
+impl clap::FromArgMatches for Args {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let (format, used) = match matches.subcommand() {
+            Some((name, sub)) => (formats::by_name(name), sub),
+            None => (None, matches),
+        };
+        let paths: Vec<PathBuf> = used.get_many("paths").into_iter().flatten().cloned().collect();
+        if format.is_none() {
+            refuse_unknown_format(&paths)?;
+        }
+        let mut options = Options::default();
+        options.drive_id = used.get_one::<String>("drive-id").map(|id| DriveId::from(id.as_str()));
+        for option in format.map_or(SHARED, |f| f.0.options()) {
+            if option.value == OptionType::Flag {
+                if used.get_flag(option.name) {
+                    options.set(option, OptionValue::Flag);
+                }
+            } else if let Some(values) = used.get_many::<OptionValue>(option.name) {
+                values.cloned().for_each(|value| options.set(option, value));
+            }
+        }
+        let lake = used.get_one::<PathBuf>("lake").cloned().ok_or_else(|| {
+            let mut error = clap::Error::new(ErrorKind::MissingRequiredArgument);
+            error.insert(ContextKind::InvalidArg, ContextValue::Strings(vec!["--lake <DIR>".to_owned()]));
+            error
+        })?;
+        let print = used.get_one::<ReportFormat>("print").copied().unwrap_or(ReportFormat::Text);
+        Ok(Self { format, paths, lake, options, print })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// A first argument that is no path, but could be meant as a format, is a usage error: nothing is written.
+fn refuse_unknown_format(paths: &[PathBuf]) -> Result<(), clap::Error> {
+    let Some(first) = paths.first().filter(|p| !p.exists() && is_one_word(p)) else { return Ok(()) };
+    let name = first.display().to_string();
+    let closest = formats::closest(&name);
+    if closest.is_none() && paths.len() == 1 {
+        // A path that does not exist; the search for sources reports it.
+        return Ok(());
+    }
+    let mut error = clap::Error::new(ErrorKind::InvalidSubcommand);
+    error.insert(ContextKind::InvalidSubcommand, ContextValue::String(name));
+    if let Some(closest) = closest {
+        error.insert(ContextKind::SuggestedSubcommand, ContextValue::Strings(vec![closest.to_owned()]));
+    } else {
+        let known: Vec<&str> = formats::ALL.iter().map(|a| a.0.name()).collect();
+        error.insert(
+            ContextKind::Suggested,
+            ContextValue::StyledStrs(vec![format!("the formats are {}", known.join(", ")).into()]),
+        );
+    }
+    Err(error)
+}
+
+fn is_one_word(path: &Path) -> bool {
+    let text = path.to_string_lossy();
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
+}
