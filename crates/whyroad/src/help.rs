@@ -35,6 +35,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "One format, with its options",
                 "whyroad ingest sumo fcd.xml.gz --net net.xml.gz --ego ego --lake lake",
             ),
+            ("Options of a format", "whyroad ingest comma2k19 --dbc car.dbc --lake lake logs/"),
         ],
     ),
     (
@@ -110,10 +111,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         )],
     ),
     ("accounts list", &[("Accounts of a store", "whyroad accounts list --data labels")]),
-    (
-        "accounts password",
-        &[("A new password, printed once", "whyroad accounts password ada --data labels")],
-    ),
+    ("accounts password", &[("A new password, printed once", "whyroad accounts password ada --data labels")]),
     ("backup", &[("One file", "whyroad backup --data labels --out labels.backup")]),
     ("restore", &[("Into an empty store", "whyroad restore --from labels.backup --data labels-2")]),
     (

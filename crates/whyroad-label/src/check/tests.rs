@@ -276,7 +276,9 @@ fn typed_reads(kind: MessageKind, text: &str) -> bool {
         MessageKind::ScenarioLabel => serde_json::from_str::<typed::ScenarioLabelMessage>(text).is_ok(),
         MessageKind::ClipMetadata => serde_json::from_str::<typed::ClipMetadataMessage>(text).is_ok(),
         MessageKind::ScenarioPreLabel => serde_json::from_str::<typed::ScenarioPreLabelMessage>(text).is_ok(),
-        MessageKind::KeyframeSuggestion => serde_json::from_str::<typed::KeyframeSuggestionMessage>(text).is_ok(),
+        MessageKind::KeyframeSuggestion => {
+            serde_json::from_str::<typed::KeyframeSuggestionMessage>(text).is_ok()
+        }
         MessageKind::MiningQuery => serde_json::from_str::<typed::MiningQueryMessage>(text).is_ok(),
         MessageKind::MiningResult => serde_json::from_str::<typed::MiningResultMessage>(text).is_ok(),
     }

@@ -21,13 +21,6 @@ pub(crate) struct Args {
 /// Options without a format: those whose meaning is the same for every format.
 const SHARED: &[OptionSpec] = &[START, LICENCE];
 
-const EXAMPLES: &str = "\
-Examples:
-  whyroad ingest av2 path/to/sensor_logs --lake lake
-  whyroad ingest sumo path/to/runs --ego ego --lake lake
-  whyroad ingest path/to/drives --lake lake          the format of each drive is recognised
-  whyroad ingest comma2k19 --help                    options of one format";
-
 impl clap::Args for Args {
     fn augment_args(command: Command) -> Command {
         let command = with_common(command)
@@ -38,8 +31,7 @@ impl clap::Args for Args {
             .subcommand_help_heading("Formats")
             .subcommand_value_name("FORMAT")
             .disable_help_subcommand(true)
-            .override_usage("whyroad ingest [FORMAT] [OPTIONS] --lake <DIR> <PATH>...")
-            .after_help(EXAMPLES);
+            .override_usage("whyroad ingest [FORMAT] [OPTIONS] --lake <DIR> <PATH>...");
         command.subcommands(formats::ALL.iter().map(|adapter| {
             let adapter = adapter.0;
             Command::new(adapter.name())
