@@ -24,6 +24,12 @@ export function leafName(id: string): string {
   return leaf ? localized(leaf.name) : id;
 }
 
+/** Names of the L1 and L2 of a leaf: `L1 › L2`; empty while they are unknown. */
+export function groupName(id: string): string {
+  const leaf = loaded.now?.leaves.get(id);
+  return leaf ? leaf.path.slice(0, -1).map(localized).join(" › ") : "";
+}
+
 export interface Group {
   id: string;
   name: Bilingual;

@@ -5,6 +5,7 @@ Object.assign(globalThis, {
   matchMedia: () => ({ matches: false, addEventListener: () => {} }),
   ResizeObserver: class {
     observe(): void {}
+    unobserve(): void {}
     disconnect(): void {}
   },
 });

@@ -226,6 +226,12 @@ export const labelTexts = {
   "check.minimal": ["决策最小：没有变化就是空", "Decision minimality: no change is null"],
   "check.history": ["经过", "History"],
 
+  "history.seq": ["序号", "No."],
+  "history.at": ["时间", "Time"],
+  "history.actor": ["操作人", "User"],
+  "history.action": ["操作", "Action"],
+  "history.what": ["内容", "Fields and note"],
+
   "adj.title": ["并排裁决", "Side by side"],
   "adj.take": ["采用这一份", "Take this one"],
   "adj.chosen": ["已采用", "taken"],

@@ -35,6 +35,7 @@ export const screenTexts = {
   "app.retry": ["重试", "Try again"],
   "app.offline": ["连不上服务器", "The server cannot be reached"],
   "app.offline.hint": ["请检查网络，或询问服务是否在运行。", "Check the network, or ask whether the service runs."],
+  "table.sort": ["排序", "Sort"],
   "app.more": ["载入更多", "Load more"],
 
   "login.title": ["登录", "Sign in"],
@@ -206,6 +207,7 @@ export const screenTexts = {
   "dash.audit": ["审计结果", "Audit outcome"],
   "dash.user": ["人员", "Person"],
   "dash.leaf": ["叶子类", "Leaf"],
+  "dash.bar": ["已完成比例", "Share of the target"],
   "dash.have": ["已有", "Have"],
   "dash.quota": ["目标", "Wanted"],
   "dash.mined": ["已挖掘", "Mined"],
