@@ -3,5 +3,6 @@
 use std::io::Write;
 
 fn main() -> std::io::Result<()> {
-    std::io::stdout().write_all(whyroad_server::api::openapi::text().as_bytes())
+    std::io::stdout()
+        .write_all(whyroad_server::api::openapi::text(whyroad_server::api::table::ROUTES).as_bytes())
 }

@@ -12,7 +12,6 @@ pub mod route;
 mod router;
 pub mod server;
 pub mod table;
-pub mod wire;
 
 mod deliver;
 mod patience;

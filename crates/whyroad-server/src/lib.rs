@@ -5,6 +5,7 @@
 
 pub mod api;
 pub mod app;
+pub mod domain;
 pub mod limits;
 pub mod oidc;
 pub mod problem;
@@ -13,7 +14,6 @@ pub mod secret;
 pub mod service;
 pub mod store;
 mod url;
-pub mod workflow;
 
 pub use api::server::serve;
 pub use app::App;

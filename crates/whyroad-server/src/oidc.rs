@@ -4,6 +4,7 @@
 //! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a secret
 //! of the service and the browser's cookie, so that strangers cannot fill the store.
 
+pub mod algorithm;
 pub mod claims;
 pub mod flow;
 pub mod jws;
@@ -13,6 +14,10 @@ pub mod settings;
 pub mod web;
 
 use crate::problem::Problem;
+use serde_json::json;
+
+/// Why a token is refused: a short word, which goes into `more.reason` of the problem.
+pub type Reason = &'static str;
 
 /// The provider cannot be reached or answers what it must not: nobody's fault who signs in.
 pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
@@ -24,4 +29,15 @@ pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
         format!("身份提供方不可用或应答有误：{why}"),
         format!("the identity provider is away or answers wrongly: {why}"),
     )
+}
+
+/// An ID token is not believed.
+pub fn refused_token(reason: Reason) -> Problem {
+    Problem::new(
+        403,
+        "oidc.token",
+        format!("身份提供方的令牌未通过检查（{reason}），未登录"),
+        format!("the identity provider's token did not pass the checks ({reason}): nobody was signed in"),
+    )
+    .with(json!({ "reason": reason }))
 }

@@ -1,6 +1,6 @@
 //! Why the service refuses: one type from the store to the wire, rendered as problem+json (RFC 9457).
 
-use crate::workflow::Refusal;
+use crate::domain::workflow::Refusal;
 use serde_json::Value;
 use whyroad_label::merge::DraftError;
 use whyroad_model::Bilingual;

@@ -1,7 +1,7 @@
 //! What the service needs of the rest of the program: drives, signals, drafts, mined folders. Handed in by the caller,
 //! so that this crate reads no lake and derives no signal.
 
-use crate::api::wire::scene::SignalAbout;
+use crate::domain::scene::SignalAbout;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};

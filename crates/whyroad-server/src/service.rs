@@ -1,6 +1,7 @@
 //! What the service does, one part a file. Functions take a transaction where several of them make one change.
 
 pub mod actions;
+pub mod answer;
 pub mod audits;
 pub mod classes;
 pub mod create;
@@ -9,6 +10,7 @@ pub mod drafts;
 pub mod findings;
 #[cfg(test)]
 mod fixtures;
+pub mod history;
 pub mod identities;
 pub mod leases;
 pub mod list;
@@ -18,6 +20,7 @@ pub mod pickers;
 pub mod projects;
 pub mod queue;
 pub mod scene;
+pub mod seen;
 pub mod tasks;
 pub mod transfer;
 pub mod visible;

@@ -3,105 +3,21 @@
 //! All writes of one request are one transaction. SQLite has one writer thread that commits many requests together (each
 //! in a savepoint of its own) and answers none of them before the commit is on disk.
 
+mod backend;
+mod backup;
 mod dump;
 mod migrate;
+mod opened;
 mod postgres;
 mod sql;
 mod sqlite;
 
-pub use dump::{backup, backup_to, restore};
+pub use backup::{backup, backup_to, restore};
+pub use opened::{Store, StoreLocation};
 pub use sql::{Row, Tx, Value};
 
-use crate::problem::{Answer, Problem};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
-
-/// Where a store is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// A file of SQLite's; made when it is not there.
-    File(PathBuf),
-    /// A PostgreSQL database (`postgres://user:password@host/name`).
-    Server(String),
-}
-
-impl Place {
-    /// `postgres://...` and `postgresql://...` are servers, everything else (`sqlite:` in front or not) a file.
-    pub fn parse(text: &str) -> Self {
-        if text.starts_with("postgres://") || text.starts_with("postgresql://") {
-            return Self::Server(text.to_owned());
-        }
-        Self::File(text.strip_prefix("sqlite:").unwrap_or(text).into())
-    }
-}
-
-/// An opened store. Clones share it.
-#[derive(Clone)]
-pub struct Store {
-    backend: Arc<dyn Backend>,
-    /// What was kept of the store before its tables were brought forward, where they were: a file to go back to.
-    pub kept: Option<PathBuf>,
-}
-
-impl std::fmt::Debug for Store {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Store")
-    }
-}
-
-/// Work in a transaction. It may be run again when the database asks for it, so it changes nothing but the database
-/// and its own result.
-type Job = Box<dyn FnMut(&mut dyn Tx) -> Answer<()> + Send>;
-
-trait Backend: Send + Sync {
-    /// Runs `job` in a transaction and commits it; an error undoes it.
-    fn write(&self, job: Job) -> Answer<()>;
-    /// Runs `job` on one consistent state.
-    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()>;
-}
-
-impl Store {
-    /// Opens the store and brings its tables up to date, after keeping what is there: a file is copied
-    /// (`<file>.before-<version>`), a server's tables are backed up into the working folder.
-    pub fn open(place: &Place) -> Answer<Self> {
-        Self::open_keeping(place, Path::new(""))
-    }
-
-    /// The same, with `aside` as the folder for the backup of a server's tables (`store.before-<version>.jsonl`, which
-    /// [`restore`] reads).
-    pub fn open_keeping(place: &Place, aside: &Path) -> Answer<Self> {
-        fn shared(opened: (impl Backend + 'static, Option<PathBuf>)) -> Store {
-            Store { backend: Arc::new(opened.0), kept: opened.1 }
-        }
-        Ok(match place {
-            Place::File(path) => shared(sqlite::Sqlite::open(path)?),
-            Place::Server(url) => shared(postgres::Postgres::open(url, aside)?),
-        })
-    }
-
-    /// Runs `job` in a transaction. What it returns is returned only after the commit.
-    pub fn write<T: Send + 'static>(
-        &self,
-        mut job: impl FnMut(&mut dyn Tx) -> Answer<T> + Send + 'static,
-    ) -> Answer<T> {
-        let slot = Arc::new(Mutex::new(None));
-        let inner = Arc::clone(&slot);
-        self.backend.write(Box::new(move |tx| {
-            let value = job(tx)?;
-            *inner.lock().map_err(Problem::store)? = Some(value);
-            Ok(())
-        }))?;
-        let value = slot.lock().map_err(Problem::store)?.take();
-        value.ok_or_else(|| Problem::store("no result"))
-    }
-
-    /// Runs `job` on one consistent state of the store.
-    pub fn read<T>(&self, mut job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
-        let mut out = None;
-        self.backend.read(&mut |tx| {
-            out = Some(job(tx)?);
-            Ok(())
-        })?;
-        out.ok_or_else(|| Problem::store("no result"))
-    }
+/// A list of values.
+#[macro_export]
+macro_rules! values {
+    ($($v:expr),* $(,)?) => { &[$($crate::store::Value::from($v)),*] };
 }

@@ -12,7 +12,7 @@ use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 use whyroad_report::mined;
-use whyroad_server::api::wire::scene::{SignalAbout, SignalKind};
+use whyroad_server::domain::scene::{SignalAbout, SignalKind};
 use whyroad_server::recordings::Recordings;
 use whyroad_signals::{Catalogue, SignalKind as Kind};
 

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use whyroad_framework::Framework;
 use whyroad_model::Lang;
-use whyroad_server::api::wire::project::{Project, Settings};
+use whyroad_server::domain::project::{Project, Settings};
 use whyroad_server::problem::Problem;
 use whyroad_server::secret;
-use whyroad_server::store::{Place, Store};
+use whyroad_server::store::{Store, StoreLocation};
 
 /// Options that say where the store is.
 #[derive(clap::Args, Clone, Debug)]
@@ -24,10 +24,10 @@ pub(crate) struct StoreArgs {
 
 impl StoreArgs {
     /// The place that the options name.
-    pub(crate) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> StoreLocation {
         match &self.store {
-            Some(text) => Place::parse(text),
-            None => Place::File(self.data.join("labels.db")),
+            Some(text) => StoreLocation::parse(text),
+            None => StoreLocation::File(self.data.join("labels.db")),
         }
     }
 
@@ -47,7 +47,7 @@ impl StoreArgs {
 
     /// Opens the store of a service that has run before: a mistyped path must not make an empty one.
     pub(crate) fn open_existing(&self, lang: Lang) -> anyhow::Result<Store> {
-        if let Place::File(path) = self.place()
+        if let StoreLocation::File(path) = self.place()
             && !path.is_file()
         {
             return Err(anyhow!(match lang {

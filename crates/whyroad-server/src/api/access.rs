@@ -1,41 +1,15 @@
 //! The gate in front of every handler: who calls, and whether the route is for them. One place for all routes, so that
 //! none can forget it.
 
-use super::call::Request;
+use super::call::{Grant, Request};
 use super::route::{Access, Route, Verb};
-use super::wire::people::User;
 use crate::app::App;
+use crate::domain::people::User;
+use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::service::{people, projects, tasks};
 use crate::store::Tx;
-use crate::workflow::Role;
 use crate::{secret, values};
-
-/// What the gate found out on its way. A handler that writes reads again inside its own transaction.
-#[derive(Clone, Debug, Default)]
-pub struct Grant {
-    /// Id of the project that the call is about.
-    pub project: Option<String>,
-    /// The caller's roles there; an admin is lead everywhere.
-    pub roles: Vec<Role>,
-}
-
-impl Grant {
-    /// The project's id.
-    pub fn project(&self) -> Answer<&str> {
-        self.project.as_deref().ok_or_else(Problem::missing)
-    }
-
-    /// True for leads, checkers and auditors.
-    pub fn is_staff(&self) -> bool {
-        is_staff(&self.roles)
-    }
-}
-
-/// True for leads, checkers and auditors.
-pub fn is_staff(roles: &[Role]) -> bool {
-    roles.iter().any(|r| matches!(r, Role::Lead | Role::Checker | Role::Auditor))
-}
 
 /// The value of `x-csrf-token` that goes with a session cookie.
 pub fn csrf_of(app: &App, cookie: &str) -> String {

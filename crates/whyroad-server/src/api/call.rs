@@ -1,8 +1,8 @@
 //! A request as a handler sees it: who calls, which thing it is about, what was sent.
 
-use super::access::Grant;
-use super::wire::people::User;
 use crate::app::App;
+use crate::domain::people::User;
+use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
@@ -18,6 +18,34 @@ pub struct Call<'a> {
     pub caller: Option<User>,
     /// What the gate found out: project, roles, task.
     pub grant: Grant,
+    /// Makes the OpenAPI document of all routes.
+    pub document: fn() -> String,
+}
+
+/// What the gate found out on its way. A handler that writes reads again inside its own transaction.
+#[derive(Clone, Debug, Default)]
+pub struct Grant {
+    /// Id of the project that the call is about.
+    pub project: Option<String>,
+    /// The caller's roles there; an admin is lead everywhere.
+    pub roles: Vec<Role>,
+}
+
+impl Grant {
+    /// The project's id.
+    pub fn project(&self) -> Answer<&str> {
+        self.project.as_deref().ok_or_else(Problem::missing)
+    }
+
+    /// True for leads, checkers and auditors.
+    pub fn is_staff(&self) -> bool {
+        is_staff(&self.roles)
+    }
+}
+
+/// True for leads, checkers and auditors.
+pub fn is_staff(roles: &[Role]) -> bool {
+    roles.iter().any(|r| matches!(r, Role::Lead | Role::Checker | Role::Auditor))
 }
 
 /// What was sent, before anybody looked at who sent it.

@@ -2,7 +2,7 @@
 
 use super::pages::Keep;
 use super::reply::Reply;
-use super::wire::people::ProblemBody;
+use crate::domain::people::ProblemBody;
 use crate::problem::Problem;
 use axum::body::Body;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Response, StatusCode, header};

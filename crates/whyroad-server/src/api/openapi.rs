@@ -1,18 +1,17 @@
 //! The OpenAPI document (3.1), made from the table of routes and the types on the wire.
 
 use super::route::{Access, Route, Verb};
-use super::table::ROUTES;
-use super::wire::people::ProblemBody;
+use crate::domain::people::ProblemBody;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
 /// The document.
-pub fn document() -> Value {
+pub fn document(routes: &[Route]) -> Value {
     let settings = SchemaSettings::draft2020_12().with(|s| s.definitions_path = "/components/schemas".into());
     let mut generator = settings.into_generator();
     let problem = generator.subschema_for::<ProblemBody>();
     let mut paths = Map::new();
-    for route in ROUTES {
+    for route in routes {
         let mut operation = json!({
             "operationId": operation_id(route),
             "summary": route.about,
@@ -63,8 +62,8 @@ pub fn document() -> Value {
 }
 
 /// The document as the file `openapi.json` has it.
-pub fn text() -> String {
-    format!("{:#}\n", document())
+pub fn text(routes: &[Route]) -> String {
+    format!("{:#}\n", document(routes))
 }
 
 /// The verb in lower case.

@@ -4,11 +4,13 @@ use super::access;
 use super::call::{Call, Request};
 use super::deliver::{Kind, Wishes, deliver, problem};
 use super::incoming::{forwarded, request_of};
+use super::openapi;
 use super::pages;
 use super::patience::{Patient, Peer};
 use super::reply::Reply;
 use super::route::{BodySize, Route, Verb};
 use super::router::{find, wrong_method};
+use super::table::ROUTES;
 use crate::app::App;
 use crate::problem::{Answer, Problem};
 use crate::service::webhooks;
@@ -136,7 +138,7 @@ fn outside(method: &Method, path: &str, wishes: &Wishes) -> Response<Body> {
 
 fn run(app: &Arc<App>, route: &Route, request: &Request) -> Answer<Reply> {
     let (caller, grant) = access::pass(app, route, request)?;
-    (route.run)(&Call { app, request, caller, grant })
+    (route.run)(&Call { app, request, caller, grant, document: || openapi::text(ROUTES) })
 }
 
 async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {

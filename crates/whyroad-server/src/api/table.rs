@@ -2,7 +2,7 @@
 
 use super::handlers::{accounts, drafts, oidc, projects, scenes, session, talk, tasks, transfer, webhooks};
 use super::route::{Access, BodySize, JSON_LINES, Route};
-use super::wire::{oidc::*, people::*, project::*, scene::*, task::*};
+use crate::domain::{oidc::*, people::*, project::*, scene::*, task::*};
 use crate::oidc::flow::Returned;
 use serde_json::Value;
 

@@ -1,6 +1,7 @@
 //! What an ID token has to say to be believed (OpenID Connect Core 3.1.3.7), and who it then speaks of.
 
-use super::jws::{Algorithm, Reason};
+use super::Reason;
+use super::algorithm::Algorithm;
 use serde_json::Value;
 
 /// By how much the provider's clock and ours may differ, s.

@@ -1,9 +1,10 @@
 //! A sign-in from its beginning to the claims of who signed in.
 
 use super::claims::{self, Expected};
-use super::jws::{Reason, Token};
+use super::jws::Token;
 use super::provider::{Metadata, Provider};
 use super::provider_fails;
+use super::refused_token;
 use super::settings::Secret;
 use crate::app::App;
 use crate::problem::{Answer, Problem};
@@ -12,7 +13,7 @@ use crate::{secret, values};
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 /// How long a sign-in may take at the provider, ms.
@@ -54,17 +55,6 @@ pub struct Returned {
     /// `error`.
     #[serde(default)]
     pub error: Option<String>,
-}
-
-/// An ID token is not believed.
-pub fn refused_token(reason: Reason) -> Problem {
-    Problem::new(
-        403,
-        "oidc.token",
-        format!("身份提供方的令牌未通过检查（{reason}），未登录"),
-        format!("the identity provider's token did not pass the checks ({reason}): nobody was signed in"),
-    )
-    .with(json!({ "reason": reason }))
 }
 
 fn stale() -> Problem {

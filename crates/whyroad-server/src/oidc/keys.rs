@@ -1,26 +1,13 @@
 //! Public keys of a provider (JWK sets, RFC 7517). Keys of kinds that we do not know, or that are not for signatures, are
 //! passed over: a provider may publish them for others.
 
-use super::jws::Algorithm;
+use super::algorithm::{Algorithm, KeyShape};
 use base64::Engine as _;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use serde_json::Value;
 
 /// Keys read from one set at most.
 const MOST: usize = 100;
-
-/// The kind of a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// RSA.
-    Rsa,
-    /// A point on P-256.
-    P256,
-    /// A point on P-384.
-    P384,
-    /// Ed25519.
-    Ed25519,
-}
 
 /// A public key.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +16,7 @@ pub struct Jwk {
     pub kid: Option<String>,
     /// The only algorithm that it is for.
     pub algorithm: Option<Algorithm>,
-    shape: Shape,
+    shape: KeyShape,
     /// The modulus of RSA, or the point: `04`, x, y; for Ed25519 x alone.
     pub(super) public: Vec<u8>,
     /// The exponent of RSA.
@@ -38,7 +25,7 @@ pub struct Jwk {
 
 impl Jwk {
     /// The kind of the key.
-    pub fn shape(&self) -> Shape {
+    pub fn shape(&self) -> KeyShape {
         self.shape
     }
 }
@@ -75,11 +62,11 @@ fn key(jwk: &Value) -> Option<Jwk> {
     let (shape, public, exponent) = match (text("kty")?, text("crv")) {
         ("RSA", _) => {
             let without_zeros = |b: Vec<u8>| b.into_iter().skip_while(|b| *b == 0).collect::<Vec<_>>();
-            (Shape::Rsa, without_zeros(number("n", None)?), without_zeros(number("e", None)?))
+            (KeyShape::Rsa, without_zeros(number("n", None)?), without_zeros(number("e", None)?))
         }
-        ("EC", Some("P-256")) => (Shape::P256, point(32)?, vec![]),
-        ("EC", Some("P-384")) => (Shape::P384, point(48)?, vec![]),
-        ("OKP", Some("Ed25519")) => (Shape::Ed25519, number("x", Some(32))?, vec![]),
+        ("EC", Some("P-256")) => (KeyShape::P256, point(32)?, vec![]),
+        ("EC", Some("P-384")) => (KeyShape::P384, point(48)?, vec![]),
+        ("OKP", Some("Ed25519")) => (KeyShape::Ed25519, number("x", Some(32))?, vec![]),
         _ => return None,
     };
     Some(Jwk { kid: text("kid").map(str::to_owned), algorithm, shape, public, exponent })

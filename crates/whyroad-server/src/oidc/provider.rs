@@ -1,6 +1,7 @@
 //! The provider as far as we know it: its discovery document and its keys, fetched when needed and kept for a while.
 
-use super::jws::{Algorithm, Token};
+use super::algorithm::Algorithm;
+use super::jws::Token;
 use super::keys::{self, Jwk};
 use super::provider_fails;
 use super::settings::{Settings, is_safe};
@@ -184,7 +185,7 @@ impl Provider {
     pub fn verify(&self, token: &Token<'_>, now: i64) -> Answer<Value> {
         let metadata = self.metadata(now)?;
         if !metadata.uses(token.algorithm) {
-            return Err(super::flow::refused_token("alg"));
+            return Err(super::refused_token("alg"));
         }
         let fetch = || Ok(keys::read(&self.web.get(&metadata.jwks_uri, None)?));
         let mut kept = self.keys.lock().map_err(Problem::store)?;
@@ -193,6 +194,6 @@ impl Provider {
         if result == Err("key") && !(0..PAUSE_MS).contains(&(now - kept.tried)) {
             result = token.verify(&kept.renew(now, fetch)?);
         }
-        result.map_err(super::flow::refused_token)
+        result.map_err(super::refused_token)
     }
 }

@@ -1,7 +1,7 @@
 //! How signing in at a provider is set up: what was written, and what it means. Reads no file and asks nobody.
 
+use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
-use crate::workflow::Role;
 use axum::http::Uri;
 use serde::Deserialize;
 use serde_json::Value;

@@ -1,16 +1,16 @@
 //! What is done to a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap group,
 //! and bringing an earlier draft back.
 
-use crate::api::wire::project::Project;
-use crate::api::wire::task::{ActionName, NewComment, Stage, TaskAction};
 use crate::app::App;
+use crate::domain::project::Project;
+use crate::domain::task::{ActionName, NewComment, TaskAction};
+use crate::domain::workflow::{self, Action, Actor, Draw, Role, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{audits, dashboard, drafts, findings, leases};
+use crate::service::{audits, dashboard, drafts, findings, history, leases, seen};
 use crate::store::Tx;
 use crate::values;
-use crate::workflow::{self, Action, Actor, Draw, Role, State};
 use serde_json::{Value, json};
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
@@ -77,7 +77,7 @@ pub fn act(
         leases::extend(&mut t, &project.settings, now);
     }
     if t.at.state.shows_future() {
-        tasks::show_future(tx, &t, &actor.id)?;
+        seen::show_future(tx, &t, &actor.id)?;
     }
     let entry = Entry {
         action: action.word(),
@@ -87,7 +87,7 @@ pub fn act(
         snapshot: snapshot.as_ref(),
         note: reason,
     };
-    tasks::record(tx, &mut t, &entry, now)?;
+    history::record(tx, &mut t, &entry, now)?;
     for comment in &request.comments {
         remark(tx, &t, &actor.id, comment, now)?;
     }
@@ -160,7 +160,7 @@ fn lockable(app: &App, t: &TaskRow) -> Answer<()> {
     refuse_errors(findings::of(app, &t.draft, Stage::Stage1))
 }
 
-fn refuse_errors(found: Vec<crate::api::wire::task::Finding>) -> Answer<()> {
+fn refuse_errors(found: Vec<crate::domain::task::Finding>) -> Answer<()> {
     if !findings::has_error(&found) {
         return Ok(());
     }
@@ -219,7 +219,7 @@ fn restore(
         note: Some(&note),
         ..Entry::default()
     };
-    tasks::record(tx, t, &entry, now)?;
+    history::record(tx, t, &entry, now)?;
     tasks::update(tx, t)
 }
 
@@ -275,7 +275,7 @@ fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&s
         let from = Some(o.at.state);
         let entry =
             Entry { action: "adjudicate", actor: Some(&actor.id), from, note: reason, ..Entry::default() };
-        tasks::record(tx, &mut o, &entry, now)?;
+        history::record(tx, &mut o, &entry, now)?;
         tasks::update(tx, &o)?;
         if o.id == t.id {
             *t = o;

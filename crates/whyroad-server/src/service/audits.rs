@@ -1,8 +1,8 @@
 //! The draw of checked labels for audit. How large the share is follows the author's record: see [`super::dashboard`].
 
+use crate::domain::workflow::Draw;
 use crate::secret;
 use crate::service::tasks::TaskRow;
-use crate::workflow::Draw;
 
 /// Whether this submission is audited: a draw that nobody can foresee without `key`, and that comes out the same again.
 pub fn draw(key: &str, t: &TaskRow, percent: f64) -> Draw {

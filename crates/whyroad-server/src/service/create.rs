@@ -1,14 +1,14 @@
 //! Tasks from episodes. The draft comes in two parts: critical components from the drive cut at the keyframe, so that
 //! Stage I is not fed with the future; decision and trace from all of it.
 
-use crate::api::wire::project::Project;
-use crate::api::wire::task::{CreateTasks, Created};
 use crate::app::App;
+use crate::domain::project::Project;
+use crate::domain::task::{CreateTasks, Created};
+use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{projects, scene};
+use crate::service::{history, projects, scene};
 use crate::store::Tx;
-use crate::workflow::Position;
 use crate::{secret, values};
 use serde_json::Value;
 use std::cell::OnceCell;
@@ -271,7 +271,7 @@ pub fn store(tx: &mut dyn Tx, mut t: TaskRow, actor: Option<&str>, now: i64) -> 
         return Ok(false);
     }
     let entry = Entry { action: "create", actor, ..Entry::default() };
-    tasks::record(tx, &mut t, &entry, now)?;
+    history::record(tx, &mut t, &entry, now)?;
     tasks::update(tx, &t)?;
     Ok(true)
 }

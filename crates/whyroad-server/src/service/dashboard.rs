@@ -1,7 +1,7 @@
 //! How a project goes: what stands where, who did what, how far people agree, what is missing, what audits found.
 //! Read only; all of it from the tasks and their history.
 
-use crate::api::wire::project::{
+use crate::domain::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
 };
 use crate::problem::Answer;

@@ -1,14 +1,14 @@
 //! Saving the fields of a draft as they are changed, and putting an earlier draft together again from the history.
 
-use crate::api::wire::project::Settings;
-use crate::api::wire::task::{Conflicts, DraftChange, Stage};
+use crate::domain::project::Settings;
+use crate::domain::task::{Conflicts, DraftChange};
+use crate::domain::workflow::{Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{leases, visible};
+use crate::service::{history, leases, visible};
 use crate::store::Tx;
 use crate::values;
-use crate::workflow::State;
 use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::Nanos;
@@ -64,7 +64,7 @@ pub fn save(
     leases::extend(&mut t, settings, now);
     let from = Some(t.at.state);
     let entry = Entry { action: "edit", actor: Some(user), from, changes: &changes, ..Entry::default() };
-    tasks::record(tx, &mut t, &entry, now)?;
+    history::record(tx, &mut t, &entry, now)?;
     tasks::update(tx, &t)?;
     Ok(Saved { task: t, merged })
 }
@@ -95,7 +95,7 @@ fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answe
     if conflicts.is_empty() {
         return Ok(());
     }
-    let stage = visible::stage(t.at.state);
+    let stage = t.at.state.stage();
     let more = Conflicts { version: t.version, draft: visible::label(&t.draft, stage), conflicts };
     let more = serde_json::to_value(more).map_err(Problem::store)?;
     Err(Problem::new(
@@ -168,7 +168,7 @@ pub fn restored(t: &TaskRow, old: &Value) -> Value {
 
 /// The draft after `seq` as `user` may see it now.
 pub fn at_for(tx: &mut dyn Tx, t: &TaskRow, user: &str, seq: i64) -> Answer<Value> {
-    let stage = visible::stage(t.at.state);
+    let stage = t.at.state.stage();
     if stage == Stage::Stage1 && !visible::history(tx, t, user)?.iter().any(|e| e.seq == seq) {
         return Err(Problem::missing());
     }

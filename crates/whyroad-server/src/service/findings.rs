@@ -1,8 +1,9 @@
 //! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what is
 //! the same for every task, so that no finding tells of hidden fields.
 
-use crate::api::wire::task::{Finding, Stage};
 use crate::app::App;
+use crate::domain::task::Finding;
+use crate::domain::workflow::Stage;
 use crate::service::visible;
 use serde_json::{Value, json};
 use std::borrow::Cow;

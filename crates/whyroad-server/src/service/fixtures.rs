@@ -1,17 +1,17 @@
 //! For tests of single parts: a service on an empty store with the project `p` and no drives, and a task of it. The store
 //! is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
 
-use crate::api::wire::scene::SignalAbout;
+use crate::domain::scene::SignalAbout;
 #[path = "../../tests/it/postgres_server.rs"]
 #[allow(dead_code, reason = "restarts are for other tests")]
 mod postgres;
 
 use self::postgres::Server;
 use crate::app::App;
+use crate::domain::workflow::{Position, State};
 use crate::recordings::Recordings;
 use crate::service::tasks::TaskRow;
-use crate::store::{Place, Store};
-use crate::workflow::{Position, State};
+use crate::store::{Store, StoreLocation};
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -78,8 +78,8 @@ pub(crate) use on_postgresql;
 /// The service, and a folder for its store.
 pub fn app() -> (App, tempfile::TempDir) {
     let dir = tempfile::tempdir().unwrap();
-    let server = SERVER.with_borrow(|s| s.as_ref().map(|s| Place::parse(&s.database())));
-    let place = server.unwrap_or_else(|| Place::File(dir.path().join("s.db")));
+    let server = SERVER.with_borrow(|s| s.as_ref().map(|s| StoreLocation::parse(&s.database())));
+    let place = server.unwrap_or_else(|| StoreLocation::File(dir.path().join("s.db")));
     let store = Store::open(&place).unwrap();
     let app = App::new(store, Framework::bundled(), Arc::new(NoDrives)).unwrap();
     let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)";

@@ -6,13 +6,13 @@
 //! where the set-up says so. So nobody takes over an account by choosing a name or an address.
 
 use super::{people, projects};
-use crate::api::wire::oidc::Identity;
-use crate::api::wire::people::User;
+use crate::domain::oidc::Identity;
+use crate::domain::people::User;
+use crate::domain::workflow::Role;
 use crate::oidc::claims::verified_email;
 use crate::oidc::settings::{Accounts, Settings, has};
 use crate::problem::{Answer, Problem};
 use crate::store::{Row, Tx};
-use crate::workflow::Role;
 use crate::{secret, values};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -140,7 +140,7 @@ fn no_account() -> Problem {
 }
 
 fn subject(claims: &Value) -> Answer<&str> {
-    claims["sub"].as_str().ok_or_else(|| crate::oidc::flow::refused_token("sub"))
+    claims["sub"].as_str().ok_or_else(|| crate::oidc::refused_token("sub"))
 }
 
 fn linked(tx: &mut dyn Tx, issuer: &str, subject: &str) -> Answer<Option<User>> {

@@ -1,13 +1,14 @@
 //! Leases: who has a task in hands, for minutes, with a fencing token that makes an older hold void. A lease that ran out
 //! still lets its holder write until somebody else takes the task: then the newer token stands in the way.
 
-use crate::api::wire::project::Settings;
-use crate::api::wire::task::Lease;
+use crate::domain::project::Settings;
+use crate::domain::task::Lease;
+use crate::domain::workflow::{self, Action, Actor, Draw, Position, State};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
+use crate::service::{history, seen};
 use crate::store::Tx;
 use crate::values;
-use crate::workflow::{self, Action, Actor, Draw, Position, State};
 use serde_json::json;
 
 /// The lease of `t` for whom it concerns.
@@ -27,7 +28,7 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     t.fence += 1;
     renew(t, settings, now);
     if t.at.state.shows_future() {
-        tasks::show_future(tx, t, &actor.id)?;
+        seen::show_future(tx, t, &actor.id)?;
     }
     if others {
         t.draft = t.initial.clone();
@@ -41,7 +42,7 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
         snapshot: snapshot.as_ref(),
         ..Entry::default()
     };
-    tasks::record(tx, t, &entry, now)?;
+    history::record(tx, t, &entry, now)?;
     tasks::update(tx, t)
 }
 
@@ -153,6 +154,6 @@ pub fn release(
         note: reason,
         ..Entry::default()
     };
-    tasks::record(tx, t, &entry, now)?;
+    history::record(tx, t, &entry, now)?;
     tasks::update(tx, t)
 }

@@ -1,11 +1,11 @@
 //! Lists of tasks with filters, page by page. A cursor is the place of the last one, so that a page stays whole while
 //! others work.
 
-use crate::api::wire::task::Tasks;
+use crate::domain::task::Tasks;
+use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::{people, tasks};
 use crate::store::{Tx, Value as Cell};
-use crate::workflow::State;
 
 /// Tasks on a page when nothing is said, and at most.
 const USUAL: usize = 50;

@@ -1,6 +1,6 @@
 //! Users, sessions, tokens.
 
-use crate::api::wire::people::User;
+use crate::domain::people::User;
 use crate::problem::{Answer, Problem};
 use crate::store::{Row, Tx};
 use crate::{secret, values};

@@ -1,10 +1,10 @@
 //! What somebody may do with a task now, in words that the page shows buttons by. Found by asking the workflow itself.
 
+use crate::domain::workflow::{self, Action, Actor, Draw, Role, State};
 use crate::problem::Answer;
+use crate::service::actions;
 use crate::service::tasks::TaskRow;
-use crate::service::{actions, visible};
 use crate::store::Tx;
-use crate::workflow::{self, Action, Actor, Draw, Role, State};
 
 /// Actions that the workflow allows, and `edit`, `comment`, `assign`, `adjudicate`.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
@@ -24,8 +24,7 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     add("restore", holds && t.at.state.is_editable());
     add("comment", holds || t.at.state.shows_future());
     add("assign", lead && !matches!(t.at.state, State::Accepted));
-    let may_choose =
-        lead && t.overlap_count > 1 && visible::stage(t.at.state) == crate::api::wire::task::Stage::Stage2;
+    let may_choose = lead && t.overlap_count > 1 && t.at.state.stage() == workflow::Stage::Stage2;
     add("adjudicate", may_choose && actions::group_is_ready(tx, t)?);
     Ok(out)
 }

@@ -1,6 +1,6 @@
 //! The framework as the page's pickers need it: names, meanings, closed sets, in both languages.
 
-use crate::api::wire::task::FrameworkView;
+use crate::domain::task::FrameworkView;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use whyroad_framework::decisions::DecisionText;

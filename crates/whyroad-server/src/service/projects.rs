@@ -1,12 +1,12 @@
 //! Projects and members.
 
-use crate::api::wire::people::User;
-use crate::api::wire::project::{Member, Project, Settings};
+use crate::domain::people::User;
+use crate::domain::project::{Member, Project, Settings};
+use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::service::people;
 use crate::store::{Row, Tx};
 use crate::values;
-use crate::workflow::Role;
 use std::collections::BTreeSet;
 
 const COLUMNS: &str = "id, name, guide, quota, settings";

@@ -1,14 +1,14 @@
 //! The queue: what somebody is given next, and why there is nothing where there is nothing.
 
-use crate::api::wire::people::User;
-use crate::api::wire::project::Project;
-use crate::api::wire::task::{Kind, QueueReason};
+use crate::domain::people::User;
+use crate::domain::project::Project;
+use crate::domain::task::{Kind, QueueReason};
+use crate::domain::workflow::{Role, State};
 use crate::problem::Answer;
 use crate::service::tasks::TaskRow;
-use crate::service::{leases, projects, tasks};
+use crate::service::{leases, projects, seen, tasks};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
-use crate::workflow::{Role, State};
 use std::collections::BTreeSet;
 
 /// Candidates that are looked at in one go.
@@ -68,7 +68,7 @@ pub fn next(
                     continue;
                 }
                 let mut t = tasks::get_for_change(tx, id)?;
-                let actor = tasks::actor(tx, &t, &user.id, roles, project.settings.history)?;
+                let actor = seen::actor(tx, &t, &user.id, roles, project.settings.history)?;
                 match leases::take(tx, &mut t, &actor, &project.settings, now) {
                     Ok(()) => return Ok(Some(t)),
                     Err(e) if e.status < 500 => {}
@@ -143,7 +143,7 @@ fn why_not(
     if !mine && !worker.labels(&t.episode.scenario_id.to_string()) {
         return Ok(Some(QueueReason::Classes));
     }
-    let actor = tasks::actor(tx, t, &user.id, roles, project.settings.history)?;
+    let actor = seen::actor(tx, t, &user.id, roles, project.settings.history)?;
     match leases::may_take(tx, t, &actor, now) {
         Ok(_) => Ok(None),
         Err(p) if p.status >= 500 => Err(p),

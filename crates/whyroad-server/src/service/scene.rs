@@ -1,89 +1,36 @@
 //! What of a drive is shown with a task. In Stage I everything is made from the drive *cut at the keyframe*: what is not
 //! in the cut drive cannot be in what is made from it, whatever the code below does.
 
+pub mod cache;
 mod columns;
 mod cut;
 mod map;
+mod shown;
 
 pub use cut::cut;
 pub use map::map;
 
-use crate::api::wire::scene::{CameraFrame, CameraView, EgoView, LightView, MetaView, SceneView};
-use crate::api::wire::task::Stage;
+use cache::SceneKey;
+use shown::{Shown, shown};
+
 use crate::app::App;
+use crate::domain::scene::{CameraFrame, CameraView, EgoView, LightView, MetaView, SceneView};
+use crate::domain::workflow::Stage;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::TaskRow;
-use crate::service::visible;
 use columns::{number, tracks, word};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
 use whyroad_model::{ClipId, Column, Drive, FrameRange, Nanos, SignalTable};
 
-/// Scenes kept.
-const KEPT: usize = 64;
 /// Signals that the plots show beside those of the rule.
 const PLOTTED: [&str; 2] = ["ego.lane_offset", "ego.jerk"];
 
-/// Scenes that were asked for last, so that a reload does not derive all signals again.
-#[derive(Debug, Default)]
-pub struct SceneCache {
-    scenes: Mutex<VecDeque<(SceneKey, Arc<SceneView>)>>,
-}
-
-/// What a scene depends on: the task, how much of it is shown, and its drive as it was on disk.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct SceneKey {
-    task: String,
-    stage: Stage,
-    drive_version: String,
-}
-
-impl SceneCache {
-    fn get(&self, key: &SceneKey) -> Option<Arc<SceneView>> {
-        let scenes = self.scenes.lock().ok()?;
-        scenes.iter().find(|(k, _)| k == key).map(|(_, scene)| Arc::clone(scene))
-    }
-
-    fn put(&self, key: SceneKey, scene: &Arc<SceneView>) {
-        if let Ok(mut scenes) = self.scenes.lock() {
-            scenes.push_front((key, Arc::clone(scene)));
-            scenes.truncate(KEPT);
-        }
-    }
-}
-
-/// The drive of a task as far as it may be seen, and the frames that are shown.
-pub struct Shown {
-    /// Whole, or cut at the keyframe.
-    pub drive: Arc<Drive>,
-    /// Frames that are shown.
-    pub frames: FrameRange,
-}
-
-/// What of the drive may be seen now.
-pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
-    let whole = app.recordings.drive(&t.drive_id.as_str().into()).map_err(|why| {
-        Problem::new(
-            503,
-            "drive.missing",
-            format!("行程不可用：{why}"),
-            format!("the drive is not to be had: {why}"),
-        )
-    })?;
-    let (drive, last) = match visible::stage(t.at.state) {
-        Stage::Stage1 => (Arc::new(cut(&whole, Nanos(t.keyframe_ns))), t.keyframe_ns),
-        Stage::Stage2 => (whole, t.to_ns),
-    };
-    let start = drive.times.partition_point(|at| at.0 < t.from_ns);
-    let end = drive.times.partition_point(|at| at.0 <= last);
-    Ok(Shown { drive, frames: FrameRange::new(start, end) })
-}
-
 /// The scene of a task.
 pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
-    let stage = visible::stage(t.at.state);
+    let stage = t.at.state.stage();
     let drive_version = app.recordings.version(&t.drive_id.as_str().into());
     let key = SceneKey { task: t.id.clone(), stage, drive_version };
     if let Some(scene) = app.scenes.get(&key) {

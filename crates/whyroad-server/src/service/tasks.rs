@@ -1,13 +1,11 @@
 //! Tasks as the store has them: reading, writing, listing, and their append-only history.
 
-use crate::api::wire::project::HistoryRule;
-use crate::api::wire::task::TaskSummary;
+use crate::domain::task::TaskSummary;
+use crate::domain::workflow::{Position, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
-use crate::service::{visible, webhooks};
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
-use crate::workflow::{Actor, Position, Role, Seen, State};
 use serde_json::Value;
 use std::collections::HashMap;
 use whyroad_label::merge::FieldChange;
@@ -207,22 +205,6 @@ pub struct Entry<'a> {
     pub note: Option<&'a str>,
 }
 
-/// Appends to the history of `t` and counts it there; the caller writes `t` after it.
-pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
-    t.seq += 1;
-    t.updated = now;
-    let changes = if entry.changes.is_empty() { None } else { Some(json(&entry.changes)?) };
-    tx.run(
-        "INSERT INTO history (task_id, seq, at, actor, action, from_state, to_state, changes, snapshot, note, version)
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
-        values![
-            &t.id, t.seq, now, entry.actor, entry.action, entry.from.map(State::word), t.at.state.word(), changes,
-            entry.snapshot.map(json).transpose()?, entry.note, t.version,
-        ],
-    )?;
-    webhooks::announce(tx, t, entry, now)
-}
-
 /// Display names of users, by id.
 pub fn names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
     tx.rows("SELECT id, display FROM users", &[])?
@@ -241,7 +223,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         drive_id: t.drive_id.clone(),
         scenario_id: t.scenario_id.clone(),
         state: t.at.state,
-        stage: visible::stage(t.at.state),
+        stage: t.at.state.stage(),
         priority: t.priority,
         assigned_to: name(t.at.holder.as_deref().or(t.assigned.as_deref())),
         author: name(t.at.author()),
@@ -251,56 +233,4 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         adjudication: t.adjudication.clone(),
         updated: t.updated,
     }
-}
-
-/// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its drive.
-pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: HistoryRule) -> Answer<Actor> {
-    let has_seen = if knows(tx, t, user, rule)? { Seen::Future } else { Seen::History };
-    Ok(Actor { id: user.to_owned(), roles: roles.to_vec(), has_seen })
-}
-
-fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<bool> {
-    let row = match rule {
-        HistoryRule::Drive => tx.row(
-            "SELECT 1 FROM seen WHERE user_id = $1 AND drive_id = $2 AND to_ns > $3 AND from_ns < $4 LIMIT 1",
-            values![user, &t.drive_id, t.keyframe_ns, t.to_ns],
-        )?,
-        HistoryRule::Episode => tx.row(
-            "SELECT 1 FROM seen s JOIN tasks o ON o.id = s.task_id
-             WHERE s.user_id = $1 AND s.drive_id = $2 AND o.episode_id = $3 LIMIT 1",
-            values![user, &t.drive_id, &t.episode.episode_id],
-        )?,
-    };
-    Ok(row.is_some())
-}
-
-/// True when `user` was shown the future of `t` in this very task.
-pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
-    Ok(tx.row("SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2", values![user, &t.id])?.is_some())
-}
-
-/// Notes that `user` is shown the future of `t`. Refused while they are in Stage I of another task that it would give away.
-pub fn show_future(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
-    if was_shown(tx, t, user)? {
-        return Ok(());
-    }
-    let stage1 = tx.row(
-        "SELECT id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
-           AND keyframe_ns < $4 AND to_ns > $5 LIMIT 1",
-        values![user, &t.drive_id, &t.id, t.to_ns, t.from_ns],
-    )?;
-    if let Some(other) = stage1 {
-        return Err(Problem::new(
-            409,
-            "task.stage1_first",
-            "这会显示您正在做阶段一的另一任务的未来；请先完成或释放该任务",
-            "this would show the future of another task whose Stage I you are in: finish or release that one first",
-        )
-        .with(serde_json::json!({ "task": other.text("id")? })));
-    }
-    tx.run(
-        "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5) ON CONFLICT DO NOTHING",
-        values![user, &t.id, &t.drive_id, t.from_ns, t.to_ns],
-    )?;
-    Ok(())
 }

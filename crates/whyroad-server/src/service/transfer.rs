@@ -6,9 +6,10 @@
 
 mod read;
 
-use crate::api::wire::project::Project;
-use crate::api::wire::task::{Imported, LostLine};
 use crate::app::App;
+use crate::domain::project::Project;
+use crate::domain::task::{Imported, LostLine};
+use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::create::{self, LastDrive};
 use crate::service::projects;
@@ -16,7 +17,6 @@ use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
 use crate::store::Tx;
 use crate::values;
-use crate::workflow::State;
 use read::{Incoming, read_line};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};

@@ -1,15 +1,13 @@
 //! What of a task may be seen in which stage. Everything that leaves the service about a task goes through here or
 //! through [`super::scene`]: in Stage I nothing that tells of the time after the keyframe, and nobody else's words.
 
-use crate::api::wire::task::{Comment, HistoryEntry, Stage, Suggestion, Task};
-use crate::app::App;
+use crate::domain::task::{Comment, HistoryEntry};
+use crate::domain::workflow::{Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
-use crate::service::{findings, permissions};
 use crate::store::Tx;
 use crate::values;
-use crate::workflow::{Actor, State};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use whyroad_model::Nanos;
@@ -18,11 +16,6 @@ use whyroad_model::Nanos;
 const STAGE1_FIELDS: [&str; 5] = ["version", "clip_id", "scenario", "keyframe", "critical_components"];
 /// Fields that Stage I may change.
 const STAGE1_OPEN: [&str; 2] = ["critical_components", "keyframe"];
-
-/// How much of a task in `state` is shown, to whomever.
-pub fn stage(state: State) -> Stage {
-    if state.shows_future() { Stage::Stage2 } else { Stage::Stage1 }
-}
 
 /// A label as far as `stage` shows it.
 pub fn label(label: &Value, stage: Stage) -> Value {
@@ -87,25 +80,6 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
     Ok(())
 }
 
-/// What the rule proposed, as far as it may be seen.
-fn suggestion(t: &TaskRow) -> Suggestion {
-    let e = &t.episode;
-    let mut keyframe = e.keyframe.clone();
-    let whole = stage(t.at.state) == Stage::Stage2;
-    if !whole {
-        keyframe.range_end = None;
-    }
-    Suggestion {
-        keyframe,
-        second_keyframe: e.second_keyframe.clone().filter(|_| whole),
-        range_start: e.time_range.start_timestamp.to_string(),
-        range_end: whole.then(|| e.time_range.end_timestamp.to_string()),
-        target_id: e.target_id.as_ref().map(ToString::to_string),
-        conditions: if whole { e.conditions_matched.clone() } else { vec![] },
-        signals: e.signals.clone(),
-    }
-}
-
 /// Remarks on a task that `user` may see; in Stage I only their own.
 pub fn comments(
     tx: &mut dyn Tx,
@@ -113,7 +87,7 @@ pub fn comments(
     user: &str,
     names: &HashMap<String, String>,
 ) -> Answer<Vec<Comment>> {
-    let all = stage(t.at.state) == Stage::Stage2;
+    let all = t.at.state.stage() == Stage::Stage2;
     let rows = tx.rows(
         "SELECT id, path, author, body, at, resolved FROM comments WHERE task_id = $1 ORDER BY at, id",
         values![&t.id],
@@ -132,7 +106,7 @@ pub fn comments(
 
 /// The history of a task as `user` may see it; in Stage I only what they did since the task was last opened.
 pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEntry>> {
-    let all = stage(t.at.state) == Stage::Stage2;
+    let all = t.at.state.stage() == Stage::Stage2;
     let names = tasks::names(tx)?;
     let rows = tx.rows(
         "SELECT seq, at, actor, action, from_state, to_state, changes, note, version FROM history
@@ -169,48 +143,4 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
         });
     }
     Ok(out)
-}
-
-/// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
-fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
-    let row = tx.row(
-        "SELECT count(*) AS n FROM history h WHERE h.task_id = $1 AND h.actor = $2 AND h.action <> 'reopen'
-           AND h.seq > (SELECT coalesce(max(r.seq), 0) FROM history r WHERE r.task_id = h.task_id AND r.action = 'reopen')
-           AND coalesce(h.from_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')
-           AND coalesce(h.to_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')",
-        values![&t.id, user],
-    )?;
-    row.map_or(Ok(0), |r| r.int("n"))
-}
-
-/// The whole answer about one task.
-pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Task> {
-    let names = tasks::names(tx)?;
-    let stage = stage(t.at.state);
-    let shown = label(&t.draft, stage);
-    let mine = t.at.holder.as_deref() == Some(actor.id.as_str());
-    let history_count = match stage {
-        Stage::Stage1 => count_own(tx, t, &actor.id)?,
-        Stage::Stage2 => t.seq,
-    };
-    Ok(Task {
-        version: t.version,
-        stage,
-        fence: mine.then_some(t.fence),
-        lease_until: t.lease_until.filter(|_| mine),
-        spec: app.framework.specs.get(&t.episode.scenario_id).cloned(),
-        suggestion: suggestion(t),
-        comments: comments(tx, t, &actor.id, &names)?,
-        history_count,
-        findings: findings::of(app, &t.draft, stage),
-        permissions: permissions::of(tx, t, actor)?,
-        changed_from_suggestion: changed(t, stage),
-        task: tasks::summary(t, &names),
-        draft: shown,
-    })
-}
-
-/// Fields that differ from the suggestion, of those that may be seen.
-fn changed(t: &TaskRow, stage: Stage) -> Vec<String> {
-    whyroad_label::merge::differing(&label(&t.initial, stage), &label(&t.draft, stage))
 }

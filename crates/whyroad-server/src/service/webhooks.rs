@@ -6,20 +6,20 @@
 //! webhook's secret. To `http://` and `https://` addresses.
 
 mod post;
-mod reach;
-mod tls;
+pub mod reach;
+pub mod tls;
 
 pub use post::{Receiver, post};
 pub use reach::Reach;
 pub use tls::Trust;
 
-use crate::api::wire::project::Webhook;
 use crate::app::App;
+use crate::domain::project::Webhook;
+use crate::domain::workflow::Action;
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::store::Tx;
-use crate::workflow::Action;
 use crate::{secret, values};
 use serde_json::json;
 use std::collections::BTreeSet;

@@ -1,9 +1,7 @@
-//! Backup: all tables as JSON lines, the same for both databases, so that a backup of one restores into the other. Which
+//! All tables as JSON lines, the same for both databases, so that a backup of one restores into the other. Which
 //! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older program
 //! restores into tables of its own version, which are then brought forward like any other store.
 
-use super::Store;
-use super::migrate::{self, LATEST};
 use super::sql::{Tx, Value};
 use crate::problem::{Answer, Problem};
 use serde_json::{Value as Json, json};
@@ -34,22 +32,6 @@ pub(super) const TABLES: &[&str] = &[
 const PAGE: usize = 1000;
 /// Longest line that is read: the greatest row is a task with two drafts.
 const MOST_BYTES: u64 = 16 * 1024 * 1024;
-
-/// Writes the whole store, one consistent state of it, as JSON lines; the number of rows.
-pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
-    store.read(|tx| {
-        // One state for all tables; SQLite's read transactions are that already.
-        if !tx.lock().is_empty() {
-            tx.script("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ")?;
-        }
-        write_all(tx, LATEST, out)
-    })
-}
-
-/// The same into a file, aside and renamed, so that it is whole or not there; only its owner reads it.
-pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
-    to_file(path, |out| backup(store, out))
-}
 
 pub(super) fn to_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> Answer<u64>) -> Answer<u64> {
     let cannot = |e: std::io::Error| Problem::store(format!("{}: {e}", path.display()));
@@ -99,45 +81,7 @@ pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> A
     Ok(rows)
 }
 
-/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused. `open` gives
-/// the backup from its beginning: the database may ask for the whole to be done again.
-pub fn restore<R: BufRead>(
-    store: &Store,
-    mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,
-) -> Answer<u64> {
-    store.write(move |tx| {
-        let mut lines = Lines(open().map_err(Problem::store)?);
-        let head = lines.next()?.ok_or_else(|| broken("empty"))?;
-        let version = head["schema_version"].as_i64().unwrap_or(0);
-        if head["whyroad_backup"] != 1 || version < 1 {
-            return Err(broken("not a backup of whyroad"));
-        }
-        if version > LATEST {
-            return Err(broken(format!("tables of version {version}, this program knows up to {LATEST}")));
-        }
-        for table in ["users", "projects"] {
-            if tx.row(&format!("SELECT 1 FROM {table} LIMIT 1"), &[])?.is_some() {
-                return Err(Problem::new(
-                    409,
-                    "restore.not_empty",
-                    "目标存储不是空的",
-                    "the store is not empty",
-                ));
-            }
-        }
-        tx.run("DELETE FROM settings", &[])?;
-        if version < LATEST {
-            TABLES.iter().rev().try_for_each(|t| tx.script(&format!("DROP TABLE IF EXISTS {t}")))?;
-            tx.run("DELETE FROM schema_version", &[])?;
-            migrate::to(tx, version)?;
-        }
-        let rows = read_all(tx, &mut lines)?;
-        migrate::to(tx, LATEST)?;
-        Ok(rows)
-    })
-}
-
-fn read_all(tx: &mut dyn Tx, lines: &mut Lines<impl BufRead>) -> Answer<u64> {
+pub(super) fn read_all(tx: &mut dyn Tx, lines: &mut Lines<impl BufRead>) -> Answer<u64> {
     let mut rows = 0;
     let mut columns: HashMap<&str, Vec<String>> = HashMap::new();
     while let Some(entry) = lines.next()? {
@@ -171,10 +115,10 @@ fn put(tx: &mut dyn Tx, table: &str, columns: &[String], entry: &Json) -> Answer
 }
 
 /// A backup line by line: it may be larger than the memory.
-struct Lines<R>(R);
+pub(super) struct Lines<R>(pub(super) R);
 
 impl<R: BufRead> Lines<R> {
-    fn next(&mut self) -> Answer<Option<Json>> {
+    pub(super) fn next(&mut self) -> Answer<Option<Json>> {
         let mut text = String::new();
         let n = (&mut self.0).take(MOST_BYTES).read_line(&mut text).map_err(broken)?;
         if n == 0 {
@@ -208,31 +152,11 @@ fn from_json(value: &Json) -> Answer<Value> {
     }
 }
 
-fn broken(why: impl std::fmt::Display) -> Problem {
+pub(super) fn broken(why: impl std::fmt::Display) -> Problem {
     Problem::new(
         400,
         "restore.broken",
         format!("备份无法使用：{why}"),
         format!("the backup cannot be used: {why}"),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::store::Place;
-
-    /// A table that is not in [`TABLES`] would be lost by a backup without a word.
-    #[test]
-    fn every_table_is_in_a_backup() {
-        let dir = tempfile::tempdir().unwrap();
-        let store = Store::open(&Place::File(dir.path().join("s"))).unwrap();
-        let sql =
-            "SELECT name FROM sqlite_master WHERE type = 'table' AND name <> 'schema_version' ORDER BY name";
-        let there = store.read(|tx| tx.rows(sql, &[])).unwrap();
-        let there: Vec<_> = there.iter().map(|r| r.text("name").unwrap()).collect();
-        let mut kept = TABLES.to_vec();
-        kept.sort_unstable();
-        assert_eq!(there, kept);
-    }
 }

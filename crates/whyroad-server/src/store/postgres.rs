@@ -1,7 +1,8 @@
 //! PostgreSQL: a pool of connections; a transaction that meets a restart or a deadlock before its commit is run again.
 
+use super::backend::{Backend, Job};
 use super::sql::{Row, Tx, Value, holdable};
-use super::{Backend, Job, dump, migrate};
+use super::{dump, migrate};
 use crate::problem::{Answer, Problem};
 use postgres::error::SqlState;
 use postgres::types::{IsNull, ToSql, Type, to_sql_checked};

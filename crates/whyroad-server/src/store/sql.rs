@@ -117,9 +117,3 @@ pub trait Tx {
         Ok(self.rows(sql, values)?.into_iter().next())
     }
 }
-
-/// A list of values.
-#[macro_export]
-macro_rules! values {
-    ($($v:expr),* $(,)?) => { &[$($crate::store::Value::from($v)),*] };
-}

@@ -1,7 +1,8 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
+use super::backend::{Backend, Job};
+use super::migrate;
 use super::sql::{Row, Tx, Value, holdable};
-use super::{Backend, Job, migrate};
 use crate::problem::{Answer, Problem};
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};

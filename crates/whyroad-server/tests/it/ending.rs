@@ -7,12 +7,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
 use whyroad_server::App;
-use whyroad_server::store::{Place, Store};
+use whyroad_server::store::{Store, StoreLocation};
 
 #[test]
 fn what_was_begun_is_finished_when_the_service_ends() {
     let dir = tempfile::tempdir().unwrap();
-    let store = Store::open(&Place::File(dir.path().join("s"))).unwrap();
+    let store = Store::open(&StoreLocation::File(dir.path().join("s"))).unwrap();
     let recordings = Recorded { future: Future::Brakes, pictures: dir.path().to_path_buf() };
     let app = Arc::new(App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap());
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();

@@ -16,7 +16,7 @@ use whyroad_model::signal::TargetSpan;
 use whyroad_model::{
     Bilingual, Column, Drive, DriveId, FrameRange, Lang, Nanos, ObjectClass, RoadMap, SignalTable,
 };
-use whyroad_server::api::wire::scene::{SignalAbout, SignalKind};
+use whyroad_server::domain::scene::{SignalAbout, SignalKind};
 use whyroad_server::recordings::Recordings;
 
 /// 2026-01-15T10:30:00Z.

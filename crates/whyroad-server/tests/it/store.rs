@@ -4,11 +4,11 @@ use crate::postgres_server::Server;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 use whyroad_server::problem::Problem;
-use whyroad_server::store::{Place, Store, backup, restore};
+use whyroad_server::store::{Store, StoreLocation, backup, restore};
 use whyroad_server::values;
 
-fn file(dir: &Path, name: &str) -> Place {
-    Place::File(dir.join(name))
+fn file(dir: &Path, name: &str) -> StoreLocation {
+    StoreLocation::File(dir.join(name))
 }
 
 fn put(store: &Store, name: &'static str) {
@@ -82,12 +82,12 @@ fn transactions_on_sqlite() {
 fn transactions_on_postgresql() {
     let Some(server) = Server::start() else { return };
     let url = server.database();
-    transactions(&Store::open(&Place::parse(&url)).unwrap());
+    transactions(&Store::open(&StoreLocation::parse(&url)).unwrap());
     // Two services that start at once on an empty database make its tables once.
     let url = server.database();
     std::thread::scope(|scope| {
         for _ in 0..4 {
-            scope.spawn(|| Store::open(&Place::parse(&url)).unwrap());
+            scope.spawn(|| Store::open(&StoreLocation::parse(&url)).unwrap());
         }
     });
 }
@@ -117,18 +117,22 @@ fn an_older_store_comes_forward_and_is_copied_aside_before() {
     old.execute_batch(FIRST).unwrap();
     old.execute_batch(OF_VERSION_1).unwrap();
     drop(old);
-    let store = Store::open(&Place::File(path.clone())).unwrap();
+    let store = Store::open(&StoreLocation::File(path.clone())).unwrap();
     assert_eq!(task(&store), ("t".into(), String::new()));
     let aside = rusqlite::Connection::open(store.kept.as_ref().unwrap()).unwrap();
     let version: i64 = aside.query_row("SELECT max(version) FROM schema_version", [], |r| r.get(0)).unwrap();
     let tasks: i64 = aside.query_row("SELECT count(*) FROM tasks", [], |r| r.get(0)).unwrap();
     assert_eq!((version, tasks), (1, 1), "the copy is the store as it was");
-    assert_eq!(Store::open(&Place::File(path.clone())).unwrap().kept, None, "nothing to bring forward");
+    assert_eq!(
+        Store::open(&StoreLocation::File(path.clone())).unwrap().kept,
+        None,
+        "nothing to bring forward"
+    );
 
     // A store of a newer program is not touched.
     store.write(|tx| tx.run("INSERT INTO schema_version (version) VALUES (99)", &[])).unwrap();
     drop(store);
-    assert_eq!(Store::open(&Place::File(path)).unwrap_err().code, "store.newer");
+    assert_eq!(Store::open(&StoreLocation::File(path)).unwrap_err().code, "store.newer");
 }
 
 /// All that a backup of `store` holds.
@@ -179,7 +183,7 @@ fn a_backup_restores_into_either_store_and_back() {
     assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
 
     let Some(server) = Server::start() else { return };
-    let far = Store::open(&Place::parse(&server.database())).unwrap();
+    let far = Store::open(&StoreLocation::parse(&server.database())).unwrap();
     restore(&far, of(&bytes)).unwrap();
     assert_eq!(dump(&far), bytes);
 }
@@ -192,14 +196,14 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
     let mut client = postgres::Client::connect(&url, postgres::NoTls).unwrap();
     client.batch_execute(FIRST).unwrap();
     client.batch_execute(OF_VERSION_1).unwrap();
-    let store = Store::open_keeping(&Place::parse(&url), dir.path()).unwrap();
+    let store = Store::open_keeping(&StoreLocation::parse(&url), dir.path()).unwrap();
     assert_eq!(task(&store), ("t".into(), String::new()));
     let kept = store.kept.clone().unwrap();
     assert_eq!(kept.parent(), Some(dir.path()));
     let text = std::fs::read_to_string(&kept).unwrap();
     assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
     // A backup of an older program goes into a store of this one, of either kind.
-    for place in [file(dir.path(), "fresh"), Place::parse(&server.database())] {
+    for place in [file(dir.path(), "fresh"), StoreLocation::parse(&server.database())] {
         let fresh = Store::open(&place).unwrap();
         let from = kept.clone();
         let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
@@ -264,5 +268,5 @@ fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
     };
     check(&Store::open(&file(dir.path(), "s")).unwrap());
     let Some(server) = Server::start() else { return };
-    check(&Store::open(&Place::parse(&server.database())).unwrap());
+    check(&Store::open(&StoreLocation::parse(&server.database())).unwrap());
 }

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 use whyroad_framework::Framework;
 use whyroad_server::App;
-use whyroad_server::store::{Place, Store};
+use whyroad_server::store::{Store, StoreLocation};
 
 /// 2026-11-21T16:00:00Z in ms.
 pub const NOON: i64 = 1_795_276_800_000;
@@ -21,7 +21,7 @@ pub struct World {
     pub address: SocketAddr,
     pub future: Future,
     pub clock: Arc<AtomicI64>,
-    place: Place,
+    place: StoreLocation,
     runtime: Option<tokio::runtime::Runtime>,
     _dir: tempfile::TempDir,
 }
@@ -30,16 +30,16 @@ impl World {
     /// One on a new SQLite file.
     pub fn on_sqlite(future: Future) -> Self {
         let dir = tempfile::tempdir().unwrap();
-        let place = Place::File(dir.path().join("store.sqlite"));
+        let place = StoreLocation::File(dir.path().join("store.sqlite"));
         Self::start(&place, future, dir)
     }
 
     /// One on an empty PostgreSQL database.
     pub fn on_server(url: &str, future: Future) -> Self {
-        Self::start(&Place::parse(url), future, tempfile::tempdir().unwrap())
+        Self::start(&StoreLocation::parse(url), future, tempfile::tempdir().unwrap())
     }
 
-    fn start(place: &Place, future: Future, dir: tempfile::TempDir) -> Self {
+    fn start(place: &StoreLocation, future: Future, dir: tempfile::TempDir) -> Self {
         Self::open(place, future, dir, Arc::new(AtomicI64::new(NOON)), |_| {})
     }
 
@@ -49,7 +49,7 @@ impl World {
     }
 
     fn open(
-        place: &Place,
+        place: &StoreLocation,
         future: Future,
         dir: tempfile::TempDir,
         clock: Arc<AtomicI64>,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
-use whyroad_server::api::wire::task::CreateTasks;
+use whyroad_server::domain::task::CreateTasks;
 use whyroad_server::service::transfer::{self, Format};
 use whyroad_server::service::{create, projects, tasks};
 use whyroad_server::store::Store;

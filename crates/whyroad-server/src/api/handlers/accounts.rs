@@ -2,7 +2,7 @@
 
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::people::{Done, NewToken, NewUser, Token, Tokens, User, UserChange, Users};
+use crate::domain::people::{Done, NewToken, NewUser, Token, Tokens, User, UserChange, Users};
 use crate::problem::{Answer, Problem};
 use crate::service::{people, projects};
 use crate::{secret, values};

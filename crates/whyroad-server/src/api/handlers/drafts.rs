@@ -3,7 +3,7 @@
 use super::tasks::{actor, answer, look};
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
+use crate::domain::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::{actions, drafts, findings, projects, tasks, visible};
@@ -19,7 +19,7 @@ pub fn save(call: &Call<'_>) -> Answer<Reply> {
         drafts::save(tx, &id, &user, &settings, &change, now)
     })?;
     let t = saved.task;
-    let stage = visible::stage(t.at.state);
+    let stage = t.at.state.stage();
     Reply::json(&DraftSaved {
         version: t.version,
         findings: findings::of(call.app, &t.draft, stage),

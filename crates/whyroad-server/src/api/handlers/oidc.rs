@@ -3,8 +3,8 @@
 use super::session::{self, Door};
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::oidc::{BeginAtProvider, Identities, ProviderAddress};
-use crate::api::wire::people::Done;
+use crate::domain::oidc::{BeginAtProvider, Identities, ProviderAddress};
+use crate::domain::people::Done;
 use crate::oidc::flow::{self, Browser, Purpose, Returned};
 use crate::oidc::provider::Provider;
 use crate::problem::{Answer, Problem};

@@ -3,11 +3,11 @@
 use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::project::{MemberChange, Members, NewProject, Project, ProjectChange, Projects};
+use crate::domain::project::{MemberChange, Members, NewProject, Project, ProjectChange, Projects};
+use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::{classes, dashboard, people, projects};
-use crate::workflow::Role;
 use std::collections::BTreeMap;
 
 /// `GET /projects`

@@ -2,11 +2,11 @@
 
 use crate::api::access::csrf_of;
 use crate::api::call::Call;
-use crate::api::openapi;
 use crate::api::reply::Reply;
-use crate::api::wire::oidc::SignedOut;
-use crate::api::wire::people::{Session, Setup, SignIn, User};
+use crate::api::route::JSON;
 use crate::app::{App, Cookies};
+use crate::domain::oidc::SignedOut;
+use crate::domain::people::{Session, Setup, SignIn, User};
 use crate::oidc::flow;
 use crate::problem::{Answer, Problem};
 use crate::service::people;
@@ -182,8 +182,8 @@ fn over() -> Problem {
 }
 
 /// `GET /openapi.json`
-pub fn openapi(_: &Call<'_>) -> Answer<Reply> {
-    Ok(Reply::bytes("application/json", openapi::text().into_bytes()))
+pub fn openapi(call: &Call<'_>) -> Answer<Reply> {
+    Ok(Reply::bytes(JSON, (call.document)().into_bytes()))
 }
 
 /// `GET /healthz`

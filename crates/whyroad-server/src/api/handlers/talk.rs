@@ -3,7 +3,7 @@
 use super::tasks::look;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
+use crate::domain::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
 use crate::problem::{Answer, Problem};
 use crate::service::{actions, drafts, tasks, visible};
 use crate::store::Tx;
@@ -54,7 +54,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
         let names = tasks::names(tx)?;
         let item = |o: &tasks::TaskRow| OverlapItem {
             task: tasks::summary(o, &names),
-            label: visible::label(&o.draft, visible::stage(o.at.state)),
+            label: visible::label(&o.draft, o.at.state.stage()),
         };
         Ok(actions::group(tx, &t)?.iter().map(item).collect())
     })?;

@@ -3,17 +3,19 @@
 use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::people::User;
-use crate::api::wire::task::{
+use crate::app::App;
+use crate::domain::people::User;
+use crate::domain::task::{
     Assign, CreateTasks, Kind, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState,
     Task,
 };
-use crate::app::App;
+use crate::domain::workflow::{Actor, Role};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{Entry, TaskRow};
-use crate::service::{actions, create, leases, list as listing, people, projects, queue, tasks, visible};
+use crate::service::{
+    actions, answer, create, history, leases, list as listing, people, projects, queue, seen, tasks,
+};
 use crate::store::Tx;
-use crate::workflow::{Actor, Role};
 
 /// `GET /projects/{p}/tasks`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -84,9 +86,9 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
 pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     let (id, user) = (call.param("t"), call.user()?);
     let t = call.app.store.read(|tx| tasks::get(tx, id))?;
-    if t.at.state.shows_future() && !call.app.store.read(|tx| tasks::was_shown(tx, &t, &user.id))? {
+    if t.at.state.shows_future() && !call.app.store.read(|tx| seen::was_shown(tx, &t, &user.id))? {
         let (row, user) = (t.clone(), user.id.clone());
-        call.app.store.write(move |tx| tasks::show_future(tx, &row, &user))?;
+        call.app.store.write(move |tx| seen::show_future(tx, &row, &user))?;
     }
     Ok(t)
 }
@@ -94,14 +96,14 @@ pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
 /// The answer about a task, to `user`.
 pub fn answer(app: &App, tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Task> {
     let actor = actor(tx, t, user)?;
-    visible::task(app, tx, t, &actor)
+    answer::task(app, tx, t, &actor)
 }
 
 /// The user as an actor on the task.
 pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Actor> {
     let roles = access::roles(tx, &t.project, user)?;
     let history = projects::get(tx, &t.project)?.settings.history;
-    tasks::actor(tx, t, &user.id, &roles, history)
+    seen::actor(tx, t, &user.id, &roles, history)
 }
 
 /// `GET /tasks/{t}`
@@ -170,7 +172,7 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
             note: note.as_deref(),
             ..Entry::default()
         };
-        tasks::record(tx, &mut t, &entry, now)?;
+        history::record(tx, &mut t, &entry, now)?;
         tasks::update(tx, &t)?;
         answer(&app, tx, &t, &caller)
     })?;

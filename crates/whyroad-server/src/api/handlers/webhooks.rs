@@ -2,8 +2,8 @@
 
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::api::wire::people::Done;
-use crate::api::wire::project::{NewWebhook, Webhooks};
+use crate::domain::people::Done;
+use crate::domain::project::{NewWebhook, Webhooks};
 use crate::problem::Answer;
 use crate::service::webhooks;
 

@@ -1,6 +1,6 @@
 //! Columns of a scene as the wire has them: rounded numbers, words, null for what is unknown.
 
-use crate::api::wire::scene::{Numbers, TrackView};
+use crate::domain::scene::{Numbers, TrackView};
 use crate::service::tasks::TaskRow;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -2,9 +2,9 @@
 //! ahead would tell where it goes.
 
 use super::columns::{rounded, word};
-use super::{Shown, shown};
-use crate::api::wire::scene::{LaneView, MapView, Shape};
+use super::shown::{Shown, shown};
 use crate::app::App;
+use crate::domain::scene::{LaneView, MapView, Shape};
 use crate::problem::Answer;
 use crate::service::tasks::TaskRow;
 use whyroad_model::road_map::{Area, Point3, RoadMap};

@@ -1,9 +1,10 @@
 //! Export and import on tasks made by hand; round trips over real drives are in the binary's tests.
 
 use super::*;
-use crate::api::wire::scene::SignalAbout;
+use crate::domain::scene::SignalAbout;
 use crate::recordings::Recordings;
 use crate::service::fixtures::{self, task};
+use crate::service::history;
 use crate::service::tasks::Entry;
 use serde_json::json;
 use std::path::PathBuf;
@@ -35,7 +36,7 @@ fn stored(tx: &mut dyn Tx, id: &str, state: State, adjudication: Option<&str>) {
     t.adjudication = adjudication.map(str::to_owned);
     let change = FieldChange { path: "/coc_trace".into(), value: json!(id), remove: false };
     let entry = Entry { action: "edit", changes: &[change], note: Some("why"), ..Entry::default() };
-    tasks::record(tx, &mut t, &entry, 7).unwrap();
+    history::record(tx, &mut t, &entry, 7).unwrap();
     tasks::update(tx, &t).unwrap();
 }
 

@@ -1,6 +1,7 @@
 //! One HTTP/1.1 POST, plain or over TLS, with time limits, and nothing else of HTTP: no redirects, no keep-alive.
 
-use super::{Reach, Trust};
+use super::reach::Reach;
+use super::tls::Trust;
 use std::io::{Error, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! A receiver of our own on the loopback; the signature is checked as a receiver would, with RFC 2104's HMAC.
 
 use super::*;
+use crate::domain::workflow::State;
 use crate::service::fixtures::{self, task};
-use crate::workflow::State;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, PrivatePkcs8KeyDer};
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use std::io::{Read, Write};

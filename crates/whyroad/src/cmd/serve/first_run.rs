@@ -9,8 +9,8 @@ use whyroad_framework::Framework;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
-use whyroad_server::api::wire::project::HistoryRule;
-use whyroad_server::api::wire::task::CreateTasks;
+use whyroad_server::domain::project::HistoryRule;
+use whyroad_server::domain::task::CreateTasks;
 use whyroad_server::secret;
 use whyroad_server::service::{create, people, projects};
 

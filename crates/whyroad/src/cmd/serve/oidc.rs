@@ -128,8 +128,8 @@ fn kind(e: &serde_yaml_ng::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use whyroad_server::domain::workflow::Role;
     use whyroad_server::oidc::settings::Accounts;
-    use whyroad_server::workflow::Role;
 
     const WHOLE: &str = "
 issuer: https://id.example.com/realms/town

@@ -102,6 +102,16 @@ words!(
     }
 );
 
+/// How much of a task may be seen now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
+    /// History only.
+    Stage1,
+    /// All of it.
+    Stage2,
+}
+
 /// What the workflow knows of a task. Users by id.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
@@ -161,6 +171,11 @@ impl State {
     /// True where Stage I is over, so that what comes after the keyframe may be seen.
     pub fn shows_future(self) -> bool {
         !matches!(self, State::Open | State::Stage1 | State::Skipped | State::Rejected)
+    }
+
+    /// How much of a task in this state is shown, to whomever.
+    pub fn stage(self) -> Stage {
+        if self.shows_future() { Stage::Stage2 } else { Stage::Stage1 }
     }
 
     /// True where somebody may hold a lease.

@@ -2,7 +2,7 @@
 
 pub use super::{making::*, talk::*};
 
-use crate::workflow::{Action, State};
+use super::workflow::{Action, Stage, State};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -10,16 +10,6 @@ use std::collections::BTreeMap;
 use whyroad_framework::ResolvedSpec;
 use whyroad_label::merge::{FieldChange, FieldConflict};
 use whyroad_model::messages::{Keyframe, MatchedCondition};
-
-/// How much of a task may be seen now.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Stage {
-    /// History only.
-    Stage1,
-    /// All of it.
-    Stage2,
-}
 
 /// A task in a list. Says nothing of what comes after its keyframe.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -364,4 +354,20 @@ pub struct FrameworkView {
     pub records: BTreeMap<String, Value>,
     /// Versions of taxonomy and format.
     pub versions: BTreeMap<String, String>,
+}
+
+/// The labels of one overlap group, side by side; only when all of them are submitted.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Overlap {
+    /// In the order of making.
+    pub items: Vec<OverlapItem>,
+}
+
+/// One label of an overlap group.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct OverlapItem {
+    /// The task.
+    pub task: TaskSummary,
+    /// Its label.
+    pub label: Value,
 }

@@ -1,7 +1,7 @@
 //! Projects, members, dashboard, webhooks.
 
 use super::people::User;
-use crate::workflow::Role;
+use crate::domain::workflow::Role;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

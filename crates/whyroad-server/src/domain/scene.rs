@@ -1,6 +1,6 @@
 //! What a drive looks like from the labelling screen. Columns have one value a frame of `times`; null is unknown.
 
-use super::task::Stage;
+use super::workflow::Stage;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

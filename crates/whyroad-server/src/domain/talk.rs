@@ -1,7 +1,6 @@
-//! What is said about a task: its history, remarks, and other people's labels of the same episode.
+//! What is said about a task: its history and comments on its fields.
 
-use super::task::TaskSummary;
-use crate::workflow::State;
+use crate::domain::workflow::State;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -74,20 +73,4 @@ pub struct NewComment {
     pub path: String,
     /// Plain text.
     pub text: String,
-}
-
-/// The labels of one overlap group, side by side; only when all of them are submitted.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Overlap {
-    /// In the order of making.
-    pub items: Vec<OverlapItem>,
-}
-
-/// One label of an overlap group.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct OverlapItem {
-    /// The task.
-    pub task: TaskSummary,
-    /// Its label.
-    pub label: Value,
 }

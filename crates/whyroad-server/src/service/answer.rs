@@ -1,0 +1,74 @@
+//! The whole answer about one task: what may be seen of it, what may be done with it, what the checker finds.
+
+use crate::app::App;
+use crate::domain::task::{Suggestion, Task};
+use crate::domain::workflow::{Actor, Stage};
+use crate::problem::Answer;
+use crate::service::tasks::{self, TaskRow};
+use crate::service::visible::{comments, label};
+use crate::service::{findings, permissions};
+use crate::store::Tx;
+use crate::values;
+
+/// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
+fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
+    let row = tx.row(
+        "SELECT count(*) AS n FROM history h WHERE h.task_id = $1 AND h.actor = $2 AND h.action <> 'reopen'
+           AND h.seq > (SELECT coalesce(max(r.seq), 0) FROM history r WHERE r.task_id = h.task_id AND r.action = 'reopen')
+           AND coalesce(h.from_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')
+           AND coalesce(h.to_state, 'open') IN ('open', 'stage1', 'skipped', 'rejected')",
+        values![&t.id, user],
+    )?;
+    row.map_or(Ok(0), |r| r.int("n"))
+}
+
+/// The whole answer about one task.
+pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Task> {
+    let names = tasks::names(tx)?;
+    let stage = t.at.state.stage();
+    let shown = label(&t.draft, stage);
+    let mine = t.at.holder.as_deref() == Some(actor.id.as_str());
+    let history_count = match stage {
+        Stage::Stage1 => count_own(tx, t, &actor.id)?,
+        Stage::Stage2 => t.seq,
+    };
+    Ok(Task {
+        version: t.version,
+        stage,
+        fence: mine.then_some(t.fence),
+        lease_until: t.lease_until.filter(|_| mine),
+        spec: app.framework.specs.get(&t.episode.scenario_id).cloned(),
+        suggestion: suggestion(t),
+        comments: comments(tx, t, &actor.id, &names)?,
+        history_count,
+        findings: findings::of(app, &t.draft, stage),
+        permissions: permissions::of(tx, t, actor)?,
+        changed_from_suggestion: changed(t, stage),
+        task: tasks::summary(t, &names),
+        draft: shown,
+    })
+}
+
+/// Fields that differ from the suggestion, of those that may be seen.
+fn changed(t: &TaskRow, stage: Stage) -> Vec<String> {
+    whyroad_label::merge::differing(&label(&t.initial, stage), &label(&t.draft, stage))
+}
+
+/// What the rule proposed, as far as it may be seen.
+fn suggestion(t: &TaskRow) -> Suggestion {
+    let e = &t.episode;
+    let mut keyframe = e.keyframe.clone();
+    let whole = t.at.state.stage() == Stage::Stage2;
+    if !whole {
+        keyframe.range_end = None;
+    }
+    Suggestion {
+        keyframe,
+        second_keyframe: e.second_keyframe.clone().filter(|_| whole),
+        range_start: e.time_range.start_timestamp.to_string(),
+        range_end: whole.then(|| e.time_range.end_timestamp.to_string()),
+        target_id: e.target_id.as_ref().map(ToString::to_string),
+        conditions: if whole { e.conditions_matched.clone() } else { vec![] },
+        signals: e.signals.clone(),
+    }
+}

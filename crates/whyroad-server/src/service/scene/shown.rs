@@ -1,0 +1,36 @@
+//! The part of a drive that a task shows now.
+
+use super::cut::cut;
+use crate::app::App;
+use crate::domain::workflow::Stage;
+use crate::problem::{Answer, Problem};
+use crate::service::tasks::TaskRow;
+use std::sync::Arc;
+use whyroad_model::{Drive, FrameRange, Nanos};
+
+/// The drive of a task as far as it may be seen, and the frames that are shown.
+pub struct Shown {
+    /// Whole, or cut at the keyframe.
+    pub drive: Arc<Drive>,
+    /// Frames that are shown.
+    pub frames: FrameRange,
+}
+
+/// What of the drive may be seen now.
+pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
+    let whole = app.recordings.drive(&t.drive_id.as_str().into()).map_err(|why| {
+        Problem::new(
+            503,
+            "drive.missing",
+            format!("行程不可用：{why}"),
+            format!("the drive is not to be had: {why}"),
+        )
+    })?;
+    let (drive, last) = match t.at.state.stage() {
+        Stage::Stage1 => (Arc::new(cut(&whole, Nanos(t.keyframe_ns))), t.keyframe_ns),
+        Stage::Stage2 => (whole, t.to_ns),
+    };
+    let start = drive.times.partition_point(|at| at.0 < t.from_ns);
+    let end = drive.times.partition_point(|at| at.0 <= last);
+    Ok(Shown { drive, frames: FrameRange::new(start, end) })
+}

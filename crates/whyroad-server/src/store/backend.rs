@@ -1,0 +1,15 @@
+//! What a database has to do for the store.
+
+use super::sql::Tx;
+use crate::problem::Answer;
+
+/// Work in a transaction. It may be run again when the database asks for it, so it changes nothing but the database
+/// and its own result.
+pub(super) type Job = Box<dyn FnMut(&mut dyn Tx) -> Answer<()> + Send>;
+
+pub(super) trait Backend: Send + Sync {
+    /// Runs `job` in a transaction and commits it; an error undoes it.
+    fn write(&self, job: Job) -> Answer<()>;
+    /// Runs `job` on one consistent state.
+    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()>;
+}
