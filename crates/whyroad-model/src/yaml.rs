@@ -1,14 +1,18 @@
 //! YAML with source positions: a tree in which every key and value knows its line and column, so that all
 //! problems of a file are reported where they are. Only reading; meaning is given by whoever calls it.
 //!
-//! serde is not used here because it stops at a file's first mistake and forgets positions.
-//!
+//! [`from_str`] gives any type that serde reads, with the position of the first mistake; [`to_string`] writes.
 //! [`parse`] gives the tree. [`FileReport`] and [`Fields`] read mappings field by field and report what is missing,
 //! misspelled, of the wrong type or written twice, each under the codes ([`FormCodes`]) of its family of files.
 
+mod decode;
+mod encode;
 mod fields;
+mod position;
 mod tree;
 
+pub use decode::{DecodeError, from_node, from_str};
+pub use encode::to_string;
 pub use fields::{Fields, FileReport, FormCodes};
 pub use tree::{Entry, Mark, Node, Scalar, Style, SyntaxCause, SyntaxError, Value, parse};
 

@@ -31,7 +31,7 @@ fn list_as_json_has_every_class() {
         assert_eq!(r["level"], format!("l{parts}"));
     }
     let yaml = whyroad(&["taxonomy", "list", "--format", "yaml"]);
-    let same: Vec<Value> = serde_yaml_ng::from_str(&yaml.out).unwrap();
+    let same: Vec<Value> = whyroad_model::yaml::from_str(&yaml.out).unwrap();
     assert_eq!(same, rows);
 }
 

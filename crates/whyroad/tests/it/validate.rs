@@ -118,7 +118,7 @@ mod twins {
 
     fn table() -> Table {
         let file = root().join("crates/whyroad/tests/fixtures/broken_labels/twins.yaml");
-        serde_yaml_ng::from_str(&std::fs::read_to_string(file).unwrap()).unwrap()
+        whyroad_model::yaml::from_str(&std::fs::read_to_string(file).unwrap()).unwrap()
     }
 
     fn base(table: &Table, name: &str) -> String {

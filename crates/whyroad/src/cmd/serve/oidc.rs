@@ -5,7 +5,7 @@ use crate::store_place;
 use anyhow::Context as _;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use whyroad_model::Lang;
+use whyroad_model::{Lang, yaml};
 use whyroad_server::oidc::provider::Provider;
 use whyroad_server::oidc::settings::{Allow, Secret, Settings, Written};
 
@@ -104,9 +104,9 @@ impl OidcArgs {
 fn read(file: &Path) -> anyhow::Result<Written> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
     // The reader's own words would repeat the line, and with it a secret that stands there.
-    let read = serde_yaml_ng::from_str::<Written>(&text);
+    let read = yaml::from_str::<Written>(&text);
     let mut written = read.map_err(|e| {
-        let place = e.location().map_or(String::new(), |l| format!(":{}:{}", l.line(), l.column()));
+        let place = e.mark.map_or(String::new(), |m| format!(":{}:{}", m.line, m.column));
         anyhow::anyhow!("{}{place}: this is no set-up of an OpenID provider ({})", file.display(), kind(&e))
     })?;
     let beside = file.parent().unwrap_or(Path::new(""));
@@ -117,10 +117,9 @@ fn read(file: &Path) -> anyhow::Result<Written> {
 }
 
 /// What kind of fault it is, if that can be told without repeating what is written there.
-fn kind(e: &serde_yaml_ng::Error) -> String {
-    let words = e.to_string();
-    match words.split_once("unknown field ") {
-        Some((_, rest)) => format!("unknown field {}", rest.split(" at line").next().unwrap_or_default()),
+fn kind(e: &yaml::DecodeError) -> String {
+    match e.message.split_once("unknown field ") {
+        Some((_, rest)) => format!("unknown field {}", rest),
         None => "wrong form".to_owned(),
     }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_framework::listing::{Row, rows};
 use whyroad_framework::taxonomy::{class_not_found, did_you_mean};
-use whyroad_model::{Diagnostic, Lang, diagnostic};
+use whyroad_model::{Diagnostic, Lang, diagnostic, yaml};
 
 pub(super) fn run(global: &Global, l1: Option<&str>, format: DataFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
@@ -23,7 +23,7 @@ pub(super) fn run(global: &Global, l1: Option<&str>, format: DataFormat) -> anyh
     let rows = rows(&framework, l1);
     match format {
         DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&rows)?)),
-        DataFormat::Yaml => output::put(&serde_yaml_ng::to_string(&rows)?),
+        DataFormat::Yaml => output::put(&yaml::to_string(&rows)?),
         DataFormat::Text => output::put(&text(&framework, &rows, global.lang)),
     }
     Ok(exit_code(&found))

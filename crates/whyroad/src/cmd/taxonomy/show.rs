@@ -8,7 +8,7 @@ use whyroad_framework::listing::{Detail, detail};
 use whyroad_framework::spec::{BoundSpec, KeyframeSpec, MomentSpec};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_framework::{Framework, ResolvedSpec};
-use whyroad_model::{Bilingual, Lang, diagnostic};
+use whyroad_model::{Bilingual, Lang, diagnostic, yaml};
 
 pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
@@ -17,7 +17,7 @@ pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Re
             if let Some(detail) = detail(&framework, &id) {
                 match format {
                     DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&detail)?)),
-                    DataFormat::Yaml => output::put(&serde_yaml_ng::to_string(&detail)?),
+                    DataFormat::Yaml => output::put(&yaml::to_string(&detail)?),
                     DataFormat::Text => {
                         output::put(&Page { framework: &framework, lang: global.lang }.render(&detail))
                     }
