@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use whyroad_lake::WriteOutcome;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Severity};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Need, Severity};
 
 /// Why rows are not in the lake, or as what they are.
 pub type Counts = BTreeMap<&'static str, usize>;
@@ -78,8 +78,8 @@ pub struct SourceReport {
     pub tracks: usize,
     /// Rows by table.
     pub tables: Vec<RowCount>,
-    /// What the log could have had but has not.
-    pub missing: Vec<String>,
+    /// What the log lacks.
+    pub missing: Vec<Need>,
     /// Everything that somebody should know.
     pub diagnostics: Vec<Diagnostic>,
 }
@@ -137,38 +137,4 @@ pub fn reason_text(key: &str) -> Bilingual {
         other => (other, other),
     };
     Bilingual::new(zh, en)
-}
-
-/// What a log has not (`DriveMeta::missing`), as one line.
-pub fn missing_text(missing: &[String], lang: Lang) -> String {
-    let one = |what: &String| match (lang, what.as_str()) {
-        (Lang::Zh, "ego pose") => "自车位姿".to_owned(),
-        (Lang::Zh, "map") => "地图".to_owned(),
-        (Lang::Zh, "traffic lights") => "交通信号灯".to_owned(),
-        (Lang::Zh, "vehicle bus") => "车辆总线".to_owned(),
-        (Lang::Zh, "weather and surface") => "天气与路面".to_owned(),
-        (Lang::Zh, "camera pictures") => "相机画面".to_owned(),
-        (Lang::Zh, "object classes") => "物体类别".to_owned(),
-        (Lang::Zh, "object sizes") => "物体尺寸".to_owned(),
-        (Lang::Zh, "objects") => "物体".to_owned(),
-        (Lang::Zh, "object headings") => "物体航向".to_owned(),
-        (Lang::Zh, "ego size") => "自车尺寸".to_owned(),
-        (Lang::Zh, "throttle") => "油门".to_owned(),
-        (Lang::Zh, "emergency braking") => "紧急制动".to_owned(),
-        (Lang::Zh, "route") => "导航".to_owned(),
-        (Lang::Zh, "radar") => "雷达".to_owned(),
-        (Lang::Zh, "steering angle") => "方向盘转角".to_owned(),
-        (Lang::Zh, "vehicle speed") => "车速信号".to_owned(),
-        (Lang::Zh, "brake") => "制动".to_owned(),
-        (Lang::Zh, "cruise") => "巡航".to_owned(),
-        (Lang::Zh, "gear") => "档位".to_owned(),
-        (Lang::Zh, "turn signal") => "转向灯".to_owned(),
-        (Lang::Zh, "lidar points in boxes") => "框内激光点数".to_owned(),
-        _ => what.clone(),
-    };
-    let parts: Vec<String> = missing.iter().map(one).collect();
-    parts.join(match lang {
-        Lang::Zh => "、",
-        Lang::En => ", ",
-    })
 }

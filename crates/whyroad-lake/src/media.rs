@@ -4,11 +4,11 @@ use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::states;
 use crate::{LakeError, file};
 use std::fs;
-use whyroad_model::DriveId;
+use whyroad_model::{DriveId, Need};
 use whyroad_model::scene::MediaFrame;
 
 /// What adapters call pictures that a log has not (`drive.json`, `missing`).
-const NO_PICTURES: &str = "camera pictures";
+const NO_PICTURES: Need = Need::CameraPictures;
 const TABLE: &str = "media";
 
 impl Lake {
@@ -45,7 +45,7 @@ impl Lake {
         }
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
         manifest.tables.insert(TABLE.to_owned(), rows);
-        manifest.meta.missing.retain(|what| what != NO_PICTURES);
+        manifest.meta.missing.retain(|need| *need != NO_PICTURES);
         state(&manifest)
     }
 }

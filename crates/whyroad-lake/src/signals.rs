@@ -25,7 +25,7 @@ pub use write::write_signals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{DriveId, FrameRange, ObjectClass, TrackId};
+use whyroad_model::{DriveId, FrameRange, ObjectClass, TrackId, Need};
 
 /// Order of the rows, as the files' metadata state it.
 pub(crate) const ROW_ORDER: &str = "drive, target, frame";
@@ -57,7 +57,7 @@ pub struct StoredDrive {
     #[serde(with = "spans")]
     pub targets: Vec<TargetSpan>,
     /// Signals that the log cannot support, with what it would need.
-    pub unavailable: BTreeMap<String, Vec<String>>,
+    pub unavailable: BTreeMap<String, Vec<Need>>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
 }

@@ -5,12 +5,12 @@
 use std::fs;
 use whyroad_lake::Lake;
 use whyroad_model::scene::{DriveMeta, MediaFrame};
-use whyroad_model::{Drive, DriveId, Nanos};
+use whyroad_model::{Drive, DriveId, Nanos, Need};
 
 fn drive() -> Drive {
     let meta = DriveMeta {
         drive_id: DriveId::from("d"),
-        missing: vec!["map".into(), "camera pictures".into()],
+        missing: vec![Need::Map, Need::CameraPictures],
         ..DriveMeta::default()
     };
     Drive { meta, times: (0..10).map(|i| Nanos(i * 100_000_000)).collect(), ..Drive::default() }
@@ -31,7 +31,7 @@ fn pictures_are_stored_by_camera_and_time_and_the_rest_stays() {
     let sorted = vec![frame("front", 2), frame("front", 9), frame("rear", 1)];
     let read = lake.read_drive(&id).unwrap();
     assert_eq!((read.media.as_ref(), &read.times), (Some(&sorted), &drive().times));
-    assert_eq!(read.meta, DriveMeta { missing: vec!["map".into()], ..drive().meta });
+    assert_eq!(read.meta, DriveMeta { missing: vec![Need::Map], ..drive().meta });
     // Fewer than before: the manifest's number of rows follows.
     lake.write_media(&id, &sorted[..1]).unwrap();
     assert_eq!(lake.read_drive(&id).unwrap().media.as_deref(), Some(&sorted[..1]));

@@ -10,7 +10,7 @@ use whyroad_model::scene::{
     ContextState, DriveMeta, Ego, EgoBus, FrameOfReference, LightColour, LightState, MediaFrame, Motion,
     Track, TurnSignal,
 };
-use whyroad_model::{Drive, DriveId, Nanos, ObjectClass, RoadMap, TrackId};
+use whyroad_model::{Drive, DriveId, Nanos, ObjectClass, RoadMap, TrackId, Need};
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -280,7 +280,7 @@ fn drive() -> impl Strategy<Value = Drive> {
                         video: vec!["front".into()],
                         sensors: vec![],
                         can: flag,
-                        missing: vec!["pose".into()],
+                        missing: vec![Need::EgoPose],
                     };
                     Drive { meta, times, ego, tracks, map, lights, context, media }
                 },

@@ -9,7 +9,7 @@ use whyroad_lake::{Lake, LakeError, SignalFile};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
+use whyroad_model::{Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri, Need};
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![3 => any::<f64>(), 2 => (-3i32..3).prop_map(f64::from), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)]
@@ -39,7 +39,7 @@ fn table() -> impl Strategy<Value = SignalTable> {
                 drive_id: "d".into(),
                 times: (0..n as i64).map(|i| Nanos(1_700_000_000_000_000_000 + i * 100_196_000)).collect(),
                 frame_columns: columns("ego", &frames),
-                unavailable: BTreeMap::from([("light.state".to_owned(), vec!["traffic lights".to_owned()])]),
+                unavailable: BTreeMap::from([("light.state".to_owned(), vec![Need::TrafficLights])]),
                 ..SignalTable::default()
             };
             let mut first_row = 0;

@@ -31,24 +31,3 @@ pub fn keyframe_kind(kind: KeyframeType) -> Bilingual {
         KeyframeType::Proactive => Bilingual::new("区间型", "a range"),
     }
 }
-
-/// What a log lacks, in the words that the adapters use; a word that is not in the list stays as it is.
-pub fn missing_name(word: &str) -> Bilingual {
-    let zh = match word {
-        "ego pose" => "自车位姿",
-        "map" => "地图",
-        "traffic lights" => "信号灯",
-        "vehicle bus" => "车辆总线信号",
-        "weather and surface" => "天气与路面",
-        "camera pictures" => "相机图像",
-        "lidar points in boxes" => "框内点云数",
-        "object classes and sizes" => "目标类别与尺寸",
-        "object classes" => "目标类别",
-        "object sizes" => "目标尺寸",
-        "turn signals" => "转向灯",
-        "visibility" => "可见性",
-        "steering angle" => "方向盘转角",
-        _ => return Bilingual::same(word),
-    };
-    Bilingual::new(zh, word)
-}

@@ -3,7 +3,7 @@
 //! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
 //! means that the log does not tell.
 
-use crate::{DriveId, FrameRange, Nanos, ObjectClass, RoadMap, TrackId};
+use crate::{DriveId, FrameRange, Nanos, ObjectClass, RoadMap, TrackId, Need};
 use serde::{Deserialize, Serialize};
 
 /// Frames in a clip: 20 s at 10 Hz (LABELING.md 4).
@@ -66,8 +66,8 @@ pub struct DriveMeta {
     pub sensors: Vec<String>,
     /// Whether vehicle bus signals were recorded.
     pub can: bool,
-    /// What the log could have had but has not, in words.
-    pub missing: Vec<String>,
+    /// What the log lacks.
+    pub missing: Vec<Need>,
 }
 
 /// A position on Earth, WGS 84.

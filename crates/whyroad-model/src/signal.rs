@@ -1,6 +1,6 @@
 //! Signal tables: what is derived from one drive, by name. The catalogue of names is `schema/signals.yaml`.
 
-use crate::{Column, DriveId, FrameRange, Nanos, ObjectClass, TrackId};
+use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
 use std::collections::BTreeMap;
 
 /// All signals of one drive.
@@ -19,8 +19,8 @@ pub struct SignalTable {
     pub targets: Vec<TargetSpan>,
     /// Signals with one value a target and frame; all have the same number of rows.
     pub target_columns: BTreeMap<String, Column>,
-    /// Signals that this log cannot support, with what it would need: `{"light.state": ["traffic lights"]}`.
-    pub unavailable: BTreeMap<String, Vec<String>>,
+    /// Signals that this log cannot support, with what it lacks: `{"light.state": [Need::TrafficLights]}`.
+    pub unavailable: BTreeMap<String, Vec<Need>>,
 }
 
 /// Where the rows of one target are: dense from its first to its last observed frame. In frames between

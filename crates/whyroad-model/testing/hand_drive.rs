@@ -7,7 +7,7 @@ use whyroad_model::messages::*;
 use whyroad_model::road_map::{Area, Lane, LaneMark, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Bilingual, Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
+use whyroad_model::{Bilingual, Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri, Need};
 
 pub(crate) const FRAMES: usize = 120;
 
@@ -122,7 +122,7 @@ pub(crate) fn signals(drive: &Drive) -> SignalTable {
             ),
         ]
         .into(),
-        unavailable: [("light.state".to_owned(), vec!["traffic lights".to_owned()])].into(),
+        unavailable: [("light.state".to_owned(), vec![Need::TrafficLights])].into(),
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 use whyroad_model::Bilingual;
+use whyroad_model::display::number;
 
 /// A piece of the page.
 #[derive(Clone, Debug, Default)]
@@ -75,17 +76,4 @@ impl Markup {
     pub fn into_string(self) -> String {
         self.0
     }
-}
-
-/// `value` with at most `digits` decimals, without trailing zeros; what is not finite is named.
-pub fn number(value: f64, digits: usize) -> String {
-    if value.is_nan() {
-        return "–".to_owned();
-    }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "-∞" }.to_owned();
-    }
-    let text = format!("{value:.digits$}");
-    let text = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

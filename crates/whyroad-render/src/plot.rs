@@ -1,9 +1,9 @@
 //! One signal over time as a small line plot: the episode shaded, the keyframe marked, unknown left as a gap.
 
-use crate::markup::{Markup, number};
+use crate::markup::Markup;
 use std::collections::BTreeMap;
-use whyroad_model::names::missing_name;
-use whyroad_model::{Bilingual, Column, FrameRange, SignalTable, TrackId, Tri};
+use whyroad_model::units::{Dimension, Unit};
+use whyroad_model::{Bilingual, Column, FrameRange, Displayed, SignalTable, TrackId, Tri};
 
 const WIDTH: f64 = 430.0;
 const HEIGHT: f64 = 96.0;
@@ -15,8 +15,8 @@ const BOTTOM: f64 = 78.0;
 /// What a plot says of a signal; from the catalogue, which this crate does not read.
 #[derive(Clone, Debug, Default)]
 pub struct SignalInfo {
-    /// Base unit; empty for flags, categories and pure numbers.
-    pub unit: String,
+    /// Unit in which a number is displayed; `None` for flags and categories.
+    pub unit: Option<&'static Unit>,
     /// What it means.
     pub meaning: Bilingual,
     /// Typical magnitude in the base unit.
@@ -44,7 +44,7 @@ pub fn render(
 ) -> Markup {
     let mut m = Markup::new();
     let info = infos.get(name).cloned().unwrap_or_default();
-    let series = Series::find(signals, target, name);
+    let series = Series::find(signals, target, name, info.unit);
     m.raw("<figure class=\"plot\"><figcaption title=\"")
         .text(&info.meaning.zh)
         .raw(" / ")
@@ -55,8 +55,8 @@ pub fn render(
         match signals.unavailable.get(name) {
             Some(needs) => {
                 m.say("不可观测，缺：", "not observable, needs: ");
-                for (i, word) in needs.iter().enumerate() {
-                    m.raw(if i == 0 { "" } else { ", " }).both(&missing_name(word));
+                for (i, need) in needs.iter().enumerate() {
+                    m.raw(if i == 0 { "" } else { ", " }).both(&need.name());
                 }
             }
             None => {
@@ -66,7 +66,7 @@ pub fn render(
         m.raw("</span></figcaption></figure>");
         return m;
     };
-    m.raw("<b>").text(&series.value_text(span.keyframe)).raw("</b> <span class=\"faint\">").text(&info.unit);
+    m.raw("<b>").text(&series.value_text(span.keyframe)).raw("</b> <span class=\"faint\">").text(info.unit.map_or("", |u| u.symbol));
     m.raw("</span></figcaption><svg viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0).raw("\">");
     frame(&mut m, signals, span);
     match series.column {
@@ -79,23 +79,30 @@ pub fn render(
     m
 }
 
-/// A column with the way from a frame of the drive to its row.
+/// A column with the row of each frame of the drive. Its numbers are read in the unit in which they are displayed.
 struct Series<'a> {
     column: &'a Column,
+    unit: Option<&'static Unit>,
     first_frame: usize,
     first_row: usize,
     rows: usize,
 }
 
 impl<'a> Series<'a> {
-    fn find(signals: &'a SignalTable, target: Option<&TrackId>, name: &str) -> Option<Self> {
+    fn find(
+        signals: &'a SignalTable,
+        target: Option<&TrackId>,
+        name: &str,
+        unit: Option<&'static Unit>,
+    ) -> Option<Self> {
         if let Some(column) = signals.frame_columns.get(name) {
-            return Some(Self { column, first_frame: 0, first_row: 0, rows: column.len() });
+            return Some(Self { column, unit, first_frame: 0, first_row: 0, rows: column.len() });
         }
         let column = signals.target_columns.get(name)?;
         let span = signals.target(target?)?;
         Some(Self {
             column,
+            unit,
             first_frame: span.frames.start,
             first_row: span.first_row,
             rows: span.frames.len(),
@@ -107,14 +114,23 @@ impl<'a> Series<'a> {
         (offset < self.rows).then_some(self.first_row + offset)
     }
 
+    /// The value in the unit in which it is displayed.
+    fn displayed(&self, base: f64) -> Displayed {
+        Displayed::of_base(base, self.unit.unwrap_or(Dimension::Ratio.base()))
+    }
+
     fn number(&self, frame: usize) -> Option<f64> {
-        self.row(frame).and_then(|r| self.column.number(r))
+        let base = self.row(frame).and_then(|r| self.column.number(r))?;
+        Some(self.displayed(base).value())
     }
 
     fn value_text(&self, frame: usize) -> String {
         let Some(row) = self.row(frame) else { return "–".to_owned() };
         match self.column {
-            Column::Number(_) => self.column.number(row).map_or_else(|| "–".to_owned(), |v| number(v, 2)),
+            Column::Number(_) => match self.column.number(row) {
+                Some(base) => self.displayed(base).number(2),
+                None => "–".to_owned(),
+            },
             Column::Flag(_) => match self.column.flag(row) {
                 Tri::True => "✓ true".to_owned(),
                 Tri::False => "✗ false".to_owned(),
@@ -167,7 +183,7 @@ fn numbers(m: &mut Markup, series: &Series<'_>, info: &SignalInfo, span: Span) {
     let mut finite: Vec<f64> =
         frames.clone().filter_map(|f| series.number(f)).filter(|v| v.is_finite()).collect();
     finite.sort_by(f64::total_cmp);
-    let (low, high) = value_range(&finite, series.number(span.keyframe), info.scale);
+    let (low, high) = value_range(&finite, series.number(span.keyframe), series.displayed(info.scale).value());
     let y = |v: f64| BOTTOM - (BOTTOM - TOP) * (v - low) / (high - low);
     let digits = if high - low < 0.2 {
         3

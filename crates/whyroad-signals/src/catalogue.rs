@@ -1,53 +1,18 @@
-//! The catalogue of signals, read from `schema/signals.yaml`: what each name means, in what unit, and what
-//! a log must have for it. Only names and meanings live there; how a value is computed is code.
+//! The catalogue of signals, read from `schema/signals.yaml`: what each signal means, in what unit it is displayed, and
+//! what a log must have for it. How a value is computed is code; name, scope and type of a signal are compiled in
+//! ([`SignalId`]), so a framework folder's catalogue is checked against them.
 
 mod page;
+mod read;
 
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
+use whyroad_model::suggest::similarity;
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Bilingual, Diagnostic, Location};
+use whyroad_model::{Bilingual, Diagnostic, Displayed, Need, SignalId};
 
-/// Codes of the diagnostics that this crate emits; each has a page in `docs/diagnostics/`.
-pub const CODES: &[&str] = &["signals.syntax", "signals.name", "signals.type", "signals.needs"];
-
-/// What a log can have or lack; the words of `needs` in the catalogue and of `SignalTable::unavailable`.
-pub const NEEDS: &[&str] = &[
-    "ego pose",
-    "map",
-    "traffic lights",
-    "vehicle bus",
-    "object sizes",
-    "object classes",
-    "turn signals",
-    "visibility",
-    "elevation",
-    "routing",
-    "weather",
-    "surface",
-    "lighting",
-    "road type",
-    "lane marks",
-    "signs",
-    "facilities",
-    "construction state",
-    "accident state",
-    "warning light",
-    "gate state",
-    "navigation limit",
-    "pavement",
-];
-
-/// Over what a signal has values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Scope {
-    /// One value a frame.
-    Frame,
-    /// One value a target and frame.
-    Target,
-}
+pub use read::CODES;
+pub use whyroad_model::catalogue::SignalScope;
 
 /// What values a signal has.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,24 +28,38 @@ pub enum SignalKind {
 /// One entry of the catalogue.
 #[derive(Clone, Debug)]
 pub struct SignalDef {
+    /// Which signal it is.
+    pub id: SignalId,
     /// Full name: `ego.speed`, `target.gap`.
     pub name: String,
     /// Over what it has values.
-    pub scope: Scope,
+    pub scope: SignalScope,
     /// What values it has.
     pub kind: SignalKind,
-    /// Unit as the catalogue writes it; empty for flags, categories and pure numbers. Values are in the base unit.
-    pub unit: String,
+    /// Unit in which a number is displayed; `None` for flags and categories. Values are stored in the base unit.
+    pub unit: Option<&'static Unit>,
     /// What it means, with its formula.
     pub meaning: Bilingual,
-    /// What the log must have (words of [`NEEDS`]).
-    pub needs: Vec<String>,
+    /// What the log must have.
+    pub needs: Vec<Need>,
     /// Where the definition comes from.
     pub source: String,
-    /// Typical magnitude in the base unit, for normalising margins; 1 for flags and categories.
+    /// Typical magnitude in the base unit, for normalizing margins; 1 for flags and categories.
     pub scale: f64,
     /// Other names for it.
     pub aliases: Vec<String>,
+}
+
+impl SignalDef {
+    /// A stored value of this signal as people read it; `None` for flags and categories.
+    pub fn displayed(&self, base: f64) -> Option<Displayed> {
+        self.unit.map(|unit| Displayed::of_base(base, unit))
+    }
+
+    /// Symbol of the unit in which a number is displayed; empty for pure numbers, flags and categories.
+    pub fn unit_symbol(&self) -> &'static str {
+        self.unit.map_or("", |u| u.symbol)
+    }
 }
 
 /// To which targets a name restricts a rule: `target_vehicle.gap` is `target.gap` of vehicles.
@@ -103,134 +82,21 @@ pub struct Catalogue {
     by_name: BTreeMap<String, usize>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawCatalogue {
-    version: String,
-    signals: Vec<RawSignal>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawSignal {
-    name: String,
-    scope: Scope,
-    #[serde(rename = "type")]
-    kind: RawKind,
-    unit: Option<String>,
-    scale: Option<f64>,
-    #[serde(default)]
-    values: Vec<String>,
-    needs: Vec<String>,
-    meaning: Bilingual,
-    source: String,
-    #[serde(default)]
-    aliases: Vec<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum RawKind {
-    Number,
-    Flag,
-    Category,
-}
-
-/// The catalogue's file, relative to the framework's folder.
-const FILE: &str = "schema/signals.yaml";
-
-/// Where the entries stand. serde forgets places; entries come in file order, so each is found after the one before.
-struct Places<'t> {
-    lines: std::iter::Enumerate<std::str::Lines<'t>>,
-}
-
-impl<'t> Places<'t> {
-    fn of(text: &'t str) -> Self {
-        Self { lines: text.lines().enumerate() }
-    }
-
-    /// The place of the next entry, whose name is `name`.
-    fn next(&mut self, name: &str) -> Location {
-        let in_file = Location { file: Some(FILE.to_owned()), ..Location::default() };
-        let names_it = |line: &str| {
-            let (_, value) = line.split_once("name:")?;
-            let value = value.trim().trim_matches(['"', '\'']);
-            (value == name).then(|| line.find(name)).flatten()
-        };
-        let Some((at, line, start)) = self.lines.find_map(|(i, line)| Some((i, line, names_it(line)?)))
-        else {
-            return in_file;
-        };
-        Location {
-            line: Some(at + 1),
-            column: Some(line[..start].chars().count() + 1),
-            snippet: Some(line.to_owned()),
-            span: name.chars().count(),
-            ..in_file
-        }
-    }
-}
-
 static BUNDLED: LazyLock<Catalogue> =
     LazyLock::new(|| Catalogue::parse(include_str!("../../../schema/signals.yaml")).0);
 
 impl Catalogue {
-    /// The catalogue that this build was made with; the one [`crate::derive`] follows. A test holds it free of errors.
+    /// The catalogue that this build was made with; the one [`crate::derive`] follows. A test asserts that it has no
+    /// errors.
     pub fn bundled() -> &'static Catalogue {
         &BUNDLED
     }
 
-    /// Reads a catalogue. Entries with errors are left out and reported; the rest is usable.
+    /// Reads the text of `schema/signals.yaml`, from the repository or from a framework folder. Entries with errors are
+    /// left out and reported; the rest is usable. A folder may change meanings, units for display, scales, aliases and
+    /// sources; an unknown or missing signal and a changed scope, type or need are errors.
     pub fn parse(text: &str) -> (Catalogue, Vec<Diagnostic>) {
-        let raw: RawCatalogue = match serde_yaml_ng::from_str(text) {
-            Ok(raw) => raw,
-            Err(e) => {
-                let place = e.location().map_or_else(Location::default, |l| Location {
-                    file: Some(FILE.to_owned()),
-                    line: Some(l.line()),
-                    column: Some(l.column()),
-                    ..Location::default()
-                });
-                let message = Bilingual::new(
-                    format!("信号目录无法读取：{e}"),
-                    format!("the signal catalogue cannot be read: {e}"),
-                );
-                return (Catalogue::default(), vec![Diagnostic::error("signals.syntax", message).at(place)]);
-            }
-        };
-        let mut catalogue = Catalogue { version: raw.version, ..Catalogue::default() };
-        let mut diagnostics = Vec::new();
-        let mut places = Places::of(text);
-        for signal in raw.signals {
-            let place = places.next(&signal.name);
-            let known = diagnostics.len();
-            match resolve(signal) {
-                Ok(def) => catalogue.add(def, &mut diagnostics),
-                Err(d) => diagnostics.push(*d),
-            }
-            for d in diagnostics.iter_mut().skip(known) {
-                d.location = place.clone();
-            }
-        }
-        (catalogue, diagnostics)
-    }
-
-    fn add(&mut self, def: SignalDef, diagnostics: &mut Vec<Diagnostic>) {
-        let names: Vec<String> = std::iter::once(&def.name).chain(&def.aliases).cloned().collect();
-        if let Some(taken) = names.iter().find(|n| self.by_name.contains_key(*n)) {
-            diagnostics.push(Diagnostic::error(
-                "signals.name",
-                Bilingual::new(
-                    format!("信号名 '{taken}' 重复"),
-                    format!("signal name '{taken}' is used twice"),
-                ),
-            ));
-            return;
-        }
-        for name in names {
-            self.by_name.insert(name, self.defs.len());
-        }
-        self.defs.push(def);
+        read::read(text)
     }
 
     /// All signals in the catalogue's order.
@@ -243,7 +109,7 @@ impl Catalogue {
         self.resolve(name).map(|(def, _)| def)
     }
 
-    /// The signal with this name or alias, and to which targets the way it was named restricts it.
+    /// The signal with this name or alias, and the targets to which the prefix of the name restricts it.
     pub fn resolve(&self, name: &str) -> Option<(&SignalDef, TargetRestriction)> {
         let prefixes =
             [("target_vehicle.", TargetRestriction::Vehicle), ("target_vru.", TargetRestriction::Vru)];
@@ -258,82 +124,12 @@ impl Catalogue {
 
     /// Up to three known names that look like `name`, the nearest first: for "did you mean".
     pub fn similar(&self, name: &str) -> Vec<&str> {
-        let mut scored: Vec<(f64, &str)> = self
-            .by_name
-            .keys()
-            .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known.as_str()))
-            .collect();
+        let mut scored: Vec<(f64, &str)> =
+            self.by_name.keys().map(|known| (similarity(name, known), known.as_str())).collect();
         scored.retain(|(score, _)| *score > 0.7);
         scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
         scored.into_iter().take(3).map(|(_, known)| known).collect()
     }
-}
-
-fn resolve(raw: RawSignal) -> Result<SignalDef, Box<Diagnostic>> {
-    let error = |code: &'static str, zh: String, en: String| {
-        let message =
-            Bilingual::new(format!("信号 '{}'：{zh}", raw.name), format!("signal '{}': {en}", raw.name));
-        Box::new(Diagnostic::error(code, message))
-    };
-    let prefix_fits = match raw.scope {
-        Scope::Target => raw.name.starts_with("target."),
-        Scope::Frame => !raw.name.starts_with("target") && raw.name.contains('.'),
-    };
-    if !prefix_fits {
-        return Err(error(
-            "signals.name",
-            "名称与作用域不符".into(),
-            "its name does not fit its scope".into(),
-        ));
-    }
-    if let Some(word) = raw.needs.iter().find(|n| !NEEDS.contains(&n.as_str())) {
-        let known = NEEDS.join(", ");
-        return Err(error(
-            "signals.needs",
-            format!("未知的需求 '{word}'（可用：{known}）"),
-            format!("unknown need '{word}' (known: {known})"),
-        ));
-    }
-    let (kind, to_base) = match raw.kind {
-        RawKind::Number => {
-            let symbol = raw.unit.as_deref().unwrap_or("");
-            let Some(unit) = Unit::parse(symbol).filter(|_| raw.unit.is_some()) else {
-                return Err(error(
-                    "signals.type",
-                    format!("未知或缺失的单位 '{symbol}'"),
-                    format!("unknown or missing unit '{symbol}'"),
-                ));
-            };
-            if !raw.scale.is_some_and(|s| s.is_finite() && s > 0.0) {
-                return Err(error(
-                    "signals.type",
-                    "数值信号须有正的 scale".into(),
-                    "a number needs a positive scale".into(),
-                ));
-            }
-            (SignalKind::Number(unit.dimension), unit.to_base)
-        }
-        RawKind::Flag => (SignalKind::Flag, 1.0),
-        RawKind::Category if raw.values.is_empty() => {
-            return Err(error(
-                "signals.type",
-                "类别信号须列出 values".into(),
-                "a category needs its values".into(),
-            ));
-        }
-        RawKind::Category => (SignalKind::Category(raw.values.clone().into()), 1.0),
-    };
-    Ok(SignalDef {
-        name: raw.name,
-        scope: raw.scope,
-        kind,
-        unit: raw.unit.unwrap_or_default(),
-        meaning: raw.meaning,
-        needs: raw.needs,
-        source: raw.source,
-        scale: raw.scale.map_or(1.0, |s| s * to_base),
-        aliases: raw.aliases,
-    })
 }
 
 #[cfg(test)]

@@ -17,18 +17,18 @@ use crate::{
     bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
     line_crossing, on_road, pet, relations, route, sight, target_motion, terrain, ttc, ttc_lane,
 };
-use whyroad_model::{Drive, SignalTable};
+use whyroad_model::{Drive, Need, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
-    let missing = crate::table::missing(drive);
+    let missing = crate::needs::missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);
     let start = drive.times.first().copied().unwrap_or_default();
     let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let road = drive.map.as_ref().filter(|_| !missing.contains("map")).map(Road::new);
-    let ego = drive.ego.as_ref().filter(|_| !missing.contains("ego pose")).map(|e| EgoMotion::new(e, &times));
+    let road = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
+    let ego = drive.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose)).map(|e| EgoMotion::new(e, &times));
 
     if let Some(ego) = &drive.ego {
         bus::write(&ego.bus, times.len(), &mut table);
@@ -63,10 +63,10 @@ pub fn meta_actions(drive: &Drive) -> Option<MetaActions> {
         ego: drive.ego.clone(),
         ..Drive::default()
     };
-    let missing = crate::table::missing(&ego_only);
+    let missing = crate::needs::missing(&ego_only);
     let start = drive.times.first().copied().unwrap_or_default();
     let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let ego = ego_only.ego.as_ref().filter(|_| !missing.contains("ego pose"))?;
+    let ego = ego_only.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose))?;
     let mut table = TableBuilder::new(Catalogue::bundled(), &ego_only);
     crate::meta_actions::write(&EgoMotion::new(ego, &times), &times, &mut table);
     let table = table.finish(&missing);

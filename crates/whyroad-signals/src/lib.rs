@@ -6,6 +6,7 @@
 
 pub mod catalogue;
 pub mod geometry;
+mod needs;
 mod series;
 mod table;
 
@@ -76,7 +77,7 @@ mod time_to_line;
 mod traffic;
 mod ttc_accel;
 
-pub use catalogue::{Catalogue, Scope, SignalDef, SignalKind, TargetRestriction};
+pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestriction};
 pub use derive::{MetaActions, derive, meta_actions};
 pub use lane_ids::ego_lane_ids;
 pub use occluders::{Occluder, occluders};

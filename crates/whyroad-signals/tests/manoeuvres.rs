@@ -4,6 +4,7 @@
 
 mod scene;
 
+use whyroad_model::Need;
 use scene::{Table, add, area, car, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::Pedestrian;
@@ -273,16 +274,16 @@ fn what_a_log_lacks_is_named_and_never_given() {
     let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
     car(&mut d, "lead", |t| (20.0 + 10.0 * t, 0.5, 0.0));
     let t = Table::of(&d);
-    assert_eq!(t.0.unavailable["target.wheel_over_line"], ["map"]);
-    assert_eq!(t.0.unavailable["light.state"], ["map", "traffic lights"]);
-    assert_eq!(t.0.unavailable["ego.brake"], ["vehicle bus"]);
+    assert_eq!(t.0.unavailable["target.wheel_over_line"], [Need::Map]);
+    assert_eq!(t.0.unavailable["light.state"], [Need::Map, Need::TrafficLights]);
+    assert_eq!(t.0.unavailable["ego.brake"], [Need::VehicleBus]);
     assert_eq!(t.flag("lead", "target.is_lead", 5), True, "without a map the driven path serves as lane");
 
     // A bus that tells the brake but nothing of emergency braking.
     d.ego.as_mut().unwrap().bus.brake = vec![Some(false); 20];
     let t = Table::of(&d);
     assert_eq!(t.ego_flag("ego.brake", 3), False);
-    assert_eq!(t.0.unavailable["ego.aeb"], ["vehicle bus"]);
+    assert_eq!(t.0.unavailable["ego.aeb"], [Need::VehicleBus]);
 
     // Positions relative to the ego, no ego pose.
     d.ego = None;
@@ -290,7 +291,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
     let t = Table::of(&d);
     near(t.num("lead", "target.longitudinal", 0), 20.0, 1e-9);
     near(t.num("lead", "target.lateral", 0), 0.5, 1e-9);
-    assert_eq!(t.0.unavailable["target.speed"], ["ego pose"]);
+    assert_eq!(t.0.unavailable["target.speed"], [Need::EgoPose]);
     assert!(!t.0.target_columns.contains_key("target.gap"));
 
     // Sizes unknown: no gap, but a place.
@@ -299,7 +300,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
         (20.0 + 10.0 * t, 0.0, 0.0)
     });
     let t = Table::of(&d);
-    assert_eq!(t.0.unavailable["target.gap"], ["object sizes"]);
+    assert_eq!(t.0.unavailable["target.gap"], [Need::ObjectSizes]);
     near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);
     assert_eq!(t.flag("point", "target.in_ego_lane", 5), True);
 
@@ -308,7 +309,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
     add(&mut d, "blip", whyroad_model::ObjectClass::Unknown, (4.0, 1.8), |t| (20.0 + 10.0 * t, 0.0, 0.0));
     let t = Table::of(&d);
     for name in ["lead.gap", "lead.exists", "target.is_lead", "target.class", "traffic.density"] {
-        assert_eq!(t.0.unavailable[name], ["object classes"], "{name}");
+        assert_eq!(t.0.unavailable[name], [Need::ObjectClasses], "{name}");
     }
     assert_eq!(t.flag("blip", "target.in_ego_lane", 5), True);
     // One known class, and the log tells classes.

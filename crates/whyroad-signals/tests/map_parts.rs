@@ -4,6 +4,7 @@
 
 mod scene;
 
+use whyroad_model::Need;
 use scene::{Table, area, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::Tri::{False, True, Unknown};
@@ -244,7 +245,7 @@ fn facilities_on_the_path_and_those_that_nobody_drew() {
         assert!(t.0.unavailable.contains_key(name), "{name}");
     }
     d.map = Some(road());
-    assert_eq!(Table::of(&d).0.unavailable["map.in_tunnel"], ["facilities"]);
+    assert_eq!(Table::of(&d).0.unavailable["map.in_tunnel"], [Need::Facilities]);
 }
 
 /// Works and crashes that leave the middle of the lane free, and an opening in the barrier, are beside the path.

@@ -4,6 +4,7 @@
 
 mod scene;
 
+use whyroad_model::Need;
 use scene::{Table, near};
 use std::path::PathBuf;
 use whyroad_ingest::{Options, find_sources, read};
@@ -105,6 +106,6 @@ fn a_log_without_pose_gives_places_and_says_what_it_lacks() {
     let Some((drive, t)) = log("b87683ae") else { return };
     let track = &drive.tracks[0];
     near(t.num(track.id.as_str(), "target.longitudinal", track.frames[0] as usize), track.motion.x[0], 1e-9);
-    assert_eq!(t.0.unavailable["target.ttc"], ["ego pose"]);
-    assert_eq!(t.0.unavailable["target.on_crosswalk"], ["map"]);
+    assert_eq!(t.0.unavailable["target.ttc"], [Need::EgoPose]);
+    assert_eq!(t.0.unavailable["target.on_crosswalk"], [Need::Map]);
 }

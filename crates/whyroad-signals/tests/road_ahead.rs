@@ -4,6 +4,7 @@
 
 mod scene;
 
+use whyroad_model::Need;
 use scene::{Table, add, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
 use whyroad_model::ObjectClass::{Car, Pedestrian};
@@ -67,7 +68,7 @@ fn a_ramp_of_five_percent() {
     let mut flat = with_map;
     flat.ego.as_mut().unwrap().motion.z.fill(f64::NAN);
     flat.map.as_mut().unwrap().lanes[0].centre.iter_mut().for_each(|p: &mut Point3| p.z = f64::NAN);
-    assert_eq!(Table::of(&flat).0.unavailable["map.grade"], ["elevation"]);
+    assert_eq!(Table::of(&flat).0.unavailable["map.grade"], [Need::Elevation]);
 }
 
 /// Three lanes to the east: right r (y = 0) that ends at x = 100, middle m, left l; then m2 and l2.

@@ -12,7 +12,7 @@ use whyroad_model::road_map::{Facility, LaneMark, Point3, Sign, StopLine};
 use whyroad_model::scene::{ContextState, LightColour, LightState, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Column, Drive, Nanos};
-use whyroad_signals::{Catalogue, Scope, SignalKind};
+use whyroad_signals::{Catalogue, SignalKind, SignalScope};
 
 /// A drive with everything that a log can have: a lane change, a bend of nothing, a lead, a walker, a gap, lights.
 fn full() -> Drive {
@@ -87,8 +87,8 @@ fn the_table_agrees_with_the_catalogue() {
         let rows = table.targets.iter().map(|t| t.frames.len()).sum::<usize>();
         for def in Catalogue::bundled().iter() {
             let (columns, others, len) = match def.scope {
-                Scope::Frame => (&table.frame_columns, &table.target_columns, table.times.len()),
-                Scope::Target => (&table.target_columns, &table.frame_columns, rows),
+                SignalScope::Frame => (&table.frame_columns, &table.target_columns, table.times.len()),
+                SignalScope::Target => (&table.target_columns, &table.frame_columns, rows),
             };
             assert!(!others.contains_key(&def.name), "{} is in the other scope", def.name);
             let missing = table.unavailable.contains_key(&def.name);

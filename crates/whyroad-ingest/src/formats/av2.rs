@@ -28,7 +28,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, MediaFrame, Motion, Track};
+<<<<<<< HEAD:crates/whyroad-ingest/src/formats/av2.rs
 use whyroad_model::{Drive, DriveId, Nanos, TrackId};
+=======
+use whyroad_model::{Drive, DriveId, Nanos, RoadMap, TrackId, Need};
+>>>>>>> c9438cc (One type for what a log lacks; displayed values carry their unit; catalogue checked with positions):crates/whyroad-ingest/src/av2.rs
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -134,7 +138,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
         return None;
     }
 
-    let mut missing: Vec<String> = Vec::new();
+    let mut missing: Vec<Need> = Vec::new();
     let poses = read_poses(dir, &mut hash, report);
     let (road, map_ref) = read_map(&dir.join("map"), &mut hash, report);
     let times: BTreeSet<i64> = rows.objects.iter().chain(&rows.ego).map(|c| c.time).collect();
@@ -145,18 +149,18 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     let times: Vec<i64> =
         if with_pose { posed.keys().copied().collect() } else { times.into_iter().collect() };
     if !with_pose {
-        missing.push("ego pose".into());
+        missing.push(Need::EgoPose);
     }
     if road.is_none() {
-        missing.push("map".into());
+        missing.push(Need::Map);
     }
     if !rows.has_points {
-        missing.push("lidar points in boxes".into());
+        missing.push(Need::LidarPointsInBoxes);
     }
-    missing.extend(["traffic lights", "vehicle bus", "weather and surface"].map(String::from));
+    missing.extend([Need::TrafficLights, Need::VehicleBus, Need::WeatherAndSurface]);
     let media = camera_frames(dir);
     if media.is_empty() {
-        missing.push("camera pictures".into());
+        missing.push(Need::CameraPictures);
     }
 
     drop_uncovered(&mut rows, &posed, with_pose, dir, report);

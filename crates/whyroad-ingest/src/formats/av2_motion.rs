@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FRAME_RATE_HZ, FrameOfReference, Track};
-use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap};
+use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -113,18 +113,23 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         lift_centre_lines(map);
     }
 
-    let mut missing = vec!["object sizes".to_owned()];
+    let mut missing = vec![Need::ObjectSizes];
     if road.is_none() {
-        missing.push("map".into());
+        missing.push(Need::Map);
     }
     let ego = scenario.tracks.get(EGO).map(|(_, samples)| ego(samples, &frames));
     if ego.is_none() {
-        missing.push("ego pose".into());
+        missing.push(Need::EgoPose);
         report.diagnostics.push(findings::no_ego(&label));
     }
     missing.extend(
-        ["lidar points in boxes", "traffic lights", "vehicle bus", "weather and surface", "camera pictures"]
-            .map(String::from),
+        [
+            Need::LidarPointsInBoxes,
+            Need::TrafficLights,
+            Need::VehicleBus,
+            Need::WeatherAndSurface,
+            Need::CameraPictures,
+        ],
     );
     let tracks = tracks(&scenario, &frames, &label, report);
     report.tables.insert(0, scenario.count);

@@ -22,7 +22,7 @@ use recording::{Pose, Recording};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference};
-use whyroad_model::{Drive, Nanos};
+use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -149,12 +149,12 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
     let (tracks, radar_rows) = radar::tracks(&recording.radar, &frames, &motion);
 
     let mut missing =
-        vec!["map".to_owned(), "object classes".into(), "object sizes".into(), "traffic lights".into()];
+        vec![Need::Map, Need::ObjectClasses, Need::ObjectSizes, Need::TrafficLights];
     if radar_rows.is_none() {
-        missing.push("radar".into());
+        missing.push(Need::Radar);
     }
     missing.extend(lacking);
-    missing.extend(["weather and surface", "camera pictures"].map(String::from));
+    missing.extend([Need::WeatherAndSurface, Need::CameraPictures]);
     let route = name_of_route(segments);
     let sensors = radar_rows.iter().map(|_| "radar".to_owned()).collect();
     report.tables.extend(radar_rows);

@@ -26,7 +26,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track};
-use whyroad_model::{Drive, Nanos, ObjectClass};
+use whyroad_model::{Drive, Nanos, ObjectClass, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -252,14 +252,14 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
         report.tables.push(count);
     }
     let can = !recording.bus.is_empty();
-    let missing = [
-        (ego.length_m.is_nan(), "ego size"),
-        (true, "map"),
-        (true, "traffic lights"),
-        (!can, "vehicle bus"),
-        (true, "weather and surface"),
-        (true, "camera pictures"),
-    ];
+    let missing = Need::absent([
+        (ego.length_m.is_nan(), Need::EgoSize),
+        (true, Need::Map),
+        (true, Need::TrafficLights),
+        (!can, Need::VehicleBus),
+        (true, Need::WeatherAndSurface),
+        (true, Need::CameraPictures),
+    ]);
     let name = file_label(path);
     Some(Drive {
         meta: DriveMeta {
@@ -269,11 +269,7 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
             licence: options.licence(),
             content_hash: hash.finish(),
             can,
-            missing: missing
-                .iter()
-                .filter(|(absent, _)| *absent)
-                .map(|(_, what)| (*what).to_owned())
-                .collect(),
+            missing,
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&s| Nanos(first).plus_secs(s)).collect(),

@@ -26,7 +26,7 @@ use std::{fs, io};
 use tables::{Annotation, SceneTables};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
-use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap};
+use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap, Need};
 
 /// Scenes of one set that are read together: the full set has 850; reading 50 at a time goes through its tables 17 times
 /// and holds the rows of 50.
@@ -170,13 +170,13 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
     let map = city_map(root, &t.log.location, &motion, &mut hash, report);
     let media = media(t);
     let can = !bus.speed_mps.is_empty() || !bus.steering.is_empty();
-    let missing = [
-        (map.is_none(), "map"),
-        (true, "traffic lights"),
-        (!can, "vehicle bus"),
-        (true, "weather and surface"),
-        (media.is_empty(), "camera pictures"),
-    ];
+    let missing = Need::absent([
+        (map.is_none(), Need::Map),
+        (true, Need::TrafficLights),
+        (!can, Need::VehicleBus),
+        (true, Need::WeatherAndSurface),
+        (media.is_empty(), Need::CameraPictures),
+    ]);
     let cameras: BTreeSet<&str> = media.iter().map(|m| m.camera.as_str()).collect();
     Some(Drive {
         meta: DriveMeta {
@@ -189,11 +189,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
             content_hash: hash.finish(),
             video: cameras.into_iter().map(str::to_owned).collect(),
             can,
-            missing: missing
-                .iter()
-                .filter(|(absent, _)| *absent)
-                .map(|(_, what)| (*what).to_owned())
-                .collect(),
+            missing,
             ..DriveMeta::default()
         },
         times: frames.iter().map(|&s| Nanos(zero * 1000).plus_secs(s)).collect(),

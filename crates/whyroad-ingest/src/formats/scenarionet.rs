@@ -23,7 +23,7 @@ use std::{fs, io};
 use tracks::Tracks;
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, LightState};
-use whyroad_model::{Drive, Nanos};
+use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -142,14 +142,14 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         report.tables.push(built.count);
         built.map
     });
-    let missing = [
-        (ego.is_none(), "ego pose"),
-        (map.is_none(), "map"),
-        (lights.is_none(), "traffic lights"),
-        (true, "vehicle bus"),
-        (true, "weather and surface"),
-        (true, "camera pictures"),
-    ];
+    let missing = Need::absent([
+        (ego.is_none(), Need::EgoPose),
+        (map.is_none(), Need::Map),
+        (lights.is_none(), Need::TrafficLights),
+        (true, Need::VehicleBus),
+        (true, Need::WeatherAndSurface),
+        (true, Need::CameraPictures),
+    ]);
     let text = |key: &str| metadata.and_then(|m| m.get(key)).and_then(|v| v.id());
     let name = file_label(path);
     let mut hash = ContentHash::new("scenarionet", REVISION);
@@ -165,11 +165,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
             licence: options.licence(),
             frame_of_reference: FrameOfReference::World,
             content_hash: hash.finish(),
-            missing: missing
-                .iter()
-                .filter(|(absent, _)| *absent)
-                .map(|(_, what)| (*what).to_owned())
-                .collect(),
+            missing,
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&s| start(s)).collect(),

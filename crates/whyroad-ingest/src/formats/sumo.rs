@@ -41,7 +41,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use vehicle_types::{IsPerson, VehicleTypes};
 use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
-use whyroad_model::{Diagnostic, Drive, DriveId, Nanos};
+use whyroad_model::{Diagnostic, Drive, DriveId, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 7;
@@ -264,13 +264,13 @@ impl Simulation {
         report.diagnostics.extend(diagnostics_of(&notes, label));
 
         let bus = !ego_state.bus.turn_signal.is_empty();
-        let missing = [
-            (self.net.is_none(), "map"),
-            (self.lights.is_none(), "traffic lights"),
-            (!bus, "vehicle bus"),
-            (true, "weather and surface"),
-            (true, "camera pictures"),
-        ];
+        let missing = Need::absent([
+            (self.net.is_none(), Need::Map),
+            (self.lights.is_none(), Need::TrafficLights),
+            (!bus, Need::VehicleBus),
+            (true, Need::WeatherAndSurface),
+            (true, Need::CameraPictures),
+        ]);
         let map_ref = self.net.as_ref().map(|(_, _, name)| name.clone());
         let meta = DriveMeta {
             drive_id: self.drive_id(id, egos, options),
@@ -284,11 +284,7 @@ impl Simulation {
             video: Vec::new(),
             sensors: Vec::new(),
             can: bus,
-            missing: missing
-                .into_iter()
-                .filter(|(absent, _)| *absent)
-                .map(|(_, what)| what.to_owned())
-                .collect(),
+            missing,
             ..DriveMeta::default()
         };
         Some(Drive {

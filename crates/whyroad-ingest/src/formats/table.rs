@@ -26,7 +26,7 @@ use sheet::{Sheet, sheet_file};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ, FrameOfReference};
-use whyroad_model::{Drive, Nanos};
+use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 3;
@@ -154,42 +154,42 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
     let mut missing = Vec::new();
     let (tracks, lacking) = match reader.sheet("objects", objects::COLUMNS, objects::REQUIRED) {
         Some(sheet) => objects::tracks(sheet, &clock, &mut reader),
-        None => (Vec::new(), vec!["objects"]),
+        None => (Vec::new(), vec![Need::Objects]),
     };
     missing.extend(lacking);
     let map = road::read(&meta.map_complete_for, &mut reader);
     let lights = states::lights(&mut reader);
     let context = states::context(&mut reader);
     if !ego.length_m.is_finite() || !ego.width_m.is_finite() {
-        missing.push("ego size");
+        missing.push(Need::EgoSize);
     }
     let bus = &ego.bus;
     let can = [
-        ("vehicle speed", bus.speed_mps.is_empty()),
-        ("steering angle", bus.steering.is_empty()),
-        ("throttle", bus.throttle.is_empty()),
-        ("brake", bus.brake.is_empty()),
-        ("gear", bus.gear.is_empty()),
-        ("turn signal", bus.turn_signal.is_empty()),
-        ("emergency braking", bus.aeb.is_empty()),
-        ("cruise", bus.cruise.is_empty()),
-        ("route", bus.route_command.is_empty()),
+        (Need::VehicleSpeed, bus.speed_mps.is_empty()),
+        (Need::SteeringAngle, bus.steering.is_empty()),
+        (Need::Throttle, bus.throttle.is_empty()),
+        (Need::Brake, bus.brake.is_empty()),
+        (Need::Gear, bus.gear.is_empty()),
+        (Need::TurnSignal, bus.turn_signal.is_empty()),
+        (Need::EmergencyBraking, bus.aeb.is_empty()),
+        (Need::Cruise, bus.cruise.is_empty()),
+        (Need::Route, bus.route_command.is_empty()),
     ];
     if can.iter().all(|(_, absent)| *absent) {
-        missing.push("vehicle bus");
+        missing.push(Need::VehicleBus);
     } else {
-        missing.extend(can.iter().filter(|(_, absent)| *absent).map(|(name, _)| *name));
+        missing.extend(can.iter().filter(|(_, absent)| *absent).map(|(need, _)| *need));
     }
-    for (name, absent) in [
-        ("map", map.is_none()),
-        ("traffic lights", lights.is_none()),
-        ("weather and surface", context.is_none()),
+    for (need, absent) in [
+        (Need::Map, map.is_none()),
+        (Need::TrafficLights, lights.is_none()),
+        (Need::WeatherAndSurface, context.is_none()),
     ] {
         if absent {
-            missing.push(name);
+            missing.push(need);
         }
     }
-    missing.push("camera pictures");
+    missing.push(Need::CameraPictures);
 
     let times = clock.frames.iter().map(|&t| Nanos(clock.origin).plus_secs(t)).collect();
     Some(Drive {
@@ -208,7 +208,7 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
             video: Vec::new(),
             sensors: Vec::new(),
             can: can.iter().any(|(_, absent)| !absent),
-            missing: missing.into_iter().map(String::from).collect(),
+            missing,
             ..DriveMeta::default()
         },
         times,

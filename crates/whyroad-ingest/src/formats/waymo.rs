@@ -22,7 +22,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, LightColour, LightState};
-use whyroad_model::{Drive, Nanos, ObjectClass};
+use whyroad_model::{Drive, Nanos, ObjectClass, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -112,14 +112,14 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
         report.tables.push(built.count);
         built.map
     });
-    let missing = [
-        (ego.is_none(), "ego pose"),
-        (map.is_none(), "map"),
-        (lights.is_none(), "traffic lights"),
-        (true, "vehicle bus"),
-        (true, "weather and surface"),
-        (true, "camera pictures"),
-    ];
+    let missing = Need::absent([
+        (ego.is_none(), Need::EgoPose),
+        (map.is_none(), Need::Map),
+        (lights.is_none(), Need::TrafficLights),
+        (true, Need::VehicleBus),
+        (true, Need::WeatherAndSurface),
+        (true, Need::CameraPictures),
+    ]);
     let name = if s.id.is_empty() { format!("{}-{at}", file_label(path)) } else { s.id.clone() };
     Some(Drive {
         meta: DriveMeta {
@@ -129,11 +129,7 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
             map_ref: map.as_ref().map(|_| name),
             licence: options.licence(),
             content_hash: hash.finish(),
-            missing: missing
-                .iter()
-                .filter(|(absent, _)| *absent)
-                .map(|(_, what)| (*what).to_owned())
-                .collect(),
+            missing,
             ..DriveMeta::default()
         },
         times: frames.seconds.iter().map(|&t| time(t)).collect(),

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, START, SourceReport, comma2k19, find_sources};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
+use whyroad_model::{Drive, Nanos, ObjectClass, Severity, Need};
 
 fn data(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("WHYROAD_DATA").map_or_else(
@@ -252,7 +252,7 @@ fn a_cut_array_is_named_and_the_rest_is_kept() {
             && report.diagnostics[0].location.file.as_deref().unwrap().ends_with("radar/value")
     );
     let drive = drive.unwrap();
-    assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| m == "radar"));
+    assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| *m == Need::Radar));
     assert!(drive.ego.unwrap().bus.brake.len() == 600);
 }
 
@@ -264,7 +264,7 @@ fn a_missing_array_is_a_missing_signal_and_without_poses_there_is_no_drive() {
         return;
     };
     let drive = drive.unwrap();
-    assert!(codes.is_empty() && drive.meta.missing.iter().any(|m| m == "steering angle"));
+    assert!(codes.is_empty() && drive.meta.missing.iter().any(|m| *m == Need::SteeringAngle));
     assert!(drive.ego.unwrap().bus.steering.is_empty());
     let Some((drive, report, codes)) =
         broken(&toyota(), |s| fs::remove_file(s.join("global_pose/frame_positions")).unwrap())

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, find_sources, table};
 use whyroad_model::scene::{LightColour, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
-use whyroad_model::{Drive, ObjectClass, Severity};
+use whyroad_model::{Drive, Need, ObjectClass, Severity};
 
 fn example() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/table/following")
@@ -269,9 +269,7 @@ fn what_nobody_can_guess_is_asked_for() {
     let missing = drive.unwrap().meta.missing;
     assert!(
         codes(&report).is_empty()
-            && ["map", "traffic lights", "weather and surface"]
-                .iter()
-                .all(|m| missing.iter().any(|x| x == m))
+            && [Need::Map, Need::TrafficLights, Need::WeatherAndSurface].iter().all(|m| missing.contains(m))
     );
 }
 

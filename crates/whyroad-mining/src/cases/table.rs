@@ -10,7 +10,7 @@ use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::units::Dimension;
-use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, Tri};
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, Tri, SignalId};
 use whyroad_signals::{Catalogue, SignalKind};
 
 /// The table that the case describes.
@@ -68,7 +68,8 @@ pub(super) fn table(
         }
     }
     for name in &case.lacks {
-        table.unavailable.insert(name.clone(), vec!["the case says so".to_owned()]);
+        let needs = SignalId::from_name(name).map(SignalId::needs).unwrap_or_default();
+        table.unavailable.insert(name.clone(), needs.to_vec());
     }
     Ok(table)
 }

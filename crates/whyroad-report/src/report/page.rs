@@ -5,8 +5,7 @@ use super::card::Card;
 use super::{ReportContext, summary, tree_map};
 use crate::coverage::{self, LeafRow, class_title};
 use std::collections::BTreeMap;
-use whyroad_model::names::missing_name;
-use whyroad_model::{Drive, DriveId, Lang, ScenarioId};
+use whyroad_model::{Drive, DriveId, Lang, ScenarioId, Need};
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");
@@ -22,7 +21,7 @@ pub(super) struct DriveLine {
     seconds: f64,
     tracks: usize,
     episodes: usize,
-    missing: Vec<String>,
+    missing: Vec<Need>,
 }
 
 impl DriveLine {
@@ -168,8 +167,8 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
             .raw(" s</td><td class=\"n\">");
         m.int(d.tracks).raw("</td><td class=\"n\">").int(d.episodes).raw("</td><td>");
         m.text(d.licence.as_deref().unwrap_or("–")).raw("</td><td class=\"faint\">");
-        for (i, word) in d.missing.iter().enumerate() {
-            m.raw(if i == 0 { "" } else { ", " }).both(&missing_name(word));
+        for (i, need) in d.missing.iter().enumerate() {
+            m.raw(if i == 0 { "" } else { ", " }).both(&need.name());
         }
         m.raw("</td></tr>");
     }

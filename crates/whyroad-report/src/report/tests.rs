@@ -12,7 +12,7 @@ pub(crate) fn taxonomy() -> Taxonomy {
 
 pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
     let info = |unit: &str, zh: &str, en: &str| SignalInfo {
-        unit: unit.into(),
+        unit: whyroad_model::units::Unit::parse(unit),
         meaning: Bilingual::new(zh, en),
         scale: 1.0,
     };

@@ -1,20 +1,21 @@
-//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and held to it by a
-//! test. The words before the tables are in `src/catalogue/preface.md`.
+//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked by a
+//! test. The text before the tables is in `src/catalogue/preface.md`.
 
-use super::{Catalogue, Scope, SignalDef, SignalKind};
+use super::{Catalogue, SignalDef, SignalKind, SignalScope};
 use std::fmt::Write as _;
 
 fn values(def: &SignalDef) -> String {
     match &def.kind {
-        SignalKind::Number(_) if def.unit.is_empty() => "number".into(),
-        SignalKind::Number(_) => def.unit.clone(),
+        SignalKind::Number(_) if def.unit_symbol().is_empty() => "number".into(),
+        SignalKind::Number(_) => def.unit_symbol().into(),
         SignalKind::Flag => "flag".into(),
         SignalKind::Category(names) => names.join(", "),
     }
 }
 
 fn row(def: &SignalDef) -> String {
-    let needs = if def.needs.is_empty() { "-".to_owned() } else { def.needs.join(", ") };
+    let ids: Vec<&str> = def.needs.iter().map(|n| n.id()).collect();
+    let needs = if ids.is_empty() { "-".to_owned() } else { ids.join(", ") };
     let aliases: String = def.aliases.iter().map(|a| format!("<br>`{a}`")).collect();
     format!(
         "| `{}`{aliases} | {} | {}<br>{} | {} | {} |\n",
@@ -33,12 +34,12 @@ fn escape(text: &str) -> String {
 }
 
 impl Catalogue {
-    /// The page in Markdown: what holds for all signals, then one table a scope.
+    /// The page in Markdown: what holds for all signals, then one table per scope.
     pub fn page(&self) -> String {
         let mut out = format!("{}\n", include_str!("preface.md").trim_end());
         let sections = [
-            (Scope::Frame, "Signals of the ego, the map, the light and the lead (one value a frame)"),
-            (Scope::Target, "Signals of each target (one value a target and frame)"),
+            (SignalScope::Frame, "Signals of the ego, the map, the light and the lead (one value a frame)"),
+            (SignalScope::Target, "Signals of each target (one value a target and frame)"),
         ];
         for (scope, title) in sections {
             let defs: Vec<&SignalDef> = self.iter().filter(|d| d.scope == scope).collect();

@@ -8,9 +8,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use summary::{DriveSummary, SignalShare};
-use whyroad_ingest::report::missing_text;
 use whyroad_lake::Lake;
-use whyroad_model::{Bilingual, ClipId, DriveId, Lang};
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need};
 
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
@@ -160,7 +159,7 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     }
     out += &format!("  {}: {}\n", l("tables"), s.tables.join(", "));
     if !s.missing.is_empty() {
-        out += &format!("  {}: {}\n", l("missing"), missing_text(&s.missing, lang));
+        out += &format!("  {}: {}\n", l("missing"), Need::list(&s.missing, lang));
     }
     out + &signals_text(s, in_detail, lang)
 }
@@ -187,15 +186,16 @@ fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         }
     }
     // Signals that fail for one reason stand together: the reason is what can be changed.
-    let mut by_need: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    let mut by_need: BTreeMap<&[Need], Vec<&str>> = BTreeMap::new();
     for (name, needs) in &s.unavailable {
-        by_need.entry(needs.join(", ")).or_default().push(name);
+        by_need.entry(needs).or_default().push(name);
     }
     for (needs, names) in by_need {
         out += &format!(
-            "    {} ({} {needs}): {}\n",
+            "    {} ({} {}): {}\n",
             label("unobservable", lang),
             label("needs", lang),
+            Need::list(needs, lang),
             names.join(", ")
         );
     }

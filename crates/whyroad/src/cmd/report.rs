@@ -94,7 +94,7 @@ pub(crate) fn write_page(
     let signals: BTreeMap<String, SignalInfo> = catalogue
         .iter()
         .map(|d| {
-            let info = SignalInfo { unit: d.unit.clone(), meaning: d.meaning.clone(), scale: d.scale };
+            let info = SignalInfo { unit: d.unit, meaning: d.meaning.clone(), scale: d.scale };
             (d.name.clone(), info)
         })
         .collect();

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_engine::mine::derive_signals;
 use whyroad_lake::Lake;
-use whyroad_model::{Bilingual, Diagnostic, Lang};
-use whyroad_signals::catalogue::{Catalogue, Scope, SignalDef, SignalKind};
+use whyroad_model::{Bilingual, Diagnostic, Lang, Need};
+use whyroad_signals::catalogue::{Catalogue, SignalDef, SignalKind, SignalScope};
 
 /// Arguments of `whyroad signals`.
 #[derive(clap::Args)]
@@ -121,8 +121,8 @@ fn kind_name(signal: &SignalDef) -> &'static str {
 
 fn scope_name(signal: &SignalDef) -> &'static str {
     match signal.scope {
-        Scope::Frame => "frame",
-        Scope::Target => "target",
+        SignalScope::Frame => "frame",
+        SignalScope::Target => "target",
     }
 }
 
@@ -137,7 +137,7 @@ fn as_json(signal: &SignalDef) -> Value {
         "scope": scope_name(signal),
         "type": kind_name(signal),
         "values": names,
-        "unit": signal.unit,
+        "unit": signal.unit_symbol(),
         "meaning": signal.meaning,
         "needs": signal.needs,
         "source": signal.source,
@@ -148,7 +148,7 @@ fn as_json(signal: &SignalDef) -> Value {
 fn table(catalogue: &Catalogue, lang: Lang) -> String {
     let mut out = String::new();
     for s in catalogue.iter() {
-        let unit = if s.unit.is_empty() { kind_name(s) } else { &s.unit };
+        let unit = if s.unit_symbol().is_empty() { kind_name(s) } else { s.unit_symbol() };
         let _ = writeln!(out, "{:<30} {:<9} {}", s.name, unit, first_sentence(s.meaning.get(lang)));
     }
     out
@@ -173,8 +173,8 @@ fn page(s: &SignalDef, lang: Lang) -> String {
     line(
         word("范围", "one value"),
         match s.scope {
-            Scope::Frame => word("每帧一个值", "a frame").to_owned(),
-            Scope::Target => word("每个目标每帧一个值", "a target and frame").to_owned(),
+            SignalScope::Frame => word("每帧一个值", "a frame").to_owned(),
+            SignalScope::Target => word("每个目标每帧一个值", "a target and frame").to_owned(),
         },
     );
     line(
@@ -184,8 +184,8 @@ fn page(s: &SignalDef, lang: Lang) -> String {
             _ => kind_name(s).to_owned(),
         },
     );
-    line(word("单位", "unit"), s.unit.clone());
-    line(word("日志需要", "needs from the log"), s.needs.join(", "));
+    line(word("单位", "unit"), s.unit_symbol().to_owned());
+    line(word("日志需要", "needs from the log"), Need::list(&s.needs, lang));
     line(word("出处", "source"), s.source.clone());
     line(word("别名", "aliases"), s.aliases.join(", "));
     out

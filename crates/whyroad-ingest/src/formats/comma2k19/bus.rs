@@ -1,5 +1,6 @@
 //! Raw CAN of a comma2k19 segment to [`EgoBus`], by the DBC that the user gives.
 
+use whyroad_model::Need;
 use super::recording::Recording;
 use crate::assemble::resample::{latest, linear};
 use crate::encodings::can::{CanDatabase, SignalCoding};
@@ -33,21 +34,21 @@ pub(super) fn decode(
     recording: &Recording,
     dbc: Option<&CanDatabase>,
     frames: &[f64],
-) -> (EgoBus, Vec<String>) {
+) -> (EgoBus, Vec<Need>) {
     let mut bus = EgoBus::default();
     let mut missing = Vec::new();
-    let mut at_frames = |name: &str, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
+    let mut at_frames = |part: Need, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
         if times.is_empty() {
-            missing.push(name.to_owned());
+            missing.push(part);
             return Vec::new();
         }
         let scaled: Vec<f64> = values.iter().map(|v| v * scale).collect();
         linear(times, &scaled, frames, SAMPLE_GAP_S)
     };
-    bus.steering = at_frames("steering angle", &recording.steering, 1.0_f64.to_radians());
-    bus.speed_mps = at_frames("vehicle speed", &recording.speed, 1.0);
+    bus.steering = at_frames(Need::SteeringAngle, &recording.steering, 1.0_f64.to_radians());
+    bus.speed_mps = at_frames(Need::VehicleSpeed, &recording.speed, 1.0);
     let Some(dbc) = dbc else {
-        missing.extend(["brake", "cruise", "gear", "turn signal"].map(String::from));
+        missing.extend([Need::Brake, Need::Cruise, Need::Gear, Need::TurnSignal]);
         return (bus, missing);
     };
     let messages = by_address(recording);
@@ -58,19 +59,19 @@ pub(super) fn decode(
         let at = latest(&times, frames, source.holds_s);
         Some(at.into_iter().map(|k| State::read(&coding, recording.can.frame(rows[k?]))).collect())
     };
-    let mut need = |name: &str, found: bool| {
+    let mut need = |part: Need, found: bool| {
         if !found {
-            missing.push(name.to_owned());
+            missing.push(part);
         }
     };
 
     // The brake lights say what the car does, the pedal what the driver does; the lights come first.
     let brake = state(&BRAKE_LIGHT).or_else(|| state(&BRAKE));
-    need("brake", brake.is_some());
+    need(Need::Brake, brake.is_some());
     bus.brake = brake.into_iter().flatten().map(|s| s.map(|s| s.raw != 0)).collect();
 
     let cruise = state(&CRUISE);
-    need("cruise", cruise.is_some());
+    need(Need::Cruise, cruise.is_some());
     bus.cruise = cruise
         .into_iter()
         .flatten()
@@ -82,7 +83,7 @@ pub(super) fn decode(
         .collect();
 
     let gear = state(&GEAR);
-    need("gear", gear.is_some());
+    need(Need::Gear, gear.is_some());
     bus.gear = gear
         .into_iter()
         .flatten()
@@ -97,7 +98,7 @@ pub(super) fn decode(
         .collect();
 
     let turn = state(&TURN);
-    need("turn signal", turn.is_some());
+    need(Need::TurnSignal, turn.is_some());
     let hazard = state(&HAZARD);
     bus.turn_signal = turn
         .into_iter()

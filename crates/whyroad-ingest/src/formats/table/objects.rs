@@ -10,7 +10,7 @@ use crate::report::RowCount;
 use crate::source::impossible_speeds;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::scene::{Track, TurnSignal};
-use whyroad_model::{ObjectClass, TrackId};
+use whyroad_model::{Need, ObjectClass, TrackId};
 
 pub(super) const COLUMNS: &[&str] = &[
     "timestamp_ns",
@@ -42,7 +42,7 @@ fn empty_if<T>(values: Vec<T>, unknown: impl Fn(&T) -> bool) -> Vec<T> {
 }
 
 /// The tracks, and what the table does not have.
-pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<Track>, Vec<&'static str>) {
+pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<Track>, Vec<Need>) {
     let mut problems = Problems::default();
     let p = &mut problems;
     let times = sheet.times(reader.start, p);
@@ -134,9 +134,9 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
 
     let none = |of: fn(&Track) -> &[f64]| tracks.iter().all(|t| of(t).iter().all(|v| v.is_nan()));
     let lacking = [
-        ("object sizes", none(|t| &t.length_m) || none(|t| &t.width_m)),
-        ("object headings", none(|t| &t.motion.heading)),
-        ("lidar points in boxes", none(|t| &t.interior_points)),
+        (Need::ObjectSizes, none(|t| &t.length_m) || none(|t| &t.width_m)),
+        (Need::ObjectHeadings, none(|t| &t.motion.heading)),
+        (Need::LidarPointsInBoxes, none(|t| &t.interior_points)),
     ];
     (tracks, lacking.into_iter().filter(|(_, absent)| *absent).map(|(name, _)| name).collect())
 }

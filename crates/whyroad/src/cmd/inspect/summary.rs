@@ -4,7 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use whyroad_lake::clip_metadata;
 use whyroad_model::messages::clip::ClipMetadata;
-use whyroad_model::{Drive, FrameRange, SignalTable};
+use whyroad_model::{Drive, FrameRange, SignalTable, Need};
 
 /// One drive, or one clip of it.
 #[derive(Serialize)]
@@ -20,11 +20,11 @@ pub(super) struct DriveSummary {
     /// Features by kind.
     pub map: Option<BTreeMap<String, usize>>,
     pub tables: Vec<&'static str>,
-    pub missing: Vec<String>,
+    pub missing: Vec<Need>,
     /// Signals that the log supports.
     pub signals: BTreeMap<String, SignalShare>,
     /// Signals that it does not support, with what they need.
-    pub unavailable: BTreeMap<String, Vec<String>>,
+    pub unavailable: BTreeMap<String, Vec<Need>>,
 }
 
 #[derive(Serialize)]

@@ -1,0 +1,99 @@
+//! What a log lacks of the parts that signals need.
+
+use std::collections::BTreeSet;
+use whyroad_model::road_map::{Lane, LaneMark};
+use whyroad_model::scene::FrameOfReference;
+use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
+use whyroad_model::{Drive, Need, ObjectClass};
+
+/// What this log lacks.
+pub fn missing(drive: &Drive) -> BTreeSet<Need> {
+    let mut missing = BTreeSet::new();
+    let ego = drive.ego.as_ref().filter(|e| e.motion.x.iter().any(|x| x.is_finite()));
+    if ego.is_none() || drive.meta.frame_of_reference == FrameOfReference::Ego {
+        missing.insert(Need::EgoPose);
+    }
+    if drive.map.as_ref().is_none_or(|m| m.lanes.is_empty()) {
+        missing.insert(Need::Map);
+    }
+    if drive.lights.is_none() {
+        missing.insert(Need::TrafficLights);
+    }
+    if !drive.meta.can && ego.is_none_or(|e| !has_bus(&e.bus)) {
+        missing.insert(Need::VehicleBus);
+    }
+    // A log without any track has nothing whose size could be missing.
+    let sized = |t: &whyroad_model::scene::Track| t.length_m.iter().any(|l| l.is_finite());
+    let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());
+    if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
+        missing.insert(Need::ObjectSizes);
+    }
+    // A radar tells no classes: that none of its targets is a vehicle, or a pedestrian, would claim too much.
+    if !drive.tracks.is_empty() && drive.tracks.iter().all(|t| t.class == ObjectClass::Unknown) {
+        missing.insert(Need::ObjectClasses);
+    }
+    if !drive.tracks.iter().any(|t| !t.turn_signal.is_empty()) {
+        missing.insert(Need::TurnSignals);
+    }
+    if !drive.tracks.iter().any(|t| t.interior_points.iter().any(|n| n.is_finite())) {
+        missing.insert(Need::Visibility);
+    }
+    missing.extend(missing_of_road(drive));
+    missing.extend(missing_context(drive));
+    missing
+}
+
+/// What the map, the heights and the route do not tell.
+fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
+    let map = drive.map.as_ref();
+    let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
+    let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.centre.iter().any(|p| p.z.is_finite())));
+    let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some))
+        || states(drive, "route_distance");
+    let marked = |l: &Lane| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown;
+    let marks = states(drive, "lane_marks") || map.is_some_and(|m| m.lanes.iter().any(marked));
+    [
+        (Need::Elevation, ego_z || road_z),
+        (Need::Routing, routed),
+        (Need::LaneMarks, marks),
+        (Need::Signs, map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.tells(k)))),
+        (Need::Facilities, map.is_some_and(|m| FACILITY_KINDS.iter().any(|k| m.tells(k)))),
+    ]
+    .into_iter()
+    .filter_map(|(need, there)| (!there).then_some(need))
+}
+
+/// Needs that one kind of context state meets each; a log that never states the kind lacks it.
+const CONTEXT_NEEDS: [(Need, &str); 10] = [
+    (Need::Weather, "weather"),
+    (Need::Surface, "surface"),
+    (Need::Lighting, "lighting"),
+    (Need::RoadType, "road_type"),
+    (Need::ConstructionState, "construction"),
+    (Need::AccidentState, "accident"),
+    (Need::WarningLight, "warning_light"),
+    (Need::GateState, "gate"),
+    (Need::NavigationLimit, "nav_speed_limit"),
+    (Need::Pavement, "pavement"),
+];
+
+fn missing_context(drive: &Drive) -> impl Iterator<Item = Need> {
+    // What another kind of state, or the lanes' tags, tell as well.
+    let also = |need: Need| match need {
+        Need::Weather => states(drive, "visibility"),
+        Need::Pavement => drive.map.iter().flat_map(|m| &m.lanes).any(|l| l.is_tagged("unpaved")),
+        _ => false,
+    };
+    let lacks =
+        move |(need, kind): (Need, &str)| (!states(drive, kind) && !also(need)).then_some(need);
+    CONTEXT_NEEDS.into_iter().filter_map(lacks)
+}
+
+/// True when the log states `kind` at least once.
+fn states(drive: &Drive, kind: &str) -> bool {
+    drive.context.iter().flatten().any(|s| s.kind == kind)
+}
+
+fn has_bus(bus: &whyroad_model::scene::EgoBus) -> bool {
+    !(bus.brake.is_empty() && bus.turn_signal.is_empty() && bus.aeb.is_empty() && bus.steering.is_empty())
+}
