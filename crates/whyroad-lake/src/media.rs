@@ -4,8 +4,8 @@ use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::states;
 use crate::{LakeError, file};
 use std::fs;
-use whyroad_model::{DriveId, Need};
 use whyroad_model::scene::MediaFrame;
+use whyroad_model::{DriveId, Need};
 
 /// What adapters call pictures that a log has not (`drive.json`, `missing`).
 const NO_PICTURES: Need = Need::CameraPictures;

@@ -25,7 +25,7 @@ pub use write::write_signals;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{DriveId, FrameRange, ObjectClass, TrackId, Need};
+use whyroad_model::{DriveId, FrameRange, Need, ObjectClass, TrackId};
 
 /// Order of the rows, as the files' metadata state it.
 pub(crate) const ROW_ORDER: &str = "drive, target, frame";

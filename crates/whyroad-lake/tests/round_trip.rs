@@ -10,7 +10,7 @@ use whyroad_model::scene::{
     ContextState, DriveMeta, Ego, EgoBus, FrameOfReference, LightColour, LightState, MediaFrame, Motion,
     Track, TurnSignal,
 };
-use whyroad_model::{Drive, DriveId, Nanos, ObjectClass, RoadMap, TrackId, Need};
+use whyroad_model::{Drive, DriveId, Nanos, Need, ObjectClass, RoadMap, TrackId};
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -281,6 +281,7 @@ fn drive() -> impl Strategy<Value = Drive> {
                         sensors: vec![],
                         can: flag,
                         missing: vec![Need::EgoPose],
+                        ..DriveMeta::default()
                     };
                     Drive { meta, times, ego, tracks, map, lights, context, media }
                 },

@@ -9,7 +9,7 @@ use whyroad_lake::{Lake, LakeError, SignalFile};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri, Need};
+use whyroad_model::{Column, Drive, FrameRange, Nanos, Need, ObjectClass, SignalTable, Tri};
 
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![3 => any::<f64>(), 2 => (-3i32..3).prop_map(f64::from), 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)]

@@ -77,7 +77,11 @@ fn an_entry_of_the_signal_catalogue_with_a_mistake_is_shown_in_its_file() {
     let (_, found) = Catalogue::parse(&text);
     let line = text.lines().enumerate().filter(|(_, l)| l.ends_with("name: ego.accel")).nth(1).unwrap().0 + 1;
     // The entry's own name is missing now.
-    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["signals.name", "signals.missing"], "{found:?}");
+    assert_eq!(
+        found.iter().map(|d| d.code).collect::<Vec<_>>(),
+        ["signals.name", "signals.missing"],
+        "{found:?}"
+    );
     let place = &found[0].location;
     assert_eq!(
         (found[0].code, place.file.as_deref(), place.line),

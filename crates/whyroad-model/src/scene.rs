@@ -3,7 +3,7 @@
 //! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
 //! means that the log does not tell.
 
-use crate::{DriveId, FrameRange, Nanos, ObjectClass, RoadMap, TrackId, Need};
+use crate::{DriveId, FrameRange, Nanos, Need, ObjectClass, RoadMap, TrackId};
 use serde::{Deserialize, Serialize};
 
 /// Frames in a clip: 20 s at 10 Hz (LABELING.md 4).

@@ -7,7 +7,7 @@ use whyroad_model::messages::*;
 use whyroad_model::road_map::{Area, Lane, LaneMark, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Bilingual, Column, Drive, FrameRange, Nanos, ObjectClass, SignalTable, Tri, Need};
+use whyroad_model::{Bilingual, Column, Drive, FrameRange, Nanos, Need, ObjectClass, SignalTable, Tri};
 
 pub(crate) const FRAMES: usize = 120;
 

@@ -3,7 +3,7 @@
 use crate::markup::Markup;
 use std::collections::BTreeMap;
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Bilingual, Column, FrameRange, Displayed, SignalTable, TrackId, Tri};
+use whyroad_model::{Bilingual, Column, Displayed, FrameRange, SignalTable, TrackId, Tri};
 
 const WIDTH: f64 = 430.0;
 const HEIGHT: f64 = 96.0;
@@ -66,7 +66,10 @@ pub fn render(
         m.raw("</span></figcaption></figure>");
         return m;
     };
-    m.raw("<b>").text(&series.value_text(span.keyframe)).raw("</b> <span class=\"faint\">").text(info.unit.map_or("", |u| u.symbol));
+    m.raw("<b>")
+        .text(&series.value_text(span.keyframe))
+        .raw("</b> <span class=\"faint\">")
+        .text(info.unit.map_or("", |u| u.symbol));
     m.raw("</span></figcaption><svg viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0).raw("\">");
     frame(&mut m, signals, span);
     match series.column {
@@ -183,7 +186,8 @@ fn numbers(m: &mut Markup, series: &Series<'_>, info: &SignalInfo, span: Span) {
     let mut finite: Vec<f64> =
         frames.clone().filter_map(|f| series.number(f)).filter(|v| v.is_finite()).collect();
     finite.sort_by(f64::total_cmp);
-    let (low, high) = value_range(&finite, series.number(span.keyframe), series.displayed(info.scale).value());
+    let (low, high) =
+        value_range(&finite, series.number(span.keyframe), series.displayed(info.scale).value());
     let y = |v: f64| BOTTOM - (BOTTOM - TOP) * (v - low) / (high - low);
     let digits = if high - low < 0.2 {
         3

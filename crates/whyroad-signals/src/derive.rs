@@ -28,7 +28,8 @@ pub fn derive(drive: &Drive) -> SignalTable {
     let start = drive.times.first().copied().unwrap_or_default();
     let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
     let road = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
-    let ego = drive.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose)).map(|e| EgoMotion::new(e, &times));
+    let ego =
+        drive.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose)).map(|e| EgoMotion::new(e, &times));
 
     if let Some(ego) = &drive.ego {
         bus::write(&ego.bus, times.len(), &mut table);

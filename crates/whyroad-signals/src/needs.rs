@@ -84,8 +84,7 @@ fn missing_context(drive: &Drive) -> impl Iterator<Item = Need> {
         Need::Pavement => drive.map.iter().flat_map(|m| &m.lanes).any(|l| l.is_tagged("unpaved")),
         _ => false,
     };
-    let lacks =
-        move |(need, kind): (Need, &str)| (!states(drive, kind) && !also(need)).then_some(need);
+    let lacks = move |(need, kind): (Need, &str)| (!states(drive, kind) && !also(need)).then_some(need);
     CONTEXT_NEEDS.into_iter().filter_map(lacks)
 }
 

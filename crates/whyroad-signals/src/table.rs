@@ -1,7 +1,7 @@
 //! Collects columns into a [`SignalTable`]. What a column is, and whether the log can support it, the catalogue
 //! says; a family only computes.
 
-use crate::catalogue::{Catalogue, SignalScope, SignalKind};
+use crate::catalogue::{Catalogue, SignalKind, SignalScope};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;

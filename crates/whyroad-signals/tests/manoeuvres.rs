@@ -4,9 +4,9 @@
 
 mod scene;
 
-use whyroad_model::Need;
 use scene::{Table, add, area, car, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
+use whyroad_model::Need;
 use whyroad_model::ObjectClass::Pedestrian;
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::scene::FrameOfReference;

@@ -4,9 +4,9 @@
 
 mod scene;
 
-use whyroad_model::Need;
 use scene::{Table, area, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
+use whyroad_model::Need;
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Facility, Lane, LaneMark, Point3, RoadMap, Sign, StopLine};
 use whyroad_model::scene::{ContextState, Drive, LightColour, LightState};

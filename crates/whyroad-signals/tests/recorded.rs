@@ -4,10 +4,10 @@
 
 mod scene;
 
-use whyroad_model::Need;
 use scene::{Table, near};
 use std::path::PathBuf;
 use whyroad_ingest::{Options, find_sources, read};
+use whyroad_model::Need;
 use whyroad_model::Tri::{False, True};
 
 /// The log whose folder begins with `prefix`, and the full id of its track that begins with `track`.

@@ -4,9 +4,9 @@
 
 mod scene;
 
-use whyroad_model::Need;
 use scene::{Table, add, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
+use whyroad_model::Need;
 use whyroad_model::ObjectClass::{Car, Pedestrian};
 use whyroad_model::Tri::{False, True, Unknown};
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, Point3};

@@ -28,11 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, MediaFrame, Motion, Track};
-<<<<<<< HEAD:crates/whyroad-ingest/src/formats/av2.rs
-use whyroad_model::{Drive, DriveId, Nanos, TrackId};
-=======
-use whyroad_model::{Drive, DriveId, Nanos, RoadMap, TrackId, Need};
->>>>>>> c9438cc (One type for what a log lacks; displayed values carry their unit; catalogue checked with positions):crates/whyroad-ingest/src/av2.rs
+use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;

@@ -22,7 +22,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FRAME_RATE_HZ, FrameOfReference, Track};
-use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap, Need};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -122,15 +122,13 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         missing.push(Need::EgoPose);
         report.diagnostics.push(findings::no_ego(&label));
     }
-    missing.extend(
-        [
-            Need::LidarPointsInBoxes,
-            Need::TrafficLights,
-            Need::VehicleBus,
-            Need::WeatherAndSurface,
-            Need::CameraPictures,
-        ],
-    );
+    missing.extend([
+        Need::LidarPointsInBoxes,
+        Need::TrafficLights,
+        Need::VehicleBus,
+        Need::WeatherAndSurface,
+        Need::CameraPictures,
+    ]);
     let tracks = tracks(&scenario, &frames, &label, report);
     report.tables.insert(0, scenario.count);
 

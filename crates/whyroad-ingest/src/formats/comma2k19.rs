@@ -148,8 +148,7 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
     let motion = motion::at_frames(&recording.pose, &frames);
     let (tracks, radar_rows) = radar::tracks(&recording.radar, &frames, &motion);
 
-    let mut missing =
-        vec![Need::Map, Need::ObjectClasses, Need::ObjectSizes, Need::TrafficLights];
+    let mut missing = vec![Need::Map, Need::ObjectClasses, Need::ObjectSizes, Need::TrafficLights];
     if radar_rows.is_none() {
         missing.push(Need::Radar);
     }

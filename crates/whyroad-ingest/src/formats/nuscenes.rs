@@ -26,7 +26,7 @@ use std::{fs, io};
 use tables::{Annotation, SceneTables};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
-use whyroad_model::{Drive, Nanos, ObjectClass, RoadMap, Need};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 
 /// Scenes of one set that are read together: the full set has 850; reading 50 at a time goes through its tables 17 times
 /// and holds the rows of 50.

@@ -22,7 +22,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, LightColour, LightState};
-use whyroad_model::{Drive, Nanos, ObjectClass, Need};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;

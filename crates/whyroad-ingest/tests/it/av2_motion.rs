@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, av2_motion, find_sources};
 use whyroad_model::scene::Motion;
-use whyroad_model::{Drive, ObjectClass, Severity, Need};
+use whyroad_model::{Drive, Need, ObjectClass, Severity};
 
 const ID: &str = "0a1e6f0a-1817-4a98-b02e-db8c9327d151";
 

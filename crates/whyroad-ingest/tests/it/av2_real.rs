@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 use whyroad_ingest::{SourceReport, av2};
 use whyroad_model::scene::FrameOfReference;
-use whyroad_model::{Drive, ObjectClass, Severity, Need};
+use whyroad_model::{Drive, Need, ObjectClass, Severity};
 
 fn log(prefix: &str) -> Option<PathBuf> {
     let data = std::env::var_os("WHYROAD_DATA").map_or_else(

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, START, SourceReport, comma2k19, find_sources};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, Nanos, ObjectClass, Severity, Need};
+use whyroad_model::{Drive, Nanos, Need, ObjectClass, Severity};
 
 fn data(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("WHYROAD_DATA").map_or_else(
@@ -309,11 +309,9 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
         assert_eq!(codes, [code]);
         let drive = drive.unwrap();
         assert!(
-            ["brake", "cruise", "gear", "turn signal"].iter().all(|m| drive
-                .meta
-                .missing
+            [Need::Brake, Need::Cruise, Need::Gear, Need::TurnSignal]
                 .iter()
-                .any(|x| x == m))
+                .all(|n| drive.meta.missing.contains(n))
         );
         assert_eq!(drive.ego.unwrap().bus.speed_mps.len(), 600);
     }

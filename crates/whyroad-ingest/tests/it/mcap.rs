@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, SourceReport, find_sources, mcap};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, ObjectClass, Need};
+use whyroad_model::{Drive, Need, ObjectClass};
 
 fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/mcap").join(name)

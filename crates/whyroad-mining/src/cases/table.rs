@@ -10,7 +10,7 @@ use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::units::Dimension;
-use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalTable, Tri, SignalId};
+use whyroad_model::{Bilingual, Column, FrameRange, Nanos, SignalId, SignalTable, Tri};
 use whyroad_signals::{Catalogue, SignalKind};
 
 /// The table that the case describes.

@@ -5,7 +5,7 @@ use super::card::Card;
 use super::{ReportContext, summary, tree_map};
 use crate::coverage::{self, LeafRow, class_title};
 use std::collections::BTreeMap;
-use whyroad_model::{Drive, DriveId, Lang, ScenarioId, Need};
+use whyroad_model::{Drive, DriveId, Lang, Need, ScenarioId};
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");

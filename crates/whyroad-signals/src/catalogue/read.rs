@@ -186,7 +186,8 @@ fn needs(node: &Node, report: &mut FileReport<'_>) -> Vec<Need> {
 fn resolve(w: Written<'_>, report: &mut FileReport<'_>) -> Option<SignalDef> {
     let Some(id) = SignalId::from_name(&w.name) else {
         let name = &w.name;
-        let message = Bilingual::new(format!("没有名为 '{name}' 的信号"), format!("there is no signal '{name}'"));
+        let message =
+            Bilingual::new(format!("没有名为 '{name}' 的信号"), format!("there is no signal '{name}'"));
         let hint = suggestion_or_known(name, SignalId::ALL.iter().map(|id| id.name()));
         let d = Diagnostic::error("signals.unknown", message);
         let d = if hint.en.starts_with("did you mean") { d.with_hint(hint) } else { d };
@@ -316,8 +317,10 @@ impl Catalogue {
             self.by_name.contains_key(*n) || (**n != def.name && SignalId::from_name(n).is_some())
         };
         if let Some(taken) = names.iter().find(taken) {
-            let message =
-                Bilingual::new(format!("信号名 '{taken}' 重复"), format!("signal name '{taken}' is used twice"));
+            let message = Bilingual::new(
+                format!("信号名 '{taken}' 重复"),
+                format!("signal name '{taken}' is used twice"),
+            );
             report.push(Diagnostic::error("signals.name", message), mark, &node.pointer);
             return;
         }

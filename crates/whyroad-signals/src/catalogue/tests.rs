@@ -25,28 +25,82 @@ fn the_bundled_catalogue_has_no_errors_and_the_named_signals() {
     }
 }
 
+/// The bundled text with `from`, which it holds, replaced once by `to`; what is wrong with it, and the catalogue.
+fn changed(from: &str, to: &str) -> (Catalogue, Vec<Diagnostic>) {
+    let text = include_str!("../../../../schema/signals.yaml");
+    assert!(text.contains(from), "{from}");
+    Catalogue::parse(&text.replacen(from, to, 1))
+}
+
+const SPEED: &str = "  - name: ego.speed\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    needs: [ego pose]\n";
+
 #[test]
-fn broken_entries_are_refused_one_by_one() {
-    let entry = |name: &str, rest: &str| {
-        format!(
-            "  - {{name: {name}, scope: frame, needs: [], source: s, meaning: {{zh: a, en: b}}, {rest}}}\n"
-        )
-    };
+fn broken_entries_are_refused_one_by_one_where_they_are() {
+    let first =
+        include_str!("../../../../schema/signals.yaml").lines().position(|l| l.ends_with("name: ego.speed"));
+    let first = first.unwrap() + 1;
+    // The change, the code, and the line below that of the name.
     let cases = [
-        ("signals.type", entry("ego.a", "type: number, unit: furlong, scale: 1")),
-        ("signals.type", entry("ego.a", "type: number, unit: m")),
-        ("signals.type", entry("ego.a", "type: category")),
-        ("signals.name", entry("target.a", "type: flag")),
-        ("signals.name", entry("ego.good", "type: flag")),
-        ("signals.needs", entry("ego.a", "type: flag").replace("needs: []", "needs: [luck]")),
+        ("unit: m/s", "unit: furlong", "signals.type", 3),
+        ("scale: 5.0", "scale: -1", "signals.type", 4),
+        ("    scale: 5.0\n", "", "signals.type", 2),
+        ("scope: frame", "scope: world", "signals.type", 1),
+        ("type: number", "type: figure", "signals.type", 2),
+        ("needs: [ego pose]", "needs: [luck]", "signals.needs", 5),
+        ("type: number", "type: flag", "signals.changed", 2),
+        ("scope: frame", "scope: target", "signals.changed", 1),
+        ("unit: m/s", "unit: m", "signals.changed", 3),
+        ("needs: [ego pose]", "needs: [map]", "signals.changed", 5),
+        ("scale: 5.0", "scale: 5.0\n    aliases: [ego.accel]", "signals.name", 0),
+        ("unit: m/s", "units: m/s", "signals.field.unknown", 3),
+        ("    scope: frame\n", "", "signals.field.missing", 0),
+        ("needs: [ego pose]", "needs: ego pose", "signals.field.type", 5),
+        ("unit: m/s", "unit: m/s\n    unit: m/s", "signals.field.duplicate", 4),
     ];
-    for (code, broken) in cases {
-        let text = format!("version: '1'\nsignals:\n{}{broken}", entry("ego.good", "type: flag"));
-        let (catalogue, diagnostics) = Catalogue::parse(&text);
-        assert_eq!(diagnostics.iter().map(|d| d.code).collect::<Vec<_>>(), [code], "{broken}");
-        assert!(catalogue.get("ego.good").is_some(), "the sound entry is kept");
+    for (from, to, code, below) in cases {
+        let (catalogue, found) = changed(SPEED, &SPEED.replacen(from, to, 1));
+        let at: Vec<_> = found.iter().map(|d| (d.code, d.location.line)).collect();
+        assert_eq!(at, [(code, Some(first + below))], "{from} -> {to}: {found:#?}");
+        assert_eq!(found[0].location.file.as_deref(), Some("schema/signals.yaml"));
+        assert!(catalogue.get("ego.speed").is_none(), "{to}: a broken entry is left out");
+        assert!(catalogue.get("ego.jerk").is_some(), "the others are kept");
     }
+    let (_, found) = changed("values: [straight, left, right, uturn]", "values: [straight, left, right]");
+    assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["signals.changed"]);
     assert_eq!(Catalogue::parse("signals: [").1[0].code, "signals.syntax");
+}
+
+#[test]
+fn an_unknown_name_is_reported_with_the_nearest_and_the_missing_one() {
+    let (_, found) = changed("name: ego.speed", "name: ego.sped");
+    let codes: Vec<_> = found.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["signals.unknown", "signals.missing"]);
+    assert_eq!(found[0].hint.as_ref().unwrap().en, "did you mean 'ego.speed'?");
+    assert!(found[1].message.en.contains("'ego.speed'"), "{:?}", found[1]);
+}
+
+#[test]
+fn a_folder_may_change_meaning_unit_scale_aliases_and_source() {
+    let speed = SPEED.replacen("unit: m/s", "unit: km/h", 1).replacen(
+        "scale: 5.0",
+        "scale: 36\n    aliases: [ego.v]",
+        1,
+    );
+    let (catalogue, found) = changed(SPEED, &speed);
+    assert!(found.is_empty(), "{found:#?}");
+    let def = catalogue.get("ego.v").unwrap();
+    assert_eq!(def.id, SignalId::EgoSpeed);
+    // 36 km/h are 10 m/s.
+    assert!((def.scale - 10.0).abs() < 1e-9);
+    assert_eq!(def.displayed(10.0).unwrap().text(1), "36 km/h");
+}
+
+#[test]
+fn an_angle_is_displayed_in_degrees() {
+    let sight = Catalogue::bundled().get("map.sight_angle").unwrap();
+    assert_eq!((sight.kind.clone(), sight.unit_symbol()), (SignalKind::Number(Dimension::Angle), "deg"));
+    // Half a turn is pi rad.
+    assert_eq!(sight.displayed(std::f64::consts::PI).unwrap().text(1), "180 deg");
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Raw CAN of a comma2k19 segment to [`EgoBus`], by the DBC that the user gives.
 
-use whyroad_model::Need;
 use super::recording::Recording;
 use crate::assemble::resample::{latest, linear};
 use crate::encodings::can::{CanDatabase, SignalCoding};
 use std::collections::BTreeMap;
+use whyroad_model::Need;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
 /// The bus that a comma device sees the car's own messages on; others are its echoes and the radar's.

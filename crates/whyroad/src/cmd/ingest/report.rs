@@ -1,10 +1,10 @@
 //! The report of an ingest, as text and as JSON.
 
-use whyroad_ingest::report::{Counts, missing_text, reason_text};
+use whyroad_ingest::report::{Counts, reason_text};
 use whyroad_ingest::{RowCount, SourceReport};
 use whyroad_lake::WriteOutcome;
 use whyroad_model::diagnostic::render_json;
-use whyroad_model::{Bilingual, Lang};
+use whyroad_model::{Bilingual, Lang, Need};
 
 fn outcome_text(outcome: Option<WriteOutcome>, lang: Lang) -> String {
     let text = match outcome {
@@ -34,7 +34,7 @@ pub(super) fn text_report(reports: &[SourceReport], lang: Lang) -> String {
         }
         if !r.missing.is_empty() {
             let label = Bilingual::new("日志中没有", "not in the log");
-            out += &format!("  {}: {}\n", label.get(lang), missing_text(&r.missing, lang));
+            out += &format!("  {}: {}\n", label.get(lang), Need::list(&r.missing, lang));
         }
     }
     let kept = reports.iter().filter(|r| r.outcome.is_some()).count();

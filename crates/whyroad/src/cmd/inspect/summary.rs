@@ -4,7 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use whyroad_lake::clip_metadata;
 use whyroad_model::messages::clip::ClipMetadata;
-use whyroad_model::{Drive, FrameRange, SignalTable, Need};
+use whyroad_model::{Drive, FrameRange, Need, SignalTable};
 
 /// One drive, or one clip of it.
 #[derive(Serialize)]
