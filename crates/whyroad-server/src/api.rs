@@ -14,4 +14,4 @@ pub mod server;
 pub mod table;
 
 mod deliver;
-mod patience;
+mod timed;

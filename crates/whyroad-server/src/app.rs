@@ -17,8 +17,8 @@ use whyroad_label::check::Checker;
 /// Milliseconds since 1970, as the service takes them; tests turn it.
 pub type Clock = Arc<dyn Fn() -> i64 + Send + Sync>;
 
-/// Takes one line for whoever runs the service.
-pub type Tell = Arc<dyn Fn(&str) + Send + Sync>;
+/// Takes one line for the operator.
+pub type Log = Arc<dyn Fn(&str) + Send + Sync>;
 
 /// The service.
 pub struct App {
@@ -44,10 +44,10 @@ pub struct App {
     pub reach: Reach,
     /// Whose certificates webhooks believe.
     pub trust: Trust,
-    /// Whom to believe about where a request came from.
+    /// Which source of the client address is trusted.
     pub origin: Origin,
-    /// Tells whoever runs the service what went wrong; by itself it tells nobody.
-    pub tell: Tell,
+    /// Where failures are reported to the operator; by default nowhere.
+    pub log: Log,
     /// What the maker of the first account has to show; none where only this machine reaches the service.
     pub setup_token: Option<String>,
     /// Where people can sign in beside here.
@@ -57,13 +57,13 @@ pub struct App {
 /// Whether cookies are for HTTPS only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cookies {
-    /// Plain HTTP: a service on one's own machine or behind a proxy that does not say so.
+    /// Plain HTTP: a service on this machine only, or behind a proxy that does not use TLS.
     Plain,
     /// `Secure`.
     Secure,
 }
 
-/// Whom to believe about where a request came from; failed sign-ins are counted by it.
+/// Which source of the client address is trusted; failed sign-ins are counted by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
     /// The connection itself.
@@ -97,7 +97,7 @@ impl App {
             reach: Reach::default(),
             trust: Trust::default(),
             origin: Origin::Connection,
-            tell: Arc::new(|_| {}),
+            log: Arc::new(|_| {}),
             setup_token: None,
             oidc: None,
         })

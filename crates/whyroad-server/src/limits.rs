@@ -14,7 +14,7 @@ const FREE_OF_ADDRESS: u32 = 50;
 const LONGEST: i64 = 300_000;
 /// Entries kept; beyond that those that wait no more are forgotten, then nobody new may fail.
 const KEPT: usize = 10_000;
-/// After this the count begins anew, ms.
+/// After this the count starts again, ms.
 const DAY: i64 = 24 * 3_600_000;
 
 /// Failures so far.
@@ -40,7 +40,7 @@ fn keys(name: &str, address: &str) -> [(String, u32); 2] {
     [(format!("name {name}"), FREE_OF_NAME), (format!("address {address}"), FREE_OF_ADDRESS)]
 }
 
-/// A wait of so many ms as an answer.
+/// A wait in ms as an answer.
 fn admitted(wait: i64) -> Answer<()> {
     if wait == 0 {
         return Ok(());

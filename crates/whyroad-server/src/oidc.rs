@@ -2,7 +2,7 @@
 //! Says *who* the provider vouches for; which account that is and what it may do is `service::identities`.
 //!
 //! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a secret
-//! of the service and the browser's cookie, so that strangers cannot fill the store.
+//! of the service and the browser's cookie, so that unauthenticated callers cannot fill the store.
 
 pub mod algorithm;
 pub mod claims;
@@ -27,7 +27,7 @@ pub(crate) fn provider_fails(why: impl std::fmt::Display) -> Problem {
         502,
         "oidc.provider",
         format!("身份提供方不可用或应答有误：{why}"),
-        format!("the identity provider is away or answers wrongly: {why}"),
+        format!("the identity provider is unavailable or answers incorrectly: {why}"),
     )
 }
 

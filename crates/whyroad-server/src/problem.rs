@@ -35,14 +35,16 @@ impl Problem {
         self
     }
 
-    /// The request cannot be understood.
-    pub fn request(why: impl std::fmt::Display) -> Self {
-        Self::new(
-            400,
-            "request.invalid",
-            format!("请求无效：{why}"),
-            format!("the request is invalid: {why}"),
-        )
+    /// The request is invalid.
+    pub fn request(zh: impl std::fmt::Display, en: impl std::fmt::Display) -> Self {
+        Self::new(400, "request.invalid", format!("请求无效：{zh}"), format!("the request is invalid: {en}"))
+    }
+
+    /// The body of the request is not the JSON that the route takes.
+    pub fn unreadable(e: &serde_json::Error) -> Self {
+        let at = format!("第 {} 行第 {} 列", e.line(), e.column());
+        let zh = if e.is_data() { "字段缺失、未知或类型不符" } else { "不是完整的 JSON" };
+        Self::request(format!("{zh}（{at}）"), e).with(serde_json::json!({ "detail": e.to_string() }))
     }
 
     /// Nobody is signed in.
@@ -50,23 +52,23 @@ impl Problem {
         Self::new(401, "session.required", "请先登录", "sign in first")
     }
 
-    /// Not for this person.
+    /// The caller has no permission.
     pub fn forbidden() -> Self {
-        Self::new(403, "access.denied", "没有权限", "this is not for you")
+        Self::new(403, "access.denied", "没有权限", "permission denied")
     }
 
-    /// Not there, or not for this person to know of.
+    /// Not found, or the caller may not know of it.
     pub fn missing() -> Self {
-        Self::new(404, "not_found", "没有找到", "there is no such thing")
+        Self::new(404, "not_found", "没有找到", "not found")
     }
 
-    /// The lease is another's or a newer one.
+    /// The lease belongs to somebody else, or a newer one exists.
     pub fn lease_lost() -> Self {
         Self::new(
             409,
             "lease.lost",
-            "租约已失效：任务已被收回或在另一处打开",
-            "the lease is void: the task was given on, or was opened elsewhere",
+            "领取已失效：任务已重新分配或在另一处打开",
+            "the lease is no longer valid: the task was reassigned or opened elsewhere",
         )
     }
 
@@ -76,18 +78,18 @@ impl Problem {
             503,
             "store.unavailable",
             format!("存储暂不可用，未保存：{why}"),
-            format!("the store is not available, nothing was saved: {why}"),
+            format!("the store is unavailable, nothing was saved: {why}"),
         )
     }
 
-    /// The same without what only concerns whoever runs the service: names of hosts and tables, messages of a database.
+    /// The same without what only concerns the operator: names of hosts and tables, messages of a database.
     #[must_use]
-    pub fn for_strangers(self) -> Self {
+    pub fn without_internals(self) -> Self {
         if self.code != "store.unavailable" {
             return self;
         }
         Self {
-            text: Bilingual::new("存储暂不可用，未保存", "the store is not available, nothing was saved"),
+            text: Bilingual::new("存储暂不可用，未保存", "the store is unavailable, nothing was saved"),
             ..self
         }
     }

@@ -10,11 +10,11 @@ use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 
 /// Recorded drives and what is derived from them.
 pub trait Recordings: Send + Sync {
-    /// A drive; an error in words when it is not to be had.
+    /// A drive; an error text when it is unavailable.
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String>;
 
-    /// What differs when the drive on disk was changed; what was made from an older one is then made anew. The same for
-    /// ever where drives do not change.
+    /// Changes when the drive on disk changes; what was made from an older version is then made again. Constant where
+    /// drives do not change.
     fn version(&self, _: &DriveId) -> String {
         String::new()
     }

@@ -7,7 +7,7 @@ use hmac::{Hmac, KeyInit, Mac};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 
-/// Least length of a password in characters.
+/// Minimum length of a password, characters.
 pub const PASSWORD_LENGTH: usize = 10;
 
 fn hex(bytes: &[u8]) -> String {
@@ -24,7 +24,7 @@ pub fn random(bytes: usize) -> Answer<String> {
     Ok(hex(&out))
 }
 
-/// An id: 80 random bits, so that none can be guessed and none tells how many there are.
+/// An id: 80 random bits, which cannot be guessed and do not reveal a count.
 pub fn id() -> Answer<String> {
     random(10)
 }
@@ -51,7 +51,7 @@ pub fn sign(key: &str, message: &[u8]) -> String {
     )
 }
 
-/// Compares in a time that does not tell where the difference is.
+/// Compares in a time that does not depend on where the difference is.
 pub fn same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |d, (x, y)| d | (x ^ y)) == 0
 }
@@ -63,7 +63,7 @@ pub fn hash_password(password: &str) -> Answer<String> {
             422,
             "password.length",
             format!("密码至少 {PASSWORD_LENGTH} 个字符"),
-            format!("a password has at least {PASSWORD_LENGTH} characters"),
+            format!("a password needs at least {PASSWORD_LENGTH} characters"),
         ));
     }
     let hash: PasswordHash = Argon2::default().hash_password(password.as_bytes()).map_err(Problem::store)?;
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn passwords_are_told_apart_and_short_ones_refused() {
+    fn passwords_are_verified_and_short_ones_refused() {
         let hash = hash_password("correct horse").unwrap();
         assert!(hash.starts_with("$argon2id$"));
         assert!(is_password("correct horse", &hash));

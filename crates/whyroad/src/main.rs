@@ -8,7 +8,7 @@ mod cmd;
 mod framework_folder;
 mod help;
 mod recordings;
-mod store_place;
+mod store_args;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::path::PathBuf;

@@ -26,7 +26,7 @@ pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>
                 403,
                 "session.csrf",
                 "缺少或错误的 x-csrf-token",
-                "x-csrf-token is missing or wrong; GET /session tells it",
+                "x-csrf-token is missing or wrong; GET /session returns it",
             ));
         }
     }

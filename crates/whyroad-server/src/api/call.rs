@@ -80,13 +80,13 @@ impl Call<'_> {
         self.request.params.get(name).map_or("", String::as_str)
     }
 
-    /// A parameter of the query; an empty one is none.
+    /// A parameter of the query; an empty one counts as unset.
     pub fn query(&self, name: &str) -> Option<&str> {
         self.request.query.get(name).map(String::as_str).filter(|v| !v.is_empty())
     }
 
     /// The body as JSON.
     pub fn body<T: DeserializeOwned>(&self) -> Answer<T> {
-        serde_json::from_slice(&self.request.body).map_err(Problem::request)
+        serde_json::from_slice(&self.request.body).map_err(|e| Problem::unreadable(&e))
     }
 }

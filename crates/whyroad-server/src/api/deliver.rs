@@ -17,9 +17,9 @@ const PAGE_POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; media
 /// What an answer of the API may, if a browser is led to show it.
 const API_POLICY: &str = "default-src 'none'; frame-ancestors 'none'; sandbox";
 
-/// What the request says of the answer it can take.
+/// What the request accepts as an answer.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Wishes {
+pub(super) struct Accepted {
     /// `if-none-match`.
     known: Option<String>,
     /// Takes gzip.
@@ -28,7 +28,7 @@ pub(super) struct Wishes {
     head: bool,
 }
 
-impl Wishes {
+impl Accepted {
     pub(super) fn of(headers: &HeaderMap, head: bool) -> Self {
         let text = |name: HeaderName| headers.get(name).and_then(|v| v.to_str().ok()).map(str::to_owned);
         let encodings = text(header::ACCEPT_ENCODING).unwrap_or_default();
@@ -40,9 +40,9 @@ impl Wishes {
     }
 }
 
-/// The kind of thing that is answered.
+/// How an answer may be cached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ReplyKind {
     /// A reading call of the API: has an ETag.
     Read,
     /// Any other call of the API.
@@ -52,7 +52,7 @@ pub(super) enum Kind {
 }
 
 /// The answer with all its headers.
-pub(super) fn deliver(reply: Reply, kind: Kind, wishes: &Wishes) -> Response<Body> {
+pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Response<Body> {
     let mut headers = HeaderMap::new();
     let mut put = |name: HeaderName, value: &str| {
         if let Ok(value) = HeaderValue::from_str(value) {
@@ -64,15 +64,15 @@ pub(super) fn deliver(reply: Reply, kind: Kind, wishes: &Wishes) -> Response<Bod
     put(header::X_FRAME_OPTIONS, "DENY");
     put(HeaderName::from_static("cross-origin-opener-policy"), "same-origin");
     put(HeaderName::from_static("cross-origin-resource-policy"), "same-origin");
-    let page = matches!(kind, Kind::Page(_));
+    let page = matches!(kind, ReplyKind::Page(_));
     put(header::CONTENT_SECURITY_POLICY, if page { PAGE_POLICY } else { API_POLICY });
     put(
         header::CACHE_CONTROL,
         match kind {
-            Kind::Page(Keep::Forever) => "public, max-age=31536000, immutable",
-            Kind::Page(Keep::Ask) => "no-cache",
-            Kind::Read => "private, no-cache",
-            Kind::Done => "no-store",
+            ReplyKind::Page(Keep::Forever) => "public, max-age=31536000, immutable",
+            ReplyKind::Page(Keep::Ask) => "no-cache",
+            ReplyKind::Read => "private, no-cache",
+            ReplyKind::Done => "no-store",
         },
     );
     if !page {
@@ -86,10 +86,10 @@ pub(super) fn deliver(reply: Reply, kind: Kind, wishes: &Wishes) -> Response<Bod
     }
     let mut status = StatusCode::from_u16(reply.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     let mut body = reply.body;
-    if status == StatusCode::OK && kind != Kind::Done {
+    if status == StatusCode::OK && kind != ReplyKind::Done {
         let tag = format!("\"{}\"", crate::secret::hash_bytes(&body).get(..32).unwrap_or_default());
         put(header::ETAG, &tag);
-        if wishes.known.as_deref().is_some_and(|known| matches(known, &tag)) {
+        if accepted.known.as_deref().is_some_and(|known| matches(known, &tag)) {
             status = StatusCode::NOT_MODIFIED;
             body.clear();
         }
@@ -97,14 +97,14 @@ pub(super) fn deliver(reply: Reply, kind: Kind, wishes: &Wishes) -> Response<Bod
     if !body.is_empty() {
         put(header::CONTENT_TYPE, &reply.media);
         let smaller =
-            if wishes.gzip && body.len() >= SMALL && compresses(&reply.media) { gzip(&body) } else { None };
+            if accepted.gzip && body.len() >= SMALL && compresses(&reply.media) { gzip(&body) } else { None };
         if let Some(smaller) = smaller {
             put(header::CONTENT_ENCODING, "gzip");
             put(header::VARY, "accept-encoding");
             body = smaller;
         }
     }
-    if wishes.head {
+    if accepted.head {
         put(header::CONTENT_LENGTH, &body.len().to_string());
         body.clear();
     }

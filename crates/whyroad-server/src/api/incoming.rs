@@ -42,9 +42,9 @@ pub(super) fn forwarded(headers: &HeaderMap, origin: Origin) -> Option<String> {
     if origin == Origin::Connection {
         return None;
     }
-    // What stands before the last one came with the request: anybody can write it.
-    let told = headers.get_all("x-forwarded-for").iter().next_back()?.to_str().ok()?;
-    let last = told.rsplit(',').next()?.trim().parse::<IpAddr>().ok()?;
+    // All but the last came with the request: clients can forge them.
+    let header = headers.get_all("x-forwarded-for").iter().next_back()?.to_str().ok()?;
+    let last = header.rsplit(',').next()?.trim().parse::<IpAddr>().ok()?;
     Some(last.to_canonical().to_string())
 }
 
@@ -55,17 +55,17 @@ mod tests {
 
     #[test]
     fn only_a_proxy_that_was_announced_is_believed_and_only_its_own_word() {
-        let of = |told: &[&'static str], origin| {
+        let of = |values: &[&'static str], origin| {
             let mut headers = HeaderMap::new();
-            for line in told {
+            for line in values {
                 headers.append("x-forwarded-for", HeaderValue::from_static(line));
             }
             forwarded(&headers, origin)
         };
         assert_eq!(of(&["9.9.9.9"], Origin::Connection), None);
-        let proxy = |told: &[&'static str]| of(told, Origin::Proxy);
+        let proxy = |values: &[&'static str]| of(values, Origin::Proxy);
         assert_eq!(proxy(&["9.9.9.9"]).as_deref(), Some("9.9.9.9"));
-        // Who writes the header themselves stands before what the proxy adds.
+        // What a client forges comes before what the proxy adds.
         assert_eq!(proxy(&["1.1.1.1, 2.2.2.2 ,9.9.9.9"]).as_deref(), Some("9.9.9.9"));
         assert_eq!(proxy(&["1.1.1.1", "::ffff:9.9.9.9"]).as_deref(), Some("9.9.9.9"));
         assert_eq!(proxy(&["9.9.9.9, unknown"]), None);

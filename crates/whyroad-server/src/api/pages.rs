@@ -23,7 +23,7 @@ pub enum Keep {
     Forever,
 }
 
-/// The file for a path outside the API; the page itself for every unknown one, since the page has paths of its own.
+/// The file for a path outside the API; the page itself for every unknown one: the page routes itself.
 pub fn page(path: &str) -> (Reply, Keep) {
     let name = path.trim_start_matches('/');
     let file = ASSETS.get_file(name).filter(|_| !name.is_empty() && name != "README.md");

@@ -2,15 +2,15 @@
 
 use super::access;
 use super::call::{Call, Request};
-use super::deliver::{Kind, Wishes, deliver, problem};
+use super::deliver::{Accepted, ReplyKind, deliver, problem};
 use super::incoming::{forwarded, request_of};
 use super::openapi;
 use super::pages;
-use super::patience::{Patient, Peer};
 use super::reply::Reply;
 use super::route::{BodySize, Route, Verb};
 use super::router::{find, wrong_method};
 use super::table::ROUTES;
+use super::timed::{Peer, TimedListener};
 use crate::app::App;
 use crate::problem::{Answer, Problem};
 use crate::service::webhooks;
@@ -30,8 +30,8 @@ const ROOT: &str = "/api/v1";
 const BODY_TIME: Duration = Duration::from_secs(120);
 /// Requests worked on at once; others wait their turn.
 const AT_ONCE: usize = 256;
-/// How long requests that are being worked on may take when the service ends.
-const LAST_WORDS: Duration = Duration::from_secs(20);
+/// How long requests in progress may take when the service stops.
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(20);
 
 /// Serves until `shutdown` comes, then finishes what was begun.
 pub async fn serve(
@@ -41,16 +41,16 @@ pub async fn serve(
 ) -> std::io::Result<()> {
     let deliveries = webhooks::spawn(Arc::clone(&app));
     let service = router(app).into_make_service_with_connect_info::<Peer>();
-    let (told, ends) = tokio::sync::oneshot::channel::<()>();
+    let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
     let signal = async move {
         shutdown.await;
-        let _ = told.send(());
+        let _ = stopping.send(());
     };
-    let server = axum::serve(Patient::new(listener), service).with_graceful_shutdown(signal);
-    // An open connection that says nothing must not keep the service from ending.
+    let server = axum::serve(TimedListener::new(listener), service).with_graceful_shutdown(signal);
+    // An idle open connection must not keep the service from stopping.
     let late = async move {
-        if ends.await.is_ok() {
-            tokio::time::sleep(LAST_WORDS).await;
+        if stopped.await.is_ok() {
+            tokio::time::sleep(SHUTDOWN_GRACE).await;
         } else {
             std::future::pending::<()>().await;
         }
@@ -77,12 +77,12 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let peer = parts.extensions.get::<ConnectInfo<Peer>>().map(|c| c.0.clone());
     let _open = peer.as_ref().map(Peer::asks);
     let head = parts.method == Method::HEAD;
-    let wishes = Wishes::of(&parts.headers, head);
+    let accepted = Accepted::of(&parts.headers, head);
     let path = parts.uri.path();
     let Some(path) = path.strip_prefix(ROOT).filter(|p| p.is_empty() || p.starts_with('/')) else {
-        return outside(&parts.method, path, &wishes);
+        return outside(&parts.method, path, &accepted);
     };
-    let refuse = |p: &Problem| deliver(problem(p), Kind::Done, &wishes);
+    let refuse = |p: &Problem| deliver(problem(p), ReplyKind::Done, &accepted);
     let (route, params) = match find(&parts.method, path) {
         Ok(found) => found,
         Err(p) => return refuse(&p),
@@ -105,35 +105,39 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let _working = peer.as_ref().map(Peer::works);
     // The semaphore is never closed.
     let turn = turns.acquire_owned().await;
-    let (tell, clock) = (Arc::clone(&app.tell), Arc::clone(&app.clock));
+    let (log, clock) = (Arc::clone(&app.log), Arc::clone(&app.clock));
     let work = tokio::task::spawn_blocking(move || {
         let _turn = turn;
         run(&app, route, &request)
     });
     let p = match work.await {
         Ok(Ok(reply)) => {
-            return deliver(reply, if route.verb == Verb::Get { Kind::Read } else { Kind::Done }, &wishes);
+            return deliver(
+                reply,
+                if route.verb == Verb::Get { ReplyKind::Read } else { ReplyKind::Done },
+                &accepted,
+            );
         }
         Ok(Err(p)) => p,
-        Err(_) => Problem::new(500, "internal", "内部错误", "an internal error"),
+        Err(_) => Problem::new(500, "internal", "内部错误", "internal error"),
     };
     if p.status >= 500 {
-        // The route as the table has it: ids and what was sent are nothing for a log.
-        tell(&format!("{} {} {} {}: {p}", Nanos(clock() * 1_000_000), p.status, parts.method, route.path));
+        // The route as the table has it: ids and bodies do not belong in a log.
+        log(&format!("{} {} {} {}: {p}", Nanos(clock() * 1_000_000), p.status, parts.method, route.path));
     }
-    refuse(&p.for_strangers())
+    refuse(&p.without_internals())
 }
 
 /// What is not the API: the page.
-fn outside(method: &Method, path: &str, wishes: &Wishes) -> Response<Body> {
+fn outside(method: &Method, path: &str, accepted: &Accepted) -> Response<Body> {
     if path == "/api" || path.starts_with("/api/") {
-        return deliver(problem(&Problem::missing()), Kind::Done, wishes);
+        return deliver(problem(&Problem::missing()), ReplyKind::Done, accepted);
     }
     if method != Method::GET && method != Method::HEAD {
-        return deliver(problem(&wrong_method()), Kind::Done, wishes);
+        return deliver(problem(&wrong_method()), ReplyKind::Done, accepted);
     }
     let (reply, keep) = pages::page(path);
-    deliver(reply, Kind::Page(keep), wishes)
+    deliver(reply, ReplyKind::Page(keep), accepted)
 }
 
 fn run(app: &Arc<App>, route: &Route, request: &Request) -> Answer<Reply> {
@@ -149,8 +153,8 @@ async fn read(route: &Route, body: Body) -> Answer<Vec<u8>> {
             413,
             "request.too_large",
             format!("请求不完整或超过 {limit} 字节"),
-            format!("the request is not whole or is larger than {limit} bytes"),
+            format!("the request is incomplete or larger than {limit} bytes"),
         )),
-        Err(_) => Err(Problem::new(408, "request.slow", "请求太慢", "the request came in too slowly")),
+        Err(_) => Err(Problem::new(408, "request.slow", "请求太慢", "the request arrived too slowly")),
     }
 }

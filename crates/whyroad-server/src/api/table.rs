@@ -37,9 +37,14 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<Returned>()
     .gives::<Session>(),
-    Route::get("/identities", Access::SignedIn, "Who of the identity provider one is linked to", oidc::list)
-        .query(&[("user", "of this user (id); for admins")])
-        .gives::<Identities>(),
+    Route::get(
+        "/identities",
+        Access::SignedIn,
+        "Identities at the provider that one is linked to",
+        oidc::list,
+    )
+    .query(&[("user", "of this user (id); for admins")])
+    .gives::<Identities>(),
     Route::delete(
         "/identities/{id}",
         Access::SignedIn,
@@ -63,17 +68,12 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<UserChange>()
     .gives::<User>(),
-    Route::get("/tokens", Access::SignedIn, "One's own API tokens", accounts::tokens).gives::<Tokens>(),
+    Route::get("/tokens", Access::SignedIn, "Own API tokens", accounts::tokens).gives::<Tokens>(),
     Route::post("/tokens", Access::SignedIn, "Make an API token", accounts::make_token)
         .takes::<NewToken>()
         .gives::<Token>(),
-    Route::delete(
-        "/tokens/{id}",
-        Access::SignedIn,
-        "Revoke one of one's own API tokens",
-        accounts::revoke_token,
-    )
-    .gives::<Done>(),
+    Route::delete("/tokens/{id}", Access::SignedIn, "Revoke an own API token", accounts::revoke_token)
+        .gives::<Done>(),
     // Projects.
     Route::get(
         "/projects",
@@ -103,18 +103,23 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<MemberChange>()
     .gives::<Members>(),
-    Route::get("/projects/{p}/dashboard", Access::Staff, "How the project goes", projects::dashboard)
-        .gives::<Dashboard>(),
+    Route::get(
+        "/projects/{p}/dashboard",
+        Access::Staff,
+        "Progress and quality of the project",
+        projects::dashboard,
+    )
+    .gives::<Dashboard>(),
     // Tasks.
     Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
         .query(&[
             ("state", "only these states, separated by commas"),
             ("scenario", "only this class: L1, L2 or leaf"),
             ("assignee", "only those held or written by this user (name or id)"),
-            ("mine", "`true`: only one's own"),
+            ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
             ("cursor", "from the page before"),
-            ("limit", "at most so many, 50 when not given, 200 at most"),
+            ("limit", "page length, 1 to 200; default 50"),
         ])
         .gives::<Tasks>(),
     Route::get("/mined", Access::SignedIn, "Folders of mining results to make tasks from", tasks::mined)
@@ -132,9 +137,14 @@ pub static ROUTES: &[Route] = &[
     .empty_when("the queue has nothing for the caller")
     .takes::<NextTask>()
     .gives::<Task>(),
-    Route::get("/projects/{p}/queue", Access::Member, "Why `tasks:next` has nothing for one", tasks::queue)
-        .query(&[("kind", "`label` (when not given), `check` or `audit`")])
-        .gives::<QueueState>(),
+    Route::get(
+        "/projects/{p}/queue",
+        Access::Member,
+        "Why `tasks:next` has nothing for the caller",
+        tasks::queue,
+    )
+    .query(&[("kind", "`label` (default), `check` or `audit`")])
+    .gives::<QueueState>(),
     Route::get("/tasks/{t}", Access::TaskReader, "One task as far as it may be seen", tasks::show)
         .gives::<Task>(),
     Route::post("/tasks/{t}/lease", Access::Member, "Take, keep or give back a lease", tasks::lease)
@@ -168,7 +178,7 @@ pub static ROUTES: &[Route] = &[
     .takes::<Validate>()
     .gives::<Findings>(),
     Route::get("/tasks/{t}/history", Access::TaskReader, "Who did what", talk::history)
-        .query(&[("cursor", "from the page before"), ("limit", "at most so many; all when not given")])
+        .query(&[("cursor", "from the page before"), ("limit", "page length; default: all")])
         .gives::<History>(),
     Route::get(
         "/tasks/{t}/history/{seq}",
@@ -184,16 +194,11 @@ pub static ROUTES: &[Route] = &[
         talk::overlap,
     )
     .gives::<Overlap>(),
-    Route::post("/tasks/{t}/comments", Access::TaskWorker, "Remark on a field", talk::comment)
+    Route::post("/tasks/{t}/comments", Access::TaskWorker, "Comment on a field", talk::comment)
         .takes::<NewComment>()
         .gives::<Comment>(),
-    Route::post(
-        "/comments/{c}/resolve",
-        Access::CommentReader,
-        "Say that a remark is seen to",
-        talk::resolve,
-    )
-    .gives::<Comment>(),
+    Route::post("/comments/{c}/resolve", Access::CommentReader, "Resolve a comment", talk::resolve)
+        .gives::<Comment>(),
     // What is seen.
     Route::get(
         "/tasks/{t}/scene",

@@ -15,11 +15,11 @@ pub struct CreateTasks {
     pub episodes: Vec<EpisodeRecord>,
     /// Name of a mined folder that the service was started with (`GET /mined`).
     pub mined: Option<String>,
-    /// At most so many tasks.
+    /// Maximum number of tasks.
     pub limit: Option<u32>,
-    /// At most so many a leaf.
+    /// Maximum number of episodes per leaf.
     pub per_leaf: Option<u32>,
-    /// People who label each episode, each for themselves; 1 when not given.
+    /// Annotators per episode (independent); default 1.
     pub overlap: Option<u32>,
     /// Greater is sooner.
     pub priority: i64,

@@ -32,7 +32,7 @@ pub struct User {
     pub lang: String,
     /// May no longer sign in.
     pub disabled: bool,
-    /// E-mail address, which links to a person of the identity provider; told to admins and to the user.
+    /// E-mail address, which links to a person of the identity provider; shown to admins and to the user.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub email: Option<String>,
 }

@@ -30,9 +30,9 @@ pub struct Project {
 pub struct Settings {
     /// Length of a lease, s.
     pub lease_s: u32,
-    /// Least share of checked labels that are audited, in percent.
+    /// Minimum audit rate of checked labels, in percent.
     pub audit_min_percent: u32,
-    /// Greatest share, for an author of poor record, in percent.
+    /// Maximum audit rate, for an author with a poor record, in percent.
     pub audit_max_percent: u32,
     /// Language of drafts: `zh` or `en`.
     pub lang: String,
@@ -173,14 +173,14 @@ pub struct Throughput {
     pub count: i64,
 }
 
-/// A task that stands still.
+/// A task that has not moved for long.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Ageing {
     /// Task.
     pub task: String,
     /// Class.
     pub scenario_id: String,
-    /// Where it stands.
+    /// State.
     pub state: String,
     /// Whose it is.
     pub user: Option<String>,
@@ -260,7 +260,7 @@ pub struct Webhook {
     pub id: String,
     /// Where to.
     pub url: String,
-    /// Actions that are told (`submit`, `accept`, ...); empty for all.
+    /// Actions to announce (`submit`, `accept`, ...); empty for all.
     pub events: Vec<String>,
     /// Messages that were not delivered yet.
     pub pending: i64,
@@ -290,7 +290,7 @@ pub struct Webhooks {
 pub struct NewWebhook {
     /// `http://` or `https://` address.
     pub url: String,
-    /// Actions that are told; empty for all.
+    /// Actions to announce; empty for all.
     #[serde(default)]
     pub events: Vec<String>,
 }

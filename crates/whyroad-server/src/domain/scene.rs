@@ -120,7 +120,7 @@ pub struct TrackView {
 pub struct LightView {
     /// Lane that it controls.
     pub lane_id: String,
-    /// Lane behind it, where movements are told apart.
+    /// Lane after it, where movements are distinguished.
     pub to_lane_id: Option<String>,
     /// Index into `times` from which it is so; 0 for what began before.
     pub t_index: usize,
@@ -146,10 +146,10 @@ pub struct CameraView {
     pub frames: Vec<CameraFrame>,
 }
 
-/// One picture.
+/// One image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CameraFrame {
-    /// Number for `/media/{camera}/{index}`, from 0 at the first picture that is shown.
+    /// Number for `/media/{camera}/{index}`, from 0 at the first image shown.
     pub index: usize,
     /// Index into `times` of the last moment not after it; 0 before the first.
     pub t_index: usize,

@@ -48,7 +48,7 @@ pub struct DraftAt {
     pub draft: Value,
 }
 
-/// A remark.
+/// A comment.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Comment {
     /// Id.
@@ -61,7 +61,7 @@ pub struct Comment {
     pub text: String,
     /// When.
     pub at: i64,
-    /// Seen to.
+    /// Resolved.
     pub resolved: bool,
 }
 

@@ -24,7 +24,7 @@ pub struct TaskSummary {
     pub drive_id: String,
     /// Class.
     pub scenario_id: String,
-    /// Where it stands.
+    /// State.
     pub state: State,
     /// How much may be seen.
     pub stage: Stage,
@@ -38,7 +38,7 @@ pub struct TaskSummary {
     pub checker: Option<String>,
     /// End of the lease, where one holds it.
     pub lease_until: Option<i64>,
-    /// Several people label the same episode, each for themselves.
+    /// Several people label the same episode independently.
     pub overlap: bool,
     /// Outcome of adjudication: `chosen` or `superseded`.
     pub adjudication: Option<String>,
@@ -76,7 +76,7 @@ pub struct Task {
     pub spec: Option<ResolvedSpec>,
     /// What the rule proposes.
     pub suggestion: Suggestion,
-    /// Remarks; other people's only after Stage I.
+    /// Comments; other people's only after Stage I.
     pub comments: Vec<Comment>,
     /// Entries of the history that the caller may see.
     pub history_count: i64,
@@ -121,9 +121,9 @@ pub struct Finding {
     pub message_en: String,
     /// JSON pointer into the label.
     pub pointer: String,
-    /// How to mend it, in Chinese.
+    /// How to fix it, in Chinese.
     pub hint_zh: Option<String>,
-    /// How to mend it, in English.
+    /// How to fix it, in English.
     pub hint_en: Option<String>,
 }
 
@@ -132,13 +132,14 @@ pub struct Finding {
 #[serde(deny_unknown_fields)]
 pub struct NextTask {
     /// `label` (own unfinished and returned ones first), `check` or `audit`.
-    pub kind: Kind,
+    pub kind: WorkKind,
 }
 
 /// Kind of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+#[schemars(rename = "Kind")]
+pub enum WorkKind {
     /// Stage I, II or rework.
     Label,
     /// Check.
@@ -164,9 +165,9 @@ pub enum QueueReason {
     NoTasks,
     /// No task waits for this kind of work.
     Finished,
-    /// Others have it in hands now.
+    /// Somebody else holds it now.
     Held,
-    /// It was given to somebody else.
+    /// It is assigned to somebody else.
     Assigned,
     /// Its draft is in another language.
     Language,
@@ -217,7 +218,7 @@ pub struct Lease {
     pub fence: i64,
     /// When it ends; null when given back.
     pub lease_until: Option<i64>,
-    /// Where the task stands now.
+    /// State of the task now.
     pub state: State,
 }
 
@@ -278,7 +279,7 @@ pub struct TaskAction {
     /// Why; skip, reject, send_back and reopen need it.
     #[serde(default)]
     pub reason: Option<String>,
-    /// Remarks anchored to fields.
+    /// Comments on fields.
     #[serde(default)]
     pub comments: Vec<NewComment>,
     /// For restore: entry of the history whose draft is to come back.
@@ -300,9 +301,9 @@ pub enum ActionName {
     Reject,
     /// Finds it good.
     Accept,
-    /// Finds it wanting.
+    /// Returns it for rework.
     SendBack,
-    /// Begins anew.
+    /// Starts again.
     Reopen,
     /// Of an overlap group, takes this label.
     Adjudicate,

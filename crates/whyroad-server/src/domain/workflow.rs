@@ -1,4 +1,4 @@
-//! The life of a task as a pure function: who may do what in which state, and what comes of it. No store, no clock.
+//! The life of a task as a pure function: who may do what in which state, and the next state. No store, no clock.
 //!
 //! ```text
 //!            take            lock_stage1           submit             take             accept
@@ -35,13 +35,13 @@ macro_rules! words {
 }
 
 words!(
-    /// Where a task stands.
+    /// State of a task.
     State {
         /// Nobody works on it.
         Open = "open",
         /// Stage I: components, from history only.
         Stage1 = "stage1",
-        /// Stage I is done and nobody holds it; only its author goes on.
+        /// Stage I is done and nobody holds it; only its author continues.
         Stage1Locked = "stage1_locked",
         /// Stage II: decision, causes and trace.
         Stage2 = "stage2",
@@ -81,7 +81,7 @@ words!(
 words!(
     /// What somebody does to a task.
     Action {
-        /// Takes the lease: a task to label, to mend, to check or to audit.
+        /// Takes the lease: a task to label, to rework, to check or to audit.
         Take = "take",
         /// Gives the lease back.
         Release = "release",
@@ -95,9 +95,9 @@ words!(
         Reject = "reject",
         /// Finds the label good.
         Accept = "accept",
-        /// Finds it wanting.
+        /// Returns it for rework.
         SendBack = "send_back",
-        /// Begins it anew; an accepted label goes to rework.
+        /// Starts it again; an accepted label goes to rework.
         Reopen = "reopen",
     }
 );
@@ -115,7 +115,7 @@ pub enum Stage {
 /// What the workflow knows of a task. Users by id.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Position {
-    /// Where it stands.
+    /// State.
     pub state: State,
     /// All who wrote in it since it was opened; the last one is its author now.
     pub authors: Vec<String>,
@@ -219,7 +219,7 @@ impl Actor {
     }
 }
 
-/// What comes of `action`. That no other live lease stands in the way of a `take` is the caller's to see to: it needs a clock.
+/// The position after `action`. The caller checks that no live lease of somebody else prevents a `take`: that needs a clock.
 pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<Position, Refusal> {
     let holds = at.holder.as_deref() == Some(actor.id.as_str());
     let to = |state: State| Position { state, holder: None, ..at.clone() };
@@ -286,8 +286,8 @@ fn take(at: &Position, actor: &Actor) -> Result<Position, Refusal> {
                 return Err(Refusal {
                     code: "task.future_seen",
                     text: Bilingual::new(
-                        "您已看过该任务关键帧之后的内容，不能再做阶段一",
-                        "you have seen what comes after this task's keyframe: its Stage I is not for you",
+                        "您已看过关键帧之后的内容，不得做该任务的阶段一",
+                        "you have seen what comes after this task's keyframe: you cannot do its Stage I",
                     ),
                 });
             }
@@ -301,7 +301,7 @@ fn take(at: &Position, actor: &Actor) -> Result<Position, Refusal> {
             if at.author() != Some(&actor.id) {
                 return Err(Refusal {
                     code: "task.not_author",
-                    text: Bilingual::new("只有作者可以继续该任务", "only its author goes on with this task"),
+                    text: Bilingual::new("只有作者可以继续该任务", "only the author can continue this task"),
                 });
             }
             Ok(held(if at.state == State::Rework { State::Rework } else { State::Stage2 }))
@@ -324,7 +324,7 @@ fn judge_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
     if at.wrote(&actor.id) {
         return Err(Refusal {
             code: "task.own_work",
-            text: Bilingual::new("不能检查自己写的标注", "nobody checks what they wrote"),
+            text: Bilingual::new("不能质检自己的标注", "you cannot check your own label"),
         });
     }
     Ok(())
@@ -335,7 +335,7 @@ fn audit_allowed(at: &Position, actor: &Actor) -> Result<(), Refusal> {
     if at.checker.as_deref() == Some(actor.id.as_str()) {
         return Err(Refusal {
             code: "task.own_check",
-            text: Bilingual::new("不能审计自己检查过的标注", "nobody audits what they checked"),
+            text: Bilingual::new("不能抽检自己质检过的标注", "you cannot audit a label that you checked"),
         });
     }
     Ok(())
@@ -345,16 +345,15 @@ fn role_missing(role: Role) -> Refusal {
     Refusal {
         code: "task.role_missing",
         text: Bilingual::new(
-            format!("需要角色 {}", role.word()),
-            format!("this needs the role {}", role.word()),
+            format!("需要{}角色", role.name().zh),
+            format!("this needs the role {}", role.name().en),
         ),
     }
 }
 
 fn not_yours() -> Refusal {
     Refusal {
-        code: "lease.not_yours",
-        text: Bilingual::new("该任务不在您手中", "this task is not in your hands"),
+        code: "lease.not_yours", text: Bilingual::new("您没有领取该任务", "you do not hold this task")
     }
 }
 
@@ -362,9 +361,62 @@ fn not_now(action: Action, state: State) -> Refusal {
     Refusal {
         code: "task.wrong_state",
         text: Bilingual::new(
-            format!("状态 {} 下不能 {}", state.word(), action.word()),
-            format!("a task in state {} does not allow {}", state.word(), action.word()),
+            format!("{}任务不能{}", state.name().zh, action.name().zh),
+            format!("a task that is {} cannot be {}", state.name().en, action.name().en),
         ),
+    }
+}
+
+/// The names that people read. The page has the same.
+impl State {
+    /// The name of the state.
+    pub fn name(self) -> Bilingual {
+        let (zh, en) = match self {
+            Self::Open => ("待标注", "open"),
+            Self::Stage1 => ("阶段一", "in Stage I"),
+            Self::Stage1Locked => ("阶段一已锁定", "after Stage I"),
+            Self::Stage2 => ("阶段二", "in Stage II"),
+            Self::Submitted => ("待质检", "submitted"),
+            Self::InCheck => ("质检中", "in check"),
+            Self::Rework => ("返工", "in rework"),
+            Self::Checked => ("待抽检", "checked"),
+            Self::InAudit => ("抽检中", "in audit"),
+            Self::Accepted => ("已通过", "accepted"),
+            Self::Skipped => ("已跳过", "skipped"),
+            Self::Rejected => ("已拒绝", "rejected"),
+        };
+        Bilingual::new(zh, en)
+    }
+}
+
+impl Action {
+    /// The name of the action; in English the participle.
+    pub fn name(self) -> Bilingual {
+        let (zh, en) = match self {
+            Self::Take => ("领取", "taken"),
+            Self::Release => ("退回队列", "released"),
+            Self::LockStage1 => ("锁定阶段一", "locked"),
+            Self::Submit => ("提交", "submitted"),
+            Self::Skip => ("跳过", "skipped"),
+            Self::Reject => ("拒绝", "rejected"),
+            Self::Accept => ("通过", "accepted"),
+            Self::SendBack => ("退回返工", "sent back"),
+            Self::Reopen => ("重新打开", "reopened"),
+        };
+        Bilingual::new(zh, en)
+    }
+}
+
+impl Role {
+    /// The name of the role.
+    pub fn name(self) -> Bilingual {
+        let (zh, en) = match self {
+            Self::Lead => ("组长", "lead"),
+            Self::Annotator => ("标注员", "annotator"),
+            Self::Checker => ("质检员", "checker"),
+            Self::Auditor => ("抽检员", "auditor"),
+        };
+        Bilingual::new(zh, en)
     }
 }
 

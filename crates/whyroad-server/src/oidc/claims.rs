@@ -9,7 +9,7 @@ const SKEW_S: i64 = 120;
 /// Longest subject (OpenID Connect Core section 2).
 const SUBJECT: usize = 255;
 
-/// What a token is held against.
+/// What a token is checked against.
 #[derive(Clone, Copy, Debug)]
 pub struct Expected<'a> {
     /// Issuer.
@@ -77,7 +77,7 @@ fn seconds(value: &Value) -> Option<i64> {
     value.as_i64().or_else(|| value.as_f64().filter(|f| f.abs() < 1e12).map(|f| f as i64))
 }
 
-/// The e-mail address, in small letters, if the provider says in so many words that it is verified. Addresses with other
+/// The e-mail address, in small letters, if the provider states that it is verified. Addresses with other
 /// letters than ASCII's are left aside: two that look the same can be two.
 pub fn verified_email(claims: &Value) -> Option<String> {
     let email = claims.get("email")?.as_str()?;

@@ -108,7 +108,7 @@ pub fn begin(app: &App, provider: &Provider, browser: Browser<'_>, purpose: Purp
     Ok(format!("{at}{}{}", if at.contains('?') { '&' } else { '?' }, query.join("&")))
 }
 
-/// What the provider is told of a verifier beforehand (S256, RFC 7636 4.2).
+/// The challenge that the provider gets beforehand (S256, RFC 7636 4.2).
 fn challenge(verifier: &str) -> String {
     URL_SAFE_NO_PAD.encode(Sha256::digest(verifier))
 }

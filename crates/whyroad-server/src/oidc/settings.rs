@@ -20,7 +20,7 @@ pub struct Written {
     pub client_secret_file: Option<String>,
     /// The provider's name on the button.
     pub name: Option<String>,
-    /// Scopes to ask for; `openid`, `profile` and `email` unless said.
+    /// Scopes to ask for; default `openid`, `profile` and `email`.
     pub scopes: Option<Vec<String>>,
     /// Address at which people reach the service.
     pub public_url: Option<String>,

@@ -14,7 +14,7 @@ use ureq::Agent;
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 
 /// Time for one call as a whole.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 /// Largest answer, bytes.
 const LARGEST: u64 = 1024 * 1024;
 
@@ -49,7 +49,7 @@ impl Web {
             .build();
         let config = Agent::config_builder()
             .tls_config(tls)
-            .timeout_global(Some(PATIENCE))
+            .timeout_global(Some(TIMEOUT))
             .max_redirects(0)
             .max_redirects_will_error(false)
             .http_status_as_error(false)
@@ -97,7 +97,7 @@ fn answer(url: &str, got: Result<ureq::http::Response<ureq::Body>, ureq::Error>)
         Ok(json) => Ok((status, json)),
         // A refusal says enough by its status.
         Err(_) if status != 200 => Ok((status, Value::Null)),
-        Err(_) => Err(provider_fails(format!("{url}: no JSON"))),
+        Err(_) => Err(provider_fails(format!("{url}: not JSON"))),
     }
 }
 

@@ -16,7 +16,7 @@ use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
 
-/// Greatest length of a remark or reason in characters.
+/// Maximum length of a comment or reason, characters.
 const TEXT: usize = 4000;
 
 /// Does `request` to the task `id`. `name` is the actor's name to sign in with: it goes into the label.
@@ -89,14 +89,14 @@ pub fn act(
     };
     history::record(tx, &mut t, &entry, now)?;
     for comment in &request.comments {
-        remark(tx, &t, &actor.id, comment, now)?;
+        self::comment(tx, &t, &actor.id, comment, now)?;
     }
     tasks::update(tx, &t)?;
     Ok(t)
 }
 
-/// Writes a remark on a field; its id.
-pub fn remark(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, now: i64) -> Answer<String> {
+/// Stores a comment on a field; its id.
+pub fn comment(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, now: i64) -> Answer<String> {
     check_texts(std::slice::from_ref(comment))?;
     let id = secret::id()?;
     tx.run(
@@ -110,7 +110,10 @@ pub fn remark(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment, 
 pub fn reason(given: Option<&str>) -> Answer<Option<&str>> {
     let reason = given.map(str::trim).filter(|r| !r.is_empty());
     if reason.is_some_and(is_long) {
-        return Err(Problem::request(format!("a reason has at most {TEXT} characters")));
+        return Err(Problem::request(
+            format!("原因至多 {TEXT} 个字符"),
+            format!("a reason may have at most {TEXT} characters"),
+        ));
     }
     Ok(reason)
 }
@@ -120,7 +123,10 @@ fn check_texts(comments: &[NewComment]) -> Answer<()> {
         c.text.trim().is_empty() || is_long(&c.text) || c.path.len() > 200 || !is_pointer(&c.path)
     };
     if comments.len() > 100 || comments.iter().any(bad) {
-        return Err(Problem::request(format!("texts of 1 to {TEXT} characters, paths as JSON pointers")));
+        return Err(Problem::request(
+            format!("评论须为 1 至 {TEXT} 个字符，路径须为 JSON 指针"),
+            format!("a comment must have 1 to {TEXT} characters, its path must be a JSON pointer"),
+        ));
     }
     Ok(())
 }
@@ -142,7 +148,7 @@ fn need_reason(action: Action, reason: Option<&str>, comments: &[NewComment]) ->
     if given {
         return Ok(());
     }
-    Err(Problem::new(422, "action.reason", "需要说明原因", "this needs a reason"))
+    Err(Problem::new(422, "action.reason", "需要说明原因", "a reason is required"))
 }
 
 /// Stage I locks only with a component and without errors in what will stay as it is.
@@ -202,7 +208,7 @@ fn restore(
     now: i64,
 ) -> Answer<()> {
     leases::may_edit(t, &actor.id, request.fence)?;
-    let seq = request.seq.ok_or_else(|| Problem::request("seq is missing"))?;
+    let seq = request.seq.ok_or_else(|| Problem::request("缺少 seq", "seq is missing"))?;
     // Only what may be seen may come back.
     drafts::at_for(tx, t, &actor.id, seq)?;
     let old = drafts::at(tx, t, seq)?;
@@ -258,15 +264,15 @@ fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&s
             409,
             "overlap.not_ready",
             "重叠标注尚未全部提交",
-            "not all labels of the overlap group are handed in",
+            "not all labels of the overlap group are submitted",
         ));
     }
     if group.iter().any(|o| o.at.authors.contains(&actor.id)) {
         return Err(Problem::new(
             403,
             "task.own_work",
-            "不能裁决自己参与的标注",
-            "nobody chooses between their own label and others'",
+            "不能裁决自己参与标注的事件",
+            "you cannot adjudicate a group with your own label",
         ));
     }
     for other in group {
@@ -284,7 +290,7 @@ fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&s
     Ok(())
 }
 
-/// A task that begins anew opens the choice again.
+/// A task that starts again opens the choice again.
 fn reopen_group(tx: &mut dyn Tx, t: &mut TaskRow) -> Answer<()> {
     t.adjudication = None;
     tx.run(

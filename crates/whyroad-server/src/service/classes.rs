@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use whyroad_framework::Taxonomy;
 use whyroad_model::ScenarioId;
 
-/// Refuses a quota on what is no leaf, unless it was there `before`: the taxonomy may have changed since.
+/// Refuses a quota on what is not a leaf, unless it was there `before`: the taxonomy may have changed since.
 pub fn check_quota(
     taxonomy: &Taxonomy,
     quota: &BTreeMap<String, u32>,
@@ -19,8 +19,8 @@ pub fn check_quota(
         Some(id) => Err(Problem::new(
             422,
             "project.quota",
-            format!("配额中的 '{id}' 不是叶子类"),
-            format!("'{id}' in the quota is no leaf of the taxonomy"),
+            format!("配额中的 '{id}' 不是 L3 场景"),
+            format!("'{id}' in the quota is not a leaf of the taxonomy"),
         )),
     }
 }
@@ -33,8 +33,8 @@ pub fn check_skills(taxonomy: &Taxonomy, skills: &[String]) -> Answer<()> {
         Some(skill) => Err(Problem::new(
             422,
             "member.skill",
-            format!("'{skill}' 不是类别"),
-            format!("'{skill}' is no class of the taxonomy"),
+            format!("'{skill}' 不是场景分类"),
+            format!("'{skill}' is not a class of the taxonomy"),
         )),
     }
 }

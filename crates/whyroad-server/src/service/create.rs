@@ -28,16 +28,19 @@ const AT_ONCE: usize = 50;
 const HISTORY_S: f64 = 2.0;
 const FUTURE_S: f64 = 6.0;
 
-/// Makes tasks from episodes. `actor` is none for the command line.
+/// Makes tasks from episodes. `actor` is unset for the command line.
 pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&str>) -> Answer<Created> {
     let project = app.store.read(|tx| projects::get(tx, project))?;
     let episodes = episodes(app, request)?;
     let overlap = i64::from(request.overlap.unwrap_or(1));
     if !(1..=i64::from(MOST_OVERLAP)).contains(&overlap) {
-        return Err(Problem::request(format!("overlap is 1 to {MOST_OVERLAP}")));
+        return Err(Problem::request(
+            format!("overlap 须为 1 至 {MOST_OVERLAP}"),
+            format!("overlap must be 1 to {MOST_OVERLAP}"),
+        ));
     }
     if request.lang.as_deref().is_some_and(|l| l.parse::<Lang>().is_err()) {
-        return Err(Problem::request("lang is zh or en"));
+        return Err(Problem::request("lang 须为 zh 或 en", "lang must be zh or en"));
     }
     let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![] };
     let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
@@ -110,10 +113,18 @@ fn episodes(app: &App, request: &CreateTasks) -> Answer<Vec<EpisodeRecord>> {
     let mut all = match (&request.mined, request.episodes.is_empty()) {
         (Some(name), true) => app.recordings.episodes(name).ok_or_else(Problem::missing)?,
         (None, false) => request.episodes.clone(),
-        _ => return Err(Problem::request("either episodes or mined")),
+        _ => {
+            return Err(Problem::request(
+                "episodes 与 mined 须给出且仅给出其一",
+                "give either episodes or mined",
+            ));
+        }
     };
     if all.len() > MOST_EPISODES {
-        return Err(Problem::request(format!("at most {MOST_EPISODES} episodes")));
+        return Err(Problem::request(
+            format!("一次请求至多 {MOST_EPISODES} 个事件"),
+            format!("at most {MOST_EPISODES} episodes in one request"),
+        ));
     }
     // Drive by drive, each in time: a drive is read once, and the queue shows nobody what comes before what they saw.
     all.sort_by(|a, b| (&a.drive_id, a.keyframe.timestamp).cmp(&(&b.drive_id, b.keyframe.timestamp)));
@@ -136,7 +147,7 @@ struct Source {
 }
 
 impl LastDrive {
-    /// The drive of `episode`; in words why it is not to be had, or why the episode cannot be one of it.
+    /// The drive of `episode`; an error text when it is unavailable, or when the episode lies outside it.
     fn of(&mut self, app: &App, episode: &EpisodeRecord) -> Result<&Source, Bilingual> {
         let source = match self.0.take().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
             Some(source) => source,
@@ -257,11 +268,11 @@ fn join(mut whole: CocLabel, before: CocLabel, keyframe: Nanos) -> CocLabel {
         }
     }
     let ids: Vec<&str> = whole.critical_components.iter().filter_map(|c| c.id.as_deref()).collect();
-    let stands =
+    let holds =
         |cause: &whyroad_model::messages::Cause| cause.components.iter().all(|c| ids.contains(&c.as_str()));
     whole.causes = whole
         .causes
-        .map(|c| Causes { longitudinal: c.longitudinal.filter(stands), lateral: c.lateral.filter(stands) });
+        .map(|c| Causes { longitudinal: c.longitudinal.filter(holds), lateral: c.lateral.filter(holds) });
     whole
 }
 

@@ -1,4 +1,4 @@
-//! How a project goes: what stands where, who did what, how far people agree, what is missing, what audits found.
+//! Progress and quality of a project: tasks by state, who did what, agreement, coverage, audit results.
 //! Read only; all of it from the tasks and their history.
 
 use crate::domain::project::{

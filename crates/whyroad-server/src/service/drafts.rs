@@ -44,7 +44,10 @@ pub fn save(
     let mut t = tasks::get_for_change(tx, task)?;
     leases::may_edit(&t, user, Some(change.fence))?;
     if change.changes.is_empty() || change.changes.len() > merge::MAX_CHANGES {
-        return Err(Problem::request(format!("1 to {} changes", merge::MAX_CHANGES)));
+        return Err(Problem::request(
+            format!("一次须有 1 至 {} 处修改", merge::MAX_CHANGES),
+            format!("a request must have 1 to {} changes", merge::MAX_CHANGES),
+        ));
     }
     for c in &change.changes {
         visible::may_change(t.at.state, &c.path, &c.value, Nanos(t.keyframe_ns))?;
@@ -88,7 +91,10 @@ fn by_field(state: State, changes: &[FieldChange]) -> Vec<FieldChange> {
 /// Refuses when the fields of `mine` were changed by others since version `base`.
 fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answer<()> {
     if base > t.version {
-        return Err(Problem::request(format!("base_version {base} is not there yet")));
+        return Err(Problem::request(
+            format!("base_version {base} 尚不存在"),
+            format!("base_version {base} does not exist yet"),
+        ));
     }
     let theirs = since(tx, t, base)?;
     let conflicts = merge::conflicts(&t.draft, mine, &theirs);

@@ -1,5 +1,5 @@
 //! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what is
-//! the same for every task, so that no finding tells of hidden fields.
+//! the same for every task, so that no finding depends on hidden fields.
 
 use crate::app::App;
 use crate::domain::task::Finding;
@@ -92,12 +92,10 @@ fn marked() -> Finding {
     Finding {
         code: CODES[0].to_owned(),
         severity: "error".to_owned(),
-        message_zh: "推理文本仍是程序的草稿".to_owned(),
+        message_zh: "因果描述仍是程序生成的草稿".to_owned(),
         message_en: "the trace is still the program's draft".to_owned(),
         pointer: "/coc_trace".to_owned(),
         hint_zh: Some("改写为：状态、原因、决策，并删去草稿标记".to_owned()),
-        hint_en: Some(
-            "write the state, why it calls for the decision, the decision; and take the mark away".to_owned(),
-        ),
+        hint_en: Some("write state, reason and decision, and delete the draft mark".to_owned()),
     }
 }

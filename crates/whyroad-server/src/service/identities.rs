@@ -28,7 +28,7 @@ pub fn enter(tx: &mut dyn Tx, settings: &Settings, claims: &Value, now: i64) -> 
             409,
             "oidc.first_run",
             "请先建立管理员账号",
-            "the first administrator has to be made first",
+            "create the first administrator first",
         ));
     }
     let email = verified_email(claims);
@@ -235,7 +235,7 @@ fn grant(tx: &mut dyn Tx, settings: &Settings, claims: &Value, user: &User) -> A
     }
     if speaks_of_admin && admin != user.admin {
         let sql = "SELECT 1 FROM users WHERE admin = 1 AND disabled = 0 AND id <> $1 LIMIT 1";
-        // The last administrator stays one: else nobody could mend a wrong set-up.
+        // The last administrator stays one: else nobody could fix a wrong set-up.
         if admin || tx.row(sql, values![&user.id])?.is_some() {
             people::update(tx, &User { admin, ..user.clone() })?;
         }

@@ -1,5 +1,5 @@
-//! Leases: who has a task in hands, for minutes, with a fencing token that makes an older hold void. A lease that ran out
-//! still lets its holder write until somebody else takes the task: then the newer token stands in the way.
+//! Leases: who holds a task, for minutes, with a fencing token that invalidates older leases. The holder of an expired
+//! lease can still write until somebody else takes the task: then the newer token prevents it.
 
 use crate::domain::project::Settings;
 use crate::domain::task::Lease;
@@ -16,8 +16,8 @@ pub fn lease(t: &TaskRow) -> Lease {
     Lease { fence: t.fence, lease_until: t.lease_until, state: t.at.state }
 }
 
-/// Takes `t`: refused while another has a live lease. Whoever begins Stage I anew begins with the suggestion, not with
-/// somebody else's words.
+/// Takes `t`: refused while another has a live lease. A new author of Stage I starts from the suggestion, not from
+/// somebody else's text.
 pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings, now: i64) -> Answer<()> {
     let next = may_take(tx, t, actor, now)?;
     let others = matches!(t.at.state, State::Open | State::Stage1)
@@ -50,13 +50,8 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
 pub(super) fn may_take(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, now: i64) -> Answer<Position> {
     let live = t.lease_until.is_some_and(|until| until > now);
     if live && t.at.holder.as_deref().is_some_and(|h| h != actor.id) {
-        return Err(Problem::new(
-            409,
-            "lease.held",
-            "该任务正由他人处理",
-            "somebody else has this task in hands",
-        )
-        .with(json!({ "lease_until": t.lease_until })));
+        return Err(Problem::new(409, "lease.held", "该任务已由他人领取", "somebody else holds this task")
+            .with(json!({ "lease_until": t.lease_until })));
     }
     if t.adjudication.as_deref() == Some("superseded") {
         return Err(Problem::new(409, "task.superseded", "已选用另一份标注", "another label was chosen"));
@@ -66,7 +61,7 @@ pub(super) fn may_take(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, now: i64) ->
             403,
             "task.assigned",
             "该任务已指派给他人",
-            "this task was given to somebody else",
+            "this task is assigned to somebody else",
         ));
     }
     let next = workflow::step(&t.at, actor, Action::Take, Draw::Pass)?;
@@ -89,8 +84,8 @@ fn only_one_of_a_group(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
         return Err(Problem::new(
             403,
             "task.overlap_twice",
-            "您已标注过同一片段的另一份",
-            "you label another copy of this episode: each is for a different person",
+            "您已标注同一事件的另一份",
+            "you label another copy of this episode: each copy needs a different annotator",
         ));
     }
     Ok(())
@@ -102,7 +97,7 @@ fn renew(t: &mut TaskRow, settings: &Settings, now: i64) {
 
 /// Lets only the holder with the newest token through.
 pub fn held(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
-    let Some(fence) = fence else { return Err(Problem::request("fence is missing")) };
+    let Some(fence) = fence else { return Err(Problem::request("缺少 fence", "fence is missing")) };
     if t.at.holder.as_deref() == Some(user) && t.fence == fence { Ok(()) } else { Err(Problem::lease_lost()) }
 }
 
@@ -114,7 +109,7 @@ pub fn may_edit(t: &TaskRow, user: &str, fence: Option<i64>) -> Answer<()> {
             409,
             "task.wrong_state",
             "当前状态下不能修改",
-            "it cannot be changed in this state",
+            "the draft cannot be changed in this state",
         ));
     }
     Ok(())

@@ -34,11 +34,9 @@ pub struct Filter<'a> {
 pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks> {
     let limit = match filter.limit {
         None => USUAL,
-        Some(text) => text
-            .parse()
-            .ok()
-            .filter(|n| (1..=MOST).contains(n))
-            .ok_or_else(|| Problem::request(format!("limit is 1 to {MOST}")))?,
+        Some(text) => text.parse().ok().filter(|n| (1..=MOST).contains(n)).ok_or_else(|| {
+            Problem::request(format!("limit 须为 1 至 {MOST}"), format!("limit must be 1 to {MOST}"))
+        })?,
     };
     let mut query = Query { sql: "project_id = $1".to_owned(), values: vec![project.into()] };
     states(&mut query, filter.states)?;
@@ -89,8 +87,11 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks
 
 fn states(query: &mut Query, words: Option<&str>) -> Answer<()> {
     let Some(words) = words else { return Ok(()) };
-    let state =
-        |w: &str| State::from_word(w.trim()).ok_or_else(|| Problem::request(format!("'{w}' is no state")));
+    let state = |w: &str| {
+        State::from_word(w.trim()).ok_or_else(|| {
+            Problem::request(format!("'{w}' 不是任务状态"), format!("'{w}' is not a task state"))
+        })
+    };
     let states = words.split(',').map(state).collect::<Answer<Vec<_>>>()?;
     let holes = vec!["$"; states.len()].join(", ");
     let values: Vec<Cell> = states.iter().map(|s| s.word().into()).collect();
@@ -99,7 +100,7 @@ fn states(query: &mut Query, words: Option<&str>) -> Answer<()> {
 }
 
 fn place(cursor: &str) -> Answer<(i64, i64, String)> {
-    let bad = || Problem::request("cursor is not one that this service gave");
+    let bad = || Problem::request("cursor 无效", "cursor is invalid");
     let mut parts = cursor.splitn(3, '_');
     let mut part = || parts.next().ok_or_else(bad);
     let number = |text: &str| text.parse::<i64>().map_err(|_| bad());

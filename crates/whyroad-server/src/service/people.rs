@@ -46,13 +46,13 @@ pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> An
             422,
             "user.name",
             "用户名只能含字母、数字和 . _ - @，至多 64 个字符",
-            "a user's name has letters, digits and . _ - @ only, at most 64",
+            "a user name may have letters, digits and . _ - @, at most 64 characters",
         ));
     }
     check_texts(user)?;
     check_email(tx, user)?;
     if find(tx, &user.name)?.is_some() {
-        return Err(Problem::new(409, "user.exists", "用户名已存在", "there is a user of this name"));
+        return Err(Problem::new(409, "user.exists", "用户名已存在", "a user of this name exists"));
     }
     tx.run(
         "INSERT INTO users (id, name, display, admin, lang, password_hash, disabled, created, email)
@@ -73,7 +73,10 @@ pub fn create(tx: &mut dyn Tx, user: &User, password_hash: &str, now: i64) -> An
 
 fn check_texts(user: &User) -> Answer<()> {
     if !matches!(user.lang.as_str(), "zh" | "en") || user.display.chars().count() > 100 {
-        return Err(Problem::request("lang is zh or en, display at most 100 characters"));
+        return Err(Problem::request(
+            "lang 须为 zh 或 en，显示名至多 100 个字符",
+            "lang must be zh or en, the display name at most 100 characters",
+        ));
     }
     Ok(())
 }
@@ -87,7 +90,7 @@ fn check_email(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     let Some(email) = &user.email else { return Ok(()) };
     let plain = email.len() <= 254 && email.bytes().all(|b| b.is_ascii_graphic() && !b.is_ascii_uppercase());
     if !plain || email.split_once('@').is_none_or(|(name, domain)| name.is_empty() || domain.is_empty()) {
-        return Err(Problem::new(422, "user.email", "邮箱地址无效", "this is no e-mail address"));
+        return Err(Problem::new(422, "user.email", "邮箱地址无效", "invalid e-mail address"));
     }
     let other = tx.row("SELECT 1 FROM users WHERE email = $1 AND id <> $2", values![email, &user.id])?;
     if other.is_some() {
@@ -121,7 +124,12 @@ pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     }
     let admins = tx.row("SELECT 1 FROM users WHERE admin = 1 AND disabled = 0 LIMIT 1", &[])?;
     if admins.is_none() {
-        return Err(Problem::new(409, "user.last_admin", "至少要有一个管理员", "there must be an admin"));
+        return Err(Problem::new(
+            409,
+            "user.last_admin",
+            "至少要有一个管理员",
+            "at least one admin is needed",
+        ));
     }
     Ok(())
 }
@@ -160,7 +168,7 @@ pub fn start_session(tx: &mut dyn Tx, cookie: &str, user: &str, now: i64) -> Ans
     Ok(())
 }
 
-/// What stands for the hash of a password where there is none.
+/// The password hash of an account without a password.
 pub const NO_PASSWORD: &str = "";
 
 /// Notes that a session began at the identity provider.

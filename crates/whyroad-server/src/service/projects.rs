@@ -64,8 +64,8 @@ fn check(project: &Project) -> Answer<()> {
         Err(Problem::new(
             422,
             "project.invalid",
-            "项目设置无效：名称 1–100 字符，租约 30–3600 秒，审计比例 0–100 且最小不大于最大",
-            "a project has a name of 1 to 100 characters, leases of 30 to 3600 s, audit shares of 0 to 100 in order",
+            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值",
+            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum",
         ))
     }
 }
@@ -74,7 +74,7 @@ fn check(project: &Project) -> Answer<()> {
 pub fn create(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<()> {
     check(project)?;
     if find(tx, &project.name)?.is_some() {
-        return Err(Problem::new(409, "project.exists", "项目名已存在", "there is a project of this name"));
+        return Err(Problem::new(409, "project.exists", "项目名已存在", "a project of this name exists"));
     }
     tx.run(
         "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ($1, $2, $3, $4, $5, $6)",
@@ -120,10 +120,13 @@ pub fn languages(tx: &mut dyn Tx, project: &str, user: &str) -> Answer<Vec<Strin
     tx.row(sql, values![project, user])?.map_or(Ok(vec![]), |r| parse(&r.text("languages")?))
 }
 
-/// Sets the languages of a member; who is none stays none.
+/// Sets the languages of a member; does nothing for who is not a member.
 pub fn set_languages(tx: &mut dyn Tx, project: &str, user: &str, languages: &[String]) -> Answer<()> {
     if let Some(odd) = languages.iter().find(|l| !matches!(l.as_str(), "zh" | "en")) {
-        return Err(Problem::request(format!("'{odd}' is no language: zh or en")));
+        return Err(Problem::request(
+            format!("'{odd}' 不是语言：zh 或 en"),
+            format!("'{odd}' is not a language: zh or en"),
+        ));
     }
     let sorted: BTreeSet<&String> = languages.iter().collect();
     tx.run(

@@ -2,7 +2,7 @@
 
 use crate::domain::people::User;
 use crate::domain::project::Project;
-use crate::domain::task::{Kind, QueueReason};
+use crate::domain::task::{QueueReason, WorkKind};
 use crate::domain::workflow::{Role, State};
 use crate::problem::Answer;
 use crate::service::tasks::TaskRow;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// Candidates that are looked at in one go.
 const PAGE: usize = 100;
-/// Tasks that are asked why they are not for somebody: enough for every reason that there is.
+/// Waiting tasks that are examined for reasons.
 const MOST_ASKED: i64 = 1000;
 
 /// Whom the queue serves.
@@ -54,7 +54,7 @@ pub fn next(
     project: &Project,
     user: &User,
     roles: &[Role],
-    kind: Kind,
+    kind: WorkKind,
     now: i64,
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
@@ -91,13 +91,13 @@ pub fn why_nothing(
     project: &Project,
     user: &User,
     roles: &[Role],
-    kind: Kind,
+    kind: WorkKind,
     now: i64,
 ) -> Answer<BTreeSet<QueueReason>> {
     let (role, states) = match kind {
-        Kind::Label => (Role::Annotator, "'open', 'stage1'"),
-        Kind::Check => (Role::Checker, "'submitted', 'in_check'"),
-        Kind::Audit => (Role::Auditor, "'checked', 'in_audit'"),
+        WorkKind::Label => (Role::Annotator, "'open', 'stage1'"),
+        WorkKind::Check => (Role::Checker, "'submitted', 'in_check'"),
+        WorkKind::Audit => (Role::Auditor, "'checked', 'in_audit'"),
     };
     if !roles.contains(&role) {
         return Ok([QueueReason::Role].into());
@@ -161,23 +161,23 @@ fn why_not(
 /// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
 /// order. `$2` is the user, `$3` now, `$4` the worker's languages
 /// (`zh,en`), of which a task's is one or none; all are in each, as PostgreSQL wants it.
-fn queue(kind: Kind) -> &'static [&'static str] {
+fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
-        Kind::Label => &[
+        WorkKind::Label => &[
             "holder = $2 AND state IN ('stage1', 'stage2', 'rework') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'open' AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
             "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> ''",
         ],
-        Kind::Check => &[
+        WorkKind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
              AND $4 LIKE '%' || lang || '%' AND CAST($3 AS BIGINT) >= 0",
             "state = 'in_check' AND lease_until < $3 AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
              AND $4 LIKE '%' || lang || '%'",
         ],
-        Kind::Audit => &[
+        WorkKind::Audit => &[
             "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'checked' AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'
              AND CAST($3 AS BIGINT) >= 0",

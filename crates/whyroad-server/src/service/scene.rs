@@ -141,8 +141,8 @@ fn lights(drive: &Drive, times: &[Nanos]) -> Vec<LightView> {
     out
 }
 
-/// Pictures of the shown time, by camera.
-fn pictures<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaFrame>)> {
+/// Images of the shown time, by camera.
+fn images<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaFrame>)> {
     let (Some(media), Some(first), Some(last)) = (&drive.media, times.first(), times.last()) else {
         return vec![];
     };
@@ -156,8 +156,8 @@ fn pictures<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d Medi
     out
 }
 
-/// Cameras in the order in which the drive names them. One that the drive names and that has no picture here is told once
-/// nothing is withheld: that it has none may come from later on.
+/// Cameras in the order in which the drive names them. One that the drive names and that has no image here is listed only
+/// when nothing is withheld: that it has none may follow from what comes later.
 fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
     let keyframe = Nanos(t.keyframe_ns);
     let camera = |(camera, frames): (&str, Vec<&MediaFrame>)| CameraView {
@@ -173,7 +173,7 @@ fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<Cam
             })
             .collect(),
     };
-    let mut out: Vec<CameraView> = pictures(drive, times).into_iter().map(camera).collect();
+    let mut out: Vec<CameraView> = images(drive, times).into_iter().map(camera).collect();
     let named = &drive.meta.video;
     if stage == Stage::Stage2 {
         let without: Vec<&String> = named.iter().filter(|n| out.iter().all(|c| c.camera != **n)).collect();
@@ -183,10 +183,10 @@ fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<Cam
     out
 }
 
-/// The file of picture `index` of `camera` among those that may be seen.
-pub fn picture(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<PathBuf> {
+/// The file of image `index` of `camera` among those that may be seen.
+pub fn image(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<PathBuf> {
     let Shown { drive, frames } = shown(app, t)?;
-    let all = pictures(&drive, &drive.times[frames.start..frames.end]);
+    let all = images(&drive, &drive.times[frames.start..frames.end]);
     let found =
         all.iter().find(|(name, _)| *name == camera).and_then(|(_, frames)| frames.get(index).copied());
     let frame = found.ok_or_else(Problem::missing)?;

@@ -47,8 +47,8 @@ pub fn show_future(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
         return Err(Problem::new(
             409,
             "task.stage1_first",
-            "这会显示您正在做阶段一的另一任务的未来；请先完成或释放该任务",
-            "this would show the future of another task whose Stage I you are in: finish or release that one first",
+            "这会显示您正在做阶段一的另一任务关键帧之后的内容；请先完成该任务或将其退回队列",
+            "this would show the future of another task whose Stage I you are doing: finish or release that one first",
         )
         .with(serde_json::json!({ "task": other.text("id")? })));
     }

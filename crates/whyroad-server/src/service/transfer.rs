@@ -24,39 +24,44 @@ use whyroad_model::messages::CocLabel;
 
 /// Most lines of one import.
 pub const MOST_LINES: usize = 20_000;
-/// Reasons told of lines that could not be read; the rest is counted.
+/// Reasons reported for lines that could not be read; the rest is counted.
 const MOST_REASONS: usize = 100;
 
 /// What to export.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum ExportFormat {
     /// Labels of tasks in these states, in this format version.
-    Labels(Vec<State>, Version),
+    Labels(Vec<State>, LabelVersion),
     /// All tasks, with history and comments.
     Tasks,
 }
 
 /// Format of exported labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Version {
+pub enum LabelVersion {
     /// 2.0.0.
     V2_0,
     /// 2.1.0.
     V2_1,
 }
 
-impl Format {
+impl ExportFormat {
     /// From the words of a request: `labels` or `tasks`; `2.0` or `2.1`; states separated by commas.
     pub fn from_words(format: Option<&str>, version: Option<&str>, states: Option<&str>) -> Answer<Self> {
         let version = match version {
-            None | Some("2.1" | "2.1.0") => Version::V2_1,
-            Some("2.0" | "2.0.0") => Version::V2_0,
+            None | Some("2.1" | "2.1.0") => LabelVersion::V2_1,
+            Some("2.0" | "2.0.0") => LabelVersion::V2_0,
             Some(other) => {
-                return Err(Problem::request(format!("'{other}' is no format version: 2.0 or 2.1")));
+                return Err(Problem::request(
+                    format!("'{other}' 不是格式版本：2.0 或 2.1"),
+                    format!("'{other}' is not a format version: 2.0 or 2.1"),
+                ));
             }
         };
         let state = |word: &str| {
-            State::from_word(word).ok_or_else(|| Problem::request(format!("'{word}' is no state")))
+            State::from_word(word).ok_or_else(|| {
+                Problem::request(format!("'{word}' 不是任务状态"), format!("'{word}' is not a task state"))
+            })
         };
         let states = match states {
             None | Some("") => vec![State::Accepted],
@@ -65,13 +70,16 @@ impl Format {
         match format {
             None | Some("labels") => Ok(Self::Labels(states, version)),
             Some("tasks") => Ok(Self::Tasks),
-            Some(other) => Err(Problem::request(format!("'{other}' is no export: labels or tasks"))),
+            Some(other) => Err(Problem::request(
+                format!("'{other}' 不是导出类型：labels 或 tasks"),
+                format!("'{other}' is not an export: labels or tasks"),
+            )),
         }
     }
 }
 
 /// The lines of an export, by clip, then class, then number in the overlap group.
-pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String> {
+pub fn export(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<String> {
     let names = user_names(tx)?;
     // Ids first: a project may have a hundred thousand tasks, each with its drafts.
     let rows = tx.rows(
@@ -84,15 +92,15 @@ pub fn export(tx: &mut dyn Tx, project: &str, format: &Format) -> Answer<String>
         let state = State::from_word(&row.text("state")?);
         // Of an overlap group only what was not overruled.
         let overruled = row.maybe_text("adjudication")?.as_deref() == Some("superseded");
-        if let Format::Labels(states, _) = format
+        if let ExportFormat::Labels(states, _) = format
             && (overruled || !state.is_some_and(|s| states.contains(&s)))
         {
             continue;
         }
         let t = tasks::get(tx, &row.text("id")?)?;
         let line = match format {
-            Format::Tasks => task_line(tx, &t, &names)?,
-            Format::Labels(_, version) => label_line(&t, *version)?,
+            ExportFormat::Tasks => task_line(tx, &t, &names)?,
+            ExportFormat::Labels(_, version) => label_line(&t, *version)?,
         };
         out.push_str(&line.to_string());
         out.push('\n');
@@ -107,9 +115,11 @@ fn user_names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
 
 /// The label; its provenance was written when it was handed in. An unfinished draft, which need not be a whole label,
 /// goes out as it is.
-fn label_line(t: &TaskRow, version: Version) -> Answer<Value> {
+fn label_line(t: &TaskRow, version: LabelVersion) -> Answer<Value> {
     match serde_json::from_value::<CocLabel>(t.draft.clone()) {
-        Ok(label) if version == Version::V2_0 => serde_json::to_value(label.to_2_0()).map_err(Problem::store),
+        Ok(label) if version == LabelVersion::V2_0 => {
+            serde_json::to_value(label.to_2_0()).map_err(Problem::store)
+        }
         _ => Ok(t.draft.clone()),
     }
 }
@@ -154,7 +164,10 @@ fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> A
 pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answer<Imported> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).collect();
     if lines.len() > MOST_LINES {
-        return Err(Problem::request(format!("more than {MOST_LINES} lines; bring them in parts")));
+        return Err(Problem::request(
+            format!("超过 {MOST_LINES} 行，请分批导入"),
+            format!("more than {MOST_LINES} lines: import them in parts"),
+        ));
     }
     let project = app.store.read(|tx| projects::get(tx, project))?;
     let (mut incoming, mut lost) = (Vec::new(), BTreeMap::new());
@@ -178,8 +191,8 @@ pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answ
     let rows: Vec<TaskRow> = rows.into_iter().map(|(_, row)| row).collect();
     let tasks = create::put_all(app, &rows, actor)?;
     let more = lost.len().saturating_sub(MOST_REASONS) as u32;
-    let told = lost.into_iter().take(MOST_REASONS);
-    let lost = told.map(|(number, text)| LostLine { line: number as u32 + 1, text }).collect();
+    let first = lost.into_iter().take(MOST_REASONS);
+    let lost = first.map(|(number, text)| LostLine { line: number as u32 + 1, text }).collect();
     Ok(Imported { tasks, known: rows.len() as u32 - tasks, lost, more })
 }
 
@@ -199,7 +212,10 @@ pub fn counts(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
 pub fn tasks_of(tx: &mut dyn Tx, project: &str, state: Option<&str>) -> Answer<Vec<TaskRow>> {
     if let Some(word) = state.filter(|w| State::from_word(w).is_none()) {
         let words: Vec<&str> = State::ALL.iter().map(|s| s.word()).collect();
-        return Err(Problem::request(format!("'{word}' is no state: {}", words.join(", "))));
+        return Err(Problem::request(
+            format!("'{word}' 不是任务状态：{}", words.join("、")),
+            format!("'{word}' is not a task state: {}", words.join(", ")),
+        ));
     }
     let condition = "project_id = $1 AND ($2 = '' OR state = $3) ORDER BY scenario_id, clip_id, keyframe_ns, overlap_index";
     tasks::select(tx, condition, values![project, state.unwrap_or_default(), state.unwrap_or_default()])

@@ -1,5 +1,5 @@
 //! What of a task may be seen in which stage. Everything that leaves the service about a task goes through here or
-//! through [`super::scene`]: in Stage I nothing that tells of the time after the keyframe, and nobody else's words.
+//! through [`super::scene`]: in Stage I nothing that depends on the time after the keyframe, and nobody else's text.
 
 use crate::domain::task::{Comment, HistoryEntry};
 use crate::domain::workflow::{Stage, State};
@@ -67,7 +67,7 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
         _ => None,
     };
     let late = moment.is_some_and(|t| Nanos::parse_iso(t).is_ok_and(|t| t > keyframe));
-    // Whole, it would take its hidden end away, and a conflict about it would tell that end.
+    // Whole, it would take its hidden end away, and a conflict about it would reveal that end.
     let whole = path == "/keyframe" && !value.is_object();
     if hidden || late || whole {
         return Err(Problem::new(
@@ -80,7 +80,7 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
     Ok(())
 }
 
-/// Remarks on a task that `user` may see; in Stage I only their own.
+/// Comments on a task that `user` may see; in Stage I only their own.
 pub fn comments(
     tx: &mut dyn Tx,
     t: &TaskRow,
@@ -121,7 +121,7 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
         let (from_state, to_state) = (state(from), state(to));
         let action = row.text("action")?;
         if !all {
-            // What was done before it was opened anew may tell of the future, even to who did it.
+            // What was done before it was reopened may reveal the future, even to who did it.
             if action == "reopen" {
                 out.clear();
             }

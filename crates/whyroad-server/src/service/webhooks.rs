@@ -1,6 +1,6 @@
 //! Webhooks: what happens to a task is written into an outbox in the same transaction as the change itself, and sent
-//! from there until the receiver takes it. So nothing is told that did not happen, and nothing that happened is lost
-//! because a receiver was away. A receiver may get a message twice (the delivery id tells); never is one out of thin air.
+//! from there until the receiver takes it. So nothing is announced that did not happen, and nothing that happened is lost
+//! because a receiver was away. A receiver may get a message twice (with the same delivery id), and never an invented one.
 //!
 //! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` under the
 //! webhook's secret. To `http://` and `https://` addresses.
@@ -28,7 +28,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use whyroad_model::Bilingual;
 
-/// What is told beside the steps of the work flow. Edits are not: they happen every second and change no state.
+/// What is announced beside the steps of the workflow. Edits are not: they happen every second and change no state.
 const FURTHER_EVENTS: &[&str] = &["create", "assign", "adjudicate", "restore"];
 /// Wait after the first failure, ms; doubles with each further one.
 const FIRST_WAIT_MS: i64 = 5_000;
@@ -45,7 +45,7 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Webhooks of one project.
 const MOST_HOOKS: i64 = 20;
 
-/// True for what webhooks can be told of.
+/// True for what webhooks announce.
 fn is_event(word: &str) -> bool {
     Action::from_word(word).is_some() || FURTHER_EVENTS.contains(&word)
 }
@@ -111,7 +111,10 @@ pub fn create(
     now: i64,
 ) -> Answer<Webhook> {
     if url.len() > 500 {
-        return Err(Problem::request("a webhook's address has at most 500 characters"));
+        return Err(Problem::request(
+            "webhook 网址至多 500 个字符",
+            "a webhook address may have at most 500 characters",
+        ));
     }
     if let Some(unknown) = events.iter().find(|e| !is_event(e)) {
         return Err(no_event(unknown));
@@ -130,7 +133,10 @@ pub fn create(
     }
     let count = tx.row("SELECT count(*) AS n FROM webhooks WHERE project_id = $1", values![project])?;
     if count.map_or(Ok(0), |r| r.int("n"))? >= MOST_HOOKS {
-        return Err(Problem::request(format!("a project has at most {MOST_HOOKS} webhooks")));
+        return Err(Problem::request(
+            format!("每个项目至多 {MOST_HOOKS} 个 webhook"),
+            format!("a project may have at most {MOST_HOOKS} webhooks"),
+        ));
     }
     let (id, key) = (secret::id()?, secret::random(32)?);
     tx.run(
@@ -157,7 +163,7 @@ fn no_event(word: &str) -> Problem {
         422,
         "webhook.event",
         format!("没有事件 '{word}'；可选：{known}"),
-        format!("there is no event '{word}'; there are: {known}"),
+        format!("unknown event '{word}'; known: {known}"),
     )
 }
 
@@ -173,7 +179,7 @@ pub fn signature(secret: &str, at: i64, body: &str) -> String {
     format!("t={at},v1={}", secret::sign(secret, format!("{at}.{body}").as_bytes()))
 }
 
-/// How long to wait after so many failures, ms.
+/// How long to wait after this number of failures, ms.
 pub fn wait_ms(failures: i64) -> i64 {
     FIRST_WAIT_MS
         .checked_shl((failures - 1).clamp(0, 20) as u32)

@@ -71,7 +71,7 @@ pub(super) fn write_all(tx: &mut dyn Tx, version: i64, out: &mut dyn Write) -> A
                 let values: Vec<Json> = row.values.into_iter().map(to_json).collect();
                 line(out, &json!({"table": table, "row": values}))?;
             }
-            // From the last key on: an offset would be counted off anew for each page.
+            // From the last key on: an offset would be counted again for each page.
             let after = format!("WHERE ({one}, {two}) > ($1, $2)");
             page = if full { tx.rows(&sql(&after), &last)? } else { vec![] };
         }
@@ -99,7 +99,7 @@ pub(super) fn read_all(tx: &mut dyn Tx, lines: &mut Lines<impl BufRead>) -> Answ
         put(tx, table, &columns[table], &entry)?;
         rows += 1;
     }
-    Err(broken("it is cut off"))
+    Err(broken("it is truncated"))
 }
 
 fn put(tx: &mut dyn Tx, table: &str, columns: &[String], entry: &Json) -> Answer<()> {
@@ -147,8 +147,8 @@ fn from_json(value: &Json) -> Answer<Value> {
     match value {
         Json::Null => Ok(Value::Null),
         Json::String(t) => Ok(Value::Text(t.clone())),
-        Json::Number(n) => n.as_i64().map(Value::Int).ok_or_else(|| broken("a number is too great")),
-        _ => Err(broken("a value is no number or text")),
+        Json::Number(n) => n.as_i64().map(Value::Int).ok_or_else(|| broken("a number is too large")),
+        _ => Err(broken("a value is neither a number nor a text")),
     }
 }
 

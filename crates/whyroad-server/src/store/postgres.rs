@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 /// Connections at once.
 const CONNECTIONS: usize = 16;
 /// How long a request waits for a database that restarts.
-const PATIENCE: Duration = Duration::from_secs(15);
-/// Statements that a connection keeps prepared; when there are more it begins anew.
+const RETRY_FOR: Duration = Duration::from_secs(15);
+/// Statements that a connection keeps prepared; beyond that the cache is cleared.
 const PREPARED: usize = 200;
 /// Key of the advisory lock that keeps two services from migrating at once.
 const MIGRATION_LOCK: i64 = 0x7768_7972;
@@ -102,7 +102,7 @@ impl Postgres {
             match outcome {
                 Ok(()) => return Ok(()),
                 Err(Failure::Final(e)) => return Err(e),
-                Err(Failure::Again(e)) if start.elapsed() > PATIENCE => return Err(e),
+                Err(Failure::Again(e)) if start.elapsed() > RETRY_FOR => return Err(e),
                 Err(Failure::Again(_)) => std::thread::sleep(Duration::from_millis(50)),
             }
         }

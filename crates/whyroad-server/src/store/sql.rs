@@ -21,7 +21,12 @@ pub(super) fn holdable(values: &[Value]) -> Answer<()> {
     if !values.iter().any(odd) {
         return Ok(());
     }
-    Err(Problem::new(422, "text.nul", "文本中不能含有字符 U+0000", "a text cannot hold the character U+0000"))
+    Err(Problem::new(
+        422,
+        "text.nul",
+        "文本中不能含有字符 U+0000",
+        "a text cannot contain the character U+0000",
+    ))
 }
 
 impl From<i64> for Value {
@@ -107,7 +112,7 @@ pub trait Tx {
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>>;
     /// Runs several statements without parameters.
     fn script(&mut self, sql: &str) -> Answer<()>;
-    /// Columns of a table in the order in which they were made; none where there is no such table.
+    /// Columns of a table in the order in which they were made; empty where the table does not exist.
     fn columns(&mut self, table: &str) -> Answer<Vec<String>>;
     /// What makes a SELECT keep its rows from other writers: ` FOR UPDATE`, or nothing where there is one writer.
     fn lock(&self) -> &'static str;

@@ -1,8 +1,8 @@
 //! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For whoever
 //! runs the service: they have the store, and need no account of their own.
 
-use crate::store_place::told;
-use crate::{Global, output, store_place};
+use crate::store_args::error;
+use crate::{Global, output, store_args};
 use anyhow::anyhow;
 use std::fmt::Write as _;
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use whyroad_server::problem::Problem;
 use whyroad_server::secret;
 use whyroad_server::service::people;
 
-/// Bytes of a password that is made here, in hexadecimal twice as many characters.
+/// Random bytes of a generated password; twice as many characters in hexadecimal.
 const PASSWORD_BYTES: usize = 10;
 
 /// Arguments of `whyroad accounts`.
@@ -26,7 +26,7 @@ enum What {
     /// List accounts
     List {
         #[command(flatten)]
-        store: store_place::StoreArgs,
+        store: store_args::StoreArgs,
     },
     /// Give an account a new password, which is printed, and end its sessions
     Password {
@@ -34,7 +34,7 @@ enum What {
         #[arg(value_name = "NAME")]
         name: String,
         #[command(flatten)]
-        store: store_place::StoreArgs,
+        store: store_args::StoreArgs,
     },
 }
 
@@ -45,8 +45,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
 }
 
-fn list(store: &store_place::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> {
-    let all = store.open_existing(lang)?.read(people::all).map_err(|p| told(&p, lang))?;
+fn list(store: &store_args::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> {
+    let all = store.open_existing(lang)?.read(people::all).map_err(|p| error(&p, lang))?;
     let (admin, disabled) = match lang {
         Lang::Zh => ("管理员", "已停用"),
         Lang::En => ("administrator", "disabled"),
@@ -61,9 +61,9 @@ fn list(store: &store_place::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> 
     Ok(output::FINE)
 }
 
-fn password(store: &store_place::StoreArgs, name: &str, lang: Lang) -> anyhow::Result<ExitCode> {
+fn password(store: &store_args::StoreArgs, name: &str, lang: Lang) -> anyhow::Result<ExitCode> {
     let store = store.open_existing(lang)?;
-    let problem = |p: Problem| told(&p, lang);
+    let problem = |p: Problem| error(&p, lang);
     let fresh = secret::random(PASSWORD_BYTES).map_err(problem)?;
     let hash = secret::hash_password(&fresh).map_err(problem)?;
     let wanted = name.to_owned();
@@ -73,11 +73,11 @@ fn password(store: &store_place::StoreArgs, name: &str, lang: Lang) -> anyhow::R
     });
     let user = found.map_err(problem)?.ok_or_else(|| match lang {
         Lang::Zh => anyhow!("没有账号 '{name}'；`whyroad accounts list` 列出所有账号"),
-        Lang::En => anyhow!("there is no account '{name}'; `whyroad accounts list` has them all"),
+        Lang::En => anyhow!("no account '{name}'; `whyroad accounts list` lists all accounts"),
     })?;
     match lang {
         Lang::Zh => say!("{} 的新密码（请登录后更改）：", user.name),
-        Lang::En => say!("the new password of {}, to be changed after signing in:", user.name),
+        Lang::En => say!("new password of {} (change it after signing in):", user.name),
     }
     output::put(&format!("{fresh}\n"));
     Ok(output::FINE)

@@ -1,7 +1,7 @@
 //! `whyroad backup` and `whyroad restore`: the whole store of the labelling service as one file, from either database
 //! into either.
 
-use crate::{Global, output, store_place};
+use crate::{Global, output, store_args};
 use anyhow::{Context as _, bail};
 use std::fs::File;
 use std::io::BufReader;
@@ -14,7 +14,7 @@ use whyroad_server::store::{backup_to, restore};
 #[derive(clap::Args)]
 pub(crate) struct BackupArgs {
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
     /// File to write (JSON lines); it holds password hashes and must be kept as the store itself
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -24,7 +24,7 @@ pub(crate) struct BackupArgs {
 #[derive(clap::Args)]
 pub(crate) struct RestoreArgs {
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
     /// File that `whyroad backup` wrote; the store that it goes into must be empty
     #[arg(long, value_name = "FILE")]
     from: PathBuf,
@@ -34,10 +34,10 @@ pub(crate) struct RestoreArgs {
 pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<ExitCode> {
     let store = args.store.open_existing(global.lang)?;
     if args.out.exists() {
-        bail!("{} is there already", args.out.display());
+        bail!("{} already exists", args.out.display());
     }
-    let rows = backup_to(&store, &args.out).map_err(|p| store_place::told(&p, global.lang))?;
-    tell_rows(rows, &args.out, global.lang);
+    let rows = backup_to(&store, &args.out).map_err(|p| store_args::error(&p, global.lang))?;
+    report_rows(rows, &args.out, global.lang);
     Ok(output::FINE)
 }
 
@@ -46,12 +46,12 @@ pub(crate) fn run_restore(global: &Global, args: RestoreArgs) -> anyhow::Result<
     let store = args.store.open(global.lang)?;
     let from = args.from.clone();
     let rows = restore(&store, move || File::open(&from).map(BufReader::new))
-        .map_err(|p| store_place::told(&p, global.lang))?;
-    tell_rows(rows, &args.from, global.lang);
+        .map_err(|p| store_args::error(&p, global.lang))?;
+    report_rows(rows, &args.from, global.lang);
     Ok(output::FINE)
 }
 
-fn tell_rows(rows: u64, file: &Path, lang: Lang) {
+fn report_rows(rows: u64, file: &Path, lang: Lang) {
     match lang {
         Lang::Zh => say!("{rows} 行；{}", file.display()),
         Lang::En => say!("{rows} rows; {}", file.display()),

@@ -5,7 +5,7 @@ mod first_run;
 mod oidc;
 
 use crate::recordings::LakeRecordings;
-use crate::{Global, output, store_place};
+use crate::{Global, output, store_args};
 use anyhow::Context as _;
 use first_run::FirstAccount;
 use std::net::{IpAddr, SocketAddr, TcpListener};
@@ -21,42 +21,42 @@ use whyroad_server::service::webhooks::Reach;
 /// Arguments of `whyroad serve`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Lake whose drives are labelled; without it the bundled drives are
+    /// Lake whose drives are labelled [default: the bundled drives]
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
     /// Folder that `whyroad mine` wrote, or a folder of such folders: tasks can be made from these; may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     mined: Vec<PathBuf>,
-    /// Folder in which the camera pictures lie that the lake names: the folder of the recorded logs; may be repeated
+    /// Folder with the camera images that the lake names: the folder of the recorded logs; may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     media: Vec<PathBuf>,
     /// Address to listen on. Beyond this machine, put a proxy with TLS in front
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
-    /// The page is reached by https (a proxy in front has the certificate): cookies are for https only
+    /// The page is served over https by a proxy in front: cookies are for https only
     #[arg(long)]
     https: bool,
-    /// A proxy in front tells where requests come from (the last address of x-forwarded-for): failed sign-ins are counted
-    /// by it. Not without a proxy, or anybody writes what they like
+    /// Take client addresses from the last entry of x-forwarded-for; failed sign-ins are counted by address. Only behind a
+    /// proxy; otherwise clients can forge it
     #[arg(long)]
     behind_proxy: bool,
-    /// Webhooks go only to this host; may be repeated. Without it they go anywhere but to link-local addresses and, when
-    /// the service listens beyond this machine, to this machine
+    /// Allow webhooks only to this host; may be repeated [default: any host except link-local addresses and, when the
+    /// service is reachable from other machines, this machine]
     #[arg(long, value_name = "HOST[:PORT]")]
     webhook_to: Vec<String>,
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
     #[command(flatten)]
     oidc: oidc::OidcArgs,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
-    let framework = store_place::framework(global)?;
+    let framework = store_args::framework(global)?;
     // Before any work: an address in use is the commonest reason not to start.
     let listener =
         TcpListener::bind(args.listen).with_context(|| format!("cannot listen on {}", args.listen))?;
     let at = listener.local_addr()?;
-    // A mistake here is told before the drives are read.
+    // A mistake here is reported before the drives are read.
     let own = Some(at).filter(|at| at.ip().is_loopback() && !args.https);
     let oidc = args.oidc.provider(own, global.lang)?;
     let (lake, mined) = match &args.lake {
@@ -66,7 +66,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let drives = lake.drive_ids().len();
     let recordings = Arc::new(LakeRecordings::open(lake, framework, &mined, &args.media)?);
     let store = args.store.open(global.lang)?;
-    let mut app = App::new(store, framework, recordings).map_err(|p| store_place::told(&p, global.lang))?;
+    let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
     app.oidc = oidc;
     if args.https {
         app.cookies = whyroad_server::app::Cookies::Secure;
@@ -80,25 +80,25 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         // A proxy on this machine lets others in, although the service listens to this machine alone.
         _ => Reach::Network,
     };
-    app.tell = Arc::new(|what| say!("{what}"));
+    app.log = Arc::new(|line| say!("{line}"));
     first_run::offer_project(&app, global.lang)?;
     let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
     say!("{}", where_to_look(at, &account, drives, global.lang));
-    run_until_told(app, listener).context("the service stopped")?;
+    run_until_stopped(app, listener).context("the service stopped")?;
     Ok(output::FINE)
 }
 
 /// Serves until Ctrl-C or a request to terminate; then finishes what was begun.
-fn run_until_told(app: App, listener: TcpListener) -> std::io::Result<()> {
+fn run_until_stopped(app: App, listener: TcpListener) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        whyroad_server::serve(Arc::new(app), listener, told_to_stop()).await
+        whyroad_server::serve(Arc::new(app), listener, stop_signal()).await
     })
 }
 
-async fn told_to_stop() {
+async fn stop_signal() {
     let interrupt = tokio::signal::ctrl_c();
     #[cfg(unix)]
     let terminate = async {
@@ -116,9 +116,9 @@ async fn told_to_stop() {
     }
 }
 
-/// The line that tells where the page is; with the way to the first account while there is none.
+/// The address of the page; with how to create the first account while there is none.
 fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: Lang) -> String {
-    // The unspecified address is no place to go to.
+    // The unspecified address cannot be opened.
     let host = match at.ip() {
         ip if !ip.is_unspecified() => at.to_string(),
         IpAddr::V4(_) => format!("127.0.0.1:{}", at.port()),
@@ -130,13 +130,13 @@ fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: La
     };
     let first = match (lang, account) {
         (_, FirstAccount::Made) => "",
-        (Lang::Zh, _) => "首次运行：打开该页面建立管理员\n",
-        (Lang::En, _) => "first run: open that page to make the administrator\n",
+        (Lang::Zh, _) => "首次运行：打开该页面创建管理员\n",
+        (Lang::En, _) => "first run: open this page to create the administrator\n",
     };
     match lang {
         Lang::Zh => format!("标注服务：http://{host}/{query}\n{first}{drives} 个行程；Ctrl-C 停止"),
         Lang::En => {
-            format!("labelling service: http://{host}/{query}\n{first}{drives} drives; Ctrl-C stops it")
+            format!("labelling service: http://{host}/{query}\n{first}{drives} drives; stop with Ctrl-C")
         }
     }
 }
@@ -146,13 +146,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_address_told_is_one_that_can_be_opened() {
-        let told = |at: &str, account| where_to_look(at.parse().unwrap(), &account, 3, Lang::En);
-        assert!(told("0.0.0.0:8080", FirstAccount::Made).contains("http://127.0.0.1:8080/\n"));
-        assert!(told("[::]:1", FirstAccount::Made).contains("http://[::1]:1/\n"));
+    fn the_printed_address_can_be_opened() {
+        let printed = |at: &str, account| where_to_look(at.parse().unwrap(), &account, 3, Lang::En);
+        assert!(printed("0.0.0.0:8080", FirstAccount::Made).contains("http://127.0.0.1:8080/\n"));
+        assert!(printed("[::]:1", FirstAccount::Made).contains("http://[::1]:1/\n"));
         let by_token = FirstAccount::ByToken("abc".into());
-        assert!(told("10.1.2.3:80", by_token).contains("http://10.1.2.3:80/?setup=abc\nfirst run"));
-        assert!(told("127.0.0.1:80", FirstAccount::Open).contains("first run"));
-        assert!(!told("127.0.0.1:80", FirstAccount::Made).contains("first run"));
+        assert!(printed("10.1.2.3:80", by_token).contains("http://10.1.2.3:80/?setup=abc\nfirst run"));
+        assert!(printed("127.0.0.1:80", FirstAccount::Open).contains("first run"));
+        assert!(!printed("127.0.0.1:80", FirstAccount::Made).contains("first run"));
     }
 }

@@ -2,8 +2,8 @@
 //! service running (or beside it: the store takes both).
 
 use crate::recordings::LakeRecordings;
-use crate::store_place::told;
-use crate::{Global, output, store_place};
+use crate::store_args::error;
+use crate::{Global, output, store_args};
 use anyhow::{Context as _, anyhow, bail};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
 use whyroad_server::domain::task::CreateTasks;
-use whyroad_server::service::transfer::{self, Format};
+use whyroad_server::service::transfer::{self, ExportFormat};
 use whyroad_server::service::{create, projects, tasks};
 use whyroad_server::store::Store;
 
@@ -27,9 +27,9 @@ pub(crate) struct Args {
 
 #[derive(clap::Subcommand)]
 enum What {
-    /// Make tasks from the episodes of a mined folder; makes the project when there is none of that name
+    /// Create tasks from the episodes of a mined folder, and the project if it does not exist
     Create(Create),
-    /// List tasks, and how many stand where; without --project, the projects
+    /// List tasks; without --project, the projects with their tasks by state
     List(List),
     /// Write labels or tasks as JSON lines to stdout
     Export(Export),
@@ -45,29 +45,29 @@ struct Create {
     /// Project
     #[arg(long, value_name = "NAME")]
     project: String,
-    /// Lake that was mined; the folder `lake` beside the mined one unless said
+    /// Lake that was mined [default: the folder `lake` beside the mined folder]
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
-    /// At most so many tasks
+    /// Maximum number of tasks
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
-    /// At most so many episodes of a class
+    /// Maximum number of episodes per leaf
     #[arg(long, value_name = "N")]
     per_leaf: Option<u32>,
-    /// So many people label each episode, each for themselves
+    /// Annotators per episode (independent)
     #[arg(long, value_name = "N")]
     overlap: Option<u32>,
-    /// Greater is sooner
+    /// Priority: greater is sooner
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     priority: i64,
-    /// Secondary episodes too
+    /// Include secondary episodes
     #[arg(long)]
     secondary: bool,
-    /// Language that the labels are written in: the queue gives these tasks only to people of it
+    /// Language of the labels: the queue gives these tasks only to annotators of this language
     #[arg(long, value_name = "LANG", value_parser = ["zh", "en"])]
     label_lang: Option<String>,
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
 }
 
 #[derive(clap::Args)]
@@ -75,11 +75,11 @@ struct List {
     /// Project
     #[arg(long, value_name = "NAME")]
     project: Option<String>,
-    /// Only this state
+    /// Only tasks in this state
     #[arg(long, value_name = "STATE")]
     state: Option<String>,
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
 }
 
 #[derive(clap::Args)]
@@ -87,7 +87,7 @@ struct Export {
     /// Project
     #[arg(long, value_name = "NAME")]
     project: String,
-    /// labels, or tasks with their history
+    /// Labels, or whole tasks with their history
     #[arg(long, default_value = "labels", value_parser = ["labels", "tasks"])]
     format: String,
     /// Format of the labels: 2.1, or 2.0 without what 2.1 added
@@ -97,7 +97,7 @@ struct Export {
     #[arg(long, value_name = "STATES")]
     state: Option<String>,
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
 }
 
 #[derive(clap::Args)]
@@ -105,14 +105,14 @@ struct Import {
     /// File of JSON lines
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Project; made when there is none of that name
+    /// Project; created if it does not exist
     #[arg(long, value_name = "NAME")]
     project: String,
     /// Lake that has the drives
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
     #[command(flatten)]
-    store: store_place::StoreArgs,
+    store: store_args::StoreArgs,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -127,43 +127,43 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 /// The service on `lake`, and the project of this name.
 fn service(
     global: &Global,
-    store: &store_place::StoreArgs,
+    store: &store_args::StoreArgs,
     lake: &Path,
     mined: &[PathBuf],
     project: &str,
 ) -> anyhow::Result<(App, String)> {
-    let framework = store_place::framework(global)?;
+    let framework = store_args::framework(global)?;
     let recordings = LakeRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
     let store = store.open(global.lang)?;
-    let app = App::new(store, framework, Arc::new(recordings)).map_err(|p| told(&p, global.lang))?;
+    let app = App::new(store, framework, Arc::new(recordings)).map_err(|p| error(&p, global.lang))?;
     let project = find_or_make(&app, project, global.lang)?;
     Ok((app, project))
 }
 
 fn find_or_make(app: &App, name: &str, lang: Lang) -> anyhow::Result<String> {
-    let project = store_place::new_project(name, lang)?;
+    let project = store_args::new_project(name, lang)?;
     let now = app.now();
     let found = app.store.write(move |tx| match projects::find(tx, &project.name)? {
         Some(found) => Ok(found.id),
         None => projects::create(tx, &project, now).map(|()| project.id.clone()),
     });
-    found.map_err(|p| told(&p, lang))
+    found.map_err(|p| error(&p, lang))
 }
 
 fn find(store: &Store, name: &str, lang: Lang) -> anyhow::Result<String> {
-    let all = store.read(projects::all).map_err(|p| told(&p, lang))?;
+    let all = store.read(projects::all).map_err(|p| error(&p, lang))?;
     let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
     let found = all.iter().find(|p| p.name == name || p.id == name);
     found.map(|p| p.id.clone()).ok_or_else(|| match lang {
         Lang::Zh => anyhow!("没有项目 '{name}'；现有：{}", names.join("、")),
-        Lang::En => anyhow!("there is no project '{name}'; there are: {}", names.join(", ")),
+        Lang::En => anyhow!("no project '{name}'; existing: {}", names.join(", ")),
     })
 }
 
 fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     let beside = a.from.parent().map(|d| d.join("lake"));
     let Some(lake) = a.lake.clone().or(beside.filter(|d| d.is_dir())) else {
-        bail!("there is no lake beside {}; name it with --lake", a.from.display());
+        bail!("no lake beside {}; name it with --lake", a.from.display());
     };
     let (app, project) = service(global, &a.store, &lake, std::slice::from_ref(&a.from), &a.project)?;
     let request = CreateTasks {
@@ -176,20 +176,22 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
         lang: a.label_lang.clone(),
         ..CreateTasks::default()
     };
-    let made = create::create(&app, &project, &request, None).map_err(|p| told(&p, global.lang))?;
+    let made = create::create(&app, &project, &request, None).map_err(|p| error(&p, global.lang))?;
     made.lost.iter().for_each(|why| say!("{why}"));
     let (new, known, left_out, lost) = (made.tasks.len(), made.known, made.left_out, made.lost.len());
     output::put(&match global.lang {
-        Lang::Zh => format!("{new} 个新任务；已有 {known}，未取 {left_out}，行程缺失 {lost}\n"),
+        Lang::Zh => format!("新建 {new} 个任务；已有 {known}，未选 {left_out}，行程缺失 {lost}\n"),
         Lang::En => {
-            format!("{new} tasks made; {known} were there, {left_out} left out, {lost} without their drive\n")
+            format!(
+                "{new} tasks created; {known} already present, {left_out} not selected, {lost} without a drive\n"
+            )
         }
     });
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }
 
 fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
-    let problem = |p| told(&p, global.lang);
+    let problem = |p| error(&p, global.lang);
     let store = a.store.open_existing(global.lang)?;
     let mut out = String::new();
     let Some(name) = &a.project else {
@@ -225,11 +227,11 @@ fn words(counts: &BTreeMap<String, i64>) -> String {
 }
 
 fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
-    let problem = |p| told(&p, global.lang);
+    let problem = |p| error(&p, global.lang);
     let store = a.store.open_existing(global.lang)?;
     let project = find(&store, &a.project, global.lang)?;
-    let format =
-        Format::from_words(Some(&a.format), Some(&a.format_version), a.state.as_deref()).map_err(problem)?;
+    let format = ExportFormat::from_words(Some(&a.format), Some(&a.format_version), a.state.as_deref())
+        .map_err(problem)?;
     output::put(&store.read(|tx| transfer::export(tx, &project, &format)).map_err(problem)?);
     Ok(output::FINE)
 }
@@ -238,14 +240,14 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let text =
         std::fs::read_to_string(&a.file).with_context(|| format!("cannot read {}", a.file.display()))?;
     let (app, project) = service(global, &a.store, &a.lake, &[], &a.project)?;
-    let made = transfer::import(&app, &project, &text, None).map_err(|p| told(&p, global.lang))?;
+    let made = transfer::import(&app, &project, &text, None).map_err(|p| error(&p, global.lang))?;
     for lost in &made.lost {
         say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));
     }
     let (new, known, lost) = (made.tasks, made.known, made.lost.len() + made.more as usize);
     output::put(&match global.lang {
-        Lang::Zh => format!("{new} 个新任务；已有 {known}；无法读取 {lost} 行\n"),
-        Lang::En => format!("{new} tasks made; {known} were there; {lost} lines could not be read\n"),
+        Lang::Zh => format!("新建 {new} 个任务；已有 {known}；无法读取 {lost} 行\n"),
+        Lang::En => format!("{new} tasks created; {known} already present; {lost} lines not readable\n"),
     });
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }

@@ -32,9 +32,9 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     let at = dir.path();
     // The lake is the one beside the mined folder.
     let made = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2 --priority 5");
-    assert_eq!(made, "6 tasks made; 0 were there, 5 left out, 0 without their drive\n");
+    assert_eq!(made, "6 tasks created; 0 already present, 5 not selected, 0 without a drive\n");
     let again = good(at, "tasks create --from DEMO/mined --project p --limit 6 --overlap 2");
-    assert!(again.contains("3 were there"), "{again}");
+    assert!(again.contains("3 already present"), "{again}");
     assert_eq!(good(at, "tasks list").split("  ").next(), Some("p"));
     let open = good(at, "tasks list --project p --state open");
     assert!(open.lines().count() >= 6 && open.lines().all(|l| l.contains("  open  ")), "{open}");
@@ -56,9 +56,9 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     )
     .unwrap();
     let back = good(at, "tasks import tasks.jsonl --project q --lake DEMO/lake");
-    assert_eq!(back, format!("{count} tasks made; 0 were there; 0 lines could not be read\n"));
+    assert_eq!(back, format!("{count} tasks created; 0 already present; 0 lines not readable\n"));
     let again = good(at, "tasks import tasks.jsonl --project q --lake DEMO/lake");
-    assert_eq!(again, format!("0 tasks made; {count} were there; 0 lines could not be read\n"));
+    assert_eq!(again, format!("0 tasks created; {count} already present; 0 lines not readable\n"));
     let strip = |text: &str| lines(text).iter().map(|l| l["task"]["draft"].clone()).collect::<Vec<_>>();
     assert_eq!(strip(&good(at, "tasks export --project q --format tasks")), strip(&tasks));
     let labels = run(at, "tasks import labels.jsonl --project r --lake DEMO/lake");
@@ -66,7 +66,7 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     // The added line is the last one, and the exported drafts stand before it.
     let last = format!("labels.jsonl:{}: it is no JSON", count + 1);
     assert!(labels.err.contains(&last), "{}", labels.err);
-    assert!(labels.out.ends_with("1 lines could not be read\n"), "{}", labels.out);
+    assert!(labels.out.ends_with("1 lines not readable\n"), "{}", labels.out);
 }
 
 #[test]
@@ -74,11 +74,11 @@ fn what_is_not_there_is_told_and_makes_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let list = run(dir.path(), "tasks list");
     assert_eq!(list.code, 1);
-    assert!(list.err.contains("there is no store at whyroad-data/labels.db"), "{}", list.err);
+    assert!(list.err.contains("no store at whyroad-data/labels.db"), "{}", list.err);
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
     good(dir.path(), "tasks create --from DEMO/mined --project p --limit 1");
     let unknown = run(dir.path(), "tasks list --project x");
-    assert!(unknown.err.contains("there is no project 'x'; there are: p"), "{}", unknown.err);
+    assert!(unknown.err.contains("no project 'x'; existing: p"), "{}", unknown.err);
     assert!(
         run(dir.path(), "tasks list --project p --state done").err.contains("'done' is no state: open, ")
     );
@@ -102,7 +102,7 @@ fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
     assert!(annotator.save(), "it goes on");
     drop(service);
     let taken = run(at, "backup --data one --out safe/backup.jsonl");
-    assert!(taken.code == 1 && taken.err.contains("is there already"), "{}", taken.err);
+    assert!(taken.code == 1 && taken.err.contains("already exists"), "{}", taken.err);
 
     // Cut off: refused, and the new store stays empty.
     let whole = std::fs::read_to_string(at.join("safe/backup.jsonl")).unwrap();
@@ -125,7 +125,7 @@ fn who_cannot_sign_in_any_more_is_given_a_new_password() {
     let mut admin = Client::set_up(service.at, "admin");
     assert!(good(at, "accounts list --data one").starts_with("admin "));
     let unknown = run(at, "accounts password nobody --data one");
-    assert!(unknown.code == 1 && unknown.err.contains("there is no account 'nobody'"), "{}", unknown.err);
+    assert!(unknown.code == 1 && unknown.err.contains("no account 'nobody'"), "{}", unknown.err);
     let password = good(at, "accounts password admin --data one");
     // Beside the running service, which knows it at once.
     assert_eq!(admin.get("/users").status, 401, "all sessions have ended");

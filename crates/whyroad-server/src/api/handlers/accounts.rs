@@ -32,7 +32,12 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let hash = match &wanted.password {
         Some(password) => call.app.limits.one_at_a_time(|| secret::hash_password(password))?,
         None if email.is_some() => people::NO_PASSWORD.to_owned(),
-        None => return Err(Problem::request("a user has a password or an email")),
+        None => {
+            return Err(Problem::request(
+                "用户须有密码或邮箱",
+                "a user needs a password or an e-mail address",
+            ));
+        }
     };
     let user = User {
         id: secret::id()?,
@@ -86,7 +91,7 @@ fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Opt
                 403,
                 "password.present",
                 "当前密码不正确",
-                "the present password is wrong",
+                "the current password is wrong",
             ));
         }
     }
@@ -110,7 +115,7 @@ pub fn tokens(call: &Call<'_>) -> Answer<Reply> {
 pub fn make_token(call: &Call<'_>) -> Answer<Reply> {
     let NewToken { name } = call.body()?;
     if name.trim().is_empty() || name.chars().count() > 100 {
-        return Err(Problem::request("name has 1 to 100 characters"));
+        return Err(Problem::request("名称须为 1 至 100 个字符", "the name must have 1 to 100 characters"));
     }
     let text = format!("wr_{}", secret::random(24)?);
     let token = Token { id: secret::id()?, name, created: call.app.now(), token: Some(text.clone()) };

@@ -24,8 +24,9 @@ fn provider<'a>(call: &'a Call<'_>) -> Answer<&'a Provider> {
 /// The browser that calls. Who calls with a token has none.
 fn browser<'a>(call: &'a Call<'_>) -> Answer<Browser<'a>> {
     let cookie = call.request.cookie.as_deref().filter(|_| call.request.token.is_none());
-    let cookie =
-        cookie.ok_or_else(|| Problem::request("this is for browsers: a session cookie is needed"))?;
+    let cookie = cookie.ok_or_else(|| {
+        Problem::request("仅供浏览器使用：需要会话 cookie", "for browsers only: a session cookie is needed")
+    })?;
     Ok(Browser { cookie, user: call.caller.as_ref().map(|u| u.id.as_str()) })
 }
 

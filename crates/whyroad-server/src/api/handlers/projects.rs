@@ -66,7 +66,7 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
                     409,
                     "project.exists",
                     "项目名已存在",
-                    "there is a project of this name",
+                    "a project of this name exists",
                 ));
             }
             project.name.clone_from(name);
@@ -93,7 +93,10 @@ pub fn members(call: &Call<'_>) -> Answer<Reply> {
 pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
     let change: MemberChange = call.body()?;
     if change.skills.len() > 200 || change.skills.iter().any(|s| s.len() > 100) {
-        return Err(Problem::request("at most 200 skills of 100 characters"));
+        return Err(Problem::request(
+            "技能至多 200 项，每项至多 100 个字符",
+            "at most 200 skills of 100 characters",
+        ));
     }
     classes::check_skills(&call.app.framework.taxonomy, &change.skills)?;
     let project = call.grant.project()?.to_owned();

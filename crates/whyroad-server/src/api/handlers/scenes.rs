@@ -1,4 +1,4 @@
-//! Scene, map, pictures, and the words of the framework.
+//! Scene, map, images, and the terms of the framework.
 
 use super::tasks::look;
 use crate::api::call::Call;
@@ -6,7 +6,7 @@ use crate::api::reply::Reply;
 use crate::problem::{Answer, Problem};
 use crate::service::{pickers, scene};
 
-/// Largest picture that is served.
+/// Largest image that is served.
 const MAX_PICTURE: u64 = 32 * 1024 * 1024;
 
 /// `GET /tasks/{t}/scene`
@@ -23,8 +23,8 @@ pub fn map(call: &Call<'_>) -> Answer<Reply> {
 pub fn media(call: &Call<'_>) -> Answer<Reply> {
     let t = look(call)?;
     let index = call.param("index").parse().map_err(|_| Problem::missing())?;
-    let file = scene::picture(call.app, &t, call.param("camera"), index)?;
-    // A whole video would show what comes after: only pictures are served.
+    let file = scene::image(call.app, &t, call.param("camera"), index)?;
+    // A whole video would show what comes after: only images are served.
     let media = match file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("jpg" | "jpeg") => "image/jpeg",
         Some("png") => "image/png",

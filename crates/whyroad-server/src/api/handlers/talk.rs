@@ -1,4 +1,4 @@
-//! History, overlap, remarks.
+//! History, overlap, comments.
 
 use super::tasks::look;
 use crate::api::call::Call;
@@ -15,7 +15,12 @@ pub fn history(call: &Call<'_>) -> Answer<Reply> {
     let number = |name: &str, usual: i64| match call.query(name) {
         None => Ok(usual),
         Some(text) => {
-            let wrong = || Problem::request(format!("{name} is no number from 1 on"));
+            let wrong = || {
+                Problem::request(
+                    format!("{name} 须为不小于 1 的整数"),
+                    format!("{name} must be a whole number of at least 1"),
+                )
+            };
             text.parse().ok().filter(|n| *n >= 1).ok_or_else(wrong)
         }
     };
@@ -48,7 +53,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
                 409,
                 "overlap.not_ready",
                 "重叠标注尚未全部提交",
-                "not all labels of the overlap group are handed in",
+                "not all labels of the overlap group are submitted",
             ));
         }
         let names = tasks::names(tx)?;
@@ -67,7 +72,7 @@ pub fn comment(call: &Call<'_>) -> Answer<Reply> {
     let user = call.user()?.id.clone();
     let now = call.app.now();
     let comment = call.app.store.write(move |tx| {
-        let id = actions::remark(tx, &t, &user, &new, now)?;
+        let id = actions::comment(tx, &t, &user, &new, now)?;
         read(tx, &id)
     })?;
     Reply::json(&comment)
@@ -80,7 +85,7 @@ pub fn resolve(call: &Call<'_>) -> Answer<Reply> {
         let row = tx.row("SELECT task_id, author FROM comments WHERE id = $1", values![&id])?;
         let row = row.ok_or_else(Problem::missing)?;
         let t = tasks::get(tx, &row.text("task_id")?)?;
-        // In Stage I other people's remarks are not there.
+        // In Stage I other people's comments are hidden.
         if !t.at.state.shows_future() && row.text("author")? != user {
             return Err(Problem::missing());
         }

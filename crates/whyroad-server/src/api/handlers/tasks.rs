@@ -6,8 +6,8 @@ use crate::api::reply::Reply;
 use crate::app::App;
 use crate::domain::people::User;
 use crate::domain::task::{
-    Assign, CreateTasks, Kind, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState,
-    Task,
+    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState, Task,
+    WorkKind,
 };
 use crate::domain::workflow::{Actor, Role};
 use crate::problem::{Answer, Problem};
@@ -69,10 +69,15 @@ pub fn next(call: &Call<'_>) -> Answer<Reply> {
 /// `GET /projects/{p}/queue`
 pub fn queue(call: &Call<'_>) -> Answer<Reply> {
     let kind = match call.query("kind") {
-        None | Some("label") => Kind::Label,
-        Some("check") => Kind::Check,
-        Some("audit") => Kind::Audit,
-        Some(other) => return Err(Problem::request(format!("'{other}' is no kind: label, check or audit"))),
+        None | Some("label") => WorkKind::Label,
+        Some("check") => WorkKind::Check,
+        Some("audit") => WorkKind::Audit,
+        Some(other) => {
+            return Err(Problem::request(
+                format!("'{other}' 不是工作类别：label、check 或 audit"),
+                format!("'{other}' is not a kind of work: label, check or audit"),
+            ));
+        }
     };
     let (user, now) = (call.user()?, call.app.now());
     let reasons = call.app.store.read(|tx| {

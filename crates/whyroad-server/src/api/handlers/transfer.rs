@@ -3,14 +3,14 @@
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::problem::{Answer, Problem};
-use crate::service::transfer::{self, Format};
+use crate::service::transfer::{self, ExportFormat};
 
 /// `GET /projects/{p}/export`
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
-    let format = Format::from_words(call.query("format"), call.query("version"), call.query("state"))?;
+    let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
     let text = call.app.store.read(|tx| transfer::export(tx, project, &format))?;
-    let what = if format == Format::Tasks { "tasks" } else { "labels" };
+    let what = if format == ExportFormat::Tasks { "tasks" } else { "labels" };
     Ok(Reply {
         file_name: Some(format!("{what}.jsonl")),
         ..Reply::bytes("application/x-ndjson", text.into_bytes())
@@ -19,6 +19,7 @@ pub fn export(call: &Call<'_>) -> Answer<Reply> {
 
 /// `POST /projects/{p}/import`
 pub fn import(call: &Call<'_>) -> Answer<Reply> {
-    let text = std::str::from_utf8(&call.request.body).map_err(Problem::request)?;
+    let text = std::str::from_utf8(&call.request.body)
+        .map_err(|_| Problem::request("正文不是 UTF-8", "the body is not UTF-8"))?;
     Reply::json(&transfer::import(call.app, call.grant.project()?, text, Some(&call.user()?.id))?)
 }

@@ -1,4 +1,4 @@
-//! The examples of RFC 7515 (appendices A.2 and A.3), RFC 8037 (A.4) and OpenID Connect Core (A.3), and what is none.
+//! The examples of RFC 7515 (appendices A.2 and A.3), RFC 8037 (A.4) and OpenID Connect Core (A.3), and invalid tokens.
 
 use super::*;
 use crate::oidc::keys;

@@ -1,5 +1,5 @@
 //! The road around what is shown. In Stage I only around where the ego has been: how far the map reaches along the road
-//! ahead would tell where it goes.
+//! ahead would reveal where it goes.
 
 use super::columns::{rounded, word};
 use super::shown::{Shown, shown};

@@ -23,7 +23,7 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
             503,
             "drive.missing",
             format!("行程不可用：{why}"),
-            format!("the drive is not to be had: {why}"),
+            format!("the drive is unavailable: {why}"),
         )
     })?;
     let (drive, last) = match t.at.state.stage() {

@@ -23,27 +23,27 @@ pub(super) struct Incoming {
 /// Reads a line; in words why it cannot be.
 pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
     if line.len() > 16 * MAX_DRAFT {
-        return Err(Bilingual::new("该行过长", "it is too long"));
+        return Err(Bilingual::new("该行过长", "the line is too long"));
     }
     let value: Value = serde_json::from_str(line)
-        .map_err(|e| Bilingual::new(format!("不是 JSON：{e}"), format!("it is no JSON: {e}")))?;
+        .map_err(|e| Bilingual::new(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
     if value.get("task").is_some() {
         return of_task(&value["task"]);
     }
     if value.get("episode_id").is_some() {
         let episode = serde_json::from_value(value)
-            .map_err(|e| Bilingual::new(format!("不是片段：{e}"), format!("it is no episode: {e}")))?;
+            .map_err(|e| Bilingual::new(format!("不是事件：{e}"), format!("not an episode: {e}")))?;
         return Ok(Incoming { episode, draft: None, priority: 0, overlap: (0, 1) });
     }
     if value.get("clip_id").is_some() {
         return of_label(&value);
     }
-    Err(Bilingual::new("既不是任务、片段，也不是标注", "it is neither a task, an episode nor a label"))
+    Err(Bilingual::new("既不是任务、事件，也不是标注", "neither a task, an episode nor a label"))
 }
 
 fn of_task(task: &Value) -> Result<Incoming, Bilingual> {
     let episode = serde_json::from_value(task["episode"].clone())
-        .map_err(|e| Bilingual::new(format!("任务的片段：{e}"), format!("its episode: {e}")))?;
+        .map_err(|e| Bilingual::new(format!("任务的事件：{e}"), format!("its episode: {e}")))?;
     let number = |name: &str, default: i64| task[name].as_i64().unwrap_or(default);
     let draft = task["draft"].as_object().map(|d| Value::Object(d.clone()));
     draft.as_ref().map_or(Ok(()), merge::bounded).map_err(|e| e.text())?;
@@ -57,11 +57,11 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
     merge::bounded(value).map_err(|e| e.text())?;
     let text = value.to_string();
     let label: CocLabel = serde_json::from_value(value.clone())
-        .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("it is no label: {e}")))?;
+        .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("not a label: {e}")))?;
     let (drive, number) = label.clip_id.rsplit_once('_').unwrap_or_default();
     if drive.is_empty() || number.parse::<u32>().is_err() {
         return Err(Bilingual::new(
-            format!("从 clip '{}' 看不出行程", label.clip_id),
+            format!("无法从 clip '{}' 得知行程", label.clip_id),
             format!("clip '{}' names no drive", label.clip_id),
         ));
     }
@@ -118,14 +118,14 @@ mod tests {
     #[test]
     fn what_is_none_of_the_three_is_refused_in_words() {
         for (line, why) in [
-            ("{", "no JSON"),
+            ("{", "not JSON"),
             ("[1]", "neither"),
-            (r#"{"clip_id": "x"}"#, "no label"),
-            (r#"{"episode_id": 1}"#, "no episode"),
+            (r#"{"clip_id": "x"}"#, "not a label"),
+            (r#"{"episode_id": 1}"#, "not an episode"),
             (r#"{"task": {}}"#, "episode"),
         ] {
-            let told = read_line(line).unwrap_err().en;
-            assert!(told.contains(why), "{line}: {told}");
+            let error = read_line(line).unwrap_err().en;
+            assert!(error.contains(why), "{line}: {error}");
         }
         let mut odd = label();
         odd["clip_id"] = json!("nodrive");

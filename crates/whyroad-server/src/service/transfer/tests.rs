@@ -50,7 +50,7 @@ fn exported(words: (Option<&str>, Option<&str>, Option<&str>)) -> Vec<Value> {
             Ok(())
         })
         .unwrap();
-    let format = Format::from_words(words.0, words.1, words.2).unwrap();
+    let format = ExportFormat::from_words(words.0, words.1, words.2).unwrap();
     let text = app.store.read(|tx| export(tx, "p", &format)).unwrap();
     assert!(text.is_empty() || text.ends_with('\n'));
     text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
@@ -83,7 +83,7 @@ fn tasks_go_out_with_their_history() {
 #[test]
 fn odd_words_are_refused() {
     for words in [(Some("csv"), None, None), (None, Some("3"), None), (None, None, Some("done"))] {
-        assert_eq!(Format::from_words(words.0, words.1, words.2).unwrap_err().code, "request.invalid");
+        assert_eq!(ExportFormat::from_words(words.0, words.1, words.2).unwrap_err().code, "request.invalid");
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use whyroad_model::Bilingual;
 
 /// Time for connecting, and for each wait on the wire.
-const PATIENCE: Duration = Duration::from_secs(5);
+const WAIT: Duration = Duration::from_secs(5);
 /// Time for the whole.
 const DEADLINE: Duration = Duration::from_secs(15);
 
@@ -42,7 +42,7 @@ impl Receiver {
         address.map_or(true, |ip| reach.allows(self.host(), self.port, ip))
     }
 
-    /// The host as the receiver is told it; without the port where that is the scheme's own.
+    /// The host as the `host` header has it; without the port where that is the scheme's own.
     fn authority(&self) -> String {
         match (self.scheme, self.port) {
             (Scheme::Plain, 80) | (Scheme::Tls, 443) => self.host.clone(),
@@ -58,14 +58,14 @@ impl Receiver {
             _ => {
                 return Err(Bilingual::new(
                     "不以 http:// 或 https:// 开头",
-                    "it does not begin with http:// or https://",
+                    "it does not start with http:// or https://",
                 ));
             }
         };
         let (place, path) = rest.split_at(rest.find(['/', '?']).unwrap_or(rest.len()));
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) if !port.contains(']') => {
-                (host, port.parse().map_err(|_| Bilingual::new("端口不是数字", "the port is no number"))?)
+                (host, port.parse().map_err(|_| Bilingual::new("端口不是数字", "the port is not a number"))?)
             }
             _ => (place, usual_port),
         };
@@ -74,7 +74,7 @@ impl Receiver {
         if host.is_empty() || url.chars().any(odd) || !url.is_ascii() || url.contains('#') {
             return Err(Bilingual::new(
                 "没有主机名，或含有网址不能有的字符",
-                "it has no host, or characters that an address has not",
+                "it has no host, or characters that an address cannot have",
             ));
         }
         let slash = if path.starts_with('/') { "" } else { "/" };
@@ -123,7 +123,7 @@ fn exchange(
             format!("接收方回答状态 {status}"),
             format!("the receiver answered with status {status}"),
         )),
-        None => Err(Bilingual::new("接收方的回答不是 HTTP", "the receiver's answer is no HTTP")),
+        None => Err(Bilingual::new("接收方的回答不是 HTTP", "the receiver's answer is not HTTP")),
     }
 }
 
@@ -138,7 +138,7 @@ fn connect(to: &Receiver, reach: &Reach) -> Result<TcpStream, Bilingual> {
             why = not_reached(host);
             continue;
         }
-        match TcpStream::connect_timeout(&place, PATIENCE) {
+        match TcpStream::connect_timeout(&place, WAIT) {
             Ok(stream) => return Ok(stream),
             // Not the address that the name led to: that is the network's own affair.
             Err(e) => {
@@ -158,7 +158,7 @@ pub(super) fn not_reached(host: &str) -> Bilingual {
     )
 }
 
-/// A connection that waits for [`PATIENCE`] each time and not beyond a moment: who answers drop by drop holds nobody up.
+/// A connection that waits for [`WAIT`] each time and not beyond a moment: a receiver that answers slowly delays nobody.
 struct Hurried {
     stream: TcpStream,
     until: Instant,
@@ -166,25 +166,25 @@ struct Hurried {
 
 impl Hurried {
     /// How long to wait now.
-    fn patience(&self) -> std::io::Result<Option<Duration>> {
+    fn wait(&self) -> std::io::Result<Option<Duration>> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() {
             return Err(Error::new(ErrorKind::TimedOut, "it took too long"));
         }
-        Ok(Some(left.min(PATIENCE)))
+        Ok(Some(left.min(WAIT)))
     }
 }
 
 impl Read for Hurried {
     fn read(&mut self, buf: &mut [u8]) -> std::io::Result<usize> {
-        self.stream.set_read_timeout(self.patience()?)?;
+        self.stream.set_read_timeout(self.wait()?)?;
         self.stream.read(buf)
     }
 }
 
 impl Write for Hurried {
     fn write(&mut self, buf: &[u8]) -> std::io::Result<usize> {
-        self.stream.set_write_timeout(self.patience()?)?;
+        self.stream.set_write_timeout(self.wait()?)?;
         self.stream.write(buf)
     }
 

@@ -17,7 +17,7 @@ pub enum Reach {
     Only(Vec<String>),
 }
 
-/// Where clouds tell a machine its own secrets and that is no link-local address: AWS over IPv6, Alibaba, Oracle.
+/// Metadata services of clouds at addresses that are not link-local: AWS over IPv6, Alibaba, Oracle.
 const SECRETS: [IpAddr; 3] = [
     IpAddr::V6(Ipv6Addr::new(0xfd00, 0xec2, 0, 0, 0, 0, 0, 0x254)),
     IpAddr::V4(Ipv4Addr::new(100, 100, 100, 200)),
@@ -32,14 +32,14 @@ impl Reach {
         match self {
             // Who started the service has named it: they know their network.
             Self::Only(hosts) => hosts.iter().any(|h| *h == host || *h == format!("{host}:{port}")),
-            Self::OwnMachine => !is_plumbing(ip),
-            Self::Network => !is_plumbing(ip) && !ip.is_loopback(),
+            Self::OwnMachine => !is_never_receiver(ip),
+            Self::Network => !is_never_receiver(ip) && !ip.is_loopback(),
         }
     }
 }
 
-/// Addresses that are no receivers: of the link itself (clouds tell secrets there), of groups, of nobody.
-fn is_plumbing(ip: IpAddr) -> bool {
+/// Addresses that are never receivers: link-local (metadata services of clouds), multicast, unspecified.
+fn is_never_receiver(ip: IpAddr) -> bool {
     let link_local = match ip {
         IpAddr::V4(v4) => v4.is_link_local() || v4.is_broadcast() || v4.octets()[0] == 0,
         IpAddr::V6(v6) => v6.is_unicast_link_local(),

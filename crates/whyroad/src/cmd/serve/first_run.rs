@@ -2,7 +2,7 @@
 //! nobody else's.
 
 use crate::cmd::demo;
-use crate::{Global, store_place};
+use crate::{Global, store_args};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use whyroad_framework::Framework;
@@ -38,7 +38,7 @@ pub(super) fn bundled(
         _ => {
             match global.lang {
                 Lang::Zh => say!("没有指定数据湖：准备内置的示例行程（只需一次）"),
-                Lang::En => say!("no lake was named: preparing the bundled drives (only once)"),
+                Lang::En => say!("no lake given: preparing the bundled drives (only once)"),
             }
             demo::lake_and_episodes(global, framework, &dir)?
         }
@@ -48,12 +48,12 @@ pub(super) fn bundled(
 
 /// Gives a store without any project one, with tasks from the first mined folder, so that there is something to open.
 pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
-    let problem = |p| store_place::told(&p, lang);
+    let problem = |p| store_args::error(&p, lang);
     let Some(mined) = app.recordings.mined().into_iter().next() else { return Ok(()) };
     if !app.store.read(projects::all).map_err(problem)?.is_empty() {
         return Ok(());
     }
-    let mut project = store_place::new_project("demo", lang)?;
+    let mut project = store_args::new_project("demo", lang)?;
     // One person looks at few short drives here: whoever has seen one task of a drive would soon find the queue empty.
     project.settings.history = HistoryRule::Episode;
     let (id, now) = (project.id.clone(), app.now());
@@ -69,7 +69,7 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
 
 /// How the first account comes about on a service that is reached at `ip`.
 pub(super) fn first_account(app: &mut App, ip: IpAddr, lang: Lang) -> anyhow::Result<FirstAccount> {
-    let problem = |p| store_place::told(&p, lang);
+    let problem = |p| store_args::error(&p, lang);
     if !app.store.read(people::is_first_run).map_err(problem)? {
         return Ok(FirstAccount::Made);
     }

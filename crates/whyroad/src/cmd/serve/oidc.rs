@@ -1,7 +1,7 @@
-//! Options of `whyroad serve` for signing in at an OpenID provider: what stands in a file, in the environment and in options,
-//! the later over the earlier.
+//! Options of `whyroad serve` for signing in at an OpenID provider: from a file, the environment and options, the
+//! later over the earlier.
 
-use crate::store_place;
+use crate::store_args;
 use anyhow::Context as _;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use whyroad_model::{Lang, yaml};
 use whyroad_server::oidc::provider::Provider;
 use whyroad_server::oidc::settings::{Allow, Secret, Settings, Written};
 
-/// The environment's way to the secret; there is no option, since others see a program's options.
+/// Environment variable with the secret; not an option, because other users can see a program's options.
 const SECRET: &str = "WHYROAD_OIDC_CLIENT_SECRET";
 
 /// Options about signing in at an OpenID provider.
@@ -22,13 +22,13 @@ pub(super) struct OidcArgs {
     /// Issuer, exactly as the provider writes it; people can then sign in there too
     #[arg(long, value_name = "URL", env = "WHYROAD_OIDC_ISSUER")]
     oidc_issuer: Option<String>,
-    /// What the provider knows this service as
+    /// Client id of this service at the provider
     #[arg(long, value_name = "ID", env = "WHYROAD_OIDC_CLIENT_ID")]
     oidc_client_id: Option<String>,
     /// File with the client's secret; or the secret itself in WHYROAD_OIDC_CLIENT_SECRET
     #[arg(long, value_name = "FILE", env = "WHYROAD_OIDC_CLIENT_SECRET_FILE")]
     oidc_client_secret_file: Option<PathBuf>,
-    /// The provider's name on the button
+    /// Name of the provider on the button
     #[arg(long, value_name = "NAME", env = "WHYROAD_OIDC_NAME")]
     oidc_name: Option<String>,
     /// Scopes to ask for, separated by commas [default: openid,profile,email]
@@ -54,9 +54,9 @@ impl OidcArgs {
             Some(file) => Some(std::fs::read(file).with_context(|| format!("cannot read {file}"))?),
             None => None,
         };
-        let told = |p| store_place::told(&p, lang);
-        let Some(settings) = Settings::resolve(written).map_err(told)? else { return Ok(None) };
-        Provider::new(settings, extra.as_deref()).map(Some).map_err(told)
+        let error = |p| store_args::error(&p, lang);
+        let Some(settings) = Settings::resolve(written).map_err(error)? else { return Ok(None) };
+        Provider::new(settings, extra.as_deref()).map(Some).map_err(error)
     }
 
     fn written(&self) -> anyhow::Result<Written> {
@@ -65,7 +65,7 @@ impl OidcArgs {
             None => Written::default(),
         };
         let over = |old: &mut Option<String>, new: &Option<String>| {
-            // An empty variable of the environment is none.
+            // An empty environment variable counts as unset.
             if let Some(new) = new.as_ref().filter(|n| !n.is_empty()) {
                 *old = Some(new.clone());
             }
@@ -103,11 +103,11 @@ impl OidcArgs {
 /// Reads a set-up file. Files that it names lie beside it.
 fn read(file: &Path) -> anyhow::Result<Written> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
-    // The reader's own words would repeat the line, and with it a secret that stands there.
+    // The reader's own message would repeat the line, and with it a secret.
     let read = yaml::from_str::<Written>(&text);
     let mut written = read.map_err(|e| {
         let place = e.mark.map_or(String::new(), |m| format!(":{}:{}", m.line, m.column));
-        anyhow::anyhow!("{}{place}: this is no set-up of an OpenID provider ({})", file.display(), kind(&e))
+        anyhow::anyhow!("{}{place}: not a configuration of an OpenID provider ({})", file.display(), kind(&e))
     })?;
     let beside = file.parent().unwrap_or(Path::new(""));
     for named in [&mut written.client_secret_file, &mut written.ca_file].into_iter().flatten() {
@@ -116,7 +116,7 @@ fn read(file: &Path) -> anyhow::Result<Written> {
     Ok(written)
 }
 
-/// What kind of fault it is, if that can be told without repeating what is written there.
+/// The kind of fault, without repeating what is written there.
 fn kind(e: &yaml::DecodeError) -> String {
     match e.message.split_once("unknown field ") {
         Some((_, rest)) => format!("unknown field {}", rest),
@@ -186,13 +186,13 @@ grants:
     }
 
     #[test]
-    fn a_fault_in_a_file_is_told_without_what_stands_there() {
+    fn a_fault_in_a_file_is_reported_without_its_text() {
         let dir = tempfile::tempdir().unwrap();
         let file = dir.path().join("oidc.yaml");
         for text in ["client_secret: [hush]", "client_secret: \"hush", "client_id: x\nclient_secrets: hush"] {
             std::fs::write(&file, text).unwrap();
-            let told = format!("{:#}", read(&file).unwrap_err());
-            assert!(told.contains("oidc.yaml") && !told.contains("hush"), "{told}");
+            let message = format!("{:#}", read(&file).unwrap_err());
+            assert!(message.contains("oidc.yaml") && !message.contains("hush"), "{message}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! Connections that do not wait for ever: one that sends or takes nothing for a while is closed, and so is one that feeds
-//! the head of a request drop by drop; slow, dead or ill-meaning clients cannot use up all there are. While the service
-//! itself works on a request, the connection may be silent.
+//! Connections with time limits: one that sends or takes nothing for a while is closed, and so is one that sends the head
+//! of a request too slowly. Slow, dead or malicious clients cannot use up all connections. While the service itself works
+//! on a request, the connection may be silent.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};
@@ -21,19 +21,19 @@ const SILENCE: Duration = Duration::from_secs(75);
 /// Longest time that the head of a request may take to come in. Bodies have a limit of their own.
 const HEAD: Duration = Duration::from_secs(20);
 
-/// A listener whose connections have that much patience.
-pub(super) struct Patient {
+/// A listener whose connections have these time limits.
+pub(super) struct TimedListener {
     listener: TcpListener,
     head: Duration,
 }
 
-impl Patient {
+impl TimedListener {
     pub(super) fn new(listener: TcpListener) -> Self {
         Self { listener, head: HEAD }
     }
 }
 
-impl Listener for Patient {
+impl Listener for TimedListener {
     type Io = Timed;
     type Addr = SocketAddr;
 
@@ -160,8 +160,8 @@ impl Drop for Counted {
     }
 }
 
-impl Connected<IncomingStream<'_, Patient>> for Peer {
-    fn connect_info(stream: IncomingStream<'_, Patient>) -> Self {
+impl Connected<IncomingStream<'_, TimedListener>> for Peer {
+    fn connect_info(stream: IncomingStream<'_, TimedListener>) -> Self {
         Self { address: *stream.remote_addr(), requests: Arc::clone(&stream.io().requests) }
     }
 }
@@ -202,8 +202,8 @@ mod tests {
             axum::body::to_bytes(request.into_body(), 1000).await.map_or(0, |b| b.len()).to_string()
         };
         let service = axum::Router::new().fallback(length).into_make_service_with_connect_info::<Peer>();
-        let patient = Patient { head: 4 * STEP, ..Patient::new(listener) };
-        runtime.spawn(async { axum::serve(patient, service).await });
+        let listener = TimedListener { head: 4 * STEP, ..TimedListener::new(listener) };
+        runtime.spawn(async { axum::serve(listener, service).await });
 
         let mut head = vec!["GET / HTTP/1.1\r\nx: "];
         head.extend(["y"; 100]);

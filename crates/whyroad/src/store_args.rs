@@ -23,22 +23,24 @@ pub(crate) struct StoreArgs {
 }
 
 impl StoreArgs {
-    /// The place that the options name.
-    pub(crate) fn place(&self) -> StoreLocation {
+    /// Where the options say that the store is.
+    pub(crate) fn location(&self) -> StoreLocation {
         match &self.store {
             Some(text) => StoreLocation::parse(text),
             None => StoreLocation::File(self.data.join("labels.db")),
         }
     }
 
-    /// Opens the store; makes it when there is none.
+    /// Opens the store; creates it when it does not exist.
     pub(crate) fn open(&self, lang: Lang) -> anyhow::Result<Store> {
-        let store = Store::open_keeping(&self.place(), &self.data).map_err(|p| told(&p, lang))?;
+        let store = Store::open_keeping(&self.location(), &self.data).map_err(|p| error(&p, lang))?;
         if let Some(kept) = store.kept.as_ref().map(|p| p.display()) {
             match lang {
                 Lang::Zh => say!("存储已升级到本程序的版本；升级前的内容在 {kept}"),
                 Lang::En => {
-                    say!("the store was brought forward to this program's version; what it was is in {kept}")
+                    say!(
+                        "the store was upgraded to this program's version; the previous content is in {kept}"
+                    )
                 }
             }
         }
@@ -47,14 +49,14 @@ impl StoreArgs {
 
     /// Opens the store of a service that has run before: a mistyped path must not make an empty one.
     pub(crate) fn open_existing(&self, lang: Lang) -> anyhow::Result<Store> {
-        if let StoreLocation::File(path) = self.place()
+        if let StoreLocation::File(path) = self.location()
             && !path.is_file()
         {
             return Err(anyhow!(match lang {
                 Lang::Zh =>
                     format!("没有存储 {}；用 --data 或 --store 指定，`whyroad serve` 会新建", path.display()),
                 Lang::En => format!(
-                    "there is no store at {}; name it with --data or --store, `whyroad serve` makes one",
+                    "no store at {}; name it with --data or --store; `whyroad serve` creates one",
                     path.display()
                 ),
             }));
@@ -64,7 +66,7 @@ impl StoreArgs {
 }
 
 /// A refusal of the service in the user's language.
-pub(crate) fn told(problem: &Problem, lang: Lang) -> anyhow::Error {
+pub(crate) fn error(problem: &Problem, lang: Lang) -> anyhow::Error {
     anyhow!("{}: {}", problem.code, problem.text.get(lang))
 }
 
@@ -81,7 +83,7 @@ pub(crate) fn framework(global: &Global) -> anyhow::Result<&'static Framework> {
 pub(crate) fn new_project(name: &str, lang: Lang) -> anyhow::Result<Project> {
     let word = if lang == Lang::Zh { "zh" } else { "en" };
     Ok(Project {
-        id: secret::id().map_err(|p| told(&p, lang))?,
+        id: secret::id().map_err(|p| error(&p, lang))?,
         name: name.to_owned(),
         guide: String::new(),
         quota: BTreeMap::new(),
