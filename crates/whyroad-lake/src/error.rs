@@ -11,6 +11,7 @@ pub const CODES: &[&str] = &[
     "lake.drive_invalid",
     "lake.table_broken",
     "lake.row_order",
+    "lake.mined_version",
     "lake.io",
 ];
 
@@ -55,6 +56,16 @@ pub enum LakeError {
         /// First row out of order, from 0.
         row: usize,
     },
+    /// A mined folder was written in a layout that this build does not read.
+    #[error(
+        "{} has episodes version {found}; this build reads {}", .path.display(), crate::mined::EPISODES_VERSION
+    )]
+    MinedVersion {
+        /// The table of episodes.
+        path: PathBuf,
+        /// Version found, as written.
+        found: String,
+    },
     /// The file system refused.
     #[error("{}: {source}", .path.display())]
     Io {
@@ -83,6 +94,7 @@ impl LakeError {
             LakeError::DriveInvalid { .. } => "lake.drive_invalid",
             LakeError::TableBroken { .. } => "lake.table_broken",
             LakeError::RowOrder { .. } => "lake.row_order",
+            LakeError::MinedVersion { .. } => "lake.mined_version",
             LakeError::Io { .. } => "lake.io",
         }
     }
@@ -98,6 +110,9 @@ impl LakeError {
             LakeError::DriveInvalid { drive, reason } => format!("行程“{drive}”不合法：{reason}"),
             LakeError::TableBroken { reason, .. } => format!("数据表无法读取：{reason}"),
             LakeError::RowOrder { row, .. } => format!("第 {row} 行的顺序不对（应按片段、目标、帧排序）"),
+            LakeError::MinedVersion { found, .. } => {
+                format!("事件表版本为 {found}，本程序只能读取版本 {}", crate::mined::EPISODES_VERSION)
+            }
             LakeError::Io { source, .. } => format!("文件系统出错：{source}"),
         };
         let hint = match self {
@@ -121,6 +136,10 @@ impl LakeError {
                 "删除该行程的文件夹后重新导入",
                 "delete the drive's folder and ingest its source again",
             ),
+            LakeError::MinedVersion { .. } => Bilingual::new(
+                "用 `whyroad mine --out DIR --force` 重新生成该文件夹（信号已保存，很快完成）",
+                "run `whyroad mine --out DIR --force` again; stored signals make it fast",
+            ),
             LakeError::Io { .. } => {
                 Bilingual::new("检查路径、权限与磁盘空间", "check the path, permissions and free space")
             }
@@ -131,6 +150,7 @@ impl LakeError {
             LakeError::Version { path, .. }
             | LakeError::TableBroken { path, .. }
             | LakeError::RowOrder { path, .. }
+            | LakeError::MinedVersion { path, .. }
             | LakeError::Io { path, .. } => d.in_file(path.display().to_string()),
             LakeError::DriveMissing(_) | LakeError::DriveInvalid { .. } => d,
         }

@@ -1,6 +1,6 @@
-//! The lake: scene tables on disk. One folder a drive, one Parquet file a table, plain enough for DuckDB or
-//! pandas (`docs/reference/lake.md` lists tables, columns and units). This crate knows how drives are *stored*; it
-//! knows no input format and derives nothing.
+//! Everything on disk between two commands: the lake (scene tables, one folder per drive, one Parquet file per table,
+//! plain enough for DuckDB or pandas; `docs/reference/lake.md` lists tables, columns and units), stored signals, mined folders.
+//! This crate knows how these are *stored*; it knows no input format and derives nothing.
 //!
 //! What holds for every drive in a lake: the folder appears whole or not at all (written aside, then renamed);
 //! rows are ordered by clip, then target, then frame, one row group holds the whole drive, and both are
@@ -14,6 +14,7 @@ mod lake;
 mod leftovers;
 mod manifest;
 mod media;
+pub mod mined;
 mod outline;
 pub mod signals;
 mod stamp;
@@ -23,6 +24,7 @@ mod validity;
 pub use clips::clip_metadata;
 pub use error::{CODES, LakeError};
 pub use lake::{Lake, WriteOutcome};
+pub use mined::MinedFolder;
 pub use outline::Outline;
 pub use signals::SignalFile;
 pub use stamp::Stamp;

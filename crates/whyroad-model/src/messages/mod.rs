@@ -4,6 +4,7 @@
 pub mod clip;
 pub mod coverage;
 pub mod episode;
+pub mod episode_page;
 pub mod label;
 pub mod mining;
 pub mod query_clause;
@@ -11,6 +12,7 @@ pub mod query_clause;
 pub use clip::*;
 pub use coverage::*;
 pub use episode::*;
+pub use episode_page::*;
 pub use label::*;
 pub use mining::*;
 pub use query_clause::*;

@@ -1,0 +1,246 @@
+//! Writing a mined folder, episode by episode. Files are written under other names and put in place at the end: what an
+//! earlier run left stays until this one is done.
+
+use super::columns::{EPISODES_VERSION, VERSION_KEY, episode_batch};
+use super::lines::LineWriter;
+use super::{LineSpan, MinedFile, MiningQuestion};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use serde::Serialize;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use whyroad_model::messages::{
+    ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, ScenarioPreLabelMessage,
+};
+
+/// Episodes that are written to the Parquet file together, and rows of its row groups.
+const EPISODES_PER_BATCH: usize = 512;
+const ROWS_PER_GROUP: usize = 1 << 16;
+
+/// The folder could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum MinedWriteError {
+    /// The file system refused.
+    #[error("cannot write {}: {source}", .path.display())]
+    Io {
+        /// File or folder.
+        path: PathBuf,
+        /// Its reason.
+        source: std::io::Error,
+    },
+    /// A table or message could not be encoded.
+    #[error("cannot write {}: {reason}", .path.display())]
+    Encoding {
+        /// File.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The folder holds the results of another question, or of one that it does not record.
+    #[error("{} holds the results of another question", .dir.display())]
+    OtherQuestion {
+        /// The folder.
+        dir: PathBuf,
+        /// The question that it answers, where it records one.
+        found: Option<Box<MiningQuestion>>,
+    },
+}
+
+/// What happens to results that are in the folder already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Results of the same question are replaced; those of another question are an error.
+    #[default]
+    ReplaceSameQuestion,
+    /// Whatever is there is replaced.
+    Replace,
+}
+
+/// A mined folder that is being written.
+pub struct MinedFolderWriter {
+    dir: PathBuf,
+    question: MiningQuestion,
+    episodes: LineWriter,
+    pre_labels: LineWriter,
+    suggestions: LineWriter,
+    clips: LineWriter,
+    table: ArrowWriter<File>,
+    /// Episodes that are not in the table yet.
+    waiting: Vec<(EpisodeRecord, LineSpan)>,
+    written: usize,
+}
+
+impl MinedFolderWriter {
+    /// Begins a folder that answers `question`. Fails when it holds results of another one, unless they may be replaced.
+    pub fn create(dir: &Path, question: MiningQuestion, existing: Existing) -> Result<Self, MinedWriteError> {
+        if existing == Existing::ReplaceSameQuestion
+            && let Some(folder) = super::MinedFolder::open(dir)
+        {
+            let found = folder.question();
+            if found.as_ref() != Some(&question) {
+                return Err(MinedWriteError::OtherQuestion {
+                    dir: dir.to_owned(),
+                    found: found.map(Box::new),
+                });
+            }
+        }
+        fs::create_dir_all(dir).map_err(io(dir))?;
+        let lines = |file| LineWriter::create(part(dir, file));
+        Ok(Self {
+            question,
+            episodes: lines(MinedFile::Episodes)?,
+            pre_labels: lines(MinedFile::PreLabels)?,
+            suggestions: lines(MinedFile::KeyframeSuggestions)?,
+            clips: lines(MinedFile::Clips)?,
+            table: table(&part(dir, MinedFile::EpisodeTable))?,
+            dir: dir.to_owned(),
+            waiting: Vec::new(),
+            written: 0,
+        })
+    }
+
+    /// Adds an episode; they come in the order of drive, keyframe, class, target.
+    pub fn episode(&mut self, record: &EpisodeRecord) -> Result<LineSpan, MinedWriteError> {
+        let span = self.episodes.put(record)?;
+        self.written += 1;
+        self.waiting.push((record.clone(), span));
+        if self.waiting.len() >= EPISODES_PER_BATCH {
+            self.write_waiting()?;
+        }
+        Ok(span)
+    }
+
+    /// Adds a proposal for the class of an episode.
+    pub fn pre_label(&mut self, message: &ScenarioPreLabelMessage) -> Result<(), MinedWriteError> {
+        self.pre_labels.put(message).map(drop)
+    }
+
+    /// Adds a proposal for the keyframe of an episode.
+    pub fn keyframe_suggestion(
+        &mut self,
+        message: &KeyframeSuggestionMessage,
+    ) -> Result<(), MinedWriteError> {
+        self.suggestions.put(message).map(drop)
+    }
+
+    /// Adds a clip.
+    pub fn clip(&mut self, message: &ClipMetadataMessage) -> Result<(), MinedWriteError> {
+        self.clips.put(message).map(drop)
+    }
+
+    /// Number of episodes so far.
+    pub fn episodes(&self) -> usize {
+        self.written
+    }
+
+    fn write_waiting(&mut self) -> Result<(), MinedWriteError> {
+        let path = part(&self.dir, MinedFile::EpisodeTable);
+        let batch = episode_batch(&self.waiting).map_err(encoding(&path))?;
+        self.table.write(&batch).map_err(encoding(&path))?;
+        self.waiting.clear();
+        Ok(())
+    }
+
+    /// Puts the tables and lines in place of those of an earlier run, whose results are removed. The folder then lacks
+    /// its results and its coverage.
+    pub fn finish(mut self) -> Result<FinishedEpisodes, MinedWriteError> {
+        self.write_waiting()?;
+        let dir = self.dir;
+        self.table.close().map_err(encoding(&part(&dir, MinedFile::EpisodeTable)))?;
+        for lines in [self.episodes, self.pre_labels, self.suggestions, self.clips] {
+            lines.finish()?;
+        }
+        self.question.write(&part(&dir, MinedFile::Question))?;
+        let results = MinedFile::Results.path(&dir);
+        fs::create_dir_all(&results).map_err(io(&results))?;
+        clear(&results)?;
+        let single = MinedFile::SingleResult.path(&dir);
+        match fs::remove_file(&single) {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(&single)(e)),
+            _ => {}
+        }
+        // The question first: after a kill in between, the folder never shows results under another question.
+        for file in [
+            MinedFile::Question,
+            MinedFile::Episodes,
+            MinedFile::PreLabels,
+            MinedFile::KeyframeSuggestions,
+            MinedFile::Clips,
+            MinedFile::EpisodeTable,
+        ] {
+            let path = file.path(&dir);
+            fs::rename(part(&dir, file), &path).map_err(io(&path))?;
+        }
+        Ok(FinishedEpisodes { dir })
+    }
+}
+
+/// A folder whose episodes are in place: results and coverage follow.
+pub struct FinishedEpisodes {
+    dir: PathBuf,
+}
+
+impl FinishedEpisodes {
+    /// The episodes' lines, to be read by their [`LineSpan`].
+    pub fn open_episodes(&self) -> Result<File, MinedWriteError> {
+        let path = MinedFile::Episodes.path(&self.dir);
+        File::open(&path).map_err(io(&path))
+    }
+
+    /// Writes the `mining_result` of a class; of the only question also under a fixed name.
+    pub fn result(&self, class: &str, message: &impl Serialize, only: bool) -> Result<(), MinedWriteError> {
+        json(&MinedFile::Results.path(&self.dir).join(format!("{class}.json")), message)?;
+        if only { json(&MinedFile::SingleResult.path(&self.dir), message) } else { Ok(()) }
+    }
+
+    /// Writes the coverage.
+    pub fn coverage(&self, coverage: &Coverage) -> Result<(), MinedWriteError> {
+        json(&MinedFile::Coverage.path(&self.dir), coverage)
+    }
+}
+
+/// Name of a file that is not finished.
+fn part(dir: &Path, file: MinedFile) -> PathBuf {
+    dir.join(format!(".{}.part", file.name()))
+}
+
+/// Results of an earlier run into the same folder would be taken for this one's.
+fn clear(results: &Path) -> Result<(), MinedWriteError> {
+    for entry in fs::read_dir(results).map_err(io(results))?.flatten() {
+        let path = entry.path();
+        if path.extension().is_some_and(|e| e == "json") {
+            fs::remove_file(&path).map_err(io(&path))?;
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> MinedWriteError + '_ {
+    |source| MinedWriteError::Io { path: path.to_owned(), source }
+}
+
+pub(super) fn encoding<E: std::fmt::Display>(path: &Path) -> impl FnOnce(E) -> MinedWriteError + '_ {
+    |e| MinedWriteError::Encoding { path: path.to_owned(), reason: e.to_string() }
+}
+
+pub(super) fn json(path: &Path, message: &impl Serialize) -> Result<(), MinedWriteError> {
+    let mut out = BufWriter::new(File::create(path).map_err(io(path))?);
+    serde_json::to_writer_pretty(&mut out, message).map_err(encoding(path))?;
+    out.write_all(b"\n").and_then(|()| out.flush()).map_err(io(path))
+}
+
+fn table(path: &Path) -> Result<ArrowWriter<File>, MinedWriteError> {
+    let schema = episode_batch(&[]).map_err(encoding(path))?.schema();
+    let version = KeyValue::new(VERSION_KEY.to_owned(), EPISODES_VERSION.to_string());
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_created_by(format!("whyroad {}", env!("CARGO_PKG_VERSION")))
+        .set_key_value_metadata(Some(vec![version]))
+        .set_max_row_group_row_count(Some(ROWS_PER_GROUP))
+        .build();
+    let file = File::create(path).map_err(io(path))?;
+    ArrowWriter::try_new(file, schema, Some(properties)).map_err(encoding(path))
+}

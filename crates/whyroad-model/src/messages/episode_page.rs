@@ -1,0 +1,46 @@
+//! Asking for the episodes of a mined folder page by page: what is asked, and what one page holds. Not messages of
+//! DATA_FORMAT.md: types that the lake (which reads) and the service (which asks) share.
+
+use super::episode::EpisodeRecord;
+use crate::{DriveId, ScenarioId};
+
+/// Which episodes are wanted. The default is all of them; every field that is set narrows it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EpisodeFilter {
+    /// Only episodes of this class or below it.
+    pub scenario: Option<ScenarioId>,
+    /// Only episodes of this drive.
+    pub drive: Option<DriveId>,
+    /// Only episodes that arbitration made primary.
+    pub primary_only: bool,
+    /// Only episodes with at least this score, 0 to 1.
+    pub min_score: Option<f64>,
+}
+
+impl EpisodeFilter {
+    /// True when nothing is narrowed down.
+    pub fn is_all(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// True when `record` is wanted.
+    pub fn accepts(&self, record: &EpisodeRecord) -> bool {
+        self.scenario.as_ref().is_none_or(|id| record.scenario_id.is_within(id))
+            && self.drive.as_ref().is_none_or(|id| record.drive_id == *id)
+            && (!self.primary_only || record.is_primary)
+            && self.min_score.is_none_or(|min| record.score >= min)
+    }
+}
+
+/// Where to continue after a page. Only valid for the folder and the filter that it came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct EpisodeCursor(pub u64);
+
+/// Some of the episodes that were asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EpisodePage {
+    /// In the order of drive, keyframe, class, target.
+    pub episodes: Vec<EpisodeRecord>,
+    /// Where the next page begins; `None` when this is the last one.
+    pub next: Option<EpisodeCursor>,
+}
