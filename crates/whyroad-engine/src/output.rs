@@ -2,12 +2,11 @@
 //! `docs/reference/rules.md` lists the files.
 
 pub mod coverage;
-pub mod episode_table;
 pub mod folder;
 pub mod record;
 pub mod result;
 
 pub use coverage::Searched;
-pub use folder::{FolderWriter, Summary, write_folder};
+pub use folder::{EpisodeExample, FolderWriter, Summary, write_folder};
 pub use record::MinedEpisode;
 pub use result::Question;

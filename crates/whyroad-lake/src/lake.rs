@@ -70,6 +70,11 @@ impl Lake {
         &self.dir
     }
 
+    /// The folder of camera images that were copied into the lake, one folder per drive; it need not exist.
+    pub fn media_dir(&self) -> PathBuf {
+        self.dir.join("media")
+    }
+
     pub(crate) fn drive_dir(&self, id: &DriveId) -> PathBuf {
         self.dir.join("drives").join(id.as_str())
     }

@@ -47,6 +47,9 @@ impl ClipId {
     }
 }
 
+/// First part of the ids of custom rules.
+const CUSTOM: &str = "custom";
+
 /// A place in the taxonomy: `l1`, `l1.l2` or `l1.l2.l3` (TAXONOMY.md "full id"). Says nothing of existence.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ScenarioId {
@@ -69,6 +72,16 @@ impl ScenarioId {
         self.l1 == other.l1
             && (other.l2.is_none() || self.l2 == other.l2)
             && (other.l3.is_none() || self.l3 == other.l3)
+    }
+
+    /// The class of what a custom rule finds: `custom.<name>`. It is in no taxonomy.
+    pub fn custom(name: &str) -> Self {
+        Self { l1: CUSTOM.to_owned(), l2: Some(name.to_owned()), l3: None }
+    }
+
+    /// The name of the custom rule, for an id that [`ScenarioId::custom`] made.
+    pub fn custom_name(&self) -> Option<&str> {
+        self.l2.as_deref().filter(|_| self.l1 == CUSTOM)
     }
 
     /// True for a three-part id.

@@ -4,7 +4,7 @@
 use crate::domain::scene::SignalAbout;
 use std::path::PathBuf;
 use std::sync::Arc;
-use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 
@@ -32,8 +32,19 @@ pub trait Recordings: Send + Sync {
     /// Names of the folders of mining results that tasks can be made from.
     fn mined(&self) -> Vec<String>;
 
-    /// Episodes of a mined folder; `None` for an unknown name.
-    fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>>;
+    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name, an error in words when the
+    /// folder cannot be read. Without a filter the folder's size makes no difference.
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>>;
+
+    /// At most `limit` episodes of a mined folder that answer `filter`, in the order of drive and keyframe, from `after`
+    /// on (`None`: from the first). `None` for an unknown name.
+    fn episodes(
+        &self,
+        name: &str,
+        filter: &EpisodeFilter,
+        after: Option<EpisodeCursor>,
+        limit: usize,
+    ) -> Option<Result<EpisodePage, String>>;
 
     /// The file of a camera frame, where it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;

@@ -134,3 +134,50 @@ fn end_time(times: &[Nanos], end: usize) -> Nanos {
 fn rounded(score: f64) -> f64 {
     (score * 1e4).round() / 1e4
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Bilingual;
+
+    /// One episode in the second clip of a drive, whose time range begins in the first.
+    fn mined(target: Option<&str>) -> MinedEpisode {
+        let episode = Episode {
+            scenario: "reactive_agent.cutin.urgent".parse().unwrap(),
+            target: target.map(Into::into),
+            roles: [].into(),
+            matched: FrameRange::new(210, 230),
+            kind: KeyframeType::Reactive,
+            keyframe: 210,
+            second_keyframe: None,
+            range: FrameRange::new(190, 240),
+            context: FrameRange::new(160, 250),
+            keyframe_rule: Bilingual::default(),
+            score: 0.75,
+            conditions: vec![],
+            signals: vec![],
+            rank: Rank::Primary,
+        };
+        let times: Vec<Nanos> = (0..250).map(|i| Nanos(i * 100_000_000)).collect();
+        let clips = [FrameRange::new(0, 200), FrameRange::new(200, 250)];
+        write_down(&[episode], &"d".into(), &times, &clips, Lang::En).remove(0)
+    }
+
+    #[test]
+    fn frames_are_those_of_the_clip_and_times_those_of_the_drive() {
+        let record = mined(None).record;
+        assert_eq!(record.clip_id.as_str(), "d_001");
+        assert_eq!(record.episode_id, "d_001_reactive_agent.cutin.urgent_ego_010");
+        // Frame 190 of the drive is in the clip before: clamped to 0. Frame 240 is frame 40 of the clip.
+        assert_eq!((record.time_range.start_frame_idx, record.time_range.end_frame_idx), (Some(0), Some(40)));
+        assert_eq!(record.time_range.start_timestamp, Nanos(19_000_000_000));
+        assert_eq!(record.time_range.end_timestamp, Nanos(24_000_000_000));
+        // What a labeller is shown is clamped in time too; 50 frames are the whole second clip.
+        let context = mined(None).suggestion.context_range;
+        assert_eq!(
+            (context.start_timestamp, context.end_timestamp),
+            (Nanos(20_000_000_000), Nanos(25_000_000_000))
+        );
+        assert_eq!((context.start_frame_idx, context.end_frame_idx), (Some(0), Some(50)));
+    }
+}

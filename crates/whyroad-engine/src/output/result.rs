@@ -1,5 +1,5 @@
 //! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over everything that
-//! matches. Of each match only its score, its id and its place in `episodes.jsonl` are kept; the rest is read from there
+//! matches. Of each match only its score, its id and its line in `episodes.jsonl` are kept; the rest is read from there
 //! when the result is written.
 
 use super::coverage::Counts;
@@ -9,6 +9,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
+use whyroad_lake::mined::LineSpan;
 use whyroad_model::ScenarioId;
 use whyroad_model::messages::{EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable};
 
@@ -19,23 +20,14 @@ pub struct Question {
     pub query_id: String,
     /// Class asked for.
     pub scenario: ScenarioId,
-    /// At most so many clips.
+    /// Maximum number of clips.
     pub limit: Option<u32>,
-}
-
-/// Where an episode stands in `episodes.jsonl`: bytes.
-#[derive(Clone, Copy, Debug)]
-pub struct LinePlace {
-    /// From the start of the file.
-    pub start: u64,
-    /// Without the line's end.
-    pub len: usize,
 }
 
 struct Match {
     score: f64,
     episode_id: String,
-    place: LinePlace,
+    span: LineSpan,
 }
 
 /// What was found for one question so far.
@@ -58,13 +50,13 @@ impl Answer {
     }
 
     /// Adds an episode that is of the class asked for, or below it; others are passed over.
-    pub fn add(&mut self, record: &EpisodeRecord, place: LinePlace) {
+    pub fn add(&mut self, record: &EpisodeRecord, span: LineSpan) {
         if !record.scenario_id.is_within(&self.question.scenario) {
             return;
         }
         self.total += 1;
         *self.distribution.entry(tenth(record.score)).or_default() += 1;
-        self.matches.push(Match { score: record.score, episode_id: record.episode_id.clone(), place });
+        self.matches.push(Match { score: record.score, episode_id: record.episode_id.clone(), span });
         // With a limit no more than twice as many are ever held.
         if let Some(limit) = self.limit()
             && self.matches.len() > 2 * limit + 1000
@@ -94,7 +86,7 @@ impl Answer {
 
     /// The best `n` of a closed answer, read from the episodes' file.
     pub fn best(&self, n: usize, episodes: &mut File) -> std::io::Result<Vec<MinedClip>> {
-        self.matches.iter().take(n).map(|m| read(m.place, &self.question.scenario, episodes)).collect()
+        self.matches.iter().take(n).map(|m| read(m.span, &self.question.scenario, episodes)).collect()
     }
 
     /// Everything that matched, whatever the limit.
@@ -145,16 +137,16 @@ impl Serialize for Clips<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut list = serializer.serialize_seq(Some(self.answer.matches.len()))?;
         for m in &self.answer.matches {
-            let clip = read(m.place, &self.answer.question.scenario, &mut self.episodes.borrow_mut());
+            let clip = read(m.span, &self.answer.question.scenario, &mut self.episodes.borrow_mut());
             list.serialize_element(&clip.map_err(S::Error::custom)?)?;
         }
         list.end()
     }
 }
 
-fn read(place: LinePlace, asked: &ScenarioId, episodes: &mut File) -> std::io::Result<MinedClip> {
-    let mut line = vec![0; place.len];
-    episodes.seek(SeekFrom::Start(place.start))?;
+fn read(span: LineSpan, asked: &ScenarioId, episodes: &mut File) -> std::io::Result<MinedClip> {
+    let mut line = vec![0; span.len];
+    episodes.seek(SeekFrom::Start(span.start))?;
     episodes.read_exact(&mut line)?;
     let r: EpisodeRecord = serde_json::from_slice(&line)?;
     Ok(MinedClip {

@@ -12,6 +12,7 @@ use serde::Serialize;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use whyroad_model::ScenarioId;
 use whyroad_model::messages::{
     ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, ScenarioPreLabelMessage,
 };
@@ -190,8 +191,18 @@ impl FinishedEpisodes {
         File::open(&path).map_err(io(&path))
     }
 
+    /// An error of reading what [`Self::open_episodes`] opened.
+    pub fn unreadable(&self, e: std::io::Error) -> MinedWriteError {
+        io(&MinedFile::Episodes.path(&self.dir))(e)
+    }
+
     /// Writes the `mining_result` of a class; of the only question also under a fixed name.
-    pub fn result(&self, class: &str, message: &impl Serialize, only: bool) -> Result<(), MinedWriteError> {
+    pub fn result(
+        &self,
+        class: &ScenarioId,
+        message: &impl Serialize,
+        only: bool,
+    ) -> Result<(), MinedWriteError> {
         json(&MinedFile::Results.path(&self.dir).join(format!("{class}.json")), message)?;
         if only { json(&MinedFile::SingleResult.path(&self.dir), message) } else { Ok(()) }
     }

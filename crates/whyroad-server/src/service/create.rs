@@ -12,16 +12,18 @@ use crate::store::Tx;
 use crate::{secret, values};
 use serde_json::Value;
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
-use whyroad_model::messages::{Causes, CocLabel, EpisodeRecord};
+use whyroad_model::messages::{Causes, CocLabel, EpisodeCursor, EpisodeFilter, EpisodeRecord};
 use whyroad_model::{Bilingual, Drive, Lang, Nanos, SignalTable};
 
 /// Most people on one episode.
 const MOST_OVERLAP: u32 = 10;
-/// Most episodes of one request.
+/// Most episodes that one request may carry. A mined folder, which is read page by page, may hold any number.
 const MOST_EPISODES: usize = 20_000;
+/// Episodes of a mined folder that are in memory at once.
+const EPISODES_PER_PAGE: usize = 500;
 /// Tasks stored together: few enough that nobody's autosave waits long.
 const AT_ONCE: usize = 50;
 /// Seconds of history that Stage I shows at least, and of future that Stage II does (LABELING.md 4 and 6).
@@ -31,7 +33,7 @@ const FUTURE_S: f64 = 6.0;
 /// Makes tasks from episodes. `actor` is unset for the command line.
 pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&str>) -> Answer<Created> {
     let project = app.store.read(|tx| projects::get(tx, project))?;
-    let episodes = episodes(app, request)?;
+    let mut episodes = Episodes::of(app, request)?;
     let overlap = i64::from(request.overlap.unwrap_or(1));
     if !(1..=i64::from(MOST_OVERLAP)).contains(&overlap) {
         return Err(Problem::request(
@@ -47,10 +49,15 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
     let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
     let mut last = LastDrive::default();
-    for episode in &episodes {
+    while let Some(episode) = episodes.next()? {
+        let episode = &episode;
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
-        let full = request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l));
-        let beyond = full || request.per_leaf.is_some_and(|l| *leaf >= l);
+        if request.limit.is_some_and(|l| (chosen + 1) * overlap > i64::from(l)) {
+            // The limit is reached: no later episode can be taken, so none has to be read.
+            out.left_out += 1 + episodes.remaining()?;
+            break;
+        }
+        let beyond = request.per_leaf.is_some_and(|l| *leaf >= l);
         // A moment that no class explains is for the framework's owner, not for a label.
         let known_class = app.framework.taxonomy.contains(&episode.scenario_id);
         if beyond || !known_class || !(episode.is_primary || request.secondary) {
@@ -109,26 +116,83 @@ pub fn put_all(app: &App, rows: &[TaskRow], actor: Option<&str>) -> Answer<u32> 
     rows.chunks(AT_ONCE).try_fold(0, |made, part| Ok(made + put(app, part.to_vec(), actor)?.len() as u32))
 }
 
-fn episodes(app: &App, request: &CreateTasks) -> Answer<Vec<EpisodeRecord>> {
-    let mut all = match (&request.mined, request.episodes.is_empty()) {
-        (Some(name), true) => app.recordings.episodes(name).ok_or_else(Problem::missing)?,
-        (None, false) => request.episodes.clone(),
-        _ => {
-            return Err(Problem::request(
-                "episodes 与 mined 须给出且仅给出其一",
-                "give either episodes or mined",
-            ));
+/// The episodes of a request, drive by drive and each in time: a drive is read once, and the queue shows nobody what comes
+/// before what they saw.
+struct Episodes<'a> {
+    app: &'a App,
+    /// The mined folder; without one, `ready` holds all.
+    mined: Option<&'a str>,
+    ready: VecDeque<EpisodeRecord>,
+    /// Where the folder's next page begins; `None` when there is none.
+    next: Option<EpisodeCursor>,
+    taken: u64,
+}
+
+impl<'a> Episodes<'a> {
+    fn of(app: &'a App, request: &'a CreateTasks) -> Answer<Self> {
+        let mut all = Self { app, mined: request.mined.as_deref(), ready: [].into(), next: None, taken: 0 };
+        match (&request.mined, request.episodes.is_empty()) {
+            // A mined folder is in this order already.
+            (Some(_), true) => all.read()?,
+            (None, false) if request.episodes.len() > MOST_EPISODES => {
+                return Err(Problem::request(
+                    format!("一次请求至多 {MOST_EPISODES} 个事件"),
+                    format!("at most {MOST_EPISODES} episodes in one request"),
+                ));
+            }
+            (None, false) => {
+                let mut sent = request.episodes.clone();
+                sent.sort_by(|a, b| {
+                    (&a.drive_id, a.keyframe.timestamp).cmp(&(&b.drive_id, b.keyframe.timestamp))
+                });
+                all.ready = sent.into();
+            }
+            _ => {
+                return Err(Problem::request(
+                    "episodes 与 mined 须给出且仅给出其一",
+                    "give either episodes or mined",
+                ));
+            }
         }
-    };
-    if all.len() > MOST_EPISODES {
-        return Err(Problem::request(
-            format!("一次请求至多 {MOST_EPISODES} 个事件"),
-            format!("at most {MOST_EPISODES} episodes in one request"),
-        ));
+        Ok(all)
     }
-    // Drive by drive, each in time: a drive is read once, and the queue shows nobody what comes before what they saw.
-    all.sort_by(|a, b| (&a.drive_id, a.keyframe.timestamp).cmp(&(&b.drive_id, b.keyframe.timestamp)));
-    Ok(all)
+
+    fn next(&mut self) -> Answer<Option<EpisodeRecord>> {
+        if self.ready.is_empty() && self.next.is_some() {
+            self.read()?;
+        }
+        let episode = self.ready.pop_front();
+        self.taken += u64::from(episode.is_some());
+        Ok(episode)
+    }
+
+    fn read(&mut self) -> Answer<()> {
+        let Some(name) = self.mined else { return Ok(()) };
+        let page =
+            self.app.recordings.episodes(name, &EpisodeFilter::default(), self.next, EPISODES_PER_PAGE);
+        let page = page.ok_or_else(Problem::missing)?.map_err(unreadable)?;
+        self.ready = page.episodes.into();
+        self.next = page.next;
+        Ok(())
+    }
+
+    /// Episodes that were not taken.
+    fn remaining(&self) -> Answer<u32> {
+        let remaining = match self.mined {
+            None => self.ready.len() as u64,
+            Some(name) => {
+                let all = self.app.recordings.episode_count(name, &EpisodeFilter::default());
+                let all = all.ok_or_else(Problem::missing)?.map_err(unreadable)?;
+                all.saturating_sub(self.taken)
+            }
+        };
+        Ok(u32::try_from(remaining).unwrap_or(u32::MAX))
+    }
+}
+
+/// A mined folder that cannot be read.
+fn unreadable(why: String) -> Problem {
+    Problem::new(422, "mined.unreadable", format!("挖掘结果无法读取：{why}"), why)
 }
 
 fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {

@@ -17,7 +17,7 @@ use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_framework::Framework;
-use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 
@@ -40,7 +40,16 @@ impl Recordings for NoDrives {
     fn mined(&self) -> Vec<String> {
         vec![]
     }
-    fn episodes(&self, _: &str) -> Option<Vec<EpisodeRecord>> {
+    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, String>> {
+        None
+    }
+    fn episodes(
+        &self,
+        _: &str,
+        _: &EpisodeFilter,
+        _: Option<EpisodeCursor>,
+        _: usize,
+    ) -> Option<Result<EpisodePage, String>> {
         None
     }
     fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_model::messages::{
-    CocLabel, CriticalComponent, DrivingDecision, EpisodeRecord, Keyframe, KeyframeType, MatchedCondition,
+    CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord, Keyframe, KeyframeType, MatchedCondition,
     ScenarioLabel, TimeRange,
 };
 use whyroad_model::road_map::{Area, Lane, Point3, StopLine};
@@ -294,8 +294,23 @@ impl Recordings for Recorded {
         vec!["week1".into()]
     }
 
-    fn episodes(&self, name: &str) -> Option<Vec<EpisodeRecord>> {
-        (name == "week1").then(|| vec![episode("drive1", 1, self.future), episode("drive2", 1, self.future)])
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>> {
+        self.episodes(name, filter, None, usize::MAX).map(|page| Ok(page?.episodes.len() as u64))
+    }
+
+    fn episodes(
+        &self,
+        name: &str,
+        filter: &EpisodeFilter,
+        after: Option<EpisodeCursor>,
+        limit: usize,
+    ) -> Option<Result<EpisodePage, String>> {
+        let all = [episode("drive1", 1, self.future), episode("drive2", 1, self.future)];
+        let from = after.map_or(0, |c| c.0 as usize);
+        let mut wanted = (0..).zip(all).skip(from).filter(|(_, e)| filter.accepts(e));
+        let episodes = wanted.by_ref().take(limit).map(|(_, e)| e).collect();
+        let next = wanted.next().map(|(row, _)| EpisodeCursor(row));
+        (name == "week1").then_some(Ok(EpisodePage { episodes, next }))
     }
 
     fn media(&self, _: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {

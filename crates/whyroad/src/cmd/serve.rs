@@ -4,7 +4,7 @@
 mod first_run;
 mod oidc;
 
-use crate::recordings::LakeRecordings;
+use crate::recordings::ServiceRecordings;
 use crate::{Global, output, store_args};
 use anyhow::Context as _;
 use first_run::FirstAccount;
@@ -64,7 +64,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         None => first_run::bundled(global, framework, &args.store.data)?,
     };
     let drives = lake.drive_ids().len();
-    let recordings = Arc::new(LakeRecordings::open(lake, framework, &mined, &args.media)?);
+    let recordings = Arc::new(ServiceRecordings::open(lake, framework, &mined, &args.media)?);
     let store = args.store.open(global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
     app.oidc = oidc;

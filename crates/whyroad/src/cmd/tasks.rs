@@ -1,7 +1,7 @@
 //! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without the
 //! service running (or beside it: the store takes both).
 
-use crate::recordings::LakeRecordings;
+use crate::recordings::ServiceRecordings;
 use crate::store_args::error;
 use crate::{Global, output, store_args};
 use anyhow::{Context as _, anyhow, bail};
@@ -132,8 +132,13 @@ fn service(
     mined: &[PathBuf],
     project: &str,
 ) -> anyhow::Result<(App, String)> {
+<<<<<<< HEAD
     let framework = store_args::framework(global)?;
     let recordings = LakeRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
+=======
+    let framework = store_place::framework(global)?;
+    let recordings = ServiceRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
+>>>>>>> dbefbf3 (wip engine)
     let store = store.open(global.lang)?;
     let app = App::new(store, framework, Arc::new(recordings)).map_err(|p| error(&p, global.lang))?;
     let project = find_or_make(&app, project, global.lang)?;

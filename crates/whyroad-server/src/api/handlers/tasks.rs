@@ -16,6 +16,7 @@ use crate::service::{
     actions, answer, create, history, leases, list as listing, people, projects, queue, seen, tasks,
 };
 use crate::store::Tx;
+use whyroad_model::messages::EpisodeFilter;
 
 /// `GET /projects/{p}/tasks`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -41,7 +42,8 @@ pub fn mined(call: &Call<'_>) -> Answer<Reply> {
         return Err(Problem::forbidden());
     }
     let folder = |name: String| {
-        let episodes = call.app.recordings.episodes(&name).map_or(0, |e| e.len() as u32);
+        let count = call.app.recordings.episode_count(&name, &EpisodeFilter::default());
+        let episodes = count.and_then(Result::ok).map_or(0, |n| u32::try_from(n).unwrap_or(u32::MAX));
         MinedFolder { name, episodes }
     };
     Reply::json(&MinedFolders { items: call.app.recordings.mined().into_iter().map(folder).collect() })

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_label::merge::FieldChange;
-use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, Nanos, SignalTable};
 
@@ -133,7 +133,16 @@ impl Recordings for Counted {
     fn mined(&self) -> Vec<String> {
         vec![]
     }
-    fn episodes(&self, _: &str) -> Option<Vec<EpisodeRecord>> {
+    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, String>> {
+        None
+    }
+    fn episodes(
+        &self,
+        _: &str,
+        _: &EpisodeFilter,
+        _: Option<EpisodeCursor>,
+        _: usize,
+    ) -> Option<Result<EpisodePage, String>> {
         None
     }
     fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {

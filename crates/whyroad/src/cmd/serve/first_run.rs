@@ -6,8 +6,9 @@ use crate::{Global, store_args};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use whyroad_framework::Framework;
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::Lang;
+use whyroad_model::messages::EpisodeFilter;
 use whyroad_server::App;
 use whyroad_server::domain::project::HistoryRule;
 use whyroad_server::domain::task::CreateTasks;
@@ -34,7 +35,7 @@ pub(super) fn bundled(
     let dir = data.join("demo");
     let mined = dir.join("mined");
     let lake = match Lake::open(dir.join("lake")) {
-        Ok(lake) if mined.join("episodes.jsonl").is_file() => lake,
+        Ok(lake) if MinedFolder::open(&mined).is_some_and(|folder| folder.index().is_ok()) => lake,
         _ => {
             match global.lang {
                 Lang::Zh => say!("没有指定数据湖：准备内置的示例行程（只需一次）"),
@@ -46,11 +47,26 @@ pub(super) fn bundled(
     Ok((lake, vec![mined]))
 }
 
-/// Gives a store without any project one, with tasks from the first mined folder, so that there is something to open.
+/// Most episodes of which tasks are made before the service answers.
+const MAX_OFFERED: u64 = 500;
+
+/// Gives a store without any project one, with tasks from the first mined folder, so that there is something to open. A
+/// larger folder is left to `whyroad tasks create`: its drafts would take long, and the service is to start at once.
 pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     let problem = |p| store_args::error(&p, lang);
     let Some(mined) = app.recordings.mined().into_iter().next() else { return Ok(()) };
     if !app.store.read(projects::all).map_err(problem)?.is_empty() {
+        return Ok(());
+    }
+    let episodes = app.recordings.episode_count(&mined, &EpisodeFilter::default());
+    let episodes = episodes.unwrap_or(Ok(0)).map_err(anyhow::Error::msg)?;
+    if episodes > MAX_OFFERED {
+        match lang {
+            Lang::Zh => say!("{mined} 有 {episodes} 个事件：用 `whyroad tasks create` 或在页面中选取并创建任务"),
+            Lang::En => say!(
+                "{mined} has {episodes} episodes: make tasks from those you want with `whyroad tasks create` or in the page"
+            ),
+        }
         return Ok(());
     }
     let mut project = store_args::new_project("demo", lang)?;

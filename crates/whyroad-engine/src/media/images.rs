@@ -1,64 +1,56 @@
-//! Which pictures there are and when each was taken, from a folder with a rate or from a list of times; and whether a file
-//! is a picture that browsers show.
+//! Which images there are and when each was taken, from a folder with a rate or from a list of times; and whether a file
+//! is an image that browsers show.
 
-use anyhow::{Context as _, bail};
+use super::MediaError;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use whyroad_model::{Bilingual, Lang, Nanos};
+use whyroad_model::{Bilingual, Nanos};
 
-/// Largest picture that the service serves.
-const LARGEST: u64 = 32 * 1024 * 1024;
+/// Largest image that the service serves, bytes.
+const MAX_BYTES: u64 = 32 * 1024 * 1024;
 
-/// A picture as it was named, before anybody looked into it.
+/// An image as it was named; the file is not read yet.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Named {
+pub(super) struct NamedImage {
     pub path: PathBuf,
-    /// When it was taken; the text that is no time where the list has such.
+    /// When it was taken; an error holds the text that is not a time.
     pub time: Result<Nanos, String>,
 }
 
-/// The pictures of a folder in the order of their numbers, `step` apart from `start` on.
-pub(super) fn of_folder(dir: &Path, start: Nanos, rate_hz: f64, lang: Lang) -> anyhow::Result<Vec<Named>> {
-    let entries = std::fs::read_dir(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+/// The images of a folder in the order of their numbers, `1 / rate_hz` seconds apart from `start` on.
+pub(super) fn of_folder(dir: &Path, start: Nanos, rate_hz: f64) -> Result<Vec<NamedImage>, MediaError> {
+    let entries = std::fs::read_dir(dir).map_err(MediaError::io(dir))?;
     let mut names: Vec<String> = entries
         .flatten()
         .map(|e| e.file_name().to_string_lossy().into_owned())
-        .filter(|name| !name.starts_with('.') && by_ending(Path::new(name)).is_some())
+        .filter(|name| !name.starts_with('.') && kind_by_extension(Path::new(name)).is_some())
         .collect();
     names.sort_by_cached_key(|name| (natural(name), name.clone()));
     if let Some((before, after)) = gap(&names) {
-        bail!(
-            "{}",
-            Bilingual::new(
-                format!("{before} 与 {after} 之间缺少图片：按固定频率会使其后的图片时间提前；请用 --times 给出时间"),
-                format!(
-                    "pictures are missing between {before} and {after}: at a fixed rate all later ones would be \
-                     shown too early; give their times with --times"
-                ),
-            )
-            .get(lang)
-        );
+        return Err(MediaError::Gap { before: before.to_owned(), after: after.to_owned() });
     }
     let time = |i: usize| Nanos(start.0 + Nanos::from_secs_f64(i as f64 / rate_hz).0);
-    Ok(names.iter().enumerate().map(|(i, name)| Named { path: dir.join(name), time: Ok(time(i)) }).collect())
+    let named = names.iter().enumerate();
+    Ok(named.map(|(i, name)| NamedImage { path: dir.join(name), time: Ok(time(i)) }).collect())
 }
 
-/// The pictures of a list with the columns `name` (from the list's folder) and `time` (ISO 8601, or seconds from `zero`).
-pub(super) fn of_list(list: &Path, zero: Nanos) -> anyhow::Result<Vec<Named>> {
-    let cannot = || format!("cannot read {}", list.display());
-    let mut rows = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(list).with_context(cannot)?;
-    let header = rows.headers().with_context(cannot)?.clone();
+/// The images of a list with the columns `name` (from the list's folder) and `time` (ISO 8601, or seconds from `zero`).
+pub(super) fn of_list(list: &Path, zero: Nanos) -> Result<Vec<NamedImage>, MediaError> {
+    let unreadable = |e: csv::Error| MediaError::List { path: list.to_owned(), reason: e.to_string() };
+    let mut rows = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(list).map_err(unreadable)?;
+    let header = rows.headers().map_err(unreadable)?.clone();
     let column = |name: &str| {
         let found = header.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
-        found.with_context(|| format!("{} has no column '{name}'; it needs name,time", list.display()))
+        let reason = || format!("no column '{name}'; it needs name,time");
+        found.ok_or_else(|| MediaError::List { path: list.to_owned(), reason: reason() })
     };
     let (name, time) = (column("name")?, column("time")?);
     let dir = list.parent().unwrap_or(Path::new(""));
     let one = |row: Result<csv::StringRecord, csv::Error>| {
-        let row = row.with_context(cannot)?;
+        let row = row.map_err(unreadable)?;
         let text = |i: usize| row.get(i).unwrap_or_default();
-        Ok(Named { path: dir.join(text(name)), time: moment(text(time), zero) })
+        Ok(NamedImage { path: dir.join(text(name)), time: moment(text(time), zero) })
     };
     rows.records().map(one).collect()
 }
@@ -70,7 +62,7 @@ fn moment(text: &str, zero: Nanos) -> Result<Nanos, String> {
     Nanos::parse_iso(text).map_err(|_| text.to_owned())
 }
 
-/// Why a file is no picture that can be shown; `Ok` has the ending of its kind.
+/// The extension of an image's kind, by content; why not where a browser cannot show the file.
 pub(super) fn kind(path: &Path) -> Result<&'static str, Bilingual> {
     let unreadable =
         |e: std::io::Error| Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}"));
@@ -78,26 +70,26 @@ pub(super) fn kind(path: &Path) -> Result<&'static str, Bilingual> {
     let file = File::open(path).map_err(unreadable)?;
     let size = file.metadata().map_err(unreadable)?.len();
     file.take(12).read_to_end(&mut head).map_err(unreadable)?;
-    let Some(kind) = by_bytes(&head) else {
+    let Some(kind) = kind_by_content(&head) else {
         return Err(Bilingual::new(
             "不是 JPEG、PNG 或 WebP 图片",
-            "is no JPEG, PNG or WebP picture by its bytes",
+            "is not a JPEG, PNG or WebP file",
         ));
     };
-    if size > LARGEST {
+    if size > MAX_BYTES {
         return Err(Bilingual::new("大于 32 MiB", "is larger than 32 MiB"));
     }
-    // The service tells browsers the kind by the ending.
-    if by_ending(path) != Some(kind) {
+    // The service states the kind by the extension.
+    if kind_by_extension(path) != Some(kind) {
         return Err(Bilingual::new(
             format!("内容是 {kind}，但扩展名不符"),
-            format!("is {kind} by its bytes, its ending says otherwise"),
+            format!("is {kind} by content, its extension says otherwise"),
         ));
     }
     Ok(kind)
 }
 
-fn by_bytes(head: &[u8]) -> Option<&'static str> {
+fn kind_by_content(head: &[u8]) -> Option<&'static str> {
     match head {
         [0xff, 0xd8, 0xff, ..] => Some("jpg"),
         [0x89, b'P', b'N', b'G', 0x0d, 0x0a, 0x1a, 0x0a, ..] => Some("png"),
@@ -106,7 +98,8 @@ fn by_bytes(head: &[u8]) -> Option<&'static str> {
     }
 }
 
-fn by_ending(path: &Path) -> Option<&'static str> {
+/// The kind of an image by the extension of its name; `None` for what browsers do not show.
+pub(crate) fn kind_by_extension(path: &Path) -> Option<&'static str> {
     match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
         "jpg" | "jpeg" => Some("jpg"),
         "png" => Some("png"),
@@ -137,7 +130,7 @@ fn natural(name: &str) -> Vec<(String, u128)> {
     out
 }
 
-/// The neighbours between which numbered pictures are missing: where the step of the last number in their names changes.
+/// The neighbors between which numbered images are missing: where the step of the last number in their names changes.
 fn gap(names: &[String]) -> Option<(&str, &str)> {
     let number = |name: &str| {
         let stem = Path::new(name).file_stem()?.to_str()?;
@@ -155,11 +148,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_are_in_the_order_of_their_numbers_and_none_may_be_missing() {
+    fn images_are_in_the_order_of_their_numbers_and_none_may_be_missing() {
         let dir = tempfile::tempdir().unwrap();
         let put = |name: &str| std::fs::write(dir.path().join(name), "").unwrap();
         ["8.png", "10.png", "9.png", "notes.txt", ".hidden.png"].iter().for_each(|name| put(name));
-        let read = || of_folder(dir.path(), Nanos(1_000), 10.0, Lang::En);
+        let read = || of_folder(dir.path(), Nanos(1_000), 10.0);
         let found = read().unwrap();
         let names: Vec<_> = found.iter().map(|n| n.path.file_name().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["8.png", "9.png", "10.png"]);
@@ -170,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn every_nth_picture_is_no_gap() {
+    fn every_nth_image_is_not_a_gap() {
         let names = |all: &[&str]| all.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
         assert_eq!(gap(&names(&["a-000.jpg", "a-005.jpg", "a-010.jpg"])), None);
         assert_eq!(gap(&names(&["dawn.jpg", "noon.jpg"])), None);
@@ -192,11 +185,11 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_known_by_its_bytes() {
+    fn the_kind_of_an_image_is_known_by_content() {
         // First bytes by ITU T.81 (SOI), PNG 3rd edition 5.2, RFC 9649 2.4.
-        assert_eq!(by_bytes(&[0xff, 0xd8, 0xff, 0xe0]), Some("jpg"));
-        assert_eq!(by_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\r"), Some("png"));
-        assert_eq!(by_bytes(b"RIFF\x10\0\0\0WEBP"), Some("webp"));
-        assert_eq!((by_bytes(b"RIFF\x10\0\0\0WAVE"), by_bytes(b"GIF89a"), by_bytes(b"")), (None, None, None));
+        assert_eq!(kind_by_content(&[0xff, 0xd8, 0xff, 0xe0]), Some("jpg"));
+        assert_eq!(kind_by_content(b"\x89PNG\r\n\x1a\n\0\0\0\r"), Some("png"));
+        assert_eq!(kind_by_content(b"RIFF\x10\0\0\0WEBP"), Some("webp"));
+        assert_eq!((kind_by_content(b"RIFF\x10\0\0\0WAVE"), kind_by_content(b"GIF89a"), kind_by_content(b"")), (None, None, None));
     }
 }

@@ -1,0 +1,247 @@
+//! Camera images beside a log, attached to a drive of a lake, so that the labelling service shows them.
+
+mod images;
+mod location;
+
+pub(crate) use images::kind_by_extension as image_kind_by_extension;
+
+use images::NamedImage;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use whyroad_lake::{Lake, LakeError};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Bilingual, DriveId, Nanos};
+
+/// Images of one camera to attach to a drive.
+#[derive(Clone, Debug)]
+pub struct AddImages {
+    /// The camera; see [`camera_name`].
+    pub camera: String,
+    /// Where the images are.
+    pub source: ImageSource,
+    /// Copy them into the lake; otherwise the lake names where they are.
+    pub copy: bool,
+}
+
+/// Images with their times.
+#[derive(Clone, Debug)]
+pub enum ImageSource {
+    /// A folder of images at a fixed rate, in the order of the numbers in their names.
+    Folder {
+        /// The folder.
+        dir: PathBuf,
+        /// When the first was taken.
+        start: ImageStart,
+        /// Images per second.
+        rate_hz: f64,
+    },
+    /// A CSV file with the columns `name` and `time` (ISO 8601, or seconds from the drive's start).
+    List(PathBuf),
+}
+
+/// When the first image of a folder was taken.
+#[derive(Clone, Copy, Debug)]
+pub enum ImageStart {
+    /// At a time.
+    At(Nanos),
+    /// Seconds after the start of the drive; may be negative.
+    Offset(f64),
+}
+
+/// What was attached.
+#[derive(Clone, Debug)]
+pub struct AddedImages {
+    /// Images that the drive now has of the camera.
+    pub added: usize,
+    /// Images of the camera that it had before.
+    pub replaced: usize,
+    /// Images that cannot be shown, with the reason.
+    pub rejected: Vec<(PathBuf, Bilingual)>,
+    /// The folder of images outside the lake, which the service has to be given.
+    pub outside: Option<PathBuf>,
+}
+
+/// No image was attached; the lake is unchanged.
+#[derive(Debug, thiserror::Error)]
+pub enum MediaError {
+    /// The lake or the drive cannot be read or written.
+    #[error(transparent)]
+    Lake(#[from] LakeError),
+    /// The drive has no frames.
+    #[error("drive '{0}' has no frames")]
+    EmptyDrive(DriveId),
+    /// A file or folder cannot be read or written.
+    #[error("cannot use {}: {source}", .path.display())]
+    Io {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The list cannot be read.
+    #[error("cannot read {}: {reason}", .path.display())]
+    List {
+        /// The list.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// Numbers are missing in a folder with a fixed rate.
+    #[error(
+        "images are missing between {before} and {after}: at a fixed rate all later ones would be shown too early; \
+         give their times with --times"
+    )]
+    Gap {
+        /// The last image before the gap.
+        before: String,
+        /// The first after it.
+        after: String,
+    },
+    /// No image can be shown.
+    #[error(
+        "none of the images can be used ({} rejected); the drive is from {first} to {last}; the lake is unchanged",
+        .rejected.len()
+    )]
+    NothingUsable {
+        /// Start of the drive.
+        first: Nanos,
+        /// Its last frame.
+        last: Nanos,
+        /// All of them, with the reason.
+        rejected: Vec<(PathBuf, Bilingual)>,
+    },
+}
+
+impl MediaError {
+    fn io(path: &Path) -> impl FnOnce(std::io::Error) -> MediaError + '_ {
+        |source| MediaError::Io { path: path.to_owned(), source }
+    }
+
+    /// In both languages.
+    pub fn text(&self) -> Bilingual {
+        let zh = match self {
+            MediaError::Lake(e) => return e.diagnostic().message,
+            MediaError::EmptyDrive(id) => format!("行程“{id}”没有帧"),
+            MediaError::Io { path, source } => format!("无法使用 {}：{source}", path.display()),
+            MediaError::List { path, reason } => format!("无法读取 {}：{reason}", path.display()),
+            MediaError::Gap { before, after } => format!(
+                "{before} 与 {after} 之间缺少图片：按固定频率会使其后的图片时间提前；请用 --times 给出时间"
+            ),
+            MediaError::NothingUsable { first, last, rejected } => format!(
+                "没有可用的图片（{} 张不可用）；行程从 {first} 到 {last}；数据湖未改动",
+                rejected.len()
+            ),
+        };
+        Bilingual::new(zh, self.to_string())
+    }
+}
+
+/// Attaches images to a drive. Those that it had of the same camera are replaced, other cameras stay. Images that cannot
+/// be shown are left out and reported; when all are, nothing is changed.
+pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<AddedImages, MediaError> {
+    let times = lake.outline(id)?.times;
+    let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
+        return Err(MediaError::EmptyDrive(id.clone()));
+    };
+    let named = match &request.source {
+        ImageSource::List(list) => images::of_list(list, first)?,
+        ImageSource::Folder { dir, start, rate_hz } => {
+            let start = match start {
+                ImageStart::At(time) => *time,
+                ImageStart::Offset(seconds) => first + Nanos::from_secs_f64(*seconds),
+            };
+            images::of_folder(dir, start, *rate_hz)?
+        }
+    };
+    let (usable, rejected) = sifted(named, first, last);
+    if usable.is_empty() {
+        return Err(MediaError::NothingUsable { first, last, rejected });
+    }
+    let frames = location::located(lake, id, request, &usable)?;
+    let (own, others): (Vec<MediaFrame>, Vec<MediaFrame>) =
+        lake.media(id)?.into_iter().partition(|m| m.camera == request.camera);
+    let (added, replaced) = (frames.len(), own.len());
+    let is_outside = frames.iter().any(|f| Path::new(&f.uri).is_absolute());
+    lake.write_media(id, &others.into_iter().chain(frames).collect::<Vec<_>>())?;
+    Ok(AddedImages { added, replaced, rejected, outside: is_outside.then(|| location::folder(&usable)) })
+}
+
+/// `text` as the name of a camera, which is also the name of a folder.
+pub fn camera_name(text: &str) -> Result<String, String> {
+    let fine = |c: char| c.is_alphanumeric() || " _-.".contains(c);
+    let safe = !text.is_empty() && text.len() <= 64 && text.chars().all(fine);
+    let expected = "a camera name has 1 to 64 letters, digits, spaces, '_', '-' and '.', and does not begin with '.'";
+    (safe && !text.starts_with('.') && text.trim() == text)
+        .then(|| text.to_owned())
+        .ok_or(expected.to_owned())
+}
+
+/// An image that can be shown.
+struct Image {
+    path: PathBuf,
+    time: Nanos,
+    /// Extension of its kind.
+    kind: &'static str,
+}
+
+/// Those that can be shown, by time; and the others with the reason.
+fn sifted(named: Vec<NamedImage>, first: Nanos, last: Nanos) -> (Vec<Image>, Vec<(PathBuf, Bilingual)>) {
+    let (mut usable, mut rejected) = (Vec::new(), Vec::new());
+    let mut seen = BTreeSet::new();
+    for NamedImage { path, time } in named {
+        match check(&path, time, first, last, &mut seen) {
+            Ok(image) => usable.push(image),
+            Err(why) => rejected.push((path, why)),
+        }
+    }
+    usable.sort_by_key(|p| p.time);
+    (usable, rejected)
+}
+
+fn check(
+    path: &Path,
+    time: Result<Nanos, String>,
+    first: Nanos,
+    last: Nanos,
+    seen: &mut BTreeSet<Nanos>,
+) -> Result<Image, Bilingual> {
+    let time = time.map_err(|text| {
+        Bilingual::new(format!("“{text}”不是时间"), format!("'{text}' is not a time (ISO 8601, or seconds)"))
+    })?;
+    if time < first || time > last {
+        return Err(Bilingual::new(
+            format!("时间 {time} 不在行程内（{first} 至 {last}）"),
+            format!("its time {time} is not within the drive ({first} to {last})"),
+        ));
+    }
+    let kind = images::kind(path)?;
+    let path = path
+        .canonicalize()
+        .map_err(|e| Bilingual::new(format!("无法读取：{e}"), format!("cannot be read: {e}")))?;
+    // The service takes only names that are text.
+    if path.to_str().is_none() {
+        return Err(Bilingual::new("路径不是 UTF-8", "its path is not UTF-8"));
+    }
+    if !seen.insert(time) {
+        return Err(Bilingual::new(
+            format!("时间 {time} 已有图片"),
+            format!("there is an image of {time} already"),
+        ));
+    }
+    Ok(Image { path, time, kind })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_camera_name_is_also_a_folder_name() {
+        for fine in ["front", "front left", "CAM_FRONT", "前视", "cam.0"] {
+            assert_eq!(camera_name(fine).as_deref(), Ok(fine));
+        }
+        for bad in ["", "..", ".hidden", "a/b", "a\\b", " a", &"x".repeat(65)] {
+            assert!(camera_name(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Drives, signals, mined folders and camera images of one lake, as a long-running service needs them: what comes while
+//! it runs is seen at once, and drives in use stay in memory. Knows no HTTP; the binary hands it to the service.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use whyroad_lake::mined::MinedFile;
+use whyroad_lake::{Lake, LakeError, MinedFolder, Stamp};
+use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, SignalTable};
+
+/// Drives kept in memory: people who work at the same time mostly work on the same drives.
+const DRIVES_IN_MEMORY: usize = 12;
+
+/// A folder that was named as one of mining results is not one.
+#[derive(Debug, thiserror::Error)]
+pub enum MinedFolderError {
+    /// No mining results in the folder or directly below it.
+    #[error("{} has no {}; `whyroad mine --out DIR` writes it", .0.display(), MinedFile::Episodes.name())]
+    NoResults(PathBuf),
+    /// The folder cannot be listed.
+    #[error("cannot read {}: {source}", .path.display())]
+    Io {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+}
+
+/// Recordings of one lake.
+pub struct LakeRecordings {
+    lake: Lake,
+    mined: Vec<PathBuf>,
+    media: Vec<PathBuf>,
+    drives: Mutex<VecDeque<CachedDrive>>,
+}
+
+/// A drive in memory, with the stamp that it had on disk before it was read.
+struct CachedDrive {
+    id: DriveId,
+    stamp: Stamp,
+    drive: Arc<Drive>,
+}
+
+impl LakeRecordings {
+    /// Drives of `lake`; `mined` are folders that `whyroad mine` wrote, or folders of such folders; `media` are folders
+    /// with the camera images that the lake names.
+    pub fn open(lake: Lake, mined: &[PathBuf], media: &[PathBuf]) -> Result<Self, MinedFolderError> {
+        for dir in mined {
+            let found = MinedFolder::find(dir)
+                .map_err(|source| MinedFolderError::Io { path: dir.clone(), source })?;
+            if found.is_empty() {
+                return Err(MinedFolderError::NoResults(dir.clone()));
+            }
+        }
+        let own = lake.media_dir();
+        let media = media.iter().chain([&own]).cloned().collect();
+        Ok(Self { lake, mined: mined.to_vec(), media, drives: Mutex::default() })
+    }
+
+    /// A drive.
+    pub fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, LakeError> {
+        let stamp = self.lake.stamp(id)?;
+        if let Some(cached) = self.cache().iter().find(|c| c.id == *id && c.stamp == stamp) {
+            return Ok(Arc::clone(&cached.drive));
+        }
+        let drive = Arc::new(self.lake.read_drive(id)?);
+        let mut cache = self.cache();
+        cache.retain(|c| c.id != *id);
+        cache.push_front(CachedDrive { id: id.clone(), stamp, drive: Arc::clone(&drive) });
+        cache.truncate(DRIVES_IN_MEMORY);
+        Ok(drive)
+    }
+
+    /// Differs whenever the drive on disk was changed; empty for a drive that cannot be read.
+    pub fn version(&self, id: &DriveId) -> String {
+        self.lake.stamp(id).map_or_else(|_| String::new(), |stamp| format!("{stamp:?}"))
+    }
+
+    /// Signals of a drive that may be cut at a keyframe. Never the lake's stored tables: those were derived from the
+    /// whole drive and contain its future.
+    pub fn signals(&self, drive: &Drive) -> SignalTable {
+        whyroad_signals::derive(drive)
+    }
+
+    /// Names of the mined folders, as they are now.
+    pub fn mined(&self) -> Vec<String> {
+        self.folders().into_keys().collect()
+    }
+
+    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name.
+    pub fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, LakeError>> {
+        let folder = self.folders().remove(name)?;
+        Some(folder.index().and_then(|index| index.count(filter)))
+    }
+
+    /// A page of the episodes of a mined folder; `None` for an unknown name.
+    pub fn episodes(
+        &self,
+        name: &str,
+        filter: &EpisodeFilter,
+        after: Option<EpisodeCursor>,
+        limit: usize,
+    ) -> Option<Result<EpisodePage, LakeError>> {
+        let folder = self.folders().remove(name)?;
+        Some(folder.index().and_then(|index| index.page(filter, after, limit)))
+    }
+
+    /// The file of a camera image, where it is on this machine and within a folder that was opened to the service.
+    pub fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
+        crate::media::image_kind_by_extension(Path::new(&frame.uri))?;
+        // As the log names it: from its own folder, or from the folder of all logs.
+        let paths = |root: &PathBuf| [root.join(drive.as_str()).join(&frame.uri), root.join(&frame.uri)];
+        // Looked up each time: the lake's own folder comes with the first `whyroad media add --copy`.
+        let roots: Vec<PathBuf> = self.media.iter().filter_map(|d| d.canonicalize().ok()).collect();
+        let found = roots.iter().flat_map(|root| paths(root).map(|p| (root, p)));
+        // A name with `..` or a link must not lead out of the folder that was opened to the service.
+        found
+            .filter_map(|(root, path)| Some((root, path.canonicalize().ok()?)))
+            .find(|(root, path)| path.starts_with(root) && path.is_file())
+            .map(|(_, path)| path)
+    }
+
+    /// Mined folders by name, as they are now. One that cannot be read at the moment has none.
+    fn folders(&self) -> BTreeMap<String, MinedFolder> {
+        self.mined.iter().filter_map(|dir| MinedFolder::find(dir).ok()).flatten().collect()
+    }
+
+    /// The drives in memory. They stay whole even when a thread that held the lock has died.
+    fn cache(&self) -> MutexGuard<'_, VecDeque<CachedDrive>> {
+        self.drives.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests;
