@@ -170,7 +170,8 @@ pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<Adde
 pub fn camera_name(text: &str) -> Result<String, String> {
     let fine = |c: char| c.is_alphanumeric() || " _-.".contains(c);
     let safe = !text.is_empty() && text.len() <= 64 && text.chars().all(fine);
-    let expected = "a camera name has 1 to 64 letters, digits, spaces, '_', '-' and '.', and does not begin with '.'";
+    let expected =
+        "a camera name has 1 to 64 letters, digits, spaces, '_', '-' and '.', and does not begin with '.'";
     (safe && !text.starts_with('.') && text.trim() == text)
         .then(|| text.to_owned())
         .ok_or(expected.to_owned())

@@ -9,6 +9,7 @@ mod framework_folder;
 mod help;
 mod recordings;
 mod store_args;
+mod text_table;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use std::path::PathBuf;

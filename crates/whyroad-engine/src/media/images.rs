@@ -71,10 +71,7 @@ pub(super) fn kind(path: &Path) -> Result<&'static str, Bilingual> {
     let size = file.metadata().map_err(unreadable)?.len();
     file.take(12).read_to_end(&mut head).map_err(unreadable)?;
     let Some(kind) = kind_by_content(&head) else {
-        return Err(Bilingual::new(
-            "不是 JPEG、PNG 或 WebP 图片",
-            "is not a JPEG, PNG or WebP file",
-        ));
+        return Err(Bilingual::new("不是 JPEG、PNG 或 WebP 图片", "is not a JPEG, PNG or WebP file"));
     };
     if size > MAX_BYTES {
         return Err(Bilingual::new("大于 32 MiB", "is larger than 32 MiB"));
@@ -190,6 +187,9 @@ mod tests {
         assert_eq!(kind_by_content(&[0xff, 0xd8, 0xff, 0xe0]), Some("jpg"));
         assert_eq!(kind_by_content(b"\x89PNG\r\n\x1a\n\0\0\0\r"), Some("png"));
         assert_eq!(kind_by_content(b"RIFF\x10\0\0\0WEBP"), Some("webp"));
-        assert_eq!((kind_by_content(b"RIFF\x10\0\0\0WAVE"), kind_by_content(b"GIF89a"), kind_by_content(b"")), (None, None, None));
+        assert_eq!(
+            (kind_by_content(b"RIFF\x10\0\0\0WAVE"), kind_by_content(b"GIF89a"), kind_by_content(b"")),
+            (None, None, None)
+        );
     }
 }

@@ -93,7 +93,8 @@ impl EpisodeLines {
             format!("该行不是事件记录，已跳过：{e}"),
             format!("this line is not an episode and is ignored: {e}"),
         );
-        let place = Location { line: Some(self.number), column: Some(e.column().max(1)), ..Location::default() };
+        let place =
+            Location { line: Some(self.number), column: Some(e.column().max(1)), ..Location::default() };
         Box::new(
             Diagnostic::error("report.episode.unreadable", message)
                 .with_hint(mine_again())

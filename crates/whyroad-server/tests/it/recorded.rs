@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_model::messages::{
-    CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord, Keyframe, KeyframeType, MatchedCondition,
-    ScenarioLabel, TimeRange,
+    CocLabel, CriticalComponent, DrivingDecision, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
+    Keyframe, KeyframeType, MatchedCondition, ScenarioLabel, TimeRange,
 };
 use whyroad_model::road_map::{Area, Lane, Point3, StopLine};
 use whyroad_model::scene::{

@@ -4,7 +4,7 @@ mod svg;
 mod text;
 
 use super::inspect::drive_of;
-use super::mine::plan::own_rule;
+use super::mine::plan::CustomRule;
 use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
@@ -55,7 +55,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let rule = match (&args.rule, &args.class) {
-        (Some(text), _) => own_rule(text, None, &catalogue)?,
+        (Some(rule), _) => {
+            let custom = CustomRule { rule, name: None, target: None };
+            custom.compile(&catalogue)?.map(|(rule, _)| rule)
+        }
         (None, Some(class)) => rule_of(class, &framework, &catalogue),
         // clap asks for one of them.
         (None, None) => Err(vec![]),

@@ -1,20 +1,24 @@
-//! `whyroad mine`: episodes out of a lake, by the framework's rules, by a rule of one's own or by a JSON query.
+//! `whyroad mine`: episodes out of a lake, by the framework's rules, by a custom rule or by a JSON query.
 
 pub(super) mod plan;
 mod table;
 
-use crate::output::render_text;
+use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
+use plan::{CustomRule, rule_name};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use table::Results;
 use whyroad_engine::mine::{Evaluator, Options, mine_each};
 use whyroad_engine::output::FolderWriter;
 use whyroad_lake::Lake;
+use whyroad_lake::mined::{Existing, MinedWriteError};
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad mine`.
 #[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake to search
     #[arg(long, value_name = "DIR")]
@@ -22,28 +26,47 @@ pub(crate) struct Args {
     /// Only this class (L1, L2 or leaf; full or unambiguous short id); may be repeated
     #[arg(long, value_name = "ID", conflicts_with_all = ["query", "rule"])]
     scenario: Vec<String>,
-    /// A rule in one line (docs/reference/rules.md), or a .yaml file that holds one, instead of the framework's rules
+    /// A custom rule instead of the framework's: its text, or a .yaml file that holds one
     #[arg(long, value_name = "TEXT|FILE", conflicts_with = "query")]
     rule: Option<String>,
-    /// What the target of --rule can be; any object unless said
+    /// Name of the custom rule; its matches are custom.NAME [default: the stem of its file, or rule]
+    #[arg(long, value_name = "NAME", requires = "rule", value_parser = rule_name)]
+    name: Option<String>,
+    /// What the target of --rule can be [default: any]
     #[arg(long, value_name = "KIND", requires = "rule", value_parser = ["vehicle", "large_vehicle", "vru", "any"])]
     target: Option<String>,
     /// A mining_query (JSON) instead of the framework's rules
     #[arg(long, value_name = "FILE")]
     query: Option<PathBuf>,
-    /// At most so many clips in each mining_result, the best scores first; totals stay exact
+    /// Maximum number of clips in each mining_result, the best scores first; totals stay exact
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
-    /// Drives worked on at once; all cores unless said
+    /// Number of drives processed at once [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// fast, or the plain reference that it must equal (keeps nothing)
     #[arg(long, hide = true, default_value = "fast", value_parser = ["fast", "reference"])]
     evaluator: String,
-    /// Folder for the results; made when it is not there
+    /// Folder for the results; created if it does not exist
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Replace results of another question in that folder
+    #[arg(long)]
+    force: bool,
+    /// Also list the classes that some drives cannot answer, with the signals that these drives lack
+    #[arg(long)]
+    missing: bool,
+    /// How to print what was found
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    format: DataFormat,
 }
+
+const EXAMPLES: &str = "\
+Examples:
+  whyroad mine --lake lake --out mined
+  whyroad mine --lake lake --out cutins --scenario cutin --limit 100
+  whyroad mine --lake lake --out close --rule 'target.ttc < 2 s for 0.5 s' --name close
+  whyroad mine --lake lake --out asked --query query.json --format json";
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
@@ -53,7 +76,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     findings.extend(say(framework_folder::placed(dir, faults_of_signals), global.lang));
     let plan = match (&args.query, &args.rule) {
         (Some(file), _) => plan::of_query(file, &framework, &catalogue)?,
-        (None, Some(text)) => plan::of_text(text, args.target.as_deref(), &framework, &catalogue)?,
+        (None, Some(rule)) => {
+            let custom = CustomRule { rule, name: args.name.as_deref(), target: args.target.as_deref() };
+            plan::of_custom(&custom, &framework, &catalogue)?
+        }
         (None, None) => plan::of_rules(&args.scenario, &framework, &catalogue),
     };
     let (mut plan, found) = match plan {
@@ -72,7 +98,6 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let bar = output::progress(lake.drive_ids().len());
     if let Some(limit) = args.limit {
         plan.questions.iter_mut().for_each(|q| q.limit = Some(limit));
     }
@@ -82,7 +107,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         lang: global.lang,
     };
     let classes: Vec<ScenarioId> = plan.rules.rules.iter().map(|r| r.scenario.clone()).collect();
-    let mut folder = FolderWriter::create(&args.out, &plan.questions, &classes)?;
+    let existing = if args.force { Existing::Replace } else { Existing::ReplaceSameQuestion };
+    let folder = FolderWriter::create(&args.out, plan.asked, existing, &plan.questions, &classes);
+    let mut folder = match folder {
+        Err(MinedWriteError::OtherQuestion { dir, .. }) => {
+            say!("{}", other_question(&dir, global.lang));
+            return Ok(output::FINDINGS);
+        }
+        folder => folder?,
+    };
+    let bar = output::progress(lake.drive_ids().len());
     let done = |id: &_| {
         bar.set_message(format!("{id}"));
         bar.inc(1);
@@ -93,7 +127,17 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     // That the lake could not keep something loses nothing of the results.
     let lost = said.iter().any(|d| d.severity == Severity::Error);
     let summary = folder.finish(&framework.taxonomy, plan.searched)?;
-    output::put(&table::table(&summary, &plan.questions, plan.searched, &framework.taxonomy, global.lang));
+    let results = Results {
+        summary: &summary,
+        questions: &plan.questions,
+        searched: plan.searched,
+        taxonomy: &framework.taxonomy,
+        lang: global.lang,
+    };
+    output::put(&match args.format {
+        DataFormat::Text => results.text(args.missing),
+        DataFormat::Json => format!("{:#}\n", results.json()),
+    });
     say!("{}", written(&args.out, global.lang));
     Ok(if lost {
         output::lost_input()
@@ -115,5 +159,18 @@ fn written(out: &Path, lang: Lang) -> String {
     match lang {
         Lang::Zh => format!("结果写入 {}", out.display()),
         Lang::En => format!("results are in {}", out.display()),
+    }
+}
+
+pub(super) fn other_question(dir: &Path, lang: Lang) -> String {
+    let dir = dir.display();
+    match lang {
+        Lang::Zh => format!(
+            "error: {dir} 中是另一次查询的结果，未作改动；请用 --out 指定其他文件夹，或用 --force 覆盖"
+        ),
+        Lang::En => format!(
+            "error: {dir} holds the results of another question and was left unchanged; choose another folder with \
+             --out, or replace them with --force"
+        ),
     }
 }

@@ -132,13 +132,8 @@ fn service(
     mined: &[PathBuf],
     project: &str,
 ) -> anyhow::Result<(App, String)> {
-<<<<<<< HEAD
     let framework = store_args::framework(global)?;
-    let recordings = LakeRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
-=======
-    let framework = store_place::framework(global)?;
     let recordings = ServiceRecordings::open(Lake::open(lake)?, framework, mined, &[])?;
->>>>>>> dbefbf3 (wip engine)
     let store = store.open(global.lang)?;
     let app = App::new(store, framework, Arc::new(recordings)).map_err(|p| error(&p, global.lang))?;
     let project = find_or_make(&app, project, global.lang)?;

@@ -153,7 +153,7 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     let line = format!("--drive {drive} --camera left --times log/times.csv");
     let run = add(at, &line);
     assert_eq!(run.code, 3, "{}{}", run.out, run.err);
-    assert_eq!(run.out, format!("{drive}, camera left: 2 pictures; 0 before replaced, 7 left out\n"));
+    assert_eq!(run.out, format!("{drive}, camera left: 2 images; 0 replaced, 7 rejected\n"));
     for said in [
         "text.jpg: is no JPEG, PNG or WebP",
         "really.jpg: is png by its bytes",
@@ -170,10 +170,7 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     assert_eq!((once[1].time - once[0].time).0, 500_000_000);
 
     // Again, and another camera: each camera's pictures are there once.
-    assert_eq!(
-        add(at, &line).out,
-        format!("{drive}, camera left: 2 pictures; 2 before replaced, 7 left out\n")
-    );
+    assert_eq!(add(at, &line).out, format!("{drive}, camera left: 2 images; 2 replaced, 7 rejected\n"));
     assert_eq!(media_table(at, &drive), once);
     put("times.csv", b"name,time\na.jpg,1\n");
     let other = add(at, &format!("--drive {drive} --camera right --times log/times.csv --copy"));

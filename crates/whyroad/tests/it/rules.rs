@@ -124,8 +124,13 @@ fn a_rule_in_one_line_is_mined() {
     assert!(episodes.contains("\"target_id\":\"cutter\""), "{episodes}");
     // Where to look is told at once: the clip, the moment in it, the target, the measured value.
     assert!(run.out.contains("the best 1 of 1: clip, keyframe, target, score, values"), "{}", run.out);
-    assert!(run.out.contains("multilane-ego_000   16.9 s  cutter"), "{}", run.out);
-    assert!(run.out.contains("1 drives, 1 episodes\n"), "of classes nothing is told: {}", run.out);
+    assert!(run.out.contains("multilane-ego_000  16.9 s  cutter"), "{}", run.out);
+    assert!(
+        run.out.contains("1 drives, 1 episodes (1 primary)\n"),
+        "of classes nothing is reported: {}",
+        run.out
+    );
+    assert!(episodes.contains("\"scenario_id\":\"custom.rule\""), "{episodes}");
     let coverage = std::fs::read_to_string(out.path().join("coverage.json")).unwrap();
     assert!(coverage.contains("\"leaves\": []"), "{coverage}");
     let wrong = mine("target.whel_over_line");
@@ -145,8 +150,16 @@ fn a_rule_file_is_mined_as_its_text_would_be() {
     };
     let (of_file, found) = mine(text(&file), &[]);
     assert_eq!(of_file.code, 0, "{}", of_file.err);
-    let (_, of_text) = mine("target.wheel_over_line and target.ttc < 3 s", &["--target", "vehicle"]);
-    assert!(!found.is_empty() && found == of_text);
+    let line = "target.wheel_over_line and target.ttc < 3 s";
+    // The same folder answers another question only when that is said.
+    let (refused, kept) = mine(line, &["--target", "vehicle", "--name", "mine"]);
+    assert!(refused.code == 1 && kept == found, "{}", refused.err);
+    assert!(refused.err.contains("another question") && refused.err.contains("--force"), "{}", refused.err);
+    let (of_text, replaced) = mine(line, &["--target", "vehicle", "--name", "mine", "--force"]);
+    assert_eq!(of_text.code, 0, "{}", of_text.err);
+    assert!(!found.is_empty() && found == replaced);
+    let episodes = std::fs::read_to_string(out.path().join("episodes.jsonl")).unwrap();
+    assert!(episodes.contains("\"scenario_id\":\"custom.mine\""), "{episodes}");
     let (twice, _) = mine(text(&file), &["--target", "vru"]);
     assert!(twice.code == 1 && twice.err.contains("leave out --target"), "{}", twice.err);
 }

@@ -1,5 +1,6 @@
 //! The table that the demo ends with.
 
+use crate::text_table::{Align, aligned};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -19,7 +20,7 @@ pub(super) fn table(
     lang: Lang,
 ) -> String {
     let head = match lang {
-        Lang::Zh => ["类别", "", "片段", "主要", "示例片段", "关键帧"],
+        Lang::Zh => ["类别", "", "事件", "主要", "示例片段", "关键帧"],
         Lang::En => ["class", "", "episodes", "primary", "example clip", "keyframe"],
     };
     let mut lines: Vec<[String; 6]> = vec![head.map(str::to_owned)];
@@ -43,12 +44,13 @@ pub(super) fn table(
             format!("{:.1} s", example.keyframe.timestamp.seconds_since(start)),
         ]);
     }
-    let mut out = aligned(&lines);
+    let columns = [Align::Left, Align::Left, Align::Right, Align::Right, Align::Left, Align::Right];
+    let mut out = aligned(columns, &lines);
     let c = counts(&rows(taxonomy, coverage));
     let _ = match lang {
         Lang::Zh => writeln!(
             out,
-            "\n{} 类场景：已找到 {}，已搜索未找到 {}，不可观测 {}，尚无规则 {}",
+            "\n{} 个 L3 场景：已找到 {}，已搜索未找到 {}，不可观测 {}，尚无规则 {}",
             c.total(),
             c.found,
             c.not_found,
@@ -95,35 +97,4 @@ pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, lang: Lang) ->
             "report: {page} (open it in a browser); everything else is in {out}\nto look at the clips in the browser and label them: {serve}, then open http://127.0.0.1:8080/"
         ),
     }
-}
-
-/// Columns padded to the widest cell; numbers to the right.
-fn aligned(lines: &[[String; 6]]) -> String {
-    let widths: Vec<usize> =
-        (0..6).map(|c| lines.iter().map(|l| cells(&l[c])).max().unwrap_or_default()).collect();
-    let mut out = String::new();
-    for line in lines {
-        let mut text = String::new();
-        for (column, cell) in line.iter().enumerate() {
-            let pad = " ".repeat(widths[column] - cells(cell));
-            let right = matches!(column, 2 | 3 | 5);
-            let _ = if right { write!(text, "{pad}{cell}  ") } else { write!(text, "{cell}{pad}  ") };
-        }
-        out.push_str(text.trim_end());
-        out.push('\n');
-    }
-    out
-}
-
-/// Terminal cells of a text: Chinese characters and full-width marks take two.
-fn cells(text: &str) -> usize {
-    text.chars()
-        .map(|c| {
-            if matches!(c, '\u{2E80}'..='\u{A4CF}' | '\u{F900}'..='\u{FAFF}' | '\u{FF00}'..='\u{FF60}') {
-                2
-            } else {
-                1
-            }
-        })
-        .sum()
 }

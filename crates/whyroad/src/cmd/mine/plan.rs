@@ -1,16 +1,17 @@
 //! Which rules a run of `whyroad mine` needs, and what it is to answer.
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use std::path::Path;
 use whyroad_engine::output::{Question, Searched};
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
+use whyroad_lake::mined::MiningQuestion;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
+use whyroad_mining::rule::Rule;
 use whyroad_mining::rule::file::{Named, bare_rule};
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
-use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
 
@@ -19,6 +20,8 @@ pub(super) struct Plan {
     pub rules: RuleSet,
     pub questions: Vec<Question>,
     pub searched: Searched,
+    /// What is recorded in the folder.
+    pub asked: MiningQuestion,
 }
 
 pub(super) type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
@@ -43,6 +46,9 @@ pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Cat
         let message = Bilingual::new(format!("{id} 还没有挖掘规则"), format!("{id} has no mining rule yet"));
         found.push(Diagnostic::warning("mine.scenario.no_rule", message));
     }
+    let mut scenarios = classes.clone();
+    scenarios.sort();
+    scenarios.dedup();
     if wanted.is_empty() {
         classes = rules.rules.iter().map(|r| r.scenario.clone()).collect();
     } else if !classes.iter().any(has_rule) {
@@ -50,43 +56,86 @@ pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Cat
     }
     let question = |id: ScenarioId| Question { query_id: format!("rules_{id}"), scenario: id, limit: None };
     let questions = classes.into_iter().map(question).collect();
-    Ok((Plan { rules, questions, searched: Searched::Framework }, found))
+    let asked = MiningQuestion::Framework { scenarios };
+    Ok((Plan { rules, questions, searched: Searched::Framework, asked }, found))
 }
 
-/// A question of the user's own belongs to no class: what it finds is reported as `other`.
-pub(super) fn of_text(
-    text: &str,
-    target: Option<&str>,
+/// A custom rule, as the command line gives it.
+pub(in crate::cmd) struct CustomRule<'a> {
+    /// A text, or the path of a file that holds a `mining:` block.
+    pub rule: &'a str,
+    pub name: Option<&'a str>,
+    pub target: Option<&'a str>,
+}
+
+/// A custom rule belongs to no class of the taxonomy: what it finds is `custom.<name>`.
+pub(super) fn of_custom(
+    custom: &CustomRule<'_>,
     framework: &Framework,
     catalogue: &Catalogue,
 ) -> anyhow::Result<Planned> {
-    let class = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
-    let rule = match own_rule(text, target, catalogue)? {
-        Ok(rule) => rule,
+    let (rule, text) = match custom.compile(catalogue)? {
+        Ok(compiled) => compiled,
         Err(found) => return Ok(Err(found)),
     };
-    let question = Question { query_id: "rule".to_owned(), scenario: class, limit: None };
+    let scenario = rule.scenario.clone();
+    let question = Question { query_id: custom.name(), scenario: scenario.clone(), limit: None };
+    let asked = MiningQuestion::Rule { scenario, rule: text, target: custom.target.map(str::to_owned) };
     let (all, _) = RuleSet::of_framework(framework, catalogue);
     let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
-    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question }, vec![])))
+    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question, asked }, vec![])))
 }
 
-/// The rule of `--rule`: a text, or a file that holds a `mining:` block.
-pub(in crate::cmd) fn own_rule(
-    text: &str,
-    target: Option<&str>,
-    catalogue: &Catalogue,
-) -> anyhow::Result<Result<Rule, Vec<Diagnostic>>> {
-    if !Path::new(text).extension().is_some_and(|e| e == "yaml" || e == "yml") {
-        let class = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
-        let target = target.and_then(Subject::from_word);
-        return Ok(compile_text(text, target, &class, catalogue, "--rule").map_err(|d| vec![*d]));
+/// A rule and its text.
+type Compiled = (Rule, String);
+
+impl CustomRule<'_> {
+    fn is_file(&self) -> bool {
+        Path::new(self.rule).extension().is_some_and(|e| e == "yaml" || e == "yml")
     }
-    if target.is_some() {
-        anyhow::bail!("a rule file says itself what its target is: leave out --target");
+
+    /// Its name: the one given, else the stem of its file, else `rule`.
+    fn name(&self) -> String {
+        match (self.name, Path::new(self.rule).file_stem()) {
+            (Some(name), _) => name.to_owned(),
+            (None, Some(stem)) if self.is_file() => identifier(&stem.to_string_lossy()),
+            _ => "rule".to_owned(),
+        }
     }
-    let content = std::fs::read_to_string(text).with_context(|| format!("cannot read {text}"))?;
-    Ok(bare_rule(Named { name: text, text: &content }, catalogue))
+
+    /// Compiles it.
+    pub(in crate::cmd) fn compile(
+        &self,
+        catalogue: &Catalogue,
+    ) -> anyhow::Result<Result<Compiled, Vec<Diagnostic>>> {
+        let scenario = ScenarioId::custom(&self.name());
+        if !self.is_file() {
+            let target = self.target.and_then(Subject::from_word);
+            let rule = compile_text(self.rule, target, &scenario, catalogue, "--rule");
+            return Ok(rule.map(|rule| (rule, self.rule.to_owned())).map_err(|d| vec![*d]));
+        }
+        if self.target.is_some() {
+            bail!("a rule file states its target itself: leave out --target");
+        }
+        let content =
+            std::fs::read_to_string(self.rule).with_context(|| format!("cannot read {}", self.rule))?;
+        let rule = bare_rule(Named { name: self.rule, text: &content }, catalogue);
+        Ok(rule.map(|rule| (Rule { scenario, ..rule }, content)))
+    }
+}
+
+/// `text` as an identifier: lower case, `_` in place of every other character.
+fn identifier(text: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    let name: String = text.chars().map(letter).collect();
+    if name.starts_with(|c: char| c.is_ascii_lowercase()) { name } else { format!("rule_{name}") }
+}
+
+/// A name that can be part of a class's id.
+pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, String> {
+    (identifier(text) == text && text.len() <= 64)
+        .then(|| text.to_owned())
+        .ok_or("a name has lower-case letters, digits and '_', and begins with a letter".to_owned())
 }
 
 pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue) -> anyhow::Result<Planned> {
@@ -106,7 +155,26 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue
         scenario: query.scenario_id.clone(),
         limit: query.output_limit,
     };
+    let asked = MiningQuestion::Query { query: serde_json::from_str(&text)? };
     let (all, _) = RuleSet::of_framework(framework, catalogue);
     let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
-    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question }, vec![])))
+    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question, asked }, vec![])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_custom_rule_is_named_by_its_option_its_file_or_not_at_all() {
+        let name = |rule, name| CustomRule { rule, name, target: None }.name();
+        assert_eq!(name("rules/Late-Brake.yaml", None), "late_brake");
+        assert_eq!(name("2slow.yml", None), "rule_2slow");
+        assert_eq!(name("rules/Late-Brake.yaml", Some("x")), "x");
+        assert_eq!(name("ego.speed < 1 m/s", None), "rule");
+        assert!(rule_name("late_brake2").is_ok());
+        for bad in ["", "2x", "Late", "a.b", "a b", "迟"] {
+            assert!(rule_name(bad).is_err(), "{bad}");
+        }
+    }
 }

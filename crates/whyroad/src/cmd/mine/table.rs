@@ -1,127 +1,231 @@
-//! What `whyroad mine` prints: what was found by class, and the best matches of a single question.
+//! What `whyroad mine` prints: what was found by class, totals, what could not be observed, and the best matches of a
+//! single question. No line is wider than 120 columns.
 
+use crate::text_table::{Align, aligned, wrapped};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
-use whyroad_engine::output::{Question, Searched, Summary};
+use whyroad_engine::output::{EpisodeExample, Question, Searched, Summary};
 use whyroad_framework::Taxonomy;
-use whyroad_model::messages::{CoverageState, MinedClip};
+use whyroad_framework::taxonomy::Resolution;
+use whyroad_model::messages::{CoverageState, LeafCoverage, MinedClip};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, ScenarioId};
 
-/// What was found, what was searched for in vain, what could not be decided.
-pub(super) fn table(
-    summary: &Summary,
-    questions: &[Question],
-    searched: Searched,
-    taxonomy: &Taxonomy,
-    lang: Lang,
-) -> String {
-    let asked =
-        |id: &ScenarioId| questions.iter().any(|q| id.is_within(&q.scenario) || q.scenario.is_within(id));
-    let mut out = String::new();
-    let head = match lang {
-        Lang::Zh => ["类别", "片段", "主要", "已搜行程", "缺少的信号"],
-        Lang::En => ["class", "episodes", "primary", "drives searched", "missing signals"],
-    };
-    let _ = writeln!(out, "{:<52} {:>8} {:>8} {:>15}  {}", head[0], head[1], head[2], head[3], head[4]);
-    let rows = summary.coverage.unresolved.iter().chain(&summary.coverage.leaves);
-    let mut rows: Vec<_> =
-        rows.filter(|l| l.state != CoverageState::NoRule && asked(&l.scenario_id)).collect();
-    let order = taxonomy.ids();
-    rows.sort_by_key(|l| order.iter().position(|id| *id == l.scenario_id));
-    for l in rows {
-        let mut missing: Vec<&str> =
-            l.gaps.iter().flat_map(|g| g.missing_signals.iter().map(String::as_str)).collect();
-        missing.sort_unstable();
-        missing.dedup();
-        let _ = writeln!(
-            out,
-            "{:<52} {:>8} {:>8} {:>15}  {}",
-            l.scenario_id.to_string(),
-            // "0" would claim that there are none.
-            if l.state == CoverageState::NotObservable { "-".to_owned() } else { l.episodes.to_string() },
-            if l.state == CoverageState::NotObservable {
-                "-".to_owned()
-            } else {
-                l.primary_episodes.to_string()
-            },
-            format!("{}/{}", l.drives_searched, summary.drives),
-            missing.join(", ")
-        );
-    }
-    if searched == Searched::Framework {
-        let _ = writeln!(out, "{}", leaves(summary, lang));
-    } else {
-        let _ = match lang {
-            Lang::Zh => writeln!(out, "{} 个行程，{} 个片段", summary.drives, summary.episodes),
-            Lang::En => writeln!(out, "{} drives, {} episodes", summary.drives, summary.episodes),
-        };
-    }
-    if !summary.best.is_empty() {
-        out.push('\n');
-        best(&mut out, summary, searched, lang);
-    }
-    out
+/// The results of a run.
+pub(super) struct Results<'a> {
+    pub summary: &'a Summary,
+    pub questions: &'a [Question],
+    pub searched: Searched,
+    pub taxonomy: &'a Taxonomy,
+    pub lang: Lang,
 }
 
-fn leaves(summary: &Summary, lang: Lang) -> String {
-    let count = |s: CoverageState| summary.coverage.leaves.iter().filter(|l| l.state == s).count();
-    let (found, none) = (count(CoverageState::Found), count(CoverageState::NotFound));
-    let (blind, without) = (count(CoverageState::NotObservable), count(CoverageState::NoRule));
-    let (drives, episodes) = (summary.drives, summary.episodes);
-    match lang {
-        Lang::Zh => format!(
-            "{drives} 个行程，{episodes} 个片段；叶子类别：找到 {found}，搜索未见 {none}，不可观测 {blind}，尚无规则 {without}"
-        ),
-        Lang::En => format!(
-            "{drives} drives, {episodes} episodes; leaves: {found} found, {none} searched and not found, {blind} not observable, {without} without a rule"
-        ),
+impl Results<'_> {
+    /// For people. `missing`: with the classes that could not be decided everywhere.
+    pub fn text(&self, missing: bool) -> String {
+        let mut out = String::new();
+        let found: Vec<&LeafCoverage> = self.rows(|l| l.state == CoverageState::Found);
+        if !found.is_empty() {
+            out += &self.found(&found);
+            out.push('\n');
+        }
+        out += &wrapped(&self.totals(), 2);
+        let gaps = self.rows(|l| !l.gaps.is_empty());
+        if missing && !gaps.is_empty() {
+            out.push('\n');
+            gaps.iter().for_each(|l| out += &self.gap(l));
+        } else if !gaps.is_empty() {
+            out += &wrapped(&self.not_observable(&gaps), 2);
+        }
+        if !self.summary.best.is_empty() {
+            out.push('\n');
+            self.best(&mut out);
+        }
+        out
     }
-}
 
-/// Where the answer to a single question is to be looked at.
-fn best(out: &mut String, summary: &Summary, searched: Searched, lang: Lang) {
-    let (shown, matched) = (summary.best.len(), summary.matched);
-    let clip_width = summary.best.iter().map(|c| c.clip_id.chars().count()).max().unwrap_or(0).max(4);
-    let target = |c: &MinedClip| c.target_id.clone().unwrap_or_else(|| "-".to_owned());
-    let target_width = summary.best.iter().map(|c| target(c).chars().count()).max().unwrap_or(0).max(6);
-    // A class's rule has conditions by the dozen: `explain` shows them over time.
-    let with_values = searched == Searched::Question;
-    let _ = match (lang, with_values) {
-        (Lang::Zh, true) => {
-            writeln!(out, "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分、关键帧处的值")
-        }
-        (Lang::Zh, false) => {
-            writeln!(out, "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分")
-        }
-        (Lang::En, true) => {
-            writeln!(
-                out,
-                "the best {shown} of {matched}: clip, keyframe, target, score, values at the keyframe"
-            )
-        }
-        (Lang::En, false) => writeln!(out, "the best {shown} of {matched}: clip, keyframe, target, score"),
-    };
-    for c in &summary.best {
-        let seconds = f64::from(c.keyframe_suggestion.frame_idx) / FRAME_RATE_HZ;
-        let class = c.scenario_id.as_ref().map(|id| format!("  {id}")).unwrap_or_default();
-        let values: Vec<String> = c
-            .conditions_matched
-            .iter()
-            .filter(|_| with_values)
-            .map(|m| match &m.actual_value {
-                serde_json::Value::Bool(_) | serde_json::Value::Null => m.condition.clone(),
-                value => {
-                    format!("{} ({})", m.condition, value.as_str().map_or(value.to_string(), str::to_owned))
-                }
+    /// For programs.
+    pub fn json(&self) -> Value {
+        let class = |l: &&LeafCoverage| {
+            let example = self.summary.examples.get(&l.scenario_id);
+            json!({
+                "scenario_id": l.scenario_id,
+                "state": l.state,
+                "episodes": l.episodes,
+                "primary_episodes": l.primary_episodes,
+                "drives_searched": l.drives_searched,
+                "missing_signals": missing(l),
+                "example": example.map(|e| json!({
+                    "clip_id": e.clip_id, "keyframe_s": e.keyframe_s, "score": e.score,
+                })),
             })
-            .collect();
-        let line = format!(
-            "{:<clip_width$}  {seconds:>5.1} s  {:<target_width$}  {:.2}{class}  {}",
-            c.clip_id,
-            target(c),
-            c.match_score,
-            values.join("; ")
-        );
-        let _ = writeln!(out, "{}", line.trim_end());
+        };
+        let classes: Vec<Value> = self.rows(|l| l.state != CoverageState::NoRule).iter().map(class).collect();
+        json!({
+            "drives": self.summary.drives,
+            "episodes": self.summary.episodes,
+            "primary_episodes": self.summary.primary_episodes,
+            "classes": classes,
+            "best": self.summary.best,
+        })
     }
+
+    /// Classes that were asked for, in the order of the taxonomy.
+    fn rows(&self, wanted: impl Fn(&LeafCoverage) -> bool) -> Vec<&LeafCoverage> {
+        let asked = |id: &ScenarioId| {
+            self.questions.iter().any(|q| id.is_within(&q.scenario) || q.scenario.is_within(id))
+        };
+        let coverage = &self.summary.coverage;
+        let all = coverage.unresolved.iter().chain(&coverage.leaves);
+        let mut rows: Vec<_> = all.filter(|l| wanted(l) && asked(&l.scenario_id)).collect();
+        let order = self.taxonomy.ids();
+        let place = |id: &ScenarioId| order.iter().position(|o| o == id).unwrap_or(usize::MAX);
+        rows.sort_by_key(|l| place(&l.scenario_id));
+        rows
+    }
+
+    fn found(&self, rows: &[&LeafCoverage]) -> String {
+        let head = match self.lang {
+            Lang::Zh => ["类别", "事件", "主要", "示例片段", "关键帧"],
+            Lang::En => ["class", "episodes", "primary", "example clip", "keyframe"],
+        };
+        let mut lines = vec![head.map(str::to_owned)];
+        for l in rows {
+            let example = self.summary.examples.get(&l.scenario_id);
+            let at = |e: &EpisodeExample| format!("{:.1} s", e.keyframe_s);
+            lines.push([
+                self.short_id(&l.scenario_id),
+                l.episodes.to_string(),
+                l.primary_episodes.to_string(),
+                example.map(|e| e.clip_id.to_string()).unwrap_or_default(),
+                example.map(at).unwrap_or_default(),
+            ]);
+        }
+        let columns = [Align::Left, Align::Right, Align::Right, Align::Shrink, Align::Right];
+        aligned(columns, &lines)
+    }
+
+    /// `l2.l3` where that names the class, as every command takes it.
+    fn short_id(&self, id: &ScenarioId) -> String {
+        let parts: Vec<&str> = [id.l2.as_deref(), id.l3.as_deref()].into_iter().flatten().collect();
+        let short = parts.join(".");
+        match self.taxonomy.resolve(&short) {
+            Resolution::Found(found) if found == *id => short,
+            _ => id.to_string(),
+        }
+    }
+
+    fn totals(&self) -> String {
+        let s = self.summary;
+        let (drives, episodes, primary) = (s.drives, s.episodes, s.primary_episodes);
+        let totals = match self.lang {
+            Lang::Zh => format!("{drives} 个行程，{episodes} 个事件（主要 {primary}）"),
+            Lang::En => format!("{drives} drives, {episodes} episodes ({primary} primary)"),
+        };
+        if self.searched == Searched::Question {
+            return totals;
+        }
+        let count = |state: CoverageState| s.coverage.leaves.iter().filter(|l| l.state == state).count();
+        let (found, none) = (count(CoverageState::Found), count(CoverageState::NotFound));
+        let (blind, without) = (count(CoverageState::NotObservable), count(CoverageState::NoRule));
+        match self.lang {
+            Lang::Zh => format!(
+                "{totals}；L3 场景：找到 {found}，已搜索未找到 {none}，不可观测 {blind}，尚无规则 {without}"
+            ),
+            Lang::En => format!(
+                "{totals}; leaves: {found} found, {none} searched and not found, {blind} not observable, {without} without a rule"
+            ),
+        }
+    }
+
+    fn not_observable(&self, gaps: &[&LeafCoverage]) -> String {
+        let classes = gaps.len();
+        match self.lang {
+            Lang::Zh => {
+                format!("{classes} 个类别在部分行程上因缺少信号而不可观测；加 --missing 再次运行可列出")
+            }
+            Lang::En => format!(
+                "{classes} classes are not observable on some drives, which lack signals; --missing lists them"
+            ),
+        }
+    }
+
+    fn gap(&self, l: &LeafCoverage) -> String {
+        let (class, searched, drives) =
+            (self.short_id(&l.scenario_id), l.drives_searched, self.summary.drives);
+        let signals = missing(l).join(", ");
+        wrapped(
+            &match self.lang {
+                Lang::Zh => format!("{class}：可观测 {searched}/{drives} 个行程；缺少 {signals}"),
+                Lang::En => {
+                    format!("{class}: observable on {searched} of {drives} drives; missing {signals}")
+                }
+            },
+            4,
+        )
+    }
+
+    /// Where to look for the answer to a single question.
+    fn best(&self, out: &mut String) {
+        let (best, matched) = (&self.summary.best, self.summary.matched);
+        let shown = best.len();
+        // A class's rule has many conditions: `explain` shows them over time.
+        let with_values = self.searched == Searched::Question;
+        let _ = match (self.lang, with_values) {
+            (Lang::Zh, true) => {
+                writeln!(
+                    out,
+                    "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分、关键帧处的值"
+                )
+            }
+            (Lang::Zh, false) => {
+                writeln!(out, "得分最高的 {shown} 个，共 {matched} 个：片段、关键帧、目标、得分")
+            }
+            (Lang::En, true) => {
+                writeln!(
+                    out,
+                    "the best {shown} of {matched}: clip, keyframe, target, score, values at the keyframe"
+                )
+            }
+            (Lang::En, false) => {
+                writeln!(out, "the best {shown} of {matched}: clip, keyframe, target, score")
+            }
+        };
+        let line = |c: &MinedClip| {
+            let seconds = f64::from(c.keyframe_suggestion.frame_idx) / FRAME_RATE_HZ;
+            [
+                c.clip_id.clone(),
+                format!("{seconds:.1} s"),
+                c.target_id.clone().unwrap_or_else(|| "-".to_owned()),
+                format!("{:.2}", c.match_score),
+                c.scenario_id.as_ref().map(|id| self.short_id(id)).unwrap_or_default(),
+            ]
+        };
+        let lines: Vec<[String; 5]> = best.iter().map(line).collect();
+        let columns = [Align::Left, Align::Right, Align::Left, Align::Right, Align::Shrink];
+        let table = aligned(columns, &lines);
+        for (line, clip) in table.lines().zip(best) {
+            let _ = writeln!(out, "{line}");
+            if with_values {
+                let values: Vec<String> = clip.conditions_matched.iter().map(value).collect();
+                out.push_str(&wrapped(&format!("    {}", values.join("; ")), 4));
+            }
+        }
+    }
+}
+
+fn value(m: &whyroad_model::messages::MatchedCondition) -> String {
+    match &m.actual_value {
+        Value::Bool(_) | Value::Null => m.condition.clone(),
+        value => format!("{} ({})", m.condition, value.as_str().map_or(value.to_string(), str::to_owned)),
+    }
+}
+
+/// Signals that some drive lacked for a class, sorted, each once.
+fn missing(l: &LeafCoverage) -> Vec<&str> {
+    let mut out: Vec<&str> =
+        l.gaps.iter().flat_map(|g| g.missing_signals.iter().map(String::as_str)).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
 }

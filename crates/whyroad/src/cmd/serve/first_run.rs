@@ -62,7 +62,9 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     let episodes = episodes.unwrap_or(Ok(0)).map_err(anyhow::Error::msg)?;
     if episodes > MAX_OFFERED {
         match lang {
-            Lang::Zh => say!("{mined} 有 {episodes} 个事件：用 `whyroad tasks create` 或在页面中选取并创建任务"),
+            Lang::Zh => {
+                say!("{mined} 有 {episodes} 个事件：用 `whyroad tasks create` 或在页面中选取并创建任务")
+            }
             Lang::En => say!(
                 "{mined} has {episodes} episodes: make tasks from those you want with `whyroad tasks create` or in the page"
             ),
