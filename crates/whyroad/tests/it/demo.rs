@@ -208,7 +208,7 @@ fn in_chinese_the_demo_speaks_and_drafts_chinese() {
     let dir = tempfile::tempdir().unwrap();
     let run = whyroad(&["demo", "--lang", "zh", "--out", dir.path().to_str().unwrap()]);
     assert_eq!(run.code, 0);
-    assert!(run.out.contains("类场景：已找到") && run.err.contains("个标注草稿"));
+    assert!(run.out.contains("个 L3 场景：已找到") && run.err.contains("个标注草稿"));
     let labels = lines(&dir.path().join("draft_labels.jsonl"));
     assert!(labels.iter().all(|l| l["coc_trace"].as_str().unwrap().starts_with("【草稿】")));
     let page = std::fs::read_to_string(dir.path().join("report.html")).unwrap();

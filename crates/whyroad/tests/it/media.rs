@@ -155,11 +155,11 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     assert_eq!(run.code, 3, "{}{}", run.out, run.err);
     assert_eq!(run.out, format!("{drive}, camera left: 2 images; 0 replaced, 7 rejected\n"));
     for said in [
-        "text.jpg: is no JPEG, PNG or WebP",
-        "really.jpg: is png by its bytes",
+        "text.jpg: is not a JPEG, PNG or WebP",
+        "really.jpg: is png by content",
         "none.jpg: cannot be read",
         "is not within the drive",
-        "'soon' is no time",
+        "'soon' is not a time",
         "already",
     ] {
         assert!(run.err.contains(said), "{said}: {}", run.err);
@@ -183,7 +183,7 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     // Nothing usable: refused, and the lake stays.
     put("times.csv", b"name,time\na.jpg,-1\n");
     let none = add(at, &line);
-    assert!(none.code == 1 && none.err.contains("the lake is as it was"), "{}", none.err);
+    assert!(none.code == 1 && none.err.contains("the lake is unchanged"), "{}", none.err);
     let unknown = add(at, "--drive nowhere --camera left --times log/times.csv");
     assert!(unknown.code == 1 && unknown.err.contains("there is no drive 'nowhere'"), "{}", unknown.err);
     assert_eq!(add(at, &format!("--drive {drive} --camera ../x --times log/times.csv")).code, 2);

@@ -12,6 +12,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
+use whyroad_lake::MinedFolder;
+use whyroad_lake::mined::{Existing, MinedFolderWriter};
 
 /// Episodes that tasks are made from.
 const EPISODES: usize = 8;
@@ -91,14 +93,17 @@ pub fn demo() -> &'static Path {
         let dir = tempfile::tempdir().unwrap();
         // A service without a lake prepares the bundled drives before it listens.
         drop(Service::run(&["--data", dir.path().to_str().unwrap()]));
-        let mined = dir.path().join("demo/mined/episodes.jsonl");
-        let all = std::fs::read_to_string(&mined).unwrap();
-        let primary = all
-            .lines()
-            .filter(|l| l.contains(r#""is_primary":true"#) && !l.contains(r#""scenario_id":"other""#));
-        let few: Vec<&str> = primary.take(EPISODES).collect();
+        let mined = MinedFolder::open(dir.path().join("demo/mined")).unwrap();
+        let all = mined.episodes().unwrap().map(Result::unwrap);
+        let few: Vec<_> =
+            all.filter(|e| e.is_primary && e.scenario_id.l1 != "other").take(EPISODES).collect();
         assert_eq!(few.len(), EPISODES);
-        std::fs::write(&mined, few.join("\n")).unwrap();
+        let question = mined.question().unwrap();
+        let mut fewer = MinedFolderWriter::create(mined.dir(), question, Existing::default()).unwrap();
+        for episode in &few {
+            fewer.episode(episode).unwrap();
+        }
+        fewer.finish().unwrap();
         dir
     });
     static AT: OnceLock<PathBuf> = OnceLock::new();
