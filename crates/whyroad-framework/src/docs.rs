@@ -3,6 +3,7 @@
 
 mod overlaps;
 mod spec_page;
+pub mod wrap;
 
 pub use spec_page::fill_spec_page;
 

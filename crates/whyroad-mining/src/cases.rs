@@ -2,6 +2,7 @@
 //! the rules must find in them. `docs/reference/rules.md` describes the file. They are written by hand; nothing here
 //! knows where signals come from.
 
+pub mod drawing;
 mod table;
 mod trace;
 
@@ -122,7 +123,7 @@ pub fn run_cases(file: &str, text: &str, rules: &RuleSet, catalogue: &Catalogue)
 }
 
 /// Why a case does not hold.
-type Reason = Bilingual;
+pub type Reason = Bilingual;
 
 fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {
     let message = Bilingual::new(

@@ -9,6 +9,7 @@ pub mod other;
 pub mod query;
 mod roles;
 pub mod set;
+pub mod sheet;
 pub mod source;
 pub mod text;
 

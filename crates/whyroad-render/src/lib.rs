@@ -5,4 +5,5 @@
 pub mod birds_eye;
 pub mod markup;
 pub mod plot;
+pub mod traces;
 mod view;

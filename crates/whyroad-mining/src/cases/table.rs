@@ -74,18 +74,18 @@ pub(super) fn table(
     Ok(table)
 }
 
-fn frame_of(t: Nanos) -> usize {
+pub(super) fn frame_of(t: Nanos) -> usize {
     usize::try_from(t.0 / STEP.0).unwrap_or(0)
 }
 
-fn frames(seen: Option<&[String; 2]>, n: usize) -> Result<FrameRange, Reason> {
+pub(super) fn frames(seen: Option<&[String; 2]>, n: usize) -> Result<FrameRange, Reason> {
     match seen {
         Some([from, to]) => Ok(FrameRange::new(frame_of(duration(from)?), frame_of(duration(to)?).min(n))),
         None => Ok(FrameRange::new(0, n)),
     }
 }
 
-fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, Reason> {
+pub(super) fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Result<Column, Reason> {
     let values = trace::expand(segments, n);
     match kind {
         SignalKind::Number(dimension) => {

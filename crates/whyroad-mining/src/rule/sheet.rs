@@ -1,0 +1,109 @@
+//! A rule as written, for people to read: the texts of a `mining:` block after inheritance, with the reason of each
+//! parameter. Nothing is checked here; what is wrong with a rule, [`super::set`] reports.
+
+use super::source::inherit;
+use serde_yaml_ng::Value;
+use whyroad_framework::Framework;
+use whyroad_model::ScenarioId;
+
+/// A parameter of a rule.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Parameter {
+    /// Name in the rule's texts.
+    pub name: String,
+    /// Value with unit.
+    pub value: String,
+    /// Where the value comes from.
+    pub reason: String,
+}
+
+/// The texts of a rule, those of its L2 first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RuleSheet {
+    /// What the target can be; absent in a rule about the ego alone.
+    pub target: Option<String>,
+    /// Names of the objects that the rule binds, with what each can be.
+    pub roles: Vec<(String, String)>,
+    /// Numbers.
+    pub parameters: Vec<Parameter>,
+    /// Named conditions.
+    pub define: Vec<(String, String)>,
+    /// What makes a match.
+    pub when: Vec<String>,
+    /// What must hold at the keyframe.
+    pub require: Vec<String>,
+    /// `min_duration`, `max_duration` and `merge_gap`, where the rule states them.
+    pub durations: Vec<(&'static str, String)>,
+}
+
+impl RuleSheet {
+    /// The rule of a leaf or of an L2; `None` where there is none.
+    pub fn of(framework: &Framework, class: &ScenarioId) -> Option<RuleSheet> {
+        let own = framework.rule(class)?;
+        let l2 = ScenarioId { l3: None, ..class.clone() };
+        let above = class.l3.as_ref().and_then(|_| framework.rule(&l2));
+        Some(Self::read(&inherit(above.map(|r| &r.rule), &own.rule)))
+    }
+
+    fn read(block: &Value) -> RuleSheet {
+        let parameter = |(name, v): (String, &Value)| Parameter {
+            name,
+            value: v.get("value").map(text).unwrap_or_default(),
+            reason: v.get("reason").map(text).unwrap_or_default(),
+        };
+        let named = |key| entries(block.get(key)).map(|(name, v)| (name, text(v))).collect();
+        let durations = ["min_duration", "max_duration", "merge_gap"];
+        RuleSheet {
+            target: block.get("target").map(text),
+            roles: named("roles"),
+            parameters: entries(block.get("parameters")).map(parameter).collect(),
+            define: named("define"),
+            when: list(block.get("when")),
+            require: list(block.get("require")),
+            durations: durations.into_iter().filter_map(|k| Some((k, text(block.get(k)?)))).collect(),
+        }
+    }
+}
+
+fn entries(mapping: Option<&Value>) -> impl Iterator<Item = (String, &Value)> {
+    mapping.and_then(Value::as_mapping).into_iter().flatten().map(|(k, v)| (text(k), v))
+}
+
+fn list(value: Option<&Value>) -> Vec<String> {
+    match value {
+        Some(Value::Sequence(items)) => items.iter().map(text).collect(),
+        Some(one) => vec![text(one)],
+        None => Vec::new(),
+    }
+}
+
+/// The text of a scalar on one line; YAML makes numbers of `3` and `0.1`.
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(s) => s.split_whitespace().collect::<Vec<_>>().join(" "),
+        Value::Number(n) => n.to_string(),
+        Value::Bool(b) => b.to_string(),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leaf_has_the_texts_of_its_l2_and_its_own() {
+        // From scenarios/reactive_agent/cutin.yaml: the L2 states reach and when, urgent its TTC.
+        let leaf = ScenarioId::leaf("reactive_agent", "cutin", "urgent");
+        let sheet = RuleSheet::of(Framework::bundled(), &leaf).unwrap();
+        assert_eq!(sheet.target.as_deref(), Some("vehicle"));
+        let named = |name: &str| sheet.parameters.iter().find(|p| p.name == name).unwrap();
+        assert_eq!(named("reach").value, "50 m");
+        assert_eq!((&*named("urgent_ttc").value, &*named("urgent_ttc").reason), ("3 s", "TAXONOMY.md, cutin.urgent"));
+        assert_eq!(sheet.when, ["over_the_line"]);
+        assert_eq!(sheet.require, ["target.gap >= 0 m", "target.ttc < urgent_ttc"]);
+        assert_eq!(sheet.durations, [("min_duration", "0.2 s".to_owned()), ("merge_gap", "2 s".to_owned())]);
+        assert!(sheet.define.iter().any(|(n, t)| n == "over_the_line" && !t.contains('\n')));
+        assert_eq!(RuleSheet::of(Framework::bundled(), &ScenarioId::leaf("a", "b", "c")), None);
+    }
+}
