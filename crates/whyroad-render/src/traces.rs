@@ -46,7 +46,9 @@ pub struct Row {
 pub fn render(panels: &[Panel]) -> String {
     let height: f64 = panels.iter().map(panel_height).sum();
     let mut m = Markup::new();
-    m.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 ").num(height, 0).raw("\" width=\"760\">");
+    m.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 ")
+        .num(height, 0)
+        .raw("\" width=\"760\">");
     m.raw(
         "<style>text{font:11px sans-serif;fill:#222}.n{font-family:monospace}.t{font-weight:bold}.s{fill:#777;font-size:9px}\
          .a{stroke:#bbb;fill:none}.l{stroke:#1f5fa8;fill:none;stroke-width:1.5}.f{fill:#1f5fa8}.g{stroke:#1f5fa8}.c{fill:#dbe7f5}\
@@ -72,19 +74,32 @@ fn draw(m: &mut Markup, panel: &Panel, top: f64) {
     m.raw("<text class=\"t\" x=\"8\" y=\"").num(top + 15.0, 1).raw("\">").text(&panel.title).raw("</text>\n");
     for &(from, to) in &panel.ranges {
         m.raw("<rect class=\"r\" x=\"").num(x(from), 1).raw("\" y=\"").num(upper, 1);
-        m.raw("\" width=\"").num((x(to) - x(from)).max(1.0), 1).raw("\" height=\"").num(lower - upper, 1).raw("\"/>\n");
+        m.raw("\" width=\"")
+            .num((x(to) - x(from)).max(1.0), 1)
+            .raw("\" height=\"")
+            .num(lower - upper, 1)
+            .raw("\"/>\n");
     }
     for (i, row) in panel.rows.iter().enumerate() {
         draw_row(m, row, upper + ROW * i as f64, &x);
     }
     for &at in &panel.keyframes {
-        m.raw("<path class=\"k\" d=\"M").num(x(at), 1).raw(" ").num(upper - 3.0, 1).raw("V").num(lower, 1).raw("\"/>\n");
+        m.raw("<path class=\"k\" d=\"M")
+            .num(x(at), 1)
+            .raw(" ")
+            .num(upper - 3.0, 1)
+            .raw("V")
+            .num(lower, 1)
+            .raw("\"/>\n");
     }
     m.raw("<path class=\"a\" d=\"M").num(LEFT, 0).raw(" ").num(lower, 1).raw("H").num(RIGHT, 0).raw("\"/>\n");
     let step = [1.0, 2.0, 5.0, 10.0, 20.0].into_iter().find(|s| panel.seconds / s <= 8.0).unwrap_or(60.0);
     let mut at = 0.0;
     while at <= panel.seconds + 1e-9 {
-        m.raw("<text class=\"s\" text-anchor=\"middle\" x=\"").num(x(at), 1).raw("\" y=\"").num(lower + 11.0, 1);
+        m.raw("<text class=\"s\" text-anchor=\"middle\" x=\"")
+            .num(x(at), 1)
+            .raw("\" y=\"")
+            .num(lower + 11.0, 1);
         m.raw("\">").num(at, 0).raw(" s</text>");
         at += step;
     }
@@ -129,33 +144,35 @@ fn block(m: &mut Markup, class: &'static str, (x0, x1): (f64, f64), (y, height):
 }
 
 fn numbers(m: &mut Markup, row: &Row, values: &[f64], top: f64, at: &dyn Fn(usize) -> f64) {
-    let shown = || (row.shown.start..row.shown.end).filter_map(|f| values.get(f).map(|v| (f, v * row.per_base_unit)));
+    let shown =
+        || (row.shown.start..row.shown.end).filter_map(|f| values.get(f).map(|v| (f, v * row.per_base_unit)));
     let finite = || shown().map(|(_, v)| v).filter(|v| v.is_finite());
     let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
     let (head, foot) = (top + 5.0, top + ROW - 5.0);
-    let y = |v: f64| if high > low { foot - (foot - head) * (v - low) / (high - low) } else { (head + foot) / 2.0 };
+    let y = |v: f64| {
+        if high > low { foot - (foot - head) * (v - low) / (high - low) } else { (head + foot) / 2.0 }
+    };
     if low.is_finite() {
         let mut range = number(low, 2);
         if high > low {
             range = format!("{range} … {}", number(high, 2));
         }
-        m.raw("<text class=\"s\" text-anchor=\"end\" x=\"").num(LEFT - 6.0, 0).raw("\" y=\"").num(top + 17.0, 1);
+        m.raw("<text class=\"s\" text-anchor=\"end\" x=\"")
+            .num(LEFT - 6.0, 0)
+            .raw("\" y=\"")
+            .num(top + 17.0, 1);
         m.raw("\">").text(&range).raw(" ").text(&row.unit).raw("</text>");
     }
     // A point where the line changes direction; the others lie on it.
     let mut line = Markup::new();
     let mut pen: Option<(f64, f64)> = None;
     let mut pending: Option<(f64, f64)> = None;
-    let mut endless = Markup::new();
     for (frame, value) in shown().chain([(row.shown.end, f64::NAN)]) {
         if !value.is_finite() {
             if let Some((px, py)) = pending.take() {
                 line.raw("L").num(px, 1).raw(" ").num(py, 1);
             }
             pen = None;
-            if value == f64::INFINITY {
-                endless.raw("M").num(at(frame), 1).raw(" ").num(head - 2.0, 1).raw("H").num(at(frame + 1), 1);
-            }
             continue;
         }
         let point = (at(frame), y(value));
@@ -174,6 +191,18 @@ fn numbers(m: &mut Markup, row: &Row, values: &[f64], top: f64, at: &dyn Fn(usiz
         pending = Some(point);
     }
     m.raw("<path class=\"l\" d=\"").piece(&line).raw("\"/>");
+    let mut endless = Markup::new();
+    for (frames, infinite) in runs(row.shown, |f| values.get(f) == Some(&f64::INFINITY)) {
+        if infinite {
+            endless
+                .raw("M")
+                .num(at(frames.start), 1)
+                .raw(" ")
+                .num(head - 2.0, 1)
+                .raw("H")
+                .num(at(frames.end), 1);
+        }
+    }
     let endless = endless.into_string();
     if !endless.is_empty() {
         m.raw("<path class=\"i\" d=\"").text(&endless).raw("\"><title>∞</title></path>");
@@ -198,7 +227,13 @@ mod tests {
     use super::*;
 
     fn panel(column: Column, n: usize) -> Panel {
-        let row = Row { name: "a<b".into(), unit: "deg".into(), per_base_unit: 2.0, column, shown: FrameRange::new(0, n) };
+        let row = Row {
+            name: "a<b".into(),
+            unit: "deg".into(),
+            per_base_unit: 2.0,
+            column,
+            shown: FrameRange::new(0, n),
+        };
         Panel { title: "1".into(), seconds: n as f64 / RATE, rows: vec![row], ..Panel::default() }
     }
 

@@ -42,7 +42,7 @@ pub fn wrap(text: &str, first: &str, rest: &str) -> String {
 fn pieces(text: &str) -> Vec<(bool, String)> {
     let mut out: Vec<(bool, String)> = Vec::new();
     let (mut piece, mut space) = (String::new(), false);
-    let (mut code, mut brackets) = (false, 0_usize);
+    let (mut code, mut square, mut round) = (false, 0_usize, 0_usize);
     let mut flush = |piece: &mut String, space: &mut bool| {
         if !piece.is_empty() {
             out.push((std::mem::take(space), std::mem::take(piece)));
@@ -51,19 +51,20 @@ fn pieces(text: &str) -> Vec<(bool, String)> {
     for c in text.chars() {
         match c {
             '`' => code = !code,
-            '[' | '(' if !code => brackets += 1,
-            ']' | ')' if !code => brackets = brackets.saturating_sub(1),
+            '[' if !code => square += 1,
+            ']' if !code => square = square.saturating_sub(1),
+            '(' if !code => round += 1,
+            ')' if !code => round = round.saturating_sub(1),
             _ => {}
         }
-        // Inside brackets only a link must stay whole, and a link has no space before its address.
-        if c.is_whitespace() && !code {
+        if c.is_whitespace() && !code && square == 0 {
             flush(&mut piece, &mut space);
             space = true;
             continue;
         }
         piece.push(c);
         let too_long = is_wide(c) && columns(&piece) > WIDTH / 2;
-        if !code && brackets == 0 && (AFTER.contains(c) || too_long) {
+        if !code && square == 0 && round == 0 && (AFTER.contains(c) || too_long) {
             flush(&mut piece, &mut space);
         }
     }
@@ -90,8 +91,8 @@ mod tests {
 
     #[test]
     fn code_and_links_stay_whole() {
-        let text = format!("{} `a b c d` and [link](page.md#here)", "x".repeat(112));
-        assert_eq!(wrap(&text, "", ""), format!("{}\n`a b c d` and [link](page.md#here)", "x".repeat(112)));
+        let text = format!("{} `a b c d` and [a link](page.md#here)", "x".repeat(112));
+        assert_eq!(wrap(&text, "", ""), format!("{}\n`a b c d` and [a link](page.md#here)", "x".repeat(112)));
         assert_eq!(columns("ab中文，"), 8);
     }
 }

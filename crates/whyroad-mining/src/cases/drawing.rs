@@ -57,8 +57,9 @@ pub struct DrawnEpisode {
 
 /// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that cannot be read.
 pub fn drawn(text: &str, rules: &[Rule], catalogue: &Catalogue) -> Result<Vec<DrawnCase>, Reason> {
-    let file: CaseFile = serde_yaml_ng::from_str(text)
-        .map_err(|e| Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}")))?;
+    let file: CaseFile = serde_yaml_ng::from_str(text).map_err(|e| {
+        Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}"))
+    })?;
     let l1 = file.l1.clone().unwrap_or_else(|| OTHER.to_owned());
     let mut out = Vec::new();
     for case in &file.cases {
@@ -85,7 +86,9 @@ fn draw(
     let inherited = base.iter().filter(|(name, _)| !case.signals.contains_key(*name)).map(|x| (x, false));
     for ((name, text), is_own) in own.chain(inherited) {
         let (object, signal) = match name.split_once('.') {
-            Some((object, rest)) if case.objects.contains_key(object) => (Some(object), format!("target.{rest}")),
+            Some((object, rest)) if case.objects.contains_key(object) => {
+                (Some(object), format!("target.{rest}"))
+            }
             _ => (None, name.clone()),
         };
         let Some(def) = catalogue.get(&signal) else { continue };
@@ -146,18 +149,28 @@ mod tests {
         let rules = RuleSet::of_framework(Framework::bundled(), catalogue).0.rules;
         let files = Framework::bundled_files();
         let texts = files.iter().filter(|(name, _)| name.ends_with(".cases.yaml"));
-        let cases: Vec<DrawnCase> = texts.flat_map(|(_, text)| drawn(text, &rules, catalogue).unwrap()).collect();
+        let cases: Vec<DrawnCase> =
+            texts.flat_map(|(_, text)| drawn(text, &rules, catalogue).unwrap()).collect();
         for rule in rules.iter().filter(|r| r.scenario.l3.is_some()) {
             let of_rule: Vec<_> = cases.iter().filter(|c| c.scenario == rule.scenario).collect();
-            assert!(of_rule.iter().any(|c| c.kind == CaseKind::Positive && !c.expect.is_empty()), "{}", rule.scenario);
+            assert!(
+                of_rule.iter().any(|c| c.kind == CaseKind::Positive && !c.expect.is_empty()),
+                "{}",
+                rule.scenario
+            );
             assert!(of_rule.iter().all(|c| c.seconds > 0.0), "{}", rule.scenario);
         }
         // From cutin.cases.yaml, the first case of urgent: keyframe at 5 s in 3 to 6.5 s, the wheel over the line from 5 s on.
-        let urgent = cases.iter().find(|c| c.name == "a car comes in close and the ego closes on it").unwrap();
-        let expected = DrawnEpisode { keyframe: 5.0, start: Some(3.0), end: Some(6.5), second_keyframe: None };
+        let urgent =
+            cases.iter().find(|c| c.name == "a car comes in close and the ego closes on it").unwrap();
+        let expected =
+            DrawnEpisode { keyframe: 5.0, start: Some(3.0), end: Some(6.5), second_keyframe: None };
         assert_eq!((urgent.seconds, urgent.expect.as_slice()), (12.0, [expected].as_slice()));
         let wheel = urgent.traces.iter().find(|t| t.name == "target.wheel_over_line").unwrap();
-        assert_eq!((wheel.column.flag(49), wheel.column.flag(50)), (whyroad_model::Tri::False, whyroad_model::Tri::True));
+        assert_eq!(
+            (wheel.column.flag(49), wheel.column.flag(50)),
+            (whyroad_model::Tri::False, whyroad_model::Tri::True)
+        );
         // Constant in the base, so left out.
         assert!(urgent.traces.iter().all(|t| t.name != "target.speed"));
     }

@@ -99,7 +99,10 @@ mod tests {
         assert_eq!(sheet.target.as_deref(), Some("vehicle"));
         let named = |name: &str| sheet.parameters.iter().find(|p| p.name == name).unwrap();
         assert_eq!(named("reach").value, "50 m");
-        assert_eq!((&*named("urgent_ttc").value, &*named("urgent_ttc").reason), ("3 s", "TAXONOMY.md, cutin.urgent"));
+        assert_eq!(
+            (&*named("urgent_ttc").value, &*named("urgent_ttc").reason),
+            ("3 s", "TAXONOMY.md, cutin.urgent")
+        );
         assert_eq!(sheet.when, ["over_the_line"]);
         assert_eq!(sheet.require, ["target.gap >= 0 m", "target.ttc < urgent_ttc"]);
         assert_eq!(sheet.durations, [("min_duration", "0.2 s".to_owned()), ("merge_gap", "2 s".to_owned())]);

@@ -116,6 +116,6 @@ fn every_code_has_a_page() {
 fn the_page_is_as_the_catalogue_says() {
     let path = format!("{}/../../docs/reference/signals.md", env!("CARGO_MANIFEST_DIR"));
     let written = std::fs::read_to_string(&path).unwrap();
-    let stale = "docs/reference/signals.md is stale: cargo run -p whyroad-signals --example signals_page > docs/reference/signals.md";
+    let stale = "docs/reference/signals.md is stale: run `whyroad taxonomy docs`";
     assert!(written == Catalogue::bundled().page(), "{stale}");
 }

@@ -4,6 +4,7 @@ mod diff;
 mod generate;
 pub(crate) mod lint;
 mod list;
+mod reference;
 mod show;
 
 use crate::Global;
@@ -62,14 +63,15 @@ enum Command {
         #[arg(long, value_enum, default_value = "text")]
         format: DiffFormat,
     },
-    /// Write docs/reference/TAXONOMY.md and the generated parts of docs/reference/SPEC.md
+    /// Write the generated pages of docs/: classes, leaves, signals, labelling tables, diagnostics index
     ///
-    /// A framework folder without a docs/reference/SPEC.md gets none.
+    /// Pages go to docs/ in the framework folder. SPEC.md, the diagnostics index and the book's SUMMARY.md are brought up to
+    /// date only where they exist.
     Docs {
-        /// Write nothing; exit code 1 when the file is not up to date
+        /// Write nothing; exit code 1 when a file is not up to date
         #[arg(long)]
         check: bool,
-        /// Page to write instead of docs/reference/TAXONOMY.md; a SPEC.md beside it is brought up to date too
+        /// Write only the page of all classes, to this file, and bring a SPEC.md beside it up to date
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },

@@ -6,6 +6,7 @@ mod service;
 mod session;
 
 mod demo;
+mod docs;
 mod evaluate;
 mod faults;
 mod imports;

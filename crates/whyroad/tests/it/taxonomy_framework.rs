@@ -150,6 +150,7 @@ fn docs_brings_the_generated_parts_of_a_spec_page_up_to_date() {
     // Without a SPEC.md only the taxonomy's page is written.
     assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
     assert!(docs.join("TAXONOMY.md").is_file() && !docs.join("SPEC.md").exists());
+    assert!(docs.join("signals.md").is_file() && !docs.join("diagnostics.md").exists());
     let ours = std::fs::read_to_string(root().join("docs/reference/SPEC.md")).unwrap();
     std::fs::write(docs.join("SPEC.md"), ours.replacen("`stop_for_regulation`", "`stop_for_rule`", 2))
         .unwrap();
@@ -162,4 +163,39 @@ fn docs_brings_the_generated_parts_of_a_spec_page_up_to_date() {
     let run = whyroad_in(folder.path(), &args(&[]));
     assert_eq!(run.code, 1);
     assert!(run.err.contains("has no line `<!-- generated: longitudinal decisions -->`"), "{}", run.err);
+}
+
+#[test]
+fn docs_writes_a_page_for_every_leaf_and_removes_those_of_none() {
+    let folder = framework(CHANGES);
+    let leaves = folder.path().join("mine/docs/reference/leaves");
+    let args = |last: &'static [&'static str]| [&["--framework", "mine", "taxonomy", "docs"], last].concat();
+    assert_eq!(whyroad_in(folder.path(), &args(&["--check"])).code, 1);
+    assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
+    assert_eq!(whyroad_in(folder.path(), &args(&["--check"])).code, 0);
+    // A page in each language and a drawing for each of the 122 leaves.
+    assert_eq!(std::fs::read_dir(&leaves).unwrap().count(), 3 * 122);
+    let page = |name: &str| std::fs::read_to_string(leaves.join(name)).unwrap();
+    let urgent = page("reactive_agent.cutin.urgent.md");
+    // What CHANGES says, and cutin.cases.yaml and the taxonomy say of this leaf.
+    for text in [
+        "**Required records**: `gap_taken`: gap taken (m)",
+        "| `urgent_ttc` | 4 s | TAXONOMY.md, cutin.urgent |",
+        "| 1 | positive | a car comes in close and the ego closes on it | keyframe 5 s, range 3 to 6.5 s |",
+        "not observable without `target.in_ego_lane`, `target.wheel_over_line`",
+        "| `target.ttc` | s | Time to collision along the path",
+        "[`reactive_agent.cutin.slow`](reactive_agent.cutin.slow.md)",
+        "![Cases of this leaf](reactive_agent.cutin.urgent.svg)",
+    ] {
+        assert!(urgent.contains(text), "{text}\n{urgent}");
+    }
+    assert!(page("reactive_agent.cutin.urgent.zh.md").contains("**必填记录**：`gap_taken`：所占间距 (m)"));
+    assert!(page("reactive_agent.cutin.urgent.svg").contains("target.wheel_over_line"));
+    let old = leaves.join("reactive_agent.cutin.gone.md");
+    std::fs::write(&old, "# gone\n").unwrap();
+    let stale = whyroad_in(folder.path(), &args(&["--check"]));
+    assert_eq!(stale.code, 1);
+    assert!(stale.err.contains("cutin.gone.md is not up to date") && old.is_file(), "{}", stale.err);
+    assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
+    assert!(!old.exists());
 }

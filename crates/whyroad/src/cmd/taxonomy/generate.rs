@@ -1,12 +1,16 @@
 //! `whyroad taxonomy docs` and `whyroad taxonomy schemas`: files generated from the framework.
 
+use super::reference;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use whyroad_framework::Framework;
 use whyroad_framework::docs::{fill_spec_page, taxonomy_page};
 use whyroad_framework::schemas::schemas as all_schemas;
-use whyroad_model::{Bilingual, Diagnostic, diagnostic};
+use whyroad_model::{Bilingual, Diagnostic};
+use whyroad_signals::Catalogue;
 
 /// What to do with a generated text.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -24,10 +28,12 @@ impl Action {
     }
 }
 
-/// Writes the taxonomy page, and the generated parts of the SPEC.md beside it where there is one.
+/// Writes the taxonomy page and the generated parts of the SPEC.md beside it where there is one. Without `out` also the
+/// pages of signals and leaves, and, where the folder has diagnostics pages and a book, their index and the summary.
 pub(super) fn docs(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let page = out.map_or_else(|| root(global).join("docs/reference/TAXONOMY.md"), Path::to_owned);
+    let docs = root(global).join("docs");
+    let page = out.map_or_else(|| docs.join("reference/TAXONOMY.md"), Path::to_owned);
     let spec = page.with_file_name("SPEC.md");
     let mut files = vec![(page, taxonomy_page(&framework))];
     if spec.is_file() {
@@ -36,7 +42,88 @@ pub(super) fn docs(global: &Global, action: Action, out: Option<&Path>) -> anyho
             .map_err(|marker| anyhow!("{} has no line `{marker}`", spec.display()))?;
         files.push((spec, filled));
     }
-    finish(global, action, "whyroad taxonomy docs", &files)
+    let mut extra = Vec::new();
+    if out.is_none() {
+        files.extend(reference_pages(global, &framework, &docs)?);
+        let generated: BTreeSet<&Path> = files.iter().map(|(path, _)| path.as_path()).collect();
+        let old = list(&docs.join("reference/leaves"))?;
+        extra.extend(old.into_iter().filter(|path| !generated.contains(path.as_path())));
+    }
+    let code = finish(global, action, DOCS, &files)?;
+    Ok(if remove(global, action, &extra)? { output::FINDINGS } else { code })
+}
+
+const DOCS: &str = "whyroad taxonomy docs";
+
+/// The pages of signals and leaves, the index of diagnostics, and the book's summary.
+fn reference_pages(
+    global: &Global,
+    framework: &Framework,
+    docs: &Path,
+) -> anyhow::Result<Vec<(PathBuf, String)>> {
+    let texts = match &global.framework {
+        Some(dir) => framework_folder::read_folder(dir)?,
+        None => Framework::bundled_files(),
+    };
+    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    let leaves = reference::leaf_pages(framework, &catalogue, &texts)
+        .map_err(|reason| anyhow!("{}", reason.get(global.lang)))?;
+    let mut files = vec![(docs.join("reference/signals.md"), catalogue.page())];
+    files.extend(leaves.into_iter().map(|(path, text)| (docs.join("reference").join(path), text)));
+    let mut pages = BTreeMap::new();
+    for path in list(&docs.join("diagnostics"))? {
+        if let Some(code) = path.file_name().and_then(|n| n.to_str()).and_then(|n| n.strip_suffix(".md")) {
+            pages.insert(code.to_owned(), read(&path)?);
+        }
+    }
+    if !pages.is_empty() {
+        let index = reference::diagnostics_index(&pages).map_err(|code| {
+            anyhow!("docs/diagnostics/{code}.md does not have the form of the other pages")
+        })?;
+        files.push((docs.join("reference/diagnostics.md"), index));
+    }
+    let summary = docs.join("SUMMARY.md");
+    if summary.is_file() {
+        let filled = reference::fill_summary(&read(&summary)?, framework, &pages)
+            .map_err(|marker| anyhow!("{} has no line `{marker}`", summary.display()))?;
+        files.push((summary, filled));
+    }
+    Ok(files)
+}
+
+/// The files of a folder, sorted; none where it does not exist.
+fn list(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut out = Vec::new();
+    if folder.is_dir() {
+        for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+            out.push(entry?.path());
+        }
+    }
+    out.sort();
+    Ok(out)
+}
+
+/// Deletes generated pages of classes that no longer exist; with `Check` reports them and answers true.
+fn remove(global: &Global, action: Action, files: &[PathBuf]) -> anyhow::Result<bool> {
+    for path in files {
+        let name = path.display();
+        match action {
+            Action::Write => {
+                std::fs::remove_file(path).with_context(|| format!("cannot delete {name}"))?;
+            }
+            Action::Check => stale(global, path, DOCS),
+        }
+    }
+    Ok(action == Action::Check && !files.is_empty())
+}
+
+/// Reports a file that is not what the framework generates.
+fn stale(global: &Global, path: &Path, command: &str) {
+    let name = path.display();
+    let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
+    let hint = Bilingual::new(format!("运行 `{command}`"), format!("run `{command}`"));
+    let d = Diagnostic::error("taxonomy.generated.stale", message).with_hint(hint).in_file(name.to_string());
+    tell!("{}", crate::output::render_text(&d, global.lang));
 }
 
 pub(super) fn schemas(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {
@@ -67,6 +154,10 @@ fn finish(
     let mut code = output::FINE;
     for (path, text) in files {
         let name = path.display();
+        let current = if path.is_file() { read(path)? } else { String::new() };
+        if current == *text {
+            continue;
+        }
         if action == Action::Write {
             if let Some(folder) = path.parent() {
                 std::fs::create_dir_all(folder)
@@ -76,16 +167,8 @@ fn finish(
             say!("{name}");
             continue;
         }
-        let current = if path.is_file() { read(path)? } else { String::new() };
-        if current != *text {
-            let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
-            let hint = Bilingual::new(format!("运行 `{command}`"), format!("run `{command}`"));
-            let d = Diagnostic::error("taxonomy.generated.stale", message)
-                .with_hint(hint)
-                .in_file(name.to_string());
-            tell!("{}", crate::output::render_text(&d, global.lang));
-            code = output::FINDINGS;
-        }
+        stale(global, path, command);
+        code = output::FINDINGS;
     }
     Ok(code)
 }

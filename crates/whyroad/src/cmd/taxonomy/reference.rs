@@ -14,7 +14,8 @@ pub(super) use summary::fill as fill_summary;
 use whyroad_model::{Bilingual, Lang};
 
 /// First line of a generated page.
-const GENERATED: &str = "<!-- Written by `whyroad taxonomy docs` from schema/ and scenarios/. Change those, not this page. -->";
+const GENERATED: &str =
+    "<!-- Written by `whyroad taxonomy docs` from schema/ and scenarios/. Change those, not this page. -->";
 
 /// Ending of a page's file name.
 fn ending(lang: Lang) -> &'static str {

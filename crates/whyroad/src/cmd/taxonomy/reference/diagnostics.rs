@@ -4,7 +4,8 @@ use super::cell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-const HEAD: &str = "<!-- Written by `whyroad taxonomy docs` from docs/diagnostics/. Change those pages, not this one. -->
+const HEAD: &str =
+    "<!-- Written by `whyroad taxonomy docs` from docs/diagnostics/. Change those pages, not this one. -->
 
 # Diagnostics · 诊断代码
 
@@ -40,13 +41,21 @@ pub(in crate::cmd::taxonomy) fn index(pages: &BTreeMap<String, String>) -> Resul
 fn entry(code: &str, text: &str) -> Option<(&'static str, String, String)> {
     let (english, chinese) = text.split_once("\n## 中文\n")?;
     let english = english.strip_prefix(&format!("# {code}\n"))?;
-    let (severity, en, zh) = [("error", "Error. ", "错误。"), ("warning", "Warning. ", "警告。"), ("note", "Note. ", "提示。")]
-        .into_iter()
-        .find_map(|(name, en, zh)| {
-            Some((name, first_paragraph(english, " ").strip_prefix(en)?.to_owned(), first_paragraph(chinese, "").strip_prefix(zh)?.to_owned()))
-        })?;
+    let (severity, en, zh) =
+        [("error", "Error. ", "错误。"), ("warning", "Warning. ", "警告。"), ("note", "Note. ", "提示。")]
+            .into_iter()
+            .find_map(|(name, en, zh)| {
+                Some((
+                    name,
+                    first_paragraph(english, " ").strip_prefix(en)?.to_owned(),
+                    first_paragraph(chinese, "").strip_prefix(zh)?.to_owned(),
+                ))
+            })?;
     // A dot inside a file name or id is no end: a sentence ends before a space, or with the paragraph.
-    let end = en.match_indices(". ").find(|(i, _)| en[..*i].matches('`').count() % 2 == 0).map_or(en.len(), |(i, _)| i + 1);
+    let end = en
+        .match_indices(". ")
+        .find(|(i, _)| en[..*i].matches('`').count() % 2 == 0)
+        .map_or(en.len(), |(i, _)| i + 1);
     let end_zh = zh.find('。').map_or(zh.len(), |i| i + '。'.len_utf8());
     Some((severity, en[..end].to_owned(), zh[..end_zh].to_owned()))
 }
@@ -66,7 +75,9 @@ mod tests {
         let page = "# a.b\n\nWarning. The file `x. y` of v1.2 is\nodd. More.\n\n```\nx\n```\n\n## 中文\n\n警告。文件有误。更多。\n";
         let pages = BTreeMap::from([("a.b".to_owned(), page.to_owned())]);
         let index = index(&pages).unwrap();
-        assert!(index.contains("| [a.b](../diagnostics/a.b.md) | warning | The file `x. y` of v1.2 is odd. | 文件有误。 |"));
+        assert!(index.contains(
+            "| [a.b](../diagnostics/a.b.md) | warning | The file `x. y` of v1.2 is odd. | 文件有误。 |"
+        ));
         let odd = BTreeMap::from([("a.b".to_owned(), page.replace("Warning. ", ""))]);
         assert_eq!(super::index(&odd), Err("a.b".to_owned()));
     }

@@ -30,7 +30,8 @@ pub(super) fn page(s: &Sources<'_>, (l1, l2, l3): (&L1, &L2, &L3), lang: Lang) -
     p.heading("Definition", "定义");
     p.paragraph(l3.definition.get(lang));
     p.field("Condition", "条件", l3.condition.get(lang));
-    let observable = if l3.mining_conditions.is_empty() { &l2.mining_conditions } else { &l3.mining_conditions };
+    let observable =
+        if l3.mining_conditions.is_empty() { &l2.mining_conditions } else { &l3.mining_conditions };
     if !observable.is_empty() {
         let each: Vec<&str> = observable.iter().map(|m| m.get(lang)).collect();
         p.field("Observable conditions", "可观测条件", &each.join(say(lang, "; ", "；")));
@@ -90,7 +91,8 @@ impl Page<'_> {
         for (name, k) in keyframes.into_iter().filter_map(|(name, k)| Some((name, k?))) {
             self.moment(&format!("{name} (`{}`)", k.kind), &k.rule, k.expr.as_deref(), k.fallback.as_ref());
         }
-        for (name, b) in [(self.say("start", "起始"), &spec.start), (self.say("end", "结束"), &spec.end)] {
+        for (name, b) in [(self.say("start", "起始"), &spec.start), (self.say("end", "结束"), &spec.end)]
+        {
             self.moment(name, &b.rule, b.expr.as_deref(), b.fallback.as_ref());
         }
         self.out.push('\n');
@@ -104,10 +106,14 @@ impl Page<'_> {
             let _ = write!(context, "{}{rule}", self.say("; ends sooner if ", "；提前截止于："));
         }
         self.field("Context", "上下文", &context);
-        let records: Vec<String> = spec.records.iter().map(|r| {
-            let unit = r.unit.as_ref().map(|u| format!(" ({u})")).unwrap_or_default();
-            format!("`{}`{}{}{unit}", r.id, self.say(": ", "："), r.name.get(self.lang))
-        }).collect();
+        let records: Vec<String> = spec
+            .records
+            .iter()
+            .map(|r| {
+                let unit = r.unit.as_ref().map(|u| format!(" ({u})")).unwrap_or_default();
+                format!("`{}`{}{}{unit}", r.id, self.say(": ", "："), r.name.get(self.lang))
+            })
+            .collect();
         if !records.is_empty() {
             self.field("Required records", "必填记录", &records.join(self.say("; ", "；")));
         }
@@ -162,7 +168,10 @@ impl Page<'_> {
             return;
         }
         self.heading("Parameters", "参数");
-        let head = self.say("| name | value | reason |\n|---|---|---|\n", "| 名称 | 取值 | 理由（原文） |\n|---|---|---|\n");
+        let head = self.say(
+            "| name | value | reason |\n|---|---|---|\n",
+            "| 名称 | 取值 | 理由（原文） |\n|---|---|---|\n",
+        );
         self.out.push_str(head);
         for p in &sheet.parameters {
             let _ = writeln!(self.out, "| `{}` | {} | {} |", p.name, cell(&p.value), cell(&p.reason));
@@ -229,7 +238,8 @@ impl Page<'_> {
             "检验规则的手写信号轨迹。每种取第一个画出：底色为应得的时间范围，红线为关键帧，空白为未知，虚线为无穷大；不变的信号从略。用例名称为英文原文。",
         );
         self.paragraph(text);
-        let _ = write!(self.out, "![{}]({}.svg)\n\n", self.say("Cases of this leaf", "该场景的用例"), self.id);
+        let _ =
+            write!(self.out, "![{}]({}.svg)\n\n", self.say("Cases of this leaf", "该场景的用例"), self.id);
         let table = cases.table(self.lang);
         self.out.push_str(&table);
         self.out.push('\n');

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use whyroad_framework::Framework;
 
-const END: &str = "<!-- end generated -->";
+/// Markers are indented, so that they stay inside the list item above them.
+const END: &str = "  <!-- end generated -->";
 
 /// `summary` with its lists brought up to date, or the marker that it lacks.
 pub(in crate::cmd::taxonomy) fn fill(
@@ -14,9 +15,9 @@ pub(in crate::cmd::taxonomy) fn fill(
 ) -> Result<String, String> {
     let mut out = summary.to_owned();
     for (name, list) in [("leaves", leaves(framework)), ("diagnostics", codes(diagnostics))] {
-        let marker = format!("<!-- generated: {name} -->\n");
+        let marker = format!("  <!-- generated: {name} -->\n");
         let start = out.find(&marker).ok_or_else(|| marker.trim().to_owned())? + marker.len();
-        let end = out[start..].find(END).ok_or_else(|| END.to_owned())? + start;
+        let end = out[start..].find(END).ok_or_else(|| END.trim().to_owned())? + start;
         out.replace_range(start..end, &list);
     }
     Ok(out)

@@ -1,6 +1,5 @@
 //! The book in `docs/`: `SUMMARY.md` lists every page, every link resolves, and guides come in both languages.
 //! What is checked is the text itself, so neither mdBook nor a network is needed.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
