@@ -132,8 +132,8 @@ fn nothing_found(path: &str, adapters: &[AdapterRef]) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new(
-        "docs/how-to/ingest.zh.md 说明各格式需要哪些文件",
-        "docs/how-to/ingest.md says which files each format needs",
+        "docs/reference/formats.zh.md 说明各格式需要哪些文件",
+        "docs/reference/formats.md says which files each format needs",
     ))
     .in_file(path)
 }

@@ -15,7 +15,7 @@ use whyroad_report::mined;
 /// Arguments of `whyroad evaluate`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Truth, JSON Lines (docs/how-to/evaluate.md); may be given several times
+    /// Truth, JSON Lines (docs/reference/evaluation.md); may be given several times
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     truth: Vec<PathBuf>,
     /// Folder that `whyroad mine` wrote

@@ -148,7 +148,7 @@ fn the_summary_lists_every_page_once() {
 #[test]
 fn pages_that_people_work_by_are_in_both_languages() {
     let docs = root().join("docs");
-    for folder in ["how-to"] {
+    for folder in ["tutorial", "how-to"] {
         let pages = markdown(&[&format!("docs/{folder}")]);
         assert!(!pages.is_empty(), "{folder}");
         for page in pages {

@@ -17,8 +17,8 @@ pub(crate) const CODES: &[&str] = &[
 
 fn look() -> Bilingual {
     Bilingual::new(
-        "docs/how-to/ingest.zh.md 的 mcap 一节说明映射文件",
-        "the section mcap of docs/how-to/ingest.md describes the mapping file",
+        "docs/reference/formats.zh.md 的 mcap 一节说明映射文件",
+        "the section mcap of docs/reference/formats.md describes the mapping file",
     )
 }
 

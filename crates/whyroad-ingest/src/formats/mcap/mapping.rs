@@ -1,5 +1,5 @@
 //! Which topic is what: from the user's mapping file (`--mapping FILE`), else from the message types that have one
-//! meaning everywhere. The mapping file is documented in `docs/how-to/ingest.md`.
+//! meaning everywhere. The mapping file is documented in `docs/reference/formats.md`.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;

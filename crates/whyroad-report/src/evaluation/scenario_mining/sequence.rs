@@ -87,8 +87,8 @@ pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
                     ),
                 )
                 .with_hint(Bilingual::new(
-                    "格式见 docs/how-to/evaluate.zh.md",
-                    "the format is in docs/how-to/evaluate.md",
+                    "格式见 docs/reference/evaluation.zh.md",
+                    "the format is in docs/reference/evaluation.md",
                 ))
                 .at(Location { line: Some(i + 1), column: Some(e.column().max(1)), ..Location::default() })
                 .in_file(file),
