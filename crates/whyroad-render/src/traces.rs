@@ -1,7 +1,8 @@
 //! Signals over time as a self-contained SVG file: one panel per case, one row per signal, the expected time range
 //! shaded and keyframes marked. Unknown is a gap, infinite a dotted line at the top.
 
-use crate::markup::{Markup, number};
+use crate::markup::Markup;
+use whyroad_model::display::number;
 use whyroad_model::{Column, FrameRange, Tri};
 
 /// Frames a second of what is drawn.

@@ -5,6 +5,7 @@ use super::trace::{segments, time};
 use super::{CaseFile, CaseKind, CaseText, Reason};
 use crate::rule::{OTHER, Rule};
 use std::collections::BTreeMap;
+use whyroad_model::units::Unit;
 use whyroad_model::{Bilingual, Column, FrameRange, ScenarioId};
 use whyroad_signals::Catalogue;
 
@@ -34,8 +35,8 @@ pub struct DrawnCase {
 pub struct DrawnTrace {
     /// As written: `target.gap`, or `obstacle.gap` of another object.
     pub name: String,
-    /// Unit of the catalogue; empty for flags, categories and pure numbers.
-    pub unit: String,
+    /// Unit of the catalogue; none for flags, categories and pure numbers.
+    pub unit: Option<&'static Unit>,
     /// 10 Hz from the start of the case, numbers in base units.
     pub column: Column,
     /// The frames in which its object is seen; all of them for signals of the ego and the road.
@@ -103,12 +104,8 @@ fn draw(
         };
         let parts = segments(text)?;
         let constant = parts.len() == 1 && !text.contains(" to ");
-        let trace = DrawnTrace {
-            name: name.clone(),
-            unit: def.unit.clone(),
-            column: column(&parts, &def.kind, n)?,
-            seen,
-        };
+        let trace =
+            DrawnTrace { name: name.clone(), unit: def.unit, column: column(&parts, &def.kind, n)?, seen };
         if is_own {
             stated.push(trace);
         } else if !constant {

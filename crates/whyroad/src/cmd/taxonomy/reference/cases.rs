@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use whyroad_mining::cases::CaseKind;
 use whyroad_mining::cases::drawing::{DrawnCase, DrawnEpisode, DrawnTrace};
-use whyroad_model::units::Unit;
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_render::traces::{Panel, Row, render};
 
@@ -96,11 +95,10 @@ fn panel(number: usize, case: &DrawnCase) -> Panel {
 }
 
 fn row(trace: &DrawnTrace) -> Row {
-    let per_base_unit = Unit::parse(&trace.unit).map_or(1.0, |u| 1.0 / u.to_base);
     Row {
         name: trace.name.clone(),
-        unit: trace.unit.clone(),
-        per_base_unit,
+        unit: trace.unit.map_or("", |u| u.symbol).to_owned(),
+        per_base_unit: trace.unit.map_or(1.0, |u| 1.0 / u.to_base),
         column: trace.column.clone(),
         shown: trace.seen,
     }

@@ -8,8 +8,7 @@ use whyroad_framework::docs::wrap::wrap;
 use whyroad_framework::spec::MomentSpec;
 use whyroad_framework::{L1, L2, L3, ResolvedSpec};
 use whyroad_mining::rule::sheet::RuleSheet;
-use whyroad_model::names::missing_name;
-use whyroad_model::{Bilingual, Lang, ScenarioId};
+use whyroad_model::{Bilingual, Lang, Need, ScenarioId};
 
 pub(super) fn page(s: &Sources<'_>, (l1, l2, l3): (&L1, &L2, &L3), lang: Lang) -> String {
     let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
@@ -219,11 +218,10 @@ impl Page<'_> {
         self.out.push_str(head);
         for name in rule.signals() {
             let Some(def) = self.s.catalogue.get(&name) else { continue };
-            let log: Vec<String> =
-                def.needs.iter().map(|n| missing_name(n).get(self.lang).to_owned()).collect();
+            let log = Need::list(&def.needs, self.lang);
             let needed = if needs.contains(&name) { self.say("needed", "必需") } else { "" };
-            let (meaning, log) = (cell(def.meaning.get(self.lang)), log.join(self.say(", ", "、")));
-            let _ = writeln!(self.out, "| `{name}` | {} | {meaning} | {log} | {needed} |", def.unit);
+            let (meaning, unit) = (cell(def.meaning.get(self.lang)), def.unit_symbol());
+            let _ = writeln!(self.out, "| `{name}` | {unit} | {meaning} | {log} | {needed} |");
         }
         self.out.push('\n');
     }
