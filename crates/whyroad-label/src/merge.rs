@@ -10,6 +10,9 @@ use whyroad_model::Bilingual;
 pub const MAX_DRAFT: usize = 256 * 1024;
 /// Deepest nesting of a draft. A label needs five; what is nested beyond 128 could be stored but never be read again.
 pub const MAX_DEPTH: usize = 32;
+/// Maximum number of values in a draft, lists and objects included. A label has some hundred; checking takes a time that
+/// grows with them.
+pub const MAX_VALUES: usize = 5_000;
 /// Maximum number of changes in one request.
 pub const MAX_CHANGES: usize = 100;
 
@@ -53,6 +56,9 @@ pub enum DraftError {
     /// Nested deeper than [`MAX_DEPTH`].
     #[error("the draft is nested more than {MAX_DEPTH} levels deep")]
     TooDeep,
+    /// More values than [`MAX_VALUES`].
+    #[error("the draft has more than {MAX_VALUES} values")]
+    TooMany,
 }
 
 impl DraftError {
@@ -62,6 +68,7 @@ impl DraftError {
             Self::NotAPath(_) | Self::NoField(_) => "draft.path",
             Self::TooLarge => "draft.too_large",
             Self::TooDeep => "draft.too_deep",
+            Self::TooMany => "draft.too_many",
         }
     }
 
@@ -72,6 +79,7 @@ impl DraftError {
             Self::NoField(path) => format!("路径 {path} 处没有字段"),
             Self::TooLarge => "草稿过大".to_owned(),
             Self::TooDeep => format!("草稿嵌套超过 {MAX_DEPTH} 层"),
+            Self::TooMany => format!("草稿中的值超过 {MAX_VALUES} 个"),
         };
         Bilingual::new(zh, self.to_string())
     }
@@ -127,6 +135,9 @@ pub fn bounded(draft: &Value) -> Result<(), DraftError> {
     if depth(draft) > MAX_DEPTH {
         return Err(DraftError::TooDeep);
     }
+    if values(draft) > MAX_VALUES {
+        return Err(DraftError::TooMany);
+    }
     Ok(())
 }
 
@@ -138,6 +149,35 @@ fn depth(value: &Value) -> usize {
         Value::Object(fields) => 1 + fields.values().map(depth).max().unwrap_or(0),
         _ => 0,
     }
+}
+
+/// Number of values, lists and objects included.
+fn values(value: &Value) -> usize {
+    match value {
+        Value::Array(items) => 1 + items.iter().map(values).sum::<usize>(),
+        Value::Object(fields) => 1 + fields.values().map(values).sum::<usize>(),
+        _ => 1,
+    }
+}
+
+/// Refuses a path that is written in another way than the one under which conflicts are looked for: with empty parts, with
+/// numbers such as `00` or `+1`, with a `~` that escapes nothing. For changes that come in; those of an older history stay
+/// readable.
+pub fn canonical(path: &str) -> Result<(), DraftError> {
+    let number = |p: &str| {
+        let digits = p.strip_prefix('+').unwrap_or(p);
+        !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())
+    };
+    let odd = |p: &str| {
+        let escapes = p.split('~').skip(1).any(|rest| !rest.starts_with(['0', '1']));
+        p.is_empty()
+            || escapes
+            || (number(p) && p != "0" && !p.starts_with(|c: char| ('1'..='9').contains(&c)))
+    };
+    if parts(path)?.is_empty() || path.split('/').skip(1).any(odd) {
+        return Err(DraftError::NotAPath(path.to_owned()));
+    }
+    Ok(())
 }
 
 fn parts(path: &str) -> Result<Vec<String>, DraftError> {

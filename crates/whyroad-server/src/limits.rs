@@ -42,54 +42,77 @@ fn keys(name: &str, address: &str) -> [(String, u32); 2] {
 
 /// A wait in ms as an answer.
 fn admitted(wait: i64) -> Answer<()> {
-    if wait == 0 {
-        return Ok(());
-    }
+    if wait == 0 { Ok(()) } else { Err(must_wait(wait)) }
+}
+
+fn must_wait(wait: i64) -> Problem {
     let seconds = (wait + 999) / 1000;
-    Err(Problem::new(
+    Problem::new(
         429,
         "session.wait",
         format!("失败次数过多，请 {seconds} 秒后再试"),
         format!("too many failures: try again in {seconds} s"),
     )
-    .with(json!({ "retry_after_s": seconds })))
+    .with(json!({ "retry_after_s": seconds }))
+}
+
+/// How long `key` has to wait, ms. A clock that was set back must not lock anybody out for longer than the wait itself.
+fn wait(failures: &HashMap<String, Failures>, key: &str, free: u32, now: i64) -> i64 {
+    failures.get(key).map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
+}
+
+/// A sign-in that is being tried. It counts as a failure from its beginning, so that many at once are counted like one after
+/// another; only what [`Attempt::succeeded`] or [`Attempt::forgiven`] takes back does not stay.
+#[must_use = "a sign-in that is dropped counts as failed"]
+pub struct Attempt<'l> {
+    limits: &'l Limits,
+    keys: Vec<String>,
+}
+
+impl Attempt<'_> {
+    /// Takes it back: the fault was not the caller's.
+    pub fn forgiven(self) {
+        let Ok(mut failures) = self.limits.failures.lock() else { return };
+        for key in &self.keys {
+            if let Some(f) = failures.get_mut(key) {
+                f.count = f.count.saturating_sub(1);
+            }
+        }
+        failures.retain(|_, f| f.count > 0);
+    }
+
+    /// Forgets the failures of the name. Those of the address stay: one good password must not free the guessing of others.
+    pub fn succeeded(self) {
+        if let (Ok(mut failures), Some(name)) = (self.limits.failures.lock(), self.keys.first()) {
+            failures.remove(name);
+        }
+        self.forgiven();
+    }
 }
 
 impl Limits {
-    /// Lets a sign-in be tried, or says how long to wait.
-    pub fn admit(&self, name: &str, address: &str, now: i64) -> Answer<()> {
-        let wait =
-            keys(name, address).iter().map(|(key, free)| self.wait(key, *free, now)).max().unwrap_or(0);
-        admitted(wait)
+    /// Begins a sign-in, or says how long to wait.
+    pub fn begin(&self, name: &str, address: &str, now: i64) -> Answer<Attempt<'_>> {
+        self.count(&keys(name, address), now)
     }
 
-    fn wait(&self, key: &str, free: u32, now: i64) -> i64 {
-        let Ok(failures) = self.failures.lock() else { return LONGEST };
-        // A clock that was set back must not lock anybody out for longer than the wait itself.
-        failures
-            .get(key)
-            .map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
+    /// As [`Limits::begin`], where no name is known: by address alone.
+    pub fn begin_from(&self, address: &str, now: i64) -> Answer<Attempt<'_>> {
+        let [_, key] = keys("", address);
+        self.count(&[key], now)
     }
 
-    /// As [`Limits::admit`], where no name is known: by address alone.
+    /// How long to wait before a sign-in where no name is known; counts nothing.
     pub fn admit_from(&self, address: &str, now: i64) -> Answer<()> {
         let [_, (key, free)] = keys("", address);
-        admitted(self.wait(&key, free, now))
+        let Ok(failures) = self.failures.lock() else { return admitted(LONGEST) };
+        admitted(wait(&failures, &key, free, now))
     }
 
-    /// Counts a failure where no name is known.
-    pub fn failed_from(&self, address: &str, now: i64) {
-        let [_, key] = keys("", address);
-        self.count(&[key], now);
-    }
-
-    /// Counts a failure.
-    pub fn failed(&self, name: &str, address: &str, now: i64) {
-        self.count(&keys(name, address), now);
-    }
-
-    fn count(&self, keys: &[(String, u32)], now: i64) {
-        let Ok(mut failures) = self.failures.lock() else { return };
+    /// Looks and counts in one: two that come together see each other.
+    fn count(&self, keys: &[(String, u32)], now: i64) -> Answer<Attempt<'_>> {
+        let Ok(mut failures) = self.failures.lock() else { return Err(must_wait(LONGEST)) };
+        admitted(keys.iter().map(|(key, free)| wait(&failures, key, *free, now)).max().unwrap_or(0))?;
         if failures.len() >= KEPT {
             failures.retain(|_, f| f.last + LONGEST > now);
         }
@@ -100,13 +123,7 @@ impl Limits {
             }
             *entry = Failures { count: entry.count + 1, last: now };
         }
-    }
-
-    /// Forgets the failures of a name. Those of the address stay: one good password must not free the guessing of others.
-    pub fn succeeded(&self, name: &str) {
-        if let Ok(mut failures) = self.failures.lock() {
-            failures.remove(&keys(name, "")[0].0);
-        }
+        Ok(Attempt { limits: self, keys: keys.iter().map(|(key, _)| key.clone()).collect() })
     }
 
     /// Runs what hashes a password while nobody else does.
@@ -120,33 +137,50 @@ impl Limits {
 mod tests {
     use super::*;
 
+    /// Fails to sign in, or says how long to wait, s.
+    fn fail(limits: &Limits, name: &str, now: i64) -> i64 {
+        match limits.begin(name, "a", now) {
+            Ok(attempt) => {
+                drop(attempt);
+                0
+            }
+            Err(e) => e.more.map_or(-1, |m| m["retry_after_s"].as_i64().unwrap()),
+        }
+    }
+
     #[test]
     fn five_are_free_then_the_wait_doubles() {
         let limits = Limits::default();
-        let wait = |name: &str, now: i64| match limits.admit(name, "a", now) {
-            Ok(()) => 0,
-            Err(e) => e.more.map_or(-1, |m| m["retry_after_s"].as_i64().unwrap()),
-        };
         for _ in 0..5 {
-            assert_eq!(wait("ann", 0), 0);
-            limits.failed("ann", "a", 0);
+            assert_eq!(fail(&limits, "ann", 0), 0);
         }
-        assert_eq!(wait("ann", 0), 1);
-        assert_eq!(wait("bob", 0), 0);
-        limits.failed("ann", "a", 1000);
-        assert_eq!(wait("ann", 1000), 2);
-        assert_eq!(wait("ann", -1_000_000), 2, "the clock was set back");
-        limits.succeeded("ann");
-        assert_eq!(wait("ann", 1000), 0);
+        assert_eq!(fail(&limits, "ann", 0), 1);
+        assert_eq!(fail(&limits, "bob", 0), 0);
+        assert_eq!(fail(&limits, "ann", 1000), 0, "the wait is over");
+        assert_eq!(fail(&limits, "ann", 1000), 2);
+        assert_eq!(fail(&limits, "ann", -1_000_000), 2, "the clock was set back");
+        limits.begin("ann", "a", 3000).unwrap().succeeded();
+        assert_eq!(fail(&limits, "ann", 3000), 0);
+    }
+
+    #[test]
+    fn what_is_being_tried_counts_already() {
+        let limits = Limits::default();
+        let open: Vec<_> = (0..400).filter_map(|_| limits.begin("ann", "a", 0).ok()).collect();
+        assert_eq!(open.len(), 5);
+        // The fault of a provider is nobody's failure.
+        open.into_iter().for_each(Attempt::forgiven);
+        assert_eq!(fail(&limits, "ann", 0), 0);
     }
 
     #[test]
     fn an_address_that_tries_many_names_waits_too() {
         let limits = Limits::default();
         for i in 0..50 {
-            limits.failed(&format!("user{i}"), "a", 0);
+            assert_eq!(fail(&limits, &format!("user{i}"), 0), 0);
         }
-        assert_eq!(limits.admit("fresh", "a", 0).unwrap_err().code, "session.wait");
-        assert!(limits.admit("fresh", "b", 0).is_ok());
+        assert!(fail(&limits, "fresh", 0) > 0);
+        assert!(limits.begin("fresh", "b", 0).is_ok());
+        assert_eq!(limits.admit_from("a", 0).unwrap_err().code, "session.wait");
     }
 }

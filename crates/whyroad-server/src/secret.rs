@@ -66,8 +66,78 @@ pub fn hash_password(password: &str) -> Answer<String> {
             format!("a password needs at least {PASSWORD_LENGTH} characters"),
         ));
     }
+    if is_weak(password) {
+        return Err(Problem::new(
+            422,
+            "password.weak",
+            "密码过于简单：请避免重复、连续的字符和常见密码",
+            "the password is too simple: avoid repeated or consecutive characters and common passwords",
+        ));
+    }
     let hash: PasswordHash = Argon2::default().hash_password(password.as_bytes()).map_err(Problem::store)?;
     Ok(hash.to_string())
+}
+
+/// Words that most guessed passwords consist of, with digits around them.
+const COMMON: &[&str] = &[
+    "password",
+    "passw0rd",
+    "p@ssword",
+    "p@ssw0rd",
+    "passwort",
+    "qwerty",
+    "qwertyuiop",
+    "qwertz",
+    "qazwsx",
+    "qazwsxedc",
+    "1q2w3e4r5t",
+    "1qaz2wsx3edc",
+    "q1w2e3r4t5",
+    "asdfgh",
+    "asdfghjkl",
+    "zxcvbnm",
+    "admin",
+    "administrator",
+    "root",
+    "user",
+    "test",
+    "testtest",
+    "guest",
+    "login",
+    "welcome",
+    "letmein",
+    "changeme",
+    "secret",
+    "default",
+    "iloveyou",
+    "woaini",
+    "dragon",
+    "monkey",
+    "football",
+    "sunshine",
+    "princess",
+    "master",
+    "superman",
+    "whyroad",
+];
+
+/// True for a password that guessing finds at once: few different characters, one piece repeated, a run of the alphabet or
+/// of digits, digits alone, or a common word with digits around it.
+fn is_weak(password: &str) -> bool {
+    let lower = password.to_lowercase();
+    let letters: Vec<char> = lower.chars().collect();
+    let n = letters.len();
+    let distinct: std::collections::BTreeSet<char> = letters.iter().copied().collect();
+    let repeated = (1..=n / 2).any(|period| (period..n).all(|i| letters[i] == letters[i - period]));
+    let step = |w: &[char]| i64::from(u32::from(w[1])) - i64::from(u32::from(w[0]));
+    let run = letters.windows(2).filter(|w| step(w).abs() <= 1).count() * 4 >= (n - 1) * 3;
+    let word = lower.trim_matches(|c: char| c.is_ascii_digit() || c.is_ascii_punctuation() || c == ' ');
+    distinct.len() < 5
+        || repeated
+        || run
+        || word.is_empty()
+        || COMMON.contains(&word)
+        || COMMON.contains(&lower.as_str())
 }
 
 /// True when `password` is the one of `hash`.
@@ -95,5 +165,25 @@ mod tests {
         assert!(is_password("correct horse", &hash));
         assert!(!is_password("correct horsf", &hash));
         assert_eq!(hash_password("short").unwrap_err().code, "password.length");
+        for weak in [
+            "aaaaaaaaaa",
+            "abababababab",
+            "1234567890",
+            "0987654321",
+            "8461937205",
+            "abcdefghij",
+            "password123",
+            "Passw0rd!!",
+            "admin12345",
+            "qwertyuiop",
+            "1q2w3e4r5t",
+            "hunterhunter",
+            "天天天天天天天天天天",
+        ] {
+            assert_eq!(hash_password(weak).map(drop).unwrap_err().code, "password.weak", "{weak}");
+        }
+        for fine in ["correct horse", "tr0ub4dor&3x", "x7Kq-29mdp", "一二三四五六七八九十大海"] {
+            assert!(!is_weak(fine), "{fine}");
+        }
     }
 }

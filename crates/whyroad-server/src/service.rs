@@ -22,6 +22,7 @@ pub mod queue;
 pub mod scene;
 pub mod seen;
 pub mod tasks;
+pub mod tokens;
 pub mod transfer;
 pub mod visible;
 pub mod webhooks;

@@ -9,6 +9,7 @@ mod dump;
 mod migrate;
 mod opened;
 mod postgres;
+pub mod private;
 mod sql;
 mod sqlite;
 

@@ -4,10 +4,10 @@
 use super::call::{Grant, Request};
 use super::route::{Access, Route, Verb};
 use crate::app::App;
-use crate::domain::people::User;
+use crate::domain::people::{TokenScope, User};
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
-use crate::service::{people, projects, tasks};
+use crate::service::{people, projects, tasks, tokens};
 use crate::store::Tx;
 use crate::{secret, values};
 
@@ -33,7 +33,11 @@ pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>
     let now = app.now();
     app.store.read(|tx| {
         let user = match (&request.token, &request.cookie) {
-            (Some(token), _) => Some(people::by_token(tx, token)?.ok_or_else(Problem::sign_in)?),
+            (Some(token), _) => {
+                let (user, scope) = tokens::holder(tx, token, now)?.ok_or_else(Problem::sign_in)?;
+                may_by_token(route, scope)?;
+                Some(user)
+            }
             (None, Some(cookie)) => people::by_cookie(tx, cookie, now)?,
             (None, None) => None,
         };
@@ -44,6 +48,22 @@ pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>
         let grant = grant(tx, route, request, &user)?;
         Ok((Some(user), grant))
     })
+}
+
+/// Whether an API token is enough for a route.
+fn may_by_token(route: &Route, scope: TokenScope) -> Answer<()> {
+    if route.session_only {
+        return Err(Problem::new(
+            403,
+            "token.session_only",
+            "API 令牌不能用于此操作，请登录后进行",
+            "API tokens cannot do this: sign in",
+        ));
+    }
+    if route.verb != Verb::Get && scope == TokenScope::Read {
+        return Err(Problem::new(403, "token.read_only", "该 API 令牌只读", "this API token is read-only"));
+    }
+    Ok(())
 }
 
 fn grant(tx: &mut dyn Tx, route: &Route, request: &Request, user: &User) -> Answer<Grant> {

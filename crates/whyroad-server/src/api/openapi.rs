@@ -19,6 +19,9 @@ pub fn document(routes: &[Route]) -> Value {
             "parameters": parameters(route),
             "responses": { "default": { "description": "a refusal", "content": { "application/problem+json": { "schema": problem } } } },
         });
+        if route.session_only {
+            operation["security"] = json!([{ "session": [] }]);
+        }
         if route.access == Access::Anyone {
             operation["security"] = json!([]);
         }

@@ -119,6 +119,8 @@ pub struct Route {
     pub reply: Option<Shape>,
     /// Media type of an answer that is not JSON.
     pub media: Option<&'static str>,
+    /// True where a session is needed: API tokens are refused.
+    pub session_only: bool,
     /// What an empty answer (204) means, where there may be one.
     pub empty: Option<&'static str>,
     /// What runs.
@@ -142,6 +144,7 @@ impl Route {
             body_size: BodySize::Usual,
             reply: None,
             media: None,
+            session_only: false,
             empty: None,
             run,
         }
@@ -184,6 +187,12 @@ impl Route {
     #[must_use]
     pub const fn takes_up_to(mut self, size: BodySize) -> Self {
         self.body_size = size;
+        self
+    }
+    /// Refuses API tokens: a token that leaked must not make itself at home.
+    #[must_use]
+    pub const fn in_session_only(mut self) -> Self {
+        self.session_only = true;
         self
     }
     /// May answer with nothing (204), which means `meaning`.

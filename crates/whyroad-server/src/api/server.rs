@@ -28,10 +28,12 @@ use whyroad_model::Nanos;
 const ROOT: &str = "/api/v1";
 /// How long a body may take to come in.
 const BODY_TIME: Duration = Duration::from_secs(120);
+/// Maximum length of the query of a request, bytes.
+const QUERY: usize = 4096;
 /// Requests worked on at once; others wait their turn.
 const AT_ONCE: usize = 256;
 /// How long requests in progress may take when the service stops.
-const SHUTDOWN_GRACE: Duration = Duration::from_secs(20);
+const SHUTDOWN_GRACE: Duration = Duration::from_secs(15);
 
 /// Serves until `shutdown` comes, then finishes what was begun.
 pub async fn serve(
@@ -83,6 +85,9 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         return outside(&parts.method, path, &accepted);
     };
     let refuse = |p: &Problem| deliver(problem(p), ReplyKind::Done, &accepted);
+    if parts.uri.query().is_some_and(|q| q.len() > QUERY) {
+        return refuse(&Problem::new(414, "request.too_long", "查询参数过长", "the query is too long"));
+    }
     let (route, params) = match find(&parts.method, path) {
         Ok(found) => found,
         Err(p) => return refuse(&p),

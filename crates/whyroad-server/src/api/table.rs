@@ -51,6 +51,7 @@ pub static ROUTES: &[Route] = &[
         "Unlink oneself, or as admin anybody; sessions that began there end",
         oidc::unlink,
     )
+    .in_session_only()
     .gives::<Done>(),
     Route::get(
         "/users",
@@ -59,7 +60,10 @@ pub static ROUTES: &[Route] = &[
         accounts::list,
     )
     .gives::<Users>(),
-    Route::post("/users", Access::Admin, "Make a user", accounts::create).takes::<NewUser>().gives::<User>(),
+    Route::post("/users", Access::Admin, "Make a user", accounts::create)
+        .takes::<NewUser>()
+        .in_session_only()
+        .gives::<User>(),
     Route::patch(
         "/users/{u}",
         Access::SignedIn,
@@ -67,13 +71,22 @@ pub static ROUTES: &[Route] = &[
         accounts::change,
     )
     .takes::<UserChange>()
+    .in_session_only()
     .gives::<User>(),
-    Route::get("/tokens", Access::SignedIn, "Own API tokens", accounts::tokens).gives::<Tokens>(),
+    Route::get("/tokens", Access::SignedIn, "Own API tokens", accounts::tokens)
+        .query(&[("user", "of this user (id); for admins")])
+        .gives::<Tokens>(),
     Route::post("/tokens", Access::SignedIn, "Make an API token", accounts::make_token)
         .takes::<NewToken>()
+        .in_session_only()
         .gives::<Token>(),
-    Route::delete("/tokens/{id}", Access::SignedIn, "Revoke an own API token", accounts::revoke_token)
-        .gives::<Done>(),
+    Route::delete(
+        "/tokens/{id}",
+        Access::SignedIn,
+        "Revoke an own API token, or as admin anybody's",
+        accounts::revoke_token,
+    )
+    .gives::<Done>(),
     // Projects.
     Route::get(
         "/projects",

@@ -100,7 +100,7 @@ pub struct UserChange {
     /// `zh` or `en`.
     #[serde(default)]
     pub lang: Option<String>,
-    /// New password; ends all sessions of the user.
+    /// New password; ends all sessions and API tokens of the user.
     #[serde(default)]
     pub password: Option<String>,
     /// Present password, where the user changes their own.
@@ -130,6 +130,38 @@ pub struct Users {
 pub struct NewToken {
     /// What it is for.
     pub name: String,
+    /// What it may do; `write` when not given.
+    #[serde(default)]
+    pub scope: TokenScope,
+    /// Days until it expires, 1 to 365; 90 when not given.
+    #[serde(default)]
+    pub days: Option<u32>,
+}
+
+/// What an API token may do. None may make tokens, change accounts or unlink identities: that needs a session.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum TokenScope {
+    /// Reading calls.
+    Read,
+    /// All that its user may do, but for accounts.
+    #[default]
+    Write,
+}
+
+impl TokenScope {
+    /// The word that the store has for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Write => "write",
+        }
+    }
+
+    /// The scope of this word; what is unknown may only read.
+    pub fn from_word(word: &str) -> Self {
+        if word == "write" { Self::Write } else { Self::Read }
+    }
 }
 
 /// An API token; its text is only in the answer to its making.
@@ -139,8 +171,12 @@ pub struct Token {
     pub id: String,
     /// What it is for.
     pub name: String,
+    /// What it may do.
+    pub scope: TokenScope,
     /// When it was made.
     pub created: i64,
+    /// When it expires.
+    pub expires: i64,
     /// For `authorization: Bearer`; shown once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub token: Option<String>,
@@ -149,7 +185,7 @@ pub struct Token {
 /// Many tokens.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Tokens {
-    /// The caller's own.
+    /// Of one user.
     pub items: Vec<Token>,
 }
 

@@ -181,6 +181,9 @@ pub enum QueueReason {
     OwnWork,
     /// The caller checked it.
     OwnCheck,
+    /// It would show the future of a task whose Stage I the caller is doing.
+    #[serde(rename = "stage1_first")]
+    Stage1First,
     /// Something else.
     Other,
 }

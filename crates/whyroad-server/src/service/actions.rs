@@ -76,9 +76,7 @@ pub fn act(
     } else {
         leases::extend(&mut t, &project.settings, now);
     }
-    if t.at.state.shows_future() {
-        seen::show_future(tx, &t, &actor.id)?;
-    }
+    seen::show(tx, &t, &actor.id)?;
     let entry = Entry {
         action: action.word(),
         actor: Some(&actor.id),

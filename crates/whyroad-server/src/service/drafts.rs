@@ -50,6 +50,7 @@ pub fn save(
         ));
     }
     for c in &change.changes {
+        merge::canonical(&c.path)?;
         visible::may_change(t.at.state, &c.path, &c.value, Nanos(t.keyframe_ns))?;
     }
     let changes = by_field(t.at.state, &change.changes);

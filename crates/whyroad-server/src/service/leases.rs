@@ -27,9 +27,7 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     t.at = next;
     t.fence += 1;
     renew(t, settings, now);
-    if t.at.state.shows_future() {
-        seen::show_future(tx, t, &actor.id)?;
-    }
+    seen::show(tx, t, &actor.id)?;
     if others {
         t.draft = t.initial.clone();
         t.version += 1;
@@ -68,6 +66,7 @@ pub(super) fn may_take(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, now: i64) ->
     if matches!(t.at.state, State::Open | State::Stage1) {
         only_one_of_a_group(tx, t, &actor.id)?;
     }
+    seen::may_be_shown(tx, t, next.state, &actor.id)?;
     Ok(next)
 }
 

@@ -10,6 +10,8 @@ use crate::store::{Tx, Value as Cell};
 /// Tasks on a page when nothing is said, and at most.
 const USUAL: usize = 50;
 const MOST: usize = 200;
+/// Maximum length of a text to search for, characters: databases refuse patterns beyond some tens of thousands.
+const LONGEST_TEXT: usize = 200;
 
 /// What is wanted, in the words of the query.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,6 +40,14 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks
             Problem::request(format!("limit 须为 1 至 {MOST}"), format!("limit must be 1 to {MOST}"))
         })?,
     };
+    for (name, text) in [("q", filter.part), ("scenario", filter.scenario), ("assignee", filter.assignee)] {
+        if text.is_some_and(|t| t.chars().count() > LONGEST_TEXT) {
+            return Err(Problem::request(
+                format!("{name} 至多 {LONGEST_TEXT} 个字符"),
+                format!("{name} may have at most {LONGEST_TEXT} characters"),
+            ));
+        }
+    }
     let mut query = Query { sql: "project_id = $1".to_owned(), values: vec![project.into()] };
     states(&mut query, filter.states)?;
     if let Some(class) = filter.scenario {

@@ -1,4 +1,4 @@
-//! Users, sessions, tokens.
+//! Users and sessions.
 
 use crate::domain::people::User;
 use crate::problem::{Answer, Problem};
@@ -8,9 +8,9 @@ use crate::{secret, values};
 /// How long a session lasts, ms.
 pub const SESSION_MS: i64 = 14 * 24 * 3_600_000;
 const COLUMNS: &str = "id, name, display, admin, lang, disabled, email";
-const OF_U: &str = "u.id, u.name, u.display, u.admin, u.lang, u.disabled, u.email";
+pub(super) const OF_U: &str = "u.id, u.name, u.display, u.admin, u.lang, u.disabled, u.email";
 
-fn user(row: &Row) -> Answer<User> {
+pub(super) fn user(row: &Row) -> Answer<User> {
     Ok(User {
         id: row.text("id")?,
         name: row.text("name")?,
@@ -120,7 +120,7 @@ pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
         ],
     )?;
     if user.disabled {
-        end_sessions(tx, &user.id)?;
+        end_access(tx, &user.id)?;
     }
     let admins = tx.row("SELECT 1 FROM users WHERE admin = 1 AND disabled = 0 LIMIT 1", &[])?;
     if admins.is_none() {
@@ -134,14 +134,15 @@ pub fn update(tx: &mut dyn Tx, user: &User) -> Answer<()> {
     Ok(())
 }
 
-/// Sets a password and ends all sessions.
+/// Sets a password and ends all sessions and API tokens: whoever knew the old one is out.
 pub fn set_password(tx: &mut dyn Tx, user: &str, hash: &str) -> Answer<()> {
     tx.run("UPDATE users SET password_hash = $1 WHERE id = $2", values![hash, user])?;
-    end_sessions(tx, user)
+    end_access(tx, user)
 }
 
-fn end_sessions(tx: &mut dyn Tx, user: &str) -> Answer<()> {
+fn end_access(tx: &mut dyn Tx, user: &str) -> Answer<()> {
     tx.run("DELETE FROM sessions WHERE user_id = $1", values![user])?;
+    tx.run("DELETE FROM api_tokens WHERE user_id = $1", values![user])?;
     Ok(())
 }
 
@@ -196,12 +197,4 @@ pub fn by_cookie(tx: &mut dyn Tx, cookie: &str, now: i64) -> Answer<Option<User>
          WHERE s.hash = $1 AND s.expires >= $2 AND u.disabled = 0"
     );
     tx.row(&sql, values![secret::hash(cookie), now])?.as_ref().map(user).transpose()
-}
-
-/// Whose API token this is.
-pub fn by_token(tx: &mut dyn Tx, token: &str) -> Answer<Option<User>> {
-    let sql = format!(
-        "SELECT {OF_U} FROM api_tokens t JOIN users u ON u.id = t.user_id WHERE t.hash = $1 AND u.disabled = 0"
-    );
-    tx.row(&sql, values![secret::hash(token)])?.as_ref().map(user).transpose()
 }

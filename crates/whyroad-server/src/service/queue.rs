@@ -153,6 +153,7 @@ fn why_not(
             "task.overlap_twice" => QueueReason::OverlapTwice,
             "task.own_work" => QueueReason::OwnWork,
             "task.own_check" => QueueReason::OwnCheck,
+            "task.stage1_first" => QueueReason::Stage1First,
             _ => QueueReason::Other,
         })),
     }

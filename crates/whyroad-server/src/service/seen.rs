@@ -1,8 +1,10 @@
-//! Who was shown which part of a drive: nobody does Stage I of what they have seen.
+//! Who was shown which part of a drive: nobody does Stage I of what they have seen. Every view counts, those of Stage I
+//! too: a task with a later keyframe shows what comes after an earlier one.
 
 use crate::domain::project::HistoryRule;
-use crate::domain::workflow::{Actor, Role, Seen};
+use crate::domain::workflow::{Actor, Role, Seen, Stage, State};
 use crate::problem::{Answer, Problem};
+use crate::service::projects;
 use crate::service::tasks::TaskRow;
 use crate::store::Tx;
 use crate::values;
@@ -21,40 +23,65 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
         )?,
         HistoryRule::Episode => tx.row(
             "SELECT 1 FROM seen s JOIN tasks o ON o.id = s.task_id
-             WHERE s.user_id = $1 AND s.drive_id = $2 AND o.episode_id = $3 LIMIT 1",
-            values![user, &t.drive_id, &t.episode.episode_id],
+             WHERE s.user_id = $1 AND s.drive_id = $2 AND o.episode_id = $3 AND s.to_ns > $4 LIMIT 1",
+            values![user, &t.drive_id, &t.episode.episode_id, t.keyframe_ns],
         )?,
     };
     Ok(row.is_some())
 }
 
-/// True when `user` was shown the future of `t` in this very task.
-pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
-    Ok(tx.row("SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2", values![user, &t.id])?.is_some())
+/// The last moment of its drive that a task shows in `state`.
+fn shown_until(t: &TaskRow, state: State) -> i64 {
+    match state.stage() {
+        Stage::Stage1 => t.keyframe_ns,
+        Stage::Stage2 => t.to_ns,
+    }
 }
 
-/// Notes that `user` is shown the future of `t`. Refused while they are in Stage I of another task that it would give away.
-pub fn show_future(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
+/// True when `user` was already shown what `t` shows now, in this very task.
+pub fn was_shown(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<bool> {
+    let sql = "SELECT 1 FROM seen WHERE user_id = $1 AND task_id = $2 AND to_ns >= $3";
+    Ok(tx.row(sql, values![user, &t.id, shown_until(t, t.at.state)])?.is_some())
+}
+
+/// Refuses to show `t` in `state` to `user` while they do Stage I of another task whose future it would show.
+pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> Answer<()> {
+    let others = tx.rows(
+        "SELECT id, episode_id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
+           AND keyframe_ns < $4 AND to_ns > $5 ORDER BY id",
+        values![user, &t.drive_id, &t.id, shown_until(t, state), t.from_ns],
+    )?;
+    if others.is_empty() {
+        return Ok(());
+    }
+    // Where only the same episode bars, another one may be begun beside it; its whole future may not be opened.
+    let rule = projects::get(tx, &t.project)?.settings.history;
+    for other in others {
+        let same = other.text("episode_id")? == t.episode.episode_id;
+        if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
+            return Err(Problem::new(
+                409,
+                "task.stage1_first",
+                "这会显示您正在做阶段一的另一任务关键帧之后的内容；请先完成该任务或将其退回队列",
+                "this would show the future of another task whose Stage I you are doing: finish or release that one first",
+            )
+            .with(serde_json::json!({ "task": other.text("id")? })));
+        }
+    }
+    Ok(())
+}
+
+/// Records that `user` is shown what `t` shows now; refused where [`may_be_shown`] is.
+pub fn show(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
     if was_shown(tx, t, user)? {
         return Ok(());
     }
-    let stage1 = tx.row(
-        "SELECT id FROM tasks WHERE holder = $1 AND state = 'stage1' AND drive_id = $2 AND id <> $3
-           AND keyframe_ns < $4 AND to_ns > $5 LIMIT 1",
-        values![user, &t.drive_id, &t.id, t.to_ns, t.from_ns],
-    )?;
-    if let Some(other) = stage1 {
-        return Err(Problem::new(
-            409,
-            "task.stage1_first",
-            "这会显示您正在做阶段一的另一任务关键帧之后的内容；请先完成该任务或将其退回队列",
-            "this would show the future of another task whose Stage I you are doing: finish or release that one first",
-        )
-        .with(serde_json::json!({ "task": other.text("id")? })));
-    }
+    may_be_shown(tx, t, t.at.state, user)?;
     tx.run(
-        "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5) ON CONFLICT DO NOTHING",
-        values![user, &t.id, &t.drive_id, t.from_ns, t.to_ns],
+        "INSERT INTO seen (user_id, task_id, drive_id, from_ns, to_ns) VALUES ($1, $2, $3, $4, $5)
+         ON CONFLICT (user_id, task_id) DO UPDATE SET
+           to_ns = CASE WHEN excluded.to_ns > seen.to_ns THEN excluded.to_ns ELSE seen.to_ns END",
+        values![user, &t.id, &t.drive_id, t.from_ns, shown_until(t, t.at.state)],
     )?;
     Ok(())
 }

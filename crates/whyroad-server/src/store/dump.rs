@@ -2,6 +2,7 @@
 //! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older program
 //! restores into tables of its own version, which are then brought forward like any other store.
 
+use super::private;
 use super::sql::{Tx, Value};
 use crate::problem::{Answer, Problem};
 use serde_json::{Value as Json, json};
@@ -36,7 +37,7 @@ const MOST_BYTES: u64 = 16 * 1024 * 1024;
 pub(super) fn to_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> Answer<u64>) -> Answer<u64> {
     let cannot = |e: std::io::Error| Problem::store(format!("{}: {e}", path.display()));
     if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
-        std::fs::create_dir_all(dir).map_err(cannot)?;
+        private::folder(dir).map_err(cannot)?;
     }
     let aside = PathBuf::from(format!("{}.part", path.display()));
     let mut options = File::options();

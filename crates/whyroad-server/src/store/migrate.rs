@@ -10,6 +10,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0002_language.sql"),
     include_str!("../../migrations/0003_identities.sql"),
     include_str!("../../migrations/0004_languages.sql"),
+    include_str!("../../migrations/0005_tokens.sql"),
 ];
 
 /// The version of this program.

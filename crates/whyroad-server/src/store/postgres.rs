@@ -119,6 +119,17 @@ fn lock_all(tx: &mut dyn Tx) -> Answer<()> {
     Ok(())
 }
 
+impl Drop for Postgres {
+    /// Connections are closed on a thread of their own: closing waits, which a thread that drives a runtime may not.
+    fn drop(&mut self) {
+        let idle = self.pool.get_mut().map(|pool| std::mem::take(&mut pool.idle)).unwrap_or_default();
+        let closing = std::thread::Builder::new().name("whyroad-close".to_owned()).spawn(move || drop(idle));
+        if let Ok(closing) = closing {
+            let _ = closing.join();
+        }
+    }
+}
+
 enum Failure {
     /// Nothing was committed, and trying again may help.
     Again(Problem),

@@ -1,8 +1,8 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
 use super::backend::{Backend, Job};
-use super::migrate;
 use super::sql::{Row, Tx, Value, holdable};
+use super::{migrate, private};
 use crate::problem::{Answer, Problem};
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, ToSql};
@@ -33,14 +33,16 @@ impl Sqlite {
     /// Opens the file; also where a copy of it was put before its tables were brought forward.
     pub(super) fn open(path: &Path) -> Answer<(Self, Option<PathBuf>)> {
         if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
-            std::fs::create_dir_all(dir).map_err(Problem::store)?;
+            private::folder(dir).map_err(Problem::store)?;
         }
+        private::file(path).map_err(Problem::store)?;
         let mut writer = connect(path)?;
         writer.execute_batch("PRAGMA journal_mode = WAL").map_err(problem)?;
         let version = migrate::version(&mut Plain(&mut writer))?;
         let copy = (version > 0 && version < migrate::LATEST)
             .then(|| PathBuf::from(format!("{}.before-{}", path.display(), migrate::LATEST)));
         if let Some(aside) = &copy {
+            private::file(aside).map_err(Problem::store)?;
             writer.backup("main", aside, None::<fn(rusqlite::backup::Progress)>).map_err(problem)?;
         }
         writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;

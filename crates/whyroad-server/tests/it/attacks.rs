@@ -2,7 +2,7 @@
 
 use crate::recorded::episode;
 use crate::work::{Begin, Work};
-use crate::world::World;
+use crate::world::{PASSWORD, World};
 use serde_json::{Value, json};
 
 /// So many lists, one in the other.
@@ -101,4 +101,120 @@ pub fn what_leads_name_has_to_be_there(world: &World) {
     let hook = json!({ "url": "http://ci/", "events": ["submitted"] });
     let path = format!("/projects/{project}/webhooks");
     assert_eq!(admin.post(&path, &hook).refusal(), (422, "webhook.event".into()));
+}
+
+pub fn many_guesses_at_once_are_judged_like_one_after_another(world: &World) {
+    let admin = world.admin();
+    world.person(&admin, "", "ann", &[]);
+    let guess = |i: usize| {
+        let mut p = world.stranger();
+        p.hello();
+        p.post("/session", &json!({ "name": "ann", "password": format!("wrong horse {i}") })).status
+    };
+    let outcomes: Vec<u16> = std::thread::scope(|scope| {
+        let all: Vec<_> = (0..60).map(|i| scope.spawn(move || guess(i))).collect();
+        all.into_iter().map(|t| t.join().unwrap()).collect()
+    });
+    let judged = outcomes.iter().filter(|s| **s == 401).count();
+    assert_eq!((judged, outcomes.iter().filter(|s| **s == 429).count()), (5, 55), "{outcomes:?}");
+}
+
+pub fn tokens_end_and_make_no_tokens(world: &World) {
+    let admin = world.admin();
+    let ann = world.person(&admin, "", "ann", &[]);
+    let script = |made: &Value| {
+        let mut p = world.stranger();
+        p.token = Some(made["token"].as_str().unwrap().to_owned());
+        p
+    };
+    let make = |more: Value| {
+        let mut body = json!({ "name": "script" });
+        more.as_object().unwrap().iter().for_each(|(k, v)| body[k] = v.clone());
+        ann.post("/tokens", &body)
+    };
+    // None makes another, changes its user, or signs somebody in for good.
+    let first = script(&make(json!({})).fine());
+    assert_eq!(first.post("/tokens", &json!({ "name": "x" })).refusal(), (403, "token.session_only".into()));
+    let own = format!("/users/{}", ann.id);
+    let change = json!({ "password": "another horse", "present_password": PASSWORD });
+    assert_eq!(first.patch(&own, &change).refusal(), (403, "token.session_only".into()));
+    // Read-only ones read.
+    let reads = script(&make(json!({ "scope": "read" })).fine());
+    reads.get("/projects").fine();
+    let id = make(json!({})).fine()["id"].as_str().unwrap().to_owned();
+    let revoke = format!("/tokens/{id}");
+    assert_eq!(reads.call("DELETE", &revoke, None, &[]).refusal(), (403, "token.read_only".into()));
+    // An admin sees and revokes those of others; others do not.
+    let listed = admin.get(&format!("/tokens?user={}", ann.id)).fine();
+    assert_eq!(listed["items"].as_array().unwrap().len(), 3);
+    let bob = world.person(&admin, "", "bob", &[]);
+    assert_eq!(bob.get(&format!("/tokens?user={}", ann.id)).status, 403);
+    assert_eq!(bob.call("DELETE", &revoke, None, &[]).status, 404);
+    assert_eq!(admin.call("DELETE", &revoke, None, &[]).status, 200);
+    // They expire.
+    assert_eq!(make(json!({ "days": 0 })).status, 400);
+    assert_eq!(make(json!({ "days": 366 })).status, 400);
+    let short = script(&make(json!({ "days": 1 })).fine());
+    short.get("/projects").fine();
+    world.wait(24 * 3600);
+    assert_eq!(short.get("/projects").refusal(), (401, "session.required".into()));
+    first.get("/projects").fine();
+    // And they end with the password, with a reset, and with the account.
+    ann.patch(&own, &change).fine();
+    assert_eq!(first.get("/projects").status, 401);
+    for end in [json!({ "password": "third horse" }), json!({ "disabled": true })] {
+        let name = if end.get("disabled").is_some() { "dan" } else { "cara" };
+        let person = world.person(&admin, "", name, &[]);
+        let token = script(&person.post("/tokens", &json!({ "name": "x" })).fine());
+        token.get("/projects").fine();
+        admin.patch(&format!("/users/{}", person.id), &end).fine();
+        assert_eq!(token.get("/projects").status, 401, "{end}");
+    }
+}
+
+pub fn a_password_that_everybody_guesses_is_refused(world: &World) {
+    let admin = world.admin();
+    for weak in ["aaaaaaaaaa", "1234567890", "password123"] {
+        let made = admin.post("/users", &json!({ "name": "weak", "password": weak }));
+        assert_eq!(made.refusal(), (422, "password.weak".into()), "{weak}");
+    }
+}
+
+pub fn a_field_has_one_path(world: &World) {
+    let Begin { admin, task, ann, .. } = Begin::on(world);
+    let mut work = Work::take(&ann, &task);
+    work.stage1();
+    for odd in [
+        "/critical_components/00/description",
+        "/critical_components/+0/description",
+        "//critical_components",
+        "/critical_components//0",
+        "/critical_components/0/a~2b",
+        "/critical_components/0/a~",
+        "/critical_components/0/",
+        "/",
+    ] {
+        assert_eq!(work.set(&[(odd, json!("x"))]).refusal(), (422, "draft.path".into()), "{odd}");
+    }
+    let draft = admin.get(&work.path("")).fine()["draft"].clone();
+    assert!(draft.get("").is_none(), "{draft}");
+    assert_eq!(work.set(&[("/critical_components/0/a~1b", json!("x"))]).status, 200);
+}
+
+pub fn more_values_than_any_label_has_are_refused_at_once(world: &World) {
+    let Begin { ann, task, .. } = Begin::on(world);
+    let mut work = Work::take(&ann, &task);
+    let many = Value::Array(vec![json!({}); 85_000]);
+    let start = std::time::Instant::now();
+    assert_eq!(work.set(&[("/critical_components", many)]).refusal(), (422, "draft.too_many".into()));
+    assert!(start.elapsed().as_millis() < 1500, "{:?}", start.elapsed());
+}
+
+pub fn a_text_to_search_for_may_not_be_a_book(world: &World) {
+    let Begin { admin, project, .. } = Begin::on(world);
+    for name in ["q", "scenario", "assignee"] {
+        let path = |n: usize| format!("/projects/{project}/tasks?{name}={}", "a".repeat(n));
+        assert_eq!(admin.get(&path(1000)).refusal(), (400, "request.invalid".into()), "{name}");
+        assert_eq!(admin.get(&path(60_000)).refusal(), (414, "request.too_long".into()), "{name}");
+    }
 }

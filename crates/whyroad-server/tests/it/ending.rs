@@ -1,5 +1,6 @@
 //! The end of the service: what was begun is finished, nothing new is taken.
 
+use crate::postgres_server::Server;
 use crate::recorded::{Future, Recorded};
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -55,4 +56,29 @@ fn what_was_begun_is_finished_when_the_service_ends() {
     drop(half);
     let ended = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(60), served).await });
     assert!(ended.unwrap().unwrap().is_ok(), "and then it ends, whoever is still connected");
+}
+
+/// The last to hold the service may be a task of the runtime: closing PostgreSQL's connections there must not panic.
+#[test]
+fn a_service_on_postgresql_ends_without_a_panic() {
+    let Some(server) = Server::start() else { return };
+    let store = Store::open(&StoreLocation::parse(&server.database())).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let recordings = Recorded { future: Future::Brakes, pictures: dir.path().to_path_buf() };
+    let app = Arc::new(App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap());
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+    let ended = runtime.block_on(async {
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
+        tokio::spawn(async move {
+            let served = whyroad_server::serve(Arc::clone(&app), listener, async {}).await;
+            // The thread of the webhooks lets go of it within a second.
+            while Arc::strong_count(&app) > 1 {
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+            drop(app);
+            served
+        })
+        .await
+    });
+    assert!(ended.expect("no panic").is_ok());
 }

@@ -11,6 +11,7 @@ mod ending;
 mod flow;
 mod group;
 mod identities;
+mod later_task;
 mod leaks;
 mod oidc;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
@@ -90,6 +91,16 @@ suite! {
     attacks::an_episode_that_cannot_be_of_its_drive_makes_no_task,
     attacks::people_know_whom_they_work_with_and_no_others,
     attacks::what_leads_name_has_to_be_there,
+    attacks::many_guesses_at_once_are_judged_like_one_after_another,
+    attacks::tokens_end_and_make_no_tokens,
+    attacks::a_password_that_everybody_guesses_is_refused,
+    attacks::a_field_has_one_path,
+    attacks::more_values_than_any_label_has_are_refused_at_once,
+    attacks::a_text_to_search_for_may_not_be_a_book,
+    later_task::taking_a_later_task_bars_from_the_earlier_one,
+    later_task::a_task_that_comes_back_asks_again_what_was_seen,
+    later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
+    later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
     group::what_is_given_back_says_why_and_the_history_comes_in_pages,
     wire::unchanged_answers_are_not_sent_again,
     wire::what_is_wrong_is_said_as_problem_json,

@@ -270,3 +270,23 @@ fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
     let Some(server) = Server::start() else { return };
     check(&Store::open(&StoreLocation::parse(&server.database())).unwrap());
 }
+
+#[cfg(unix)]
+#[test]
+fn what_the_store_keeps_is_for_its_owner_alone() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    let dir = tempfile::tempdir().unwrap();
+    let folder = dir.path().join("whyroad-data");
+    let store = Store::open(&file(&folder, "labels.db")).unwrap();
+    put(&store, "a");
+    assert_eq!(mode(&folder), 0o700);
+    for name in ["labels.db", "labels.db-wal", "labels.db-shm"] {
+        assert_eq!(mode(&folder.join(name)), 0o600, "{name}");
+    }
+    drop(store);
+    // A file of an older version is taken from others when it is opened.
+    std::fs::set_permissions(folder.join("labels.db"), std::fs::Permissions::from_mode(0o644)).unwrap();
+    let _again = Store::open(&file(&folder, "labels.db")).unwrap();
+    assert_eq!(mode(&folder.join("labels.db")), 0o600);
+}

@@ -12,6 +12,7 @@ use std::net::{IpAddr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
@@ -88,14 +89,21 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     Ok(output::FINE)
 }
 
+/// How long work that is still running may take after the last answer, when the service stops.
+const LAST_WAIT: Duration = Duration::from_secs(2);
+
 /// Serves until Ctrl-C or a request to terminate; then finishes what was begun.
 fn run_until_stopped(app: App, listener: TcpListener) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
-    runtime.block_on(async {
+    let app = Arc::new(app);
+    let result = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        whyroad_server::serve(Arc::new(app), listener, stop_signal()).await
-    })
+        whyroad_server::serve(Arc::clone(&app), listener, stop_signal()).await
+    });
+    // Work that does not end, a derivation from a broken drive, must not keep the process: what was acknowledged is stored.
+    runtime.shutdown_timeout(LAST_WAIT);
+    result
 }
 
 async fn stop_signal() {

@@ -2,13 +2,10 @@
 
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::domain::people::{Done, NewToken, NewUser, Token, Tokens, User, UserChange, Users};
+use crate::domain::people::{Done, NewUser, Tokens, User, UserChange, Users};
 use crate::problem::{Answer, Problem};
-use crate::service::{people, projects};
-use crate::{secret, values};
-
-/// API tokens of one user.
-const MOST_TOKENS: usize = 50;
+use crate::secret;
+use crate::service::{people, projects, tokens};
 
 /// `GET /users`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -82,11 +79,10 @@ fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Opt
     let Some(new) = &change.password else { return Ok(None) };
     if call.user()?.id == user.id {
         let now = call.app.now();
-        call.app.limits.admit(&user.name, &call.request.address, now)?;
+        let attempt = call.app.limits.begin(&user.name, &call.request.address, now)?;
         let present = call.app.store.read(|tx| people::password_hash(tx, &user.id))?;
         let given = change.present_password.as_deref().unwrap_or_default();
         if !call.app.limits.one_at_a_time(|| secret::is_password(given, &present)) {
-            call.app.limits.failed(&user.name, &call.request.address, now);
             return Err(Problem::new(
                 403,
                 "password.present",
@@ -94,56 +90,32 @@ fn new_password(call: &Call<'_>, user: &User, change: &UserChange) -> Answer<Opt
                 "the current password is wrong",
             ));
         }
+        attempt.succeeded();
     }
     call.app.limits.one_at_a_time(|| secret::hash_password(new)).map(Some)
 }
 
 /// `GET /tokens`
 pub fn tokens(call: &Call<'_>) -> Answer<Reply> {
-    let user = &call.user()?.id;
-    let items = call.app.store.read(|tx| {
-        let sql = "SELECT id, name, created FROM api_tokens WHERE user_id = $1 ORDER BY created, id";
-        let token = |r: &crate::store::Row| {
-            Ok(Token { id: r.text("id")?, name: r.text("name")?, created: r.int("created")?, token: None })
-        };
-        tx.rows(sql, values![user])?.iter().map(token).collect()
-    })?;
-    Reply::json(&Tokens { items })
+    let caller = call.user()?;
+    let user = call.query("user").unwrap_or(&caller.id);
+    if user != caller.id && !caller.admin {
+        return Err(Problem::forbidden());
+    }
+    Reply::json(&Tokens { items: call.app.store.read(|tx| tokens::of_user(tx, user))? })
 }
 
 /// `POST /tokens`
 pub fn make_token(call: &Call<'_>) -> Answer<Reply> {
-    let NewToken { name } = call.body()?;
-    if name.trim().is_empty() || name.chars().count() > 100 {
-        return Err(Problem::request("名称须为 1 至 100 个字符", "the name must have 1 to 100 characters"));
-    }
-    let text = format!("wr_{}", secret::random(24)?);
-    let token = Token { id: secret::id()?, name, created: call.app.now(), token: Some(text.clone()) };
-    let (new, user, hash) = (token.clone(), call.user()?.id.clone(), secret::hash(&text));
-    call.app.store.write(move |tx| {
-        let have = tx.rows("SELECT 1 FROM api_tokens WHERE user_id = $1", values![&user])?.len();
-        if have >= MOST_TOKENS {
-            return Err(Problem::new(
-                409,
-                "token.too_many",
-                "令牌过多，请先删除",
-                "too many tokens: revoke some first",
-            ));
-        }
-        tx.run(
-            "INSERT INTO api_tokens (id, hash, user_id, name, created) VALUES ($1, $2, $3, $4, $5)",
-            values![&new.id, &hash, &user, &new.name, new.created],
-        )?;
-        Ok(())
-    })?;
+    let token = tokens::fresh(&call.body()?, call.app.now())?;
+    let (new, user) = (token.clone(), call.user()?.id.clone());
+    call.app.store.write(move |tx| tokens::store(tx, &user, &new))?;
     Reply::json(&token)
 }
 
 /// `DELETE /tokens/{id}`
 pub fn revoke_token(call: &Call<'_>) -> Answer<Reply> {
-    let (id, user) = (call.param("id").to_owned(), call.user()?.id.clone());
-    let n = call.app.store.write(move |tx| {
-        tx.run("DELETE FROM api_tokens WHERE id = $1 AND user_id = $2", values![&id, &user])
-    })?;
-    if n == 0 { Err(Problem::missing()) } else { Reply::json(&Done { done: true }) }
+    let (id, caller) = (call.param("id").to_owned(), call.user()?.clone());
+    call.app.store.write(move |tx| tokens::revoke(tx, &id, &caller))?;
+    Reply::json(&Done { done: true })
 }

@@ -47,13 +47,20 @@ pub fn finish(call: &Call<'_>) -> Answer<Reply> {
     let returned: Returned = call.body()?;
     let (app, provider, browser) = (call.app, provider(call)?, browser(call)?);
     let (address, now) = (&call.request.address, app.now());
-    app.limits.admit_from(address, now)?;
-    let (claims, purpose) = flow::finish(app, provider, browser, &returned).inspect_err(|p| {
-        // A provider that fails is not the fault of who signs in.
-        if p.status == 403 {
-            app.limits.failed_from(address, now);
+    let attempt = app.limits.begin_from(address, now)?;
+    let (claims, purpose) = match flow::finish(app, provider, browser, &returned) {
+        Ok(done) => {
+            attempt.forgiven();
+            done
         }
-    })?;
+        Err(p) => {
+            // A provider that fails is not the fault of who signs in.
+            if p.status != 403 {
+                attempt.forgiven();
+            }
+            return Err(p);
+        }
+    };
     let settings = provider.settings.clone();
     if purpose == Purpose::Link {
         let user = call.user()?.id.clone();

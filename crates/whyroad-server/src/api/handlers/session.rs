@@ -49,17 +49,22 @@ pub fn show(call: &Call<'_>) -> Answer<Reply> {
 pub fn sign_in(call: &Call<'_>) -> Answer<Reply> {
     let SignIn { name, password } = call.body()?;
     let (app, now) = (call.app, call.app.now());
-    app.limits.admit(&name, &call.request.address, now)?;
-    let known = app.store.read(|tx| people::credentials(tx, &name))?;
+    let attempt = app.limits.begin(&name, &call.request.address, now)?;
+    let known = match app.store.read(|tx| people::credentials(tx, &name)) {
+        Ok(known) => known,
+        Err(p) => {
+            attempt.forgiven();
+            return Err(p);
+        }
+    };
     // Somebody who is not there costs as much time as a wrong password.
     let set = known.as_ref().map(|(_, hash)| hash.clone()).filter(|hash| hash != people::NO_PASSWORD);
     let hash = set.map_or_else(nobody, Ok)?;
     let right = app.limits.one_at_a_time(|| secret::is_password(&password, &hash));
     let Some((id, _)) = known.filter(|_| right) else {
-        app.limits.failed(&name, &call.request.address, now);
         return Err(Problem::new(401, "session.wrong", "用户名或密码错误", "wrong name or password"));
     };
-    app.limits.succeeded(&name);
+    attempt.succeeded();
     begin(call, id, Door::Password)
 }
 

@@ -9,7 +9,7 @@ use crate::domain::task::{
     Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState, Task,
     WorkKind,
 };
-use crate::domain::workflow::{Actor, Role};
+use crate::domain::workflow::{Actor, Role, Seen};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::service::{
@@ -89,13 +89,13 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&QueueState { reasons: reasons.into_iter().collect() })
 }
 
-/// Reads a task for showing it. Who is shown the time after the keyframe is noted as one who knows it.
+/// Reads a task for showing it, and records what of its drive the caller is shown.
 pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     let (id, user) = (call.param("t"), call.user()?);
     let t = call.app.store.read(|tx| tasks::get(tx, id))?;
-    if t.at.state.shows_future() && !call.app.store.read(|tx| seen::was_shown(tx, &t, &user.id))? {
+    if !call.app.store.read(|tx| seen::was_shown(tx, &t, &user.id))? {
         let (row, user) = (t.clone(), user.id.clone());
-        call.app.store.write(move |tx| seen::show_future(tx, &row, &user))?;
+        call.app.store.write(move |tx| seen::show(tx, &row, &user))?;
     }
     Ok(t)
 }
@@ -168,6 +168,7 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
                         "this user is not an annotator of the project",
                     ));
                 }
+                refuse_who_has_seen(tx, &t, &user.id)?;
                 Some(user.id)
             }
         };
@@ -181,7 +182,23 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
         };
         history::record(tx, &mut t, &entry, now)?;
         tasks::update(tx, &t)?;
+        seen::show(tx, &t, &caller.id)?;
         answer(&app, tx, &t, &caller)
     })?;
     Reply::json(&task)
+}
+
+/// Nobody is given a task to begin whose future they know.
+fn refuse_who_has_seen(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
+    let rule = projects::get(tx, &t.project)?.settings.history;
+    let beginning = !t.at.state.shows_future();
+    if beginning && seen::actor(tx, t, user, &[], rule)?.has_seen == Seen::Future {
+        return Err(Problem::new(
+            409,
+            "assign.future_seen",
+            "该用户已看过此任务关键帧之后的内容，不得做其阶段一",
+            "this user has seen what comes after the task's keyframe and cannot do its Stage I",
+        ));
+    }
+    Ok(())
 }

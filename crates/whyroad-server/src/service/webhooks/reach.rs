@@ -27,14 +27,29 @@ const SECRETS: [IpAddr; 3] = [
 impl Reach {
     /// Whether a message to `host` and `port` may go to `ip`, which the host's name led to.
     pub fn allows(&self, host: &str, port: u16, ip: IpAddr) -> bool {
-        // ::ffff:127.0.0.1 is 127.0.0.1.
-        let ip = ip.to_canonical();
+        let ip = plain(ip);
         match self {
             // Who started the service has named it: they know their network.
             Self::Only(hosts) => hosts.iter().any(|h| *h == host || *h == format!("{host}:{port}")),
             Self::OwnMachine => !is_never_receiver(ip),
             Self::Network => !is_never_receiver(ip) && !ip.is_loopback(),
         }
+    }
+}
+
+/// The address that packets to `ip` end at: one of IPv6 may only wrap one of IPv4.
+fn plain(ip: IpAddr) -> IpAddr {
+    let IpAddr::V6(v6) = ip.to_canonical() else { return ip.to_canonical() };
+    let s = v6.segments();
+    let v4 = |high: u16, low: u16| IpAddr::V4(Ipv4Addr::from((u32::from(high) << 16) | u32::from(low)));
+    match s {
+        // IPv4-compatible (RFC 4291 2.5.5.1), but not `::` and `::1`.
+        [0, 0, 0, 0, 0, 0, high, low] if (high, low) != (0, 0) && (high, low) != (0, 1) => v4(high, low),
+        // NAT64, well-known and local prefixes (RFC 6052, RFC 8215).
+        [0x64, 0xff9b, 0, 0, 0, 0, high, low] | [0x64, 0xff9b, 1, _, _, _, high, low] => v4(high, low),
+        // 6to4 (RFC 3056).
+        [0x2002, high, low, ..] => v4(high, low),
+        _ => IpAddr::V6(v6),
     }
 }
 
@@ -69,10 +84,22 @@ mod tests {
             "255.255.255.255",
             "fd00:ec2::254",
             "100.100.100.200",
+            "64:ff9b::169.254.169.254",
+            "64:ff9b:1::169.254.169.254",
+            "::169.254.169.254",
+            "2002:a9fe:a9fe::1",
         ] {
             assert!(!reached(&Reach::OwnMachine, ip) && !reached(&Reach::Network, ip), "{ip}");
         }
-        for ip in ["127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1"] {
+        for ip in [
+            "127.0.0.1",
+            "127.9.9.9",
+            "::1",
+            "::ffff:127.0.0.1",
+            "::127.0.0.1",
+            "64:ff9b::127.0.0.1",
+            "2002:7f00:1::",
+        ] {
             assert!(reached(&Reach::OwnMachine, ip) && !reached(&Reach::Network, ip), "{ip}");
         }
         for ip in ["10.1.2.3", "192.168.0.9", "fd12::1", "93.184.216.34", "2606:2800::1"] {

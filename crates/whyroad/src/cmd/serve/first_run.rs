@@ -14,6 +14,7 @@ use whyroad_server::domain::project::HistoryRule;
 use whyroad_server::domain::task::CreateTasks;
 use whyroad_server::secret;
 use whyroad_server::service::{create, people, projects};
+use whyroad_server::store::private;
 
 /// How the first account comes about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub(super) fn bundled(
     framework: &Framework,
     data: &Path,
 ) -> anyhow::Result<(Lake, Vec<PathBuf>)> {
+    // The store comes into it later: from the beginning it is for its owner alone.
+    private::folder(data)?;
     let dir = data.join("demo");
     let mined = dir.join("mined");
     let lake = match Lake::open(dir.join("lake")) {
