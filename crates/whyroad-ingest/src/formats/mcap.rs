@@ -217,11 +217,14 @@ impl Recording {
 
 fn read_mapping(options: &Options, hash: &mut ContentHash, report: &mut SourceReport) -> Option<Mapping> {
     let Some(file) = options.file(&MAPPING) else { return Some(Mapping::default()) };
-    let parsed = fs::read_to_string(file).map_err(|e| e.to_string()).and_then(|text| {
-        hash.add("mapping", text.as_bytes());
-        serde_yaml_ng::from_str(&text).map_err(|e| e.to_string())
-    });
-    parsed.map_err(|e| report.diagnostics.push(findings::mapping(&file.display().to_string(), &e))).ok()
+    let label = file.display().to_string();
+    let text = fs::read_to_string(file)
+        .map_err(|e| report.diagnostics.push(findings::mapping(&label, &e.to_string())))
+        .ok()?;
+    hash.add("mapping", text.as_bytes());
+    let (mapping, problems) = Mapping::read(&label, &text);
+    report.diagnostics.extend(problems.into_iter().map(findings::with_guide));
+    mapping
 }
 
 fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {

@@ -46,6 +46,11 @@ pub(super) fn mapping(file: &str, reason: &str) -> Diagnostic {
     .in_file(file)
 }
 
+/// A problem of the mapping file, with the page that describes the file.
+pub(super) fn with_guide(d: Diagnostic) -> Diagnostic {
+    if d.hint.is_some() { d } else { d.with_hint(look()) }
+}
+
 pub(super) fn ego_missing(file: &str, topics: &str) -> Diagnostic {
     Diagnostic::error(
         "mcap.ego.missing",

@@ -1,37 +1,40 @@
 //! Which topic is what: from the user's mapping file (`--mapping FILE`), else from the message types that have one
 //! meaning everywhere. The mapping file is documented in `docs/reference/formats.md`.
 
-use serde::Deserialize;
 use std::collections::BTreeMap;
-use whyroad_model::ObjectClass;
+use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
+use whyroad_model::{Diagnostic, ObjectClass};
+
+/// Everything that is wrong with a mapping file has one code.
+const FORM: FormCodes = FormCodes {
+    syntax: "mcap.mapping",
+    missing: "mcap.mapping",
+    unknown: "mcap.mapping",
+    kind: "mcap.mapping",
+    duplicate: "mcap.mapping",
+    empty: "mcap.mapping",
+};
 
 /// The mapping file.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Mapping {
-    #[serde(default)]
     pub ego: EgoBox,
-    #[serde(default)]
     pub topics: BTreeMap<String, Rule>,
     /// The log's class names and ours.
-    #[serde(default)]
     pub classes: BTreeMap<String, ObjectClass>,
 }
 
 /// The recording vehicle, which no message describes.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct EgoBox {
     pub length_m: Option<f64>,
     pub width_m: Option<f64>,
     pub height_m: Option<f64>,
     /// From the point that the pose is of, forward to the middle of the car.
-    #[serde(default)]
     pub reference_to_centre_m: f64,
 }
 
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Role {
     #[default]
     Ignore,
@@ -43,17 +46,41 @@ pub(super) enum Role {
     Bus,
 }
 
+impl Role {
+    const IDS: &[&str] = &["ignore", "ego", "objects", "bus"];
+
+    fn from_id(id: &str) -> Option<Self> {
+        Some(match id {
+            "ignore" => Role::Ignore,
+            "ego" => Role::Ego,
+            "objects" => Role::Objects,
+            "bus" => Role::Bus,
+            _ => return None,
+        })
+    }
+}
+
 /// What positions are relative to.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Frame {
     World,
     Ego,
 }
 
+impl Frame {
+    const IDS: &[&str] = &["world", "ego"];
+
+    fn from_id(id: &str) -> Option<Self> {
+        match id {
+            "world" => Some(Frame::World),
+            "ego" => Some(Frame::Ego),
+            _ => None,
+        }
+    }
+}
+
 /// How a topic is read: paths into the message, parts separated by dots, numbers for places in a list.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Rule {
     pub role: Role,
     /// Where the messages do not say it by a frame id.
@@ -82,6 +109,118 @@ pub(super) struct Rule {
     pub gear: Option<String>,
     /// `off`, `left`, `right`, `hazard`
     pub turn_signal: Option<String>,
+}
+
+impl Mapping {
+    /// Reads the text of a mapping file; with an error there is no mapping.
+    pub fn read(file: &str, text: &str) -> (Option<Self>, Vec<Diagnostic>) {
+        let mut report = FileReport::new(file, text, &FORM);
+        let mapping = report.parse(text).and_then(|root| mapping(&root, &mut report));
+        let sound = report.diagnostics.is_empty();
+        (mapping.filter(|_| sound), report.diagnostics)
+    }
+}
+
+fn mapping(root: &Node, report: &mut FileReport) -> Option<Mapping> {
+    let mut out = Mapping::default();
+    let mut fields = Fields::open(root, report)?;
+    if let Some(node) = fields.get("ego") {
+        out.ego = ego_box(node, report)?;
+    }
+    if let Some(node) = fields.get("topics") {
+        for entry in report.entries(node)? {
+            if let Some(rule) = rule(&entry.node, report) {
+                out.topics.insert(entry.key.clone(), rule);
+            }
+        }
+    }
+    if let Some(node) = fields.get("classes") {
+        let ids: Vec<&str> = ObjectClass::ALL.iter().map(|c| c.id()).collect();
+        for entry in report.entries(node)? {
+            let class = one_of(&entry.node, report, ObjectClass::from_id, &ids);
+            if let Some(class) = class {
+                out.classes.insert(entry.key.clone(), class);
+            }
+        }
+    }
+    fields.close(report);
+    Some(out)
+}
+
+fn ego_box(node: &Node, report: &mut FileReport) -> Option<EgoBox> {
+    let mut fields = Fields::open(node, report)?;
+    let mut metres = |key| fields.get(key).and_then(|n| number(n, report));
+    let ego = EgoBox {
+        length_m: metres("length_m"),
+        width_m: metres("width_m"),
+        height_m: metres("height_m"),
+        reference_to_centre_m: metres("reference_to_centre_m").unwrap_or(0.0),
+    };
+    fields.close(report);
+    Some(ego)
+}
+
+fn rule(node: &Node, report: &mut FileReport) -> Option<Rule> {
+    let mut fields = Fields::open(node, report)?;
+    let role = fields.get("role").and_then(|n| one_of(n, report, Role::from_id, Role::IDS));
+    let frame = fields.get("frame").and_then(|n| one_of(n, report, Frame::from_id, Frame::IDS));
+    let mut path = |key| fields.text_opt(key, report);
+    let rule = Rule {
+        role: role.unwrap_or_default(),
+        frame,
+        frame_id: path("frame_id"),
+        time: path("time"),
+        list: path("list"),
+        id: path("id"),
+        class: path("class"),
+        position: path("position"),
+        orientation: path("orientation"),
+        heading: path("heading"),
+        size: path("size"),
+        velocity: path("velocity"),
+        speed_mps: path("speed_mps"),
+        steering: path("steering"),
+        brake: path("brake"),
+        throttle: path("throttle"),
+        gear: path("gear"),
+        turn_signal: path("turn_signal"),
+    };
+    fields.close(report);
+    Some(rule)
+}
+
+fn number(node: &Node, report: &mut FileReport) -> Option<f64> {
+    let text = report.text(node)?;
+    let number = text.parse().ok().filter(|v: &f64| v.is_finite());
+    if number.is_none() {
+        report.error(
+            FORM.kind,
+            node,
+            format!("此处应为数值，实为 '{text}'"),
+            format!("expected a number, found '{text}'"),
+        );
+    }
+    number
+}
+
+fn one_of<T>(
+    node: &Node,
+    report: &mut FileReport,
+    known: impl Fn(&str) -> Option<T>,
+    ids: &[&str],
+) -> Option<T> {
+    let text = report.text(node)?;
+    let value = known(&text);
+    if value.is_none() {
+        let ids = ids.join(", ");
+        report.error(
+            FORM.kind,
+            node,
+            format!("'{text}' 未知；可用的值：{ids}"),
+            format!("'{text}' is unknown; the values are {ids}"),
+        );
+    }
+    value
 }
 
 /// The rule of a message type whose meaning is fixed; `None` for all others.

@@ -2,11 +2,11 @@
 
 use super::words::UnknownWords;
 use super::{Reader, findings};
-use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
+use whyroad_model::yaml::{self, Node, Value};
 use whyroad_model::{Diagnostic, Nanos};
 
 const KEYS: &[&str] =
@@ -59,25 +59,23 @@ impl Meta {
         let parsed = fs::read_to_string(&path).map_err(|e| e.to_string()).and_then(|text| {
             reader.hash.add("drive", text.as_bytes());
             // YAML reads JSON too.
-            serde_yaml_ng::from_str::<Value>(&text).map_err(|e| e.to_string())
+            yaml::parse(&text).map_err(|e| format!("{}:{}: {}", e.mark.line, e.mark.column, e.message().en))
         });
         let out = &mut reader.report.diagnostics;
         let root = match parsed {
-            Ok(Value::Object(root)) => root,
+            Ok(root) if matches!(root.value, Value::Map(_)) => root,
             Ok(_) => return fail(out, &label, "不是键值表", "the file is not a table of keys"),
             Err(e) => {
                 return fail(out, &label, &format!("无法读取：{e}"), &format!("it cannot be read: {e}"));
             }
         };
         unknown_keys(&root, KEYS, &label, out);
-        let empty = Map::new();
-        let ego = match root.get("ego") {
-            Some(Value::Object(ego)) => ego,
-            _ => &empty,
-        };
-        unknown_keys(ego, EGO_KEYS, &label, out);
-        let text = |key: &str| root.get(key).and_then(|v| v.as_str()).map(str::to_owned);
-        let start_time = match root.get("start_time").and_then(Value::as_str).map(Nanos::parse_iso) {
+        let ego = root.get("ego");
+        if let Some(ego) = ego {
+            unknown_keys(ego, EGO_KEYS, &label, out);
+        }
+        let text = |key: &str| root.get(key).and_then(Node::text).map(str::to_owned);
+        let start_time = match root.get("start_time").and_then(Node::text).map(Nanos::parse_iso) {
             Some(Err(e)) => {
                 return fail(out, &label, &format!("start_time：{e}"), &format!("start_time: {e}"));
             }
@@ -92,8 +90,12 @@ impl Meta {
                 "'source' is missing: the vehicle or fleet that recorded",
             );
         };
-        let size = |key: &str| ego.get(key).and_then(Value::as_f64).filter(|v| *v > 0.0).unwrap_or(f64::NAN);
-        let Some(reference_to_centre_m) = ego.get("reference_to_centre_m").and_then(Value::as_f64) else {
+        let number = |key: &str| {
+            let text = ego?.get(key)?.text()?;
+            text.parse().ok().filter(|v: &f64| v.is_finite())
+        };
+        let size = |key: &str| number(key).filter(|v| *v > 0.0).unwrap_or(f64::NAN);
+        let Some(reference_to_centre_m) = number("reference_to_centre_m") else {
             return fail(
                 out,
                 &label,
@@ -120,13 +122,17 @@ impl Meta {
     }
 }
 
-fn complete_for(list: Option<&Value>, file: &str, out: &mut Vec<Diagnostic>) -> Vec<String> {
+fn complete_for(list: Option<&Node>, file: &str, out: &mut Vec<Diagnostic>) -> Vec<String> {
     let known: Vec<&'static str> =
         SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied().collect();
     let mut words = UnknownWords::default();
     let mut kinds = BTreeSet::new();
-    for item in list.into_iter().flat_map(|v| v.as_array().cloned().unwrap_or_else(|| vec![v.clone()])) {
-        let word = item.as_str().map_or_else(|| item.to_string(), str::to_owned);
+    let items = list.map_or(&[][..], |node| match &node.value {
+        Value::List(items) => items,
+        _ => std::slice::from_ref(node),
+    });
+    for item in items {
+        let word = item.text().map_or_else(|| item.value.description().en, str::to_owned);
         kinds.extend(words.check("map_complete_for", &word, &known));
     }
     out.extend(words.diagnostics(file));
@@ -138,8 +144,7 @@ fn fail<T>(out: &mut Vec<Diagnostic>, file: &str, zh: &str, en: &str) -> Option<
     None
 }
 
-fn unknown_keys(table: &Map<String, Value>, known: &[&str], file: &str, out: &mut Vec<Diagnostic>) {
-    out.extend(
-        table.keys().filter(|k| !known.contains(&k.as_str())).map(|k| findings::unknown_key(file, k, known)),
-    );
+fn unknown_keys(table: &Node, known: &[&str], file: &str, out: &mut Vec<Diagnostic>) {
+    let keys = table.entries().iter().map(|e| e.key.as_str());
+    out.extend(keys.filter(|k| !known.contains(k)).map(|k| findings::unknown_key(file, k, known)));
 }
