@@ -6,7 +6,9 @@ mod adapter;
 mod assemble;
 mod encodings;
 pub mod formats;
+mod leftover;
 mod options;
+mod origin;
 pub mod report;
 mod run;
 mod source;
@@ -22,5 +24,12 @@ pub use run::{batches, find_sources, ingest, ingest_each, read};
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
     let of_adapters = formats::ALL.iter().flat_map(|a| a.0.codes());
-    run::CODES.iter().chain(source::CODES).copied().chain(of_adapters).collect()
+    run::CODES
+        .iter()
+        .chain(leftover::CODES)
+        .chain(origin::CODES)
+        .chain(source::CODES)
+        .copied()
+        .chain(of_adapters)
+        .collect()
 }

@@ -2,16 +2,20 @@
 
 use crate::adapter::{AdapterRef, DriveSink, Source};
 use crate::formats;
+use crate::leftover;
 use crate::options::Options;
+use crate::origin::Origin;
 use crate::report::SourceReport;
+use std::cell::Cell;
 use std::path::PathBuf;
 use whyroad_lake::{Lake, WriteOutcome};
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Severity};
 
 /// Codes of the search for sources.
 pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found"];
 
-/// The sources at or below `paths`, and a diagnostic for each path without any. Without a format, every adapter is asked.
+/// The sources at or below `paths`, and diagnostics for paths without any and for files that are not taken. Without a
+/// format, every adapter is asked.
 pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
     let adapters = format.as_ref().map_or(formats::ALL, std::slice::from_ref);
     let (mut sources, mut problems) = (Vec::new(), Vec::new());
@@ -32,9 +36,17 @@ pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Sourc
                 Err(e) => problems.push(unreadable(&label, &e.to_string())),
             }
         }
-        if (sources.len(), problems.len()) == before {
+        let mut found = sources.split_off(before.0);
+        let all = found.clone();
+        problems.extend(leftover::refuse_pointers(&mut found));
+        if format.is_none() {
+            problems.extend(leftover::skipped(path, &all, adapters));
+        }
+        let reported = problems[before.1..].iter().any(|d| d.severity == Severity::Error);
+        if found.is_empty() && !reported {
             problems.push(nothing_found(&label, adapters));
         }
+        sources.extend(found);
     }
     (sources, problems)
 }
@@ -60,9 +72,17 @@ pub fn batches(sources: &[Source]) -> impl Iterator<Item = &[Source]> {
 /// report per drive; a drive that is not in the lake has no `outcome`. Drives that the lake holds already are not made
 /// again: an interrupted ingest, also one interrupted inside a source, continues where it was.
 pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
+    let Some(source) = batch.first() else { return };
+    // The source that is being read.
+    let current = Cell::new(source.path.as_path());
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
-        if let Some(drive) = drive {
+        if let Some(mut drive) = drive {
+            let origin = Origin::new(current.get(), &report.source);
+            report.diagnostics.extend(origin.claim_id(&mut drive, lake));
             write(&drive, &mut report, lake);
+            if report.outcome.is_some() {
+                origin.write(&drive.meta.drive_id, lake);
+            }
         } else if let Some(id) = &report.drive_id
             && let Ok(drive) = lake.read_drive(id)
         {
@@ -74,6 +94,7 @@ pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut 
     // A drive that cannot be read completely is made again.
     let holds = |id: &DriveId, hash: &str| lake.read_drive(id).is_ok_and(|d| d.meta.content_hash == hash);
     for alike in batches(batch) {
+        current.set(alike[0].path.as_path());
         alike[0].adapter.0.read_batch(alike, options, &mut DriveSink::new(&holds, &mut keep));
     }
 }

@@ -6,7 +6,7 @@ use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Codes that several adapters use.
-pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled"];
+pub(crate) const CODES: &[&str] = &["ingest.speed.impossible", "ingest.rate.resampled", "ingest.time.span"];
 
 /// Hash of everything that a drive is made from: adapter and its revision, options, names and contents of files.
 /// Equal hashes mean an equal drive, so a lake need not write it again.
@@ -34,7 +34,7 @@ impl ContentHash {
 }
 
 /// How far below a named folder sources are looked for.
-const SEARCH_DEPTH: usize = 3;
+pub(crate) const SEARCH_DEPTH: usize = 8;
 
 /// Folders at or below `path` that `is_source` accepts, sorted. What is inside one is not searched.
 pub(crate) fn find_folders(path: &Path, is_source: impl Fn(&Path) -> bool) -> io::Result<Vec<PathBuf>> {
@@ -115,6 +115,27 @@ pub(crate) fn impossible_speeds(file: &str, rows_by_track: &BTreeMap<String, usi
         ),
     );
     Some(Diagnostic::warning("ingest.speed.impossible", message).in_file(file))
+}
+
+/// Longest drive, s: one day. Frames are made for the whole span, so one wrong time would make millions.
+const MAX_DRIVE_S: f64 = 86_400.0;
+
+/// A diagnostic when times from `first` to `last` (s) cannot be those of one drive; then nothing can be kept.
+pub(crate) fn implausible_span(file: &str, first: f64, last: f64) -> Option<Diagnostic> {
+    let span = last - first;
+    if span <= MAX_DRIVE_S {
+        return None;
+    }
+    let days = span / 86_400.0;
+    let message = Bilingual::new(
+        format!("时间跨度为 {days:.1} 天，超过一天：至少有一个时间是错的"),
+        format!("its times span {days:.1} days, more than one day: at least one of them is wrong"),
+    );
+    let hint = Bilingual::new(
+        "修正日志中的时间，或把日志切分成行程",
+        "correct the times in the log, or cut it into drives",
+    );
+    Some(Diagnostic::error("ingest.time.span", message).with_hint(hint).in_file(file))
 }
 
 /// The log's own rate was not 10 Hz.

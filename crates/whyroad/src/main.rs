@@ -34,6 +34,9 @@ pub(crate) struct Global {
     /// Language of messages
     #[arg(long, global = true, value_name = "LANG", default_value = "en", env = "WHYROAD_LANG")]
     pub lang: whyroad_model::Lang,
+    /// Print notes too: messages that need no action
+    #[arg(long, global = true)]
+    pub verbose: bool,
     /// Colors in messages: on a terminal, always or never; NO_COLOR turns them off
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", value_parser = output::color_choice)]
     pub color: anstream::ColorChoice,

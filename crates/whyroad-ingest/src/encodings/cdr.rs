@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 /// Nothing in ROS nests deeper.
 const MAX_DEPTH: usize = 20;
+/// A message with more values is not a list of objects; point clouds are `byte` arrays of topics that are not read.
+const MAX_VALUES: usize = 1 << 22;
 
 #[derive(Clone, Debug)]
 struct Field {
@@ -115,7 +117,7 @@ impl MessageType {
     /// A message; `None` when its bytes do not fit the definition.
     pub fn decode(&self, message: &[u8]) -> Option<Value> {
         let (&[_, order, _, _], body) = message.split_first_chunk::<4>()?;
-        let mut r = Bytes { body, at: 0, little: order & 1 == 1 };
+        let mut r = Bytes { body, at: 0, little: order & 1 == 1, values: 0 };
         self.structure(&self.root, &mut r, 0)
     }
 
@@ -134,7 +136,7 @@ impl MessageType {
                 Many::Sequence => r.int::<4>()? as usize,
             };
             // An element has at least one byte, so a longer list than there are bytes is a lie.
-            if n > r.body.len() - r.at.min(r.body.len()) {
+            if n > r.body.len() - r.at.min(r.body.len()) || n > MAX_VALUES {
                 return None;
             }
             let items = (0..n).map(|_| self.one(&f.kind, r, depth)).collect::<Option<_>>()?;
@@ -144,6 +146,11 @@ impl MessageType {
     }
 
     fn one(&self, kind: &str, r: &mut Bytes<'_>, depth: usize) -> Option<Value> {
+        // Lists of structures without fields take no bytes, and can nest.
+        r.values += 1;
+        if r.values > MAX_VALUES {
+            return None;
+        }
         Some(match kind {
             "bool" => Value::Bool(r.int::<1>()? != 0),
             "byte" | "char" | "uint8" => r.int::<1>()?.into(),
@@ -176,6 +183,8 @@ struct Bytes<'a> {
     body: &'a [u8],
     at: usize,
     little: bool,
+    /// Values read so far.
+    values: usize,
 }
 
 impl<'a> Bytes<'a> {

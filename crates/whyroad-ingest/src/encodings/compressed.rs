@@ -1,45 +1,80 @@
-//! Opens a file, plain or compressed: gzip, xz and zstd are told apart by their first bytes, whatever the name says.
+//! Opens a file, plain or compressed: gzip, xz and zstd are recognised by their first bytes, whatever the name says.
+//! Everything is unpacked as a stream, and not more than a log of this size can hold: see [`limit`].
 
 use std::fs::File;
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 /// Endings of compressed files.
 pub(crate) const ENDINGS: &[&str] = &[".gz", ".xz", ".zst"];
+
+/// Unpacked bytes that any file may have.
+const FREE: u64 = 64 << 20;
+/// Unpacked bytes per packed byte. Simulated traffic in XML packs to a thirtieth with gzip and to a hundredth with xz; a
+/// file of zeros to a thousandth and less.
+const MAX_RATIO: u64 = 300;
+
+/// Unpacked size at which reading stops: a file that unpacks to more is not a log.
+pub(crate) fn limit(packed: u64) -> u64 {
+    packed.saturating_mul(MAX_RATIO).max(FREE)
+}
 
 /// The file's unpacked bytes.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read>> {
     let mut magic = Vec::new();
     File::open(path)?.take(6).read_to_end(&mut magic)?;
     let file = File::open(path)?;
-    Ok(match magic.as_slice() {
+    let left = limit(file.metadata()?.len());
+    let unpacked: Box<dyn Read> = match magic.as_slice() {
         [0x1f, 0x8b, ..] => Box::new(flate2::read::MultiGzDecoder::new(file)),
         [0x28, 0xb5, 0x2f, 0xfd, ..] => {
             Box::new(ruzstd::decoding::StreamingDecoder::new(file).map_err(io::Error::other)?)
         }
-        [0xfd, b'7', b'z', b'X', b'Z', 0] => {
-            // The decoder has no streaming reader: the unpacked file is held in memory. What came before a break is kept.
-            let mut unpacked = Vec::new();
-            match lzma_rs::xz_decompress(&mut BufReader::new(file), &mut unpacked) {
-                Ok(()) => Box::new(Cursor::new(unpacked)),
-                Err(e) if unpacked.is_empty() => return Err(io::Error::other(format!("{e:?}"))),
-                Err(e) => Box::new(Cursor::new(unpacked).chain(Broken(Some(format!("{e:?}"))))),
-            }
-        }
-        _ => Box::new(file),
-    })
+        [0xfd, b'7', b'z', b'X', b'Z', 0] => Box::new(lzma_rust2::XzReader::new(BufReader::new(file), true)),
+        _ => return Ok(Box::new(file)),
+    };
+    Ok(Box::new(Limited { unpacked, left }))
 }
 
-/// Fails with its reason when it is reached.
-struct Broken(Option<String>);
+/// Fails when more than `left` bytes are unpacked.
+struct Limited {
+    unpacked: Box<dyn Read>,
+    left: u64,
+}
 
-impl Read for Broken {
-    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-        self.0.take().map_or(Ok(0), |reason| Err(io::Error::other(reason)))
+impl Read for Limited {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let n = self.unpacked.read(buffer)?;
+        self.left = self.left.checked_sub(n as u64).ok_or_else(|| {
+            io::Error::other(
+                "it unpacks to far more than a log of this size can hold; unpack it yourself if it is one",
+            )
+        })?;
+        Ok(n)
     }
 }
 
 /// The name without the ending of a compressed file.
 pub(crate) fn without_ending(name: &str) -> &str {
     ENDINGS.iter().find_map(|e| name.strip_suffix(e)).unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    #[test]
+    fn a_file_that_unpacks_to_gigabytes_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("zeros.xml.gz");
+        let mut out =
+            flate2::write::GzEncoder::new(File::create(&path).unwrap(), flate2::Compression::best());
+        let zeros = vec![0; 1 << 20];
+        (0..65).for_each(|_| out.write_all(&zeros).unwrap());
+        out.finish().unwrap();
+        assert!(path.metadata().unwrap().len() < 100_000);
+        let read = io::copy(&mut open(&path).unwrap(), &mut io::sink());
+        assert!(read.unwrap_err().to_string().contains("unpacks to far more"));
+    }
 }

@@ -1,9 +1,13 @@
 //! Feather (Arrow IPC) files as AV2 writes them, read column by column. A file that was cut short keeps its
 //! readable record batches.
 
-use crate::encodings::columns::Columns;
+mod guard;
+
+use super::columns::Columns;
+use arrow_array::RecordBatch;
 use arrow_ipc::reader::{FileReader, StreamReader};
 use std::io::Cursor;
+use std::panic::catch_unwind;
 
 /// What could be read of a feather file.
 pub(crate) struct Feather {
@@ -19,17 +23,38 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Feather, String> {
     if !bytes.starts_with(MAGIC) {
         return Err("the file does not begin as an Arrow IPC (feather) file".to_owned());
     }
-    let whole = FileReader::try_new(Cursor::new(bytes), None).and_then(|r| r.collect::<Result<Vec<_>, _>>());
-    let reason = match whole {
+    let reason = match guard::check_file(bytes).and_then(|()| read_file(bytes)) {
         Ok(batches) => return Ok(Feather { columns: Columns(batches), truncated: None }),
-        Err(e) => e.to_string(),
+        Err(reason) => reason,
     };
-    // The file format is a stream between two magic words, so what stands before the cut can be read as a stream.
+    // The file format is a stream between two magic words, so the part before a cut can be read as a stream.
     // Zeros pad the first word to 8 bytes (C++) or 64 (Rust); the stream begins with 0xFFFFFFFF.
     let start = bytes.iter().skip(MAGIC.len()).position(|b| *b != 0).map_or(bytes.len(), |p| p + MAGIC.len());
-    let mut batches = Vec::new();
-    if let Ok(stream) = StreamReader::try_new(Cursor::new(&bytes[start..]), None) {
-        batches.extend(stream.map_while(Result::ok));
+    Ok(Feather { columns: Columns(read_stream(sound_part(&bytes[start..]))), truncated: Some(reason) })
+}
+
+fn read_file(bytes: &[u8]) -> Result<Vec<RecordBatch>, String> {
+    let read =
+        || FileReader::try_new(Cursor::new(bytes), None).and_then(|r| r.collect::<Result<Vec<_>, _>>());
+    match catch_unwind(read) {
+        Ok(batches) => batches.map_err(|e| e.to_string()),
+        Err(_) => Err("its content contradicts its schema".to_owned()),
     }
-    Ok(Feather { columns: Columns(batches), truncated: Some(reason) })
+}
+
+fn read_stream(bytes: &[u8]) -> Vec<RecordBatch> {
+    let read = || match StreamReader::try_new(Cursor::new(bytes), None) {
+        Ok(stream) => stream.map_while(Result::ok).collect(),
+        Err(_) => Vec::new(),
+    };
+    catch_unwind(read).unwrap_or_default()
+}
+
+/// The messages of a stream up to the first that is broken or cut short.
+fn sound_part(stream: &[u8]) -> &[u8] {
+    let mut at = 0;
+    while let Some(next) = guard::next_message(stream, at) {
+        at = next;
+    }
+    &stream[..at]
 }

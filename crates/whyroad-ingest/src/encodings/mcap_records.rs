@@ -119,7 +119,7 @@ impl Reader {
             Some((size, crc, f.text()?, f.sized::<8>()?))
         };
         let (size, crc, compression, packed) = header().ok_or("its header is cut short")?;
-        if size > MAX_RECORD {
+        if size > super::compressed::limit(packed.len() as u64) || size > MAX_RECORD {
             return Err(format!("it says that it has {size} bytes"));
         }
         let mut unpacked = Vec::new();

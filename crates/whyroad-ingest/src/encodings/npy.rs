@@ -55,6 +55,10 @@ pub fn numbers(file: &[u8]) -> Result<Table, String> {
         [n, m] => (n, m),
         _ => return Err(format!("an array of {} dimensions where one or two are expected", shape.len())),
     };
+    let size = rows.checked_mul(columns).and_then(|n| n.checked_mul(npy.dtype().num_bytes()?));
+    if size.is_none_or(|size| payload(file).is_none_or(|p| p.len() < size)) {
+        return Err("the file ends inside the array".to_owned());
+    }
     let fortran = npy.order() == npyz::Order::Fortran;
     let integers = npy.dtype().descr().contains("i8");
     let flat = if integers {

@@ -19,7 +19,7 @@ use crate::assemble::se3::{self, Se3};
 use crate::encodings::feather;
 use crate::options::Options;
 use crate::report::SourceReport;
-use crate::source::{ContentHash, file_label, impossible_speeds};
+use crate::source::{ContentHash, SEARCH_DEPTH, file_label, impossible_speeds};
 use annotations::{Annotations, Cuboid};
 use ego_box::EgoBox;
 use map_file::{map_file, read_map};
@@ -88,7 +88,7 @@ pub fn find_logs(path: &Path) -> io::Result<Vec<PathBuf>> {
         Ok(())
     }
     let mut out = Vec::new();
-    search(path, 3, &mut out)?;
+    search(path, SEARCH_DEPTH, &mut out)?;
     out.sort();
     Ok(out)
 }

@@ -16,7 +16,7 @@ use crate::assemble::kinematics::MAX_GAP_S;
 use crate::encodings::columns::{Columns, read_parquet};
 use crate::options::{OptionSpec, Options, START};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, drive_id, file_label, find_folders, impossible_speeds};
+use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, impossible_speeds};
 pub(crate) use findings::CODES;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -103,6 +103,10 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
         }
     };
     report.diagnostics.extend(findings::of_rows(&label, &scenario));
+    if let Some(d) = implausible_span(&label, 0.0, scenario.steps as f64 / FRAME_RATE_HZ) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames: Vec<f64> = (0..scenario.steps).map(|i| i as f64 / FRAME_RATE_HZ).collect();
     if scenario.tracks.is_empty() {
         report.tables.push(scenario.count);

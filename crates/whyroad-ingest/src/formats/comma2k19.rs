@@ -12,17 +12,17 @@ mod motion;
 mod radar;
 mod recording;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
 use crate::encodings::can::CanDatabase;
 use crate::options::{OptionSpec, OptionType, Options, START};
 use crate::report::SourceReport;
-use crate::source::{ContentHash, drive_id, file_label};
+use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span};
 pub(crate) use findings::CODES;
 use recording::{Pose, Recording};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference};
-use whyroad_model::{Drive, Nanos, Need};
+use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -63,6 +63,15 @@ impl Adapter for Comma2k19 {
         find_routes(path).map(whole)
     }
 
+    fn why_skipped(&self, file: &Path) -> Option<SkipReason> {
+        file.extension().is_some_and(|e| e.eq_ignore_ascii_case("dbc")).then(|| {
+            Bilingual::new(
+                "CAN 报文定义：用 `ingest comma2k19 --dbc` 给出",
+                "definitions of CAN messages: give them with `ingest comma2k19 --dbc`",
+            )
+        })
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
@@ -86,7 +95,7 @@ pub fn find_routes(path: &Path) -> io::Result<Vec<PathBuf>> {
     }
     let mut out = Vec::new();
     if path.is_dir() {
-        search(path, 2, &mut out)?;
+        search(path, SEARCH_DEPTH, &mut out)?;
     }
     Ok(out)
 }
@@ -118,6 +127,12 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
 fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport) -> Option<Drive> {
     let mut hash = ContentHash::new("comma2k19", REVISION);
     let recording = Recording::read(segments, &mut hash, report);
+    let at = |time: Option<&f64>| time.copied().unwrap_or(0.0);
+    let times = &recording.pose.times;
+    if let Some(d) = implausible_span(&report.source, at(times.first()), at(times.last())) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames = frame_grid(&recording.pose);
     if frames.is_empty() {
         report.diagnostics.push(findings::no_pose(&report.source));

@@ -18,7 +18,9 @@ use crate::encodings::mcap_records::{self, Channel};
 use crate::encodings::{cdr, protobuf};
 use crate::options::{LICENCE, OptionSpec, OptionType, Options};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, drive_id, file_label, find_files, impossible_speeds, resampled};
+use crate::source::{
+    ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
+};
 use mapping::{Frame, Mapping, Role, Rule};
 use rows::{BusRow, EgoRow, ObjectRow, Rows};
 use serde_json::Value;
@@ -241,6 +243,10 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
     };
     let seconds = |ns: i64| (ns - first) as f64 / 1e9;
     let times: Vec<f64> = poses.iter().map(|r| seconds(r.time)).collect();
+    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1]) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames = Frames::of(&times);
     if frames.resampled() {
         report.diagnostics.push(resampled(&label, frames.native_step_s));

@@ -18,7 +18,7 @@ use crate::assemble::kinematics;
 use crate::assemble::se3::{self, Se3};
 use crate::options::{LICENCE, OptionSpec, Options};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, drive_id, impossible_speeds, resampled};
+use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
 use bus::BusReading;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -71,6 +71,12 @@ impl Adapter for NuScenes {
         Ok(scenes.into_iter().map(|(path, index)| Located { path, part: Some(index) }).collect())
     }
 
+    fn companions(&self, set: &Path) -> Vec<PathBuf> {
+        let root = set.parent().unwrap_or(set);
+        let inside = |dir: PathBuf| fs::read_dir(dir).into_iter().flatten().flatten().map(|e| e.path());
+        inside(root.join("can_bus")).chain(inside(root.join("maps/expansion"))).collect()
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, source.part.unwrap_or(0), options));
     }
@@ -91,14 +97,7 @@ pub fn find_scenes(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
     let is_set = |dir: &Path| {
         ["scene", "sample", "sample_annotation"].iter().all(|t| dir.join(format!("{t}.json")).is_file())
     };
-    let mut sets = Vec::new();
-    if path.is_dir() && is_set(path) {
-        sets.push(path.to_owned());
-    } else if path.is_dir() {
-        let below = fs::read_dir(path)?.collect::<io::Result<Vec<_>>>()?;
-        sets.extend(below.into_iter().map(|e| e.path()).filter(|p| p.is_dir() && is_set(p)));
-    }
-    sets.sort();
+    let sets = find_folders(path, is_set)?;
     let mut out = Vec::new();
     for set in sets {
         // A list of scenes that cannot be read is one source, whose reading says why.
@@ -151,6 +150,10 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
     let seconds = |us: i64| (us - zero) as f64 / 1e6;
     let mut keyframes: Vec<f64> = t.samples.values().map(|&us| seconds(us)).collect();
     keyframes.sort_by(f64::total_cmp);
+    if let Some(d) = implausible_span(&label, 0.0, keyframes.last().copied().unwrap_or(0.0)) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames = every_tenth(&keyframes);
     if frames.len() < 2 || t.poses.len() < 2 {
         report.diagnostics.push(findings::empty(&label));

@@ -10,25 +10,30 @@ pub(crate) mod findings;
 mod map;
 mod tracks;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, median};
 use crate::assemble::lane_lights;
 use crate::encodings::pickle::{Pickle, Value};
 use crate::options::{LICENCE, OptionSpec, Options, START};
 use crate::report::SourceReport;
-use crate::source::{ContentHash, drive_id, file_label, impossible_speeds, resampled};
+use crate::source::{
+    ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds, resampled,
+};
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use tracks::Tracks;
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, LightState};
-use whyroad_model::{Drive, Nanos, Need};
+use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
+/// Bytes of a pickle that are searched for the parts of a scenario.
+const SNIFFED_BYTES: u64 = 64 << 20;
 /// Files of a database that are no scenarios.
 const NOT_SCENARIOS: [&str; 2] = ["dataset_summary.pkl", "dataset_mapping.pkl"];
 
@@ -60,6 +65,16 @@ impl Adapter for ScenarioNet {
         find_scenarios(path).map(whole)
     }
 
+    fn companions(&self, source: &Path) -> Vec<PathBuf> {
+        let folders = source.ancestors().skip(1).take(SEARCH_DEPTH);
+        folders.flat_map(|dir| NOT_SCENARIOS.map(|name| dir.join(name))).collect()
+    }
+
+    fn why_skipped(&self, file: &Path) -> Option<SkipReason> {
+        let pickle = file.extension().is_some_and(|e| e == "pkl" || e == "pickle");
+        pickle.then(|| Bilingual::new("pickle 中没有场景", "a pickle without a scenario in it"))
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         drives.put(read(&source.path, options));
     }
@@ -76,7 +91,10 @@ pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
             let scenario = name.ends_with(".pkl") && !NOT_SCENARIOS.contains(&name.as_str());
             if path.is_dir() && depth > 0 {
                 search(&path, in_database, depth - 1, out)?;
-            } else if path.is_file() && scenario && (in_database || name.starts_with("sd_")) {
+            } else if path.is_file()
+                && scenario
+                && (in_database || name.starts_with("sd_") || looks_like_one(&path))
+            {
                 out.push(path);
             }
         }
@@ -87,9 +105,17 @@ pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
         return Ok(if pickle { vec![path.to_owned()] } else { Vec::new() });
     }
     let mut out = Vec::new();
-    search(path, false, 3, &mut out)?;
+    search(path, false, SEARCH_DEPTH, &mut out)?;
     out.sort();
     Ok(out)
+}
+
+/// True for a pickle, whatever its name, that has the parts of a scenario.
+fn looks_like_one(path: &Path) -> bool {
+    let mut bytes = Vec::new();
+    let read = fs::File::open(path).and_then(|f| f.take(SNIFFED_BYTES).read_to_end(&mut bytes));
+    let has = |word: &str| bytes.windows(word.len()).any(|w| w == word.as_bytes());
+    read.is_ok() && bytes.first() == Some(&0x80) && has("tracks") && has("map_features")
 }
 
 /// Reads one scenario. `None` when there is nothing that could be kept; the report says why.
@@ -113,6 +139,10 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         }
     };
     let metadata = root.get("metadata");
+    if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1]) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames = Frames::of(&times);
     if frames.resampled() {
         report.diagnostics.push(resampled(&label, frames.native_step_s));

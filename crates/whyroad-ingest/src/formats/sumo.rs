@@ -26,11 +26,11 @@ mod vehicle_types;
 
 pub use options::{EGO, EGO_SHARE, LIGHTS, NET, OCCLUSION, SEED, SENSOR_RANGE, TYPES};
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
 use crate::encodings::compressed::without_ending;
 use crate::options::{OptionSpec, Options};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, drive_id, file_label, impossible_speeds};
+use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
 use fcd::{Fcd, Object};
 use frames::Cadence;
 use inputs::{NetParts, add_file, read_lights, read_net, read_types};
@@ -41,7 +41,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use vehicle_types::{IsPerson, VehicleTypes};
 use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
-use whyroad_model::{Diagnostic, Drive, DriveId, Nanos, Need};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 7;
@@ -74,6 +74,21 @@ impl Adapter for Sumo {
         find_simulations(path).map(whole)
     }
 
+    fn companions(&self, source: &Path) -> Vec<PathBuf> {
+        beside(source, &["rou", "add", "net", "poly", "tls"])
+    }
+
+    fn why_skipped(&self, file: &Path) -> Option<SkipReason> {
+        let name = file_label(file).to_lowercase();
+        let plain = without_ending(&name);
+        (plain.ends_with(".xml") || plain.ends_with(".csv")).then(|| {
+            Bilingual::new(
+                "XML 或 CSV 文件，名称中没有 fcd，旁边也没有用到它的仿真日志",
+                "an XML or CSV file without 'fcd' in its name that belongs to no simulation log",
+            )
+        })
+    }
+
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
         read_new(&source.path, options, drives);
     }
@@ -100,7 +115,7 @@ pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
         return Ok(if is_log { vec![path.to_owned()] } else { Vec::new() });
     }
     let mut out = Vec::new();
-    search(path, 3, &mut out)?;
+    search(path, SEARCH_DEPTH, &mut out)?;
     out.sort();
     Ok(out)
 }
@@ -243,6 +258,11 @@ impl Simulation {
             report.diagnostics.push(findings::ego_missing(label, id, &some));
             return None;
         };
+        let seconds = |s: Option<&fcd::Sample>| s.map_or(0.0, |s| s.time as f64 / 1e9);
+        if let Some(d) = implausible_span(label, seconds(ego.samples.first()), seconds(ego.samples.last())) {
+            report.diagnostics.push(d);
+            return None;
+        }
         let (times, cadence) = frames::frames(&self.fcd.steps, ego);
         if let Cadence::Filled(step) = cadence {
             report.diagnostics.push(findings::step(label, step as f64 / 1e9));

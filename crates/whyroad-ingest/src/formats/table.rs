@@ -19,7 +19,7 @@ use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
 use crate::assemble::frames::{Frames, every_tenth};
 use crate::options::{LICENCE, OptionSpec, Options, START};
 use crate::report::SourceReport;
-use crate::source::{ContentHash, drive_id, file_label, find_folders, resampled};
+use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, resampled};
 pub(crate) use findings::CODES;
 use meta::Meta;
 use sheet::{Sheet, sheet_file};
@@ -144,6 +144,11 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
         }
         return None;
     };
+    let seconds = |at: Option<&i64>| at.map_or(0.0, |&t| t as f64 / 1e9);
+    if let Some(d) = implausible_span(&rows.label, seconds(rows.times.first()), seconds(rows.times.last())) {
+        reader.report.diagnostics.push(d);
+        return None;
+    }
     let (mut clock, native) = Clock::of(&rows.times);
     if native.resampled() {
         reader.report.diagnostics.push(resampled(&rows.label, native.native_step_s));
@@ -178,15 +183,15 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
     if can.iter().all(|(_, absent)| *absent) {
         missing.push(Need::VehicleBus);
     } else {
-        missing.extend(can.iter().filter(|(_, absent)| *absent).map(|(need, _)| *need));
+        missing.extend(can.iter().filter(|(_, absent)| *absent).map(|(name, _)| *name));
     }
-    for (need, absent) in [
+    for (name, absent) in [
         (Need::Map, map.is_none()),
         (Need::TrafficLights, lights.is_none()),
         (Need::WeatherAndSurface, context.is_none()),
     ] {
         if absent {
-            missing.push(need);
+            missing.push(name);
         }
     }
     missing.push(Need::CameraPictures);

@@ -15,7 +15,9 @@ use crate::assemble::lane_lights;
 use crate::encodings::tfrecord;
 use crate::options::{LICENCE, OptionSpec, Options, START};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, drive_id, file_label, find_files, impossible_speeds, resampled};
+use crate::source::{
+    ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
+};
 use scenario::{ObjectTrack, Scenario};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -93,6 +95,10 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
         Ok(s) => Ok(s),
     };
     let s = scenario.map_err(|what| report.diagnostics.push(findings::schema(&label, &what))).ok()?;
+    if let Some(d) = implausible_span(&label, s.times[0], s.times[s.times.len() - 1]) {
+        report.diagnostics.push(d);
+        return None;
+    }
     let frames = Frames::of(&s.times);
     if frames.resampled() {
         report.diagnostics.push(resampled(&label, frames.native_step_s));

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, av2_motion, find_sources};
 use whyroad_model::scene::Motion;
-use whyroad_model::{Drive, Need, ObjectClass, Severity};
+use whyroad_model::{Drive, ObjectClass, Severity};
 
 const ID: &str = "0a1e6f0a-1817-4a98-b02e-db8c9327d151";
 
@@ -58,7 +58,7 @@ fn the_scenario_is_found_and_every_row_accounted_for() {
         (drive.meta.place.as_deref(), drive.meta.map_ref.as_deref()),
         (Some("Austin"), Some("austin_74806"))
     );
-    assert!(drive.meta.missing.iter().any(|m| *m == Need::ObjectSizes));
+    assert!(drive.meta.missing.iter().any(|m| m.id() == "object sizes"));
     assert!(drive.tracks.iter().all(|t| t.length_m.iter().chain(&t.width_m).all(|v| v.is_nan())));
 }
 
@@ -172,7 +172,7 @@ fn a_cut_file_is_no_drive_and_a_missing_map_is_a_drive_without_one() {
         return;
     };
     assert_eq!(codes, ["av2.map.missing"]);
-    assert!(drive.unwrap().meta.missing.iter().any(|m| *m == Need::Map));
+    assert!(drive.unwrap().meta.missing.iter().any(|m| m.id() == "map"));
 }
 
 /// A scenario of one car that drives along x at 10 m/s for three steps; `change` breaks it.

@@ -7,7 +7,7 @@
 use std::path::PathBuf;
 use whyroad_ingest::{SourceReport, av2};
 use whyroad_model::scene::FrameOfReference;
-use whyroad_model::{Drive, Need, ObjectClass, Severity};
+use whyroad_model::{Drive, ObjectClass, Severity};
 
 fn log(prefix: &str) -> Option<PathBuf> {
     let data = std::env::var_os("WHYROAD_DATA").map_or_else(
@@ -137,7 +137,11 @@ fn a_log_without_pose_and_map_is_kept_and_says_so() {
     assert!(drive.ego.is_none() && drive.map.is_none());
     assert_eq!(drive.meta.frame_of_reference, FrameOfReference::Ego);
     assert!(
-        [Need::EgoPose, Need::Map, Need::LidarPointsInBoxes].iter().all(|n| drive.meta.missing.contains(n))
+        ["ego pose", "map", "lidar points in boxes"].iter().all(|m| drive
+            .meta
+            .missing
+            .iter()
+            .any(|x| x.id() == *m))
     );
     let codes: Vec<_> = report.diagnostics.iter().map(|d| d.code).collect();
     assert_eq!(codes, ["av2.pose.missing", "av2.map.missing"]);

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, START, SourceReport, comma2k19, find_sources};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, Nanos, Need, ObjectClass, Severity};
+use whyroad_model::{Drive, Nanos, ObjectClass, Severity};
 
 fn data(path: &str) -> Option<PathBuf> {
     let root = std::env::var_os("WHYROAD_DATA").map_or_else(
@@ -252,7 +252,7 @@ fn a_cut_array_is_named_and_the_rest_is_kept() {
             && report.diagnostics[0].location.file.as_deref().unwrap().ends_with("radar/value")
     );
     let drive = drive.unwrap();
-    assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| *m == Need::Radar));
+    assert!(drive.tracks.is_empty() && drive.meta.missing.iter().any(|m| m.id() == "radar"));
     assert!(drive.ego.unwrap().bus.brake.len() == 600);
 }
 
@@ -264,7 +264,7 @@ fn a_missing_array_is_a_missing_signal_and_without_poses_there_is_no_drive() {
         return;
     };
     let drive = drive.unwrap();
-    assert!(codes.is_empty() && drive.meta.missing.iter().any(|m| *m == Need::SteeringAngle));
+    assert!(codes.is_empty() && drive.meta.missing.iter().any(|m| m.id() == "steering angle"));
     assert!(drive.ego.unwrap().bus.steering.is_empty());
     let Some((drive, report, codes)) =
         broken(&toyota(), |s| fs::remove_file(s.join("global_pose/frame_positions")).unwrap())
@@ -309,9 +309,11 @@ fn a_dbc_that_is_absent_unreadable_or_of_another_car_is_told() {
         assert_eq!(codes, [code]);
         let drive = drive.unwrap();
         assert!(
-            [Need::Brake, Need::Cruise, Need::Gear, Need::TurnSignal]
+            ["brake", "cruise", "gear", "turn signal"].iter().all(|m| drive
+                .meta
+                .missing
                 .iter()
-                .all(|n| drive.meta.missing.contains(n))
+                .any(|x| x.id() == *m))
         );
         assert_eq!(drive.ego.unwrap().bus.speed_mps.len(), 600);
     }

@@ -4,6 +4,7 @@ mod av2_broken;
 mod av2_motion;
 mod av2_real;
 mod comma2k19;
+mod finding;
 mod mcap;
 mod nuscenes;
 mod scenarionet;
@@ -11,3 +12,11 @@ mod sumo;
 mod sumo_egos;
 mod table;
 mod waymo;
+
+/// True when every problem is a warning about files that are not recordings, such as the fixtures' scripts.
+fn only_skipped(problems: &[whyroad_model::Diagnostic]) -> bool {
+    let of_scripts = |d: &whyroad_model::Diagnostic| {
+        d.code == "ingest.files.skipped" && ["make.py", "README.md"].iter().any(|n| d.message.en.contains(n))
+    };
+    !problems.is_empty() && problems.iter().all(of_scripts)
+}

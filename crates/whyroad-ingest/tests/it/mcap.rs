@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, SourceReport, find_sources, mcap};
 use whyroad_lake::{Lake, WriteOutcome};
 use whyroad_model::scene::TurnSignal;
-use whyroad_model::{Drive, Need, ObjectClass};
+use whyroad_model::{Drive, ObjectClass};
 
 fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/mcap").join(name)
@@ -73,7 +73,7 @@ fn ros2_odometry_and_detections_in_the_cars_frame() {
     assert_eq!(codes(&report), ["ingest.rate.resampled", "mcap.rows.dropped"]);
     let objects = report.tables.iter().find(|t| t.table == "objects").unwrap();
     assert_eq!((objects.read, objects.kept["track"], objects.dropped["no_id"]), (22, 21, 1));
-    assert!(drive.meta.missing.contains(&Need::EgoSize));
+    assert!(drive.meta.missing.contains(&whyroad_model::Need::EgoSize));
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn what_a_cut_or_changed_file_still_has_is_kept() {
 fn recordings_are_recognised_and_come_in_once() {
     let (sources, problems) = find_sources(None, &[fixture("")]);
     assert!(
-        problems.is_empty() && sources.len() == 3 && sources.iter().all(|s| s.format() == "mcap"),
+        crate::only_skipped(&problems) && sources.len() == 3 && sources.iter().all(|s| s.format() == "mcap"),
         "{sources:?}"
     );
     let dir = tempfile::tempdir().unwrap();

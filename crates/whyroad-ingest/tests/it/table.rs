@@ -9,7 +9,7 @@ use std::sync::Arc;
 use whyroad_ingest::{Options, SourceReport, find_sources, table};
 use whyroad_model::scene::{LightColour, TurnSignal};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
-use whyroad_model::{Drive, Need, ObjectClass, Severity};
+use whyroad_model::{Drive, ObjectClass, Severity};
 
 fn example() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples/table/following")
@@ -43,7 +43,7 @@ fn codes(report: &SourceReport) -> Vec<&'static str> {
 #[test]
 fn the_example_is_what_its_formulas_say() {
     let (sources, problems) = find_sources(None, &[example().parent().unwrap().to_owned()]);
-    assert!(problems.is_empty());
+    assert!(crate::only_skipped(&problems));
     assert_eq!(sources.iter().map(|s| s.format()).collect::<Vec<_>>(), ["table"]);
     let (drive, report) = table::read(&sources[0].path, &Options::default());
     let drive = drive.unwrap();
@@ -269,7 +269,9 @@ fn what_nobody_can_guess_is_asked_for() {
     let missing = drive.unwrap().meta.missing;
     assert!(
         codes(&report).is_empty()
-            && [Need::Map, Need::TrafficLights, Need::WeatherAndSurface].iter().all(|m| missing.contains(m))
+            && ["map", "traffic lights", "weather and surface"]
+                .iter()
+                .all(|m| missing.iter().any(|x| x.id() == *m))
     );
 }
 

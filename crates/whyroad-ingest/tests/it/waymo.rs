@@ -36,7 +36,7 @@ fn near(a: f64, b: f64) -> bool {
 #[test]
 fn each_record_is_a_drive() {
     let (sources, problems) = find_sources(None, &[fixtures()]);
-    assert!(problems.is_empty() && sources.iter().all(|s| s.format() == "waymo-motion"));
+    assert!(crate::only_skipped(&problems) && sources.iter().all(|s| s.format() == "waymo-motion"));
     let found: Vec<_> = sources
         .iter()
         .map(|s| {

@@ -24,9 +24,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if args.options.drive_id.is_some() && sources.len() > 1 {
         anyhow::bail!("--drive-id names one drive, but there are {} sources", sources.len());
     }
-    for d in &problems {
-        tell!("{}", render_text(d, global.lang));
-    }
+    print_diagnostics(global, &problems);
     if sources.is_empty() {
         return Ok(output::FINDINGS);
     }
@@ -38,11 +36,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         bar.set_message(batch[0].path.file_name().unwrap_or_default().to_string_lossy().into_owned());
         let last = bar.position() + batch.len() as u64;
         whyroad_ingest::ingest_each(batch, &args.options, &lake, &mut |report| {
-            bar.suspend(|| {
-                for d in &report.diagnostics {
-                    tell!("{}", render_text(d, global.lang));
-                }
-            });
+            bar.suspend(|| print_diagnostics(global, &report.diagnostics));
             reports.push(report);
             // A simulation has several drives; it is done when the last is.
             bar.set_position((bar.position() + 1).min(last - 1));
@@ -56,6 +50,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         ReportFormat::Json => output::put(&format!("{:#}\n", json_report(&reports, global.lang))),
     }
     Ok(exit_code(&reports, &problems))
+}
+
+/// Diagnostics to stderr; notes only with `--verbose`.
+fn print_diagnostics(global: &Global, diagnostics: &[Diagnostic]) {
+    let shown = diagnostics.iter().filter(|d| global.verbose || d.severity != Severity::Note);
+    shown.for_each(|d| tell!("{}", render_text(d, global.lang)));
 }
 
 /// 1 when nothing came into the lake, 3 when something did and something was lost.

@@ -44,6 +44,18 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("whyroad-server", &["whyroad-model", "whyroad-framework", "whyroad-label"]),
     (
+        "whyroad-fuzz",
+        &[
+            "whyroad-model",
+            "whyroad-framework",
+            "whyroad-label",
+            "whyroad-lake",
+            "whyroad-ingest",
+            "whyroad-signals",
+            "whyroad-mining",
+        ],
+    ),
+    (
         "whyroad",
         &[
             "whyroad-model",
@@ -65,8 +77,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// Crates that only one of ours may depend on: each isolates something heavy or something that must not leak.
 const ONLY_IN: &[(&str, &[&str])] = &[
     // The lake's tables, mining's results, and ingest for other people's Parquet files (AV2 motion, `table`).
-    ("parquet", &["whyroad-lake", "whyroad-engine", "whyroad-ingest"]),
-    ("arrow-ipc", &["whyroad-ingest"]),
+    ("parquet", &["whyroad-fuzz", "whyroad-lake", "whyroad-engine", "whyroad-ingest"]),
+    ("arrow-ipc", &["whyroad-ingest", "whyroad-fuzz"]),
     ("quick-xml", &["whyroad-ingest"]),
     ("axum", &["whyroad-server"]),
     ("rusqlite", &["whyroad-server"]),

@@ -37,9 +37,9 @@ pub(super) fn decode(
 ) -> (EgoBus, Vec<Need>) {
     let mut bus = EgoBus::default();
     let mut missing = Vec::new();
-    let mut at_frames = |part: Need, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
+    let mut at_frames = |need: Need, (times, values): &(Vec<f64>, Vec<f64>), scale: f64| {
         if times.is_empty() {
-            missing.push(part);
+            missing.push(need);
             return Vec::new();
         }
         let scaled: Vec<f64> = values.iter().map(|v| v * scale).collect();
@@ -59,19 +59,19 @@ pub(super) fn decode(
         let at = latest(&times, frames, source.holds_s);
         Some(at.into_iter().map(|k| State::read(&coding, recording.can.frame(rows[k?]))).collect())
     };
-    let mut need = |part: Need, found: bool| {
+    let mut state_of = |need: Need, found: bool| {
         if !found {
-            missing.push(part);
+            missing.push(need);
         }
     };
 
     // The brake lights say what the car does, the pedal what the driver does; the lights come first.
     let brake = state(&BRAKE_LIGHT).or_else(|| state(&BRAKE));
-    need(Need::Brake, brake.is_some());
+    state_of(Need::Brake, brake.is_some());
     bus.brake = brake.into_iter().flatten().map(|s| s.map(|s| s.raw != 0)).collect();
 
     let cruise = state(&CRUISE);
-    need(Need::Cruise, cruise.is_some());
+    state_of(Need::Cruise, cruise.is_some());
     bus.cruise = cruise
         .into_iter()
         .flatten()
@@ -83,7 +83,7 @@ pub(super) fn decode(
         .collect();
 
     let gear = state(&GEAR);
-    need(Need::Gear, gear.is_some());
+    state_of(Need::Gear, gear.is_some());
     bus.gear = gear
         .into_iter()
         .flatten()
@@ -98,7 +98,7 @@ pub(super) fn decode(
         .collect();
 
     let turn = state(&TURN);
-    need(Need::TurnSignal, turn.is_some());
+    state_of(Need::TurnSignal, turn.is_some());
     let hazard = state(&HAZARD);
     bus.turn_signal = turn
         .into_iter()

@@ -99,7 +99,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
             });
         }
         let word = kept.iter().find_map(|&i| classes[i].as_deref()).unwrap_or("unknown");
-        let class = ObjectClass::from_id(word).unwrap_or_else(|| {
+        let class = ObjectClass::from_id(&word.to_lowercase()).unwrap_or_else(|| {
             *unknown_classes.entry(word).or_default() += kept.len();
             ObjectClass::Unknown
         });

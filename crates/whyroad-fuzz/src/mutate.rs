@@ -1,0 +1,96 @@
+//! Small changes to bytes: flipped bits, boundary numbers (binary and in text), removed, repeated and exchanged parts.
+
+/// A seeded generator (xorshift64*; Vigna 2016): equal seeds give equal inputs.
+pub(crate) struct Random(u64);
+
+/// Numbers at which parsers break.
+const NUMBERS: [i64; 12] =
+    [0, 1, -1, 127, 255, 256, 32_767, 65_535, i32::MAX as i64, u32::MAX as i64, i64::MAX, i64::MIN];
+const TEXTS: [&str; 14] = [
+    "0",
+    "-1",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "NaN",
+    "inf",
+    "",
+    "18446744073709551616",
+    "9223372036854775807",
+    "1e9",
+    "\u{0}",
+    "\"",
+    "]]]]]]",
+];
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    /// Evenly below `n`; 0 when `n` is 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() % (n as u64).max(1)) as usize
+    }
+
+    fn range(&mut self, length: usize, most: usize) -> std::ops::Range<usize> {
+        let start = self.below(length);
+        let end = start + 1 + self.below(most.min(length - start));
+        start..end.min(length)
+    }
+}
+
+/// One to four changes to `input`; parts of `other` may be mixed in.
+pub(crate) fn mutate(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
+    for _ in 0..=random.below(4) {
+        if input.is_empty() {
+            input.extend_from_slice(other);
+            continue;
+        }
+        one(random, input, other);
+    }
+}
+
+fn one(random: &mut Random, input: &mut Vec<u8>, other: &[u8]) {
+    let at = random.below(input.len());
+    match random.below(10) {
+        0 => input[at] ^= 1 << random.below(8),
+        1 => input[at] = random.next() as u8,
+        2 | 3 => {
+            let number = NUMBERS[random.below(NUMBERS.len())];
+            let size = [1, 2, 4, 8][random.below(4)];
+            let mut bytes = number.to_le_bytes()[..size].to_vec();
+            if random.below(2) == 0 {
+                bytes.reverse();
+            }
+            let end = (at + size).min(input.len());
+            input[at..end].copy_from_slice(&bytes[..end - at]);
+        }
+        4 => drop(input.drain(random.range(input.len(), 64))),
+        5 => {
+            let part = input[random.range(input.len(), 256)].to_vec();
+            input.splice(at..at, part);
+        }
+        6 => input.truncate(at),
+        7 if !other.is_empty() => {
+            let part = other[random.range(other.len(), 256)].to_vec();
+            let end = (at + part.len()).min(input.len());
+            input.splice(at..end, part);
+        }
+        _ => number_in_text(random, input, at),
+    }
+}
+
+/// Puts another number (or no number) in place of the run of digits at or behind `at`.
+fn number_in_text(random: &mut Random, input: &mut Vec<u8>, at: usize) {
+    let Some(start) = input[at..].iter().position(u8::is_ascii_digit).map(|p| p + at) else { return };
+    let end = input[start..].iter().position(|b| !b.is_ascii_digit()).map_or(input.len(), |p| p + start);
+    input.splice(start..end, TEXTS[random.below(TEXTS.len())].bytes());
+}

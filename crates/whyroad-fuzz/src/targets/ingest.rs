@@ -1,0 +1,226 @@
+//! Logs of every format: one file of a small log is changed, and the whole log is read as `whyroad ingest` reads it.
+
+mod made;
+
+use super::{file, unchanged, work_folder};
+use crate::harness::Target;
+use std::fs;
+use std::path::Path;
+use whyroad_ingest::{AdapterRef, Options, batches, comma2k19, find_sources, formats, mcap};
+
+/// Name and content of a file.
+type Files = Vec<(String, Vec<u8>)>;
+
+/// A small log.
+struct Log {
+    format: &'static str,
+    files: Files,
+    options: fn(&Path) -> Options,
+}
+
+fn defaults(_: &Path) -> Options {
+    Options::default()
+}
+
+fn read_log(format: AdapterRef, folder: &Path, options: &Options) {
+    let (sources, _) = find_sources(Some(format), &[folder.to_owned()]);
+    for batch in batches(&sources) {
+        drop(whyroad_ingest::read(&batch[0], options));
+    }
+}
+
+impl Log {
+    /// The target that changes `name` of the log; `more` are further seeds of that file.
+    fn changing(&self, target: &str, name: &str, more: Vec<Vec<u8>>) -> Target {
+        let folder = work_folder();
+        for (name, content) in &self.files {
+            let path = folder.path().join(name);
+            let _ = path.parent().map(fs::create_dir_all);
+            let _ = fs::write(path, content);
+        }
+        let own = self.files.iter().find(|(n, _)| n == name).map(|(_, content)| content.clone());
+        let path = folder.path().join(name);
+        let options = (self.options)(folder.path());
+        let format = formats::by_name(self.format).unwrap_or(formats::ALL[0]);
+        let run = move |bytes: &[u8]| {
+            let _ = fs::write(&path, bytes);
+            read_log(format, folder.path(), &options);
+        };
+        Target {
+            name: target.to_owned(),
+            seeds: own.into_iter().chain(more).collect(),
+            repair: unchanged,
+            run: Box::new(run),
+        }
+    }
+}
+
+fn fixture(name: &str) -> Vec<u8> {
+    file(&format!("crates/whyroad-ingest/tests/fixtures/{name}"))
+}
+
+fn files(list: &[(&str, &str)]) -> Files {
+    list.iter().map(|(name, from)| ((*name).to_owned(), fixture(from))).collect()
+}
+
+pub(super) fn targets() -> Vec<Target> {
+    let mut out = sumo();
+    out.extend(av2());
+    out.extend(comma());
+    out.extend(tables());
+    out.extend(others());
+    out
+}
+
+fn sumo() -> Vec<Target> {
+    let beside = [
+        ("net.xml", "crossroads.net.xml"),
+        ("rou.xml", "crossroads.rou.xml"),
+        ("tls.xml", "crossroads.lights.xml"),
+    ];
+    let log = |fcd: &str, from: &str| {
+        let list: Vec<(&str, &str)> = beside.into_iter().chain([(fcd, from)]).collect();
+        Log { format: "sumo", files: files(&list), options: defaults }
+    };
+    let plain = log("fcd.xml", "crossroads.fcd.xml");
+    let gz = {
+        let mut log = log("fcd.xml.gz", "crossroads.fcd.xml");
+        log.files.iter_mut().filter(|(n, _)| n == "fcd.xml.gz").for_each(|(_, c)| *c = made::gzip(c));
+        log
+    };
+    vec![
+        plain.changing("sumo-fcd", "fcd.xml", vec![]),
+        plain.changing("sumo-net", "net.xml", vec![]),
+        plain.changing("sumo-types", "rou.xml", vec![]),
+        plain.changing("sumo-lights", "tls.xml", vec![]),
+        log("fcd.csv", "crossroads_table.fcd.csv").changing("sumo-fcd-csv", "fcd.csv", vec![]),
+        log("fcd.xml.xz", "compressed/crossroads.fcd.xml.xz").changing("sumo-xz", "fcd.xml.xz", vec![]),
+        log("fcd.xml.zst", "compressed/crossroads.fcd.xml.zst").changing("sumo-zst", "fcd.xml.zst", vec![]),
+        gz.changing("sumo-gz", "fcd.xml.gz", vec![]),
+    ]
+}
+
+fn av2() -> Vec<Target> {
+    let map = made::av2_map();
+    let sensor = Log {
+        format: "av2",
+        files: vec![
+            ("annotations.feather".into(), made::annotations()),
+            ("city_SE3_egovehicle.feather".into(), made::poses()),
+            ("map/log_map_archive_a____PIT_city_1.json".into(), map.clone()),
+        ],
+        options: defaults,
+    };
+    let motion = Log {
+        format: "av2-motion",
+        files: vec![("scenario_a.parquet".into(), made::scenario()), ("log_map_archive_a.json".into(), map)],
+        options: defaults,
+    };
+    vec![
+        sensor.changing("av2-annotations", "annotations.feather", vec![]),
+        sensor.changing("av2-poses", "city_SE3_egovehicle.feather", vec![]),
+        sensor.changing("av2-map", "map/log_map_archive_a____PIT_city_1.json", vec![]),
+        motion.changing("av2-motion-parquet", "scenario_a.parquet", vec![]),
+    ]
+}
+
+fn comma() -> Vec<Target> {
+    let log = Log {
+        format: "comma2k19",
+        files: made::comma_segment(),
+        options: |folder| Options::default().with(&comma2k19::DBC, folder.join("car.dbc")),
+    };
+    let arrays = ["frame_times", "frame_positions", "frame_orientations", "frame_gps_times"];
+    let mut out: Vec<Target> = arrays
+        .iter()
+        .map(|a| log.changing(&format!("npy-{a}"), &format!("1/global_pose/{a}"), vec![]))
+        .collect();
+    for array in ["t", "address", "data"] {
+        out.push(log.changing(
+            &format!("npy-can-{array}"),
+            &format!("1/processed_log/CAN/raw_can/{array}"),
+            vec![],
+        ));
+    }
+    out.push(log.changing("npy-radar", "1/processed_log/CAN/radar/value", vec![]));
+    out.push(log.changing("dbc", "car.dbc", vec![]));
+    out
+}
+
+fn tables() -> Vec<Target> {
+    let example = |name: &str| file(&format!("examples/table/following/{name}"));
+    let names =
+        ["drive.yaml", "ego.csv", "objects.csv", "lanes.csv", "areas.csv", "lights.csv", "context.csv"];
+    let log = Log {
+        format: "table",
+        files: names.iter().map(|n| ((*n).to_owned(), example(n))).collect(),
+        options: defaults,
+    };
+    let mut out: Vec<Target> = names
+        .iter()
+        .map(|n| log.changing(&format!("table-{}", n.split('.').next().unwrap_or(n)), n, vec![]))
+        .collect();
+    let parquet = Log {
+        format: "table",
+        files: vec![
+            ("drive.yaml".into(), example("drive.yaml")),
+            ("ego.parquet".into(), made::ego_parquet()),
+        ],
+        options: defaults,
+    };
+    out.push(parquet.changing("table-parquet", "ego.parquet", vec![]));
+    out
+}
+
+fn others() -> Vec<Target> {
+    let mcap = Log {
+        format: "mcap",
+        files: files(&[("a.mcap", "mcap/fleet.mcap"), ("map.yaml", "mcap/fleet.yaml")]),
+        options: |folder| Options::default().with(&mcap::MAPPING, folder.join("map.yaml")),
+    };
+    let plain = Log { format: "mcap", files: files(&[("a.mcap", "mcap/ros2_lz4.mcap")]), options: defaults };
+    let pickles =
+        ["p2", "p3", "p4", "p5", "numpy1"].map(|p| fixture(&format!("scenarionet/sd_byhand_{p}.pkl")));
+    let [first, more @ ..] = pickles;
+    let scenario = Log { format: "scenarionet", files: vec![("sd_a.pkl".into(), first)], options: defaults };
+    let waymo = Log {
+        format: "waymo-motion",
+        files: files(&[("a.tfrecord", "waymo/byhand.tfrecord-00000-of-00001")]),
+        options: defaults,
+    };
+    let mut behind = waymo.changing("waymo-messages", "a.tfrecord", vec![]);
+    behind.repair = made::repair_tfrecord;
+    let mut out = vec![
+        mcap.changing("mcap-json", "a.mcap", vec![]),
+        mcap.changing("mcap-mapping", "map.yaml", vec![]),
+        plain.changing("mcap-chunks", "a.mcap", vec![fixture("mcap/foxglove_zstd.mcap")]),
+        plain.changing("mcap-plain", "a.mcap", made::unchunked_mcap()),
+        scenario.changing("pickle", "sd_a.pkl", more.to_vec()),
+        waymo.changing("tfrecord", "a.tfrecord", vec![]),
+        behind,
+    ];
+    out.extend(nuscenes());
+    out
+}
+
+fn nuscenes() -> Vec<Target> {
+    let mut log = Log { format: "nuscenes", files: Vec::new(), options: defaults };
+    let root = super::repository().join("crates/whyroad-ingest/tests/fixtures/nuscenes");
+    for folder in ["v1.0-byhand", "can_bus", "maps/expansion"] {
+        for entry in fs::read_dir(root.join(folder)).into_iter().flatten().flatten() {
+            let name = format!("{folder}/{}", entry.file_name().to_string_lossy());
+            log.files.push((name, fs::read(entry.path()).unwrap_or_default()));
+        }
+    }
+    log.files.sort();
+    let tables = ["scene", "sample", "sample_annotation", "sample_data", "ego_pose"];
+    let mut out: Vec<Target> = tables
+        .iter()
+        .map(|t| log.changing(&format!("nuscenes-{t}"), &format!("v1.0-byhand/{t}.json"), vec![]))
+        .collect();
+    let first = |folder: &str| log.files.iter().map(|f| &f.0).find(|n| n.starts_with(folder)).cloned();
+    for (target, folder) in [("nuscenes-bus", "can_bus/"), ("nuscenes-map", "maps/expansion/")] {
+        out.extend(first(folder).map(|name| log.changing(target, &name, vec![])));
+    }
+    out
+}
