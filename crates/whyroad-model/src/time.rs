@@ -27,12 +27,12 @@ impl Nanos {
 
     /// Seconds from `earlier` to `self`.
     pub fn seconds_since(self, earlier: Nanos) -> f64 {
-        (self.0 - earlier.0) as f64 / 1e9
+        self.0.saturating_sub(earlier.0) as f64 / 1e9
     }
 
-    /// This time moved by `seconds`.
+    /// This time moved by `seconds`; at most to the first or last time that there is.
     pub fn plus_secs(self, seconds: f64) -> Self {
-        Self(self.0 + Self::from_secs_f64(seconds).0)
+        Self(self.0.saturating_add(Self::from_secs_f64(seconds).0))
     }
 
     /// Parses an ISO 8601 date-time that states its offset from UTC (RFC 3339). Errors say what is wrong.

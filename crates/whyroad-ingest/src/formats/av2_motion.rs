@@ -6,28 +6,28 @@
 //! would be 1.34 m further forward: nothing published says, and this car does not turn enough here to tell).
 
 mod findings;
+mod scenario;
 
 use super::av2::ego_box::FORD_FUSION;
 use super::av2::map_file::read_map;
 use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
-use crate::assemble::frames::{Sample, Sampled};
+use crate::assemble::frames::Sampled;
 use crate::assemble::geometry::{centre_line, distance};
 use crate::assemble::kinematics::MAX_GAP_S;
-use crate::encodings::columns::{Columns, read_parquet};
+use crate::encodings::columns::read_parquet;
 use crate::options::{OptionSpec, Options, START};
-use crate::report::{RowCount, SourceReport};
+use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, impossible_speeds};
 pub(crate) use findings::CODES;
-use std::collections::{BTreeMap, HashSet};
+use scenario::{EGO, Scenario, class_of};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FRAME_RATE_HZ, FrameOfReference, Track};
-use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
+use whyroad_model::{Drive, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
-/// `track_id` of the recording vehicle.
-const EGO: &str = "AV";
 
 /// Argoverse 2 motion forecasting scenarios.
 pub struct Av2Motion;
@@ -166,83 +166,6 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     })
 }
 
-/// What the parquet file has.
-struct Scenario {
-    /// Object type and samples by track id.
-    tracks: BTreeMap<String, (String, Sampled)>,
-    /// Number of frames.
-    steps: usize,
-    start: Option<Nanos>,
-    city: Option<String>,
-    map_ref: Option<String>,
-    count: RowCount,
-    /// First row that could not be used, in words.
-    invalid_example: Option<String>,
-    /// Rows by object type that AV2 does not define.
-    unknown_types: BTreeMap<String, usize>,
-}
-
-impl Scenario {
-    fn read(table: &Columns) -> Result<Self, String> {
-        let (ids, types) = (table.texts("track_id")?, table.texts("object_type")?);
-        let steps = table.integers("timestep")?;
-        let [x, y, heading, vx, vy] = ["position_x", "position_y", "heading", "velocity_x", "velocity_y"]
-            .map(|name| table.numbers(name));
-        let (x, y, heading, vx, vy) = (x?, y?, heading?, vx?, vy?);
-        let length = table.integers("num_timestamps").ok().and_then(|v| v.into_iter().flatten().next());
-        let first_text = |name: &str| table.texts(name).ok().and_then(|v| v.into_iter().flatten().next());
-        // Written as floating-point nanoseconds: at this size they are multiples of 64 ns.
-        let start = table.numbers("start_timestamp").ok().and_then(|v| v.into_iter().find(|t| t.is_finite()));
-        let city = first_text("city");
-        let map_id = table.integers("map_id").ok().and_then(|v| v.into_iter().flatten().next());
-        let mut out = Self {
-            tracks: BTreeMap::new(),
-            steps: 0,
-            start: start.map(|t| Nanos(t as i64)),
-            map_ref: map_id.map(|id| format!("{}_{id}", city.as_deref().unwrap_or("av2"))),
-            city,
-            count: RowCount { read: ids.len(), ..RowCount::new("scenario") },
-            invalid_example: None,
-            unknown_types: BTreeMap::new(),
-        };
-        let mut order: Vec<usize> = (0..ids.len()).collect();
-        order.sort_by_key(|&i| steps[i]);
-        let mut seen = HashSet::new();
-        for i in order {
-            let within = |step: i64| step >= 0 && length.is_none_or(|n| step < n);
-            let finite = [x[i], y[i], heading[i]].iter().all(|v| v.is_finite());
-            let (Some(id), Some(step), true) = (ids[i].as_ref(), steps[i].filter(|&s| within(s)), finite)
-            else {
-                out.count.drop_rows("invalid", 1);
-                out.invalid_example.get_or_insert_with(|| format!("row {}", i + 1));
-                continue;
-            };
-            if !seen.insert((id, step)) {
-                out.count.drop_rows("duplicate", 1);
-                continue;
-            }
-            out.count.keep(if id == EGO { "ego" } else { "track" }, 1);
-            out.steps = out.steps.max(step as usize + 1);
-            let kind = types[i].clone().unwrap_or_default();
-            let (_, samples) = out.tracks.entry(id.clone()).or_insert_with(|| (kind, Sampled::default()));
-            samples.push(Sample {
-                time: step as f64 / FRAME_RATE_HZ,
-                position: [x[i], y[i], f64::NAN],
-                heading: heading[i],
-                velocity: [vx[i], vy[i]],
-                size: [f64::NAN; 3],
-                points: f64::NAN,
-            });
-        }
-        for (kind, samples) in out.tracks.values() {
-            if class_of(kind).is_none() {
-                *out.unknown_types.entry(kind.clone()).or_default() += samples.times.len();
-            }
-        }
-        Ok(out)
-    }
-}
-
 /// These maps write their centre lines at height 0 though the edges have heights: they get the height half way between the edges.
 fn lift_centre_lines(map: &mut RoadMap) {
     for lane in map.lanes.iter_mut().filter(|l| l.centre.iter().all(|p| p.z == 0.0)) {
@@ -282,22 +205,6 @@ fn tracks(scenario: &Scenario, frames: &[f64], label: &str, report: &mut SourceR
         .collect();
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     tracks
-}
-
-/// Our class for an object type; `None` for one that AV2 does not define (`ObjectType` of the AV2 API). `background` is what
-/// the tracker could not name.
-fn class_of(kind: &str) -> Option<ObjectClass> {
-    Some(match kind {
-        "vehicle" => ObjectClass::Car,
-        "bus" => ObjectClass::Bus,
-        "pedestrian" => ObjectClass::Pedestrian,
-        "motorcyclist" => ObjectClass::Motorcyclist,
-        "cyclist" => ObjectClass::Bicyclist,
-        "riderless_bicycle" => ObjectClass::Bicycle,
-        "static" | "construction" => ObjectClass::StaticObject,
-        "background" | "unknown" => ObjectClass::Unknown,
-        _ => return None,
-    })
 }
 
 /// `palo-alto` as people write it.

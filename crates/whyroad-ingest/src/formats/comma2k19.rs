@@ -11,6 +11,7 @@ mod findings;
 mod motion;
 mod radar;
 mod recording;
+mod state_sources;
 
 use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
 use crate::encodings::can::CanDatabase;
@@ -138,7 +139,9 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
         report.diagnostics.push(findings::no_pose(&report.source));
         return None;
     }
-    let start = match recording.pose.gps_of_first {
+    // Until the year 2100; other numbers are not a time.
+    let plausible = |t: &(f64, f64)| (0.0..6300.0).contains(&t.0) && (0.0..WEEK_S as f64).contains(&t.1);
+    let start = match recording.pose.gps_of_first.filter(plausible) {
         Some((week, second)) => {
             let week_began = GPS_EPOCH_S + week as i64 * WEEK_S - GPS_LEAP_SECONDS;
             Nanos(week_began * Nanos::SECOND.0).plus_secs(second)

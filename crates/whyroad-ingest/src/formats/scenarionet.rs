@@ -13,7 +13,7 @@ mod tracks;
 use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, median};
 use crate::assemble::lane_lights;
-use crate::encodings::pickle::{Pickle, Value};
+use crate::encodings::pickle::{self, Value};
 use crate::options::{LICENCE, OptionSpec, Options, START};
 use crate::report::SourceReport;
 use crate::source::{
@@ -129,7 +129,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
     let label = path.display().to_string();
     let bytes = fs::read(path).map_err(|e| report.diagnostics.push(findings::io(&label, &e))).ok()?;
     let pickle =
-        Pickle::read(&bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
+        pickle::read(&bytes).map_err(|e| report.diagnostics.push(findings::pickle(&label, &e))).ok()?;
     let root = pickle.root();
     let (all_tracks, times) = match parts(root) {
         Ok(parts) => parts,

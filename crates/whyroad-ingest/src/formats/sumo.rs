@@ -9,12 +9,14 @@
 
 mod border;
 mod csv;
+mod edge;
 mod egos;
 mod fcd;
 pub(crate) mod findings;
 mod frames;
 mod inputs;
 mod lights;
+mod naming;
 mod net;
 mod objects;
 mod options;
@@ -34,6 +36,7 @@ use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible
 use fcd::{Fcd, Object};
 use frames::Cadence;
 use inputs::{NetParts, add_file, read_lights, read_net, read_types};
+use naming::{beside, is_named, run_name};
 use objects::{Notes, ego_table, samples_at, tracks};
 use sensing::{Occlusion, Sensing, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
@@ -118,30 +121,6 @@ pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
     search(path, SEARCH_DEPTH, &mut out)?;
     out.sort();
     Ok(out)
-}
-
-/// `...fcd....xml`, `...net.xml.gz` and the like.
-fn is_named(path: &Path, word: &str, ending: &str) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let stem = without_ending(&name).strip_suffix(ending);
-    stem.is_some_and(|s| s.split(['.', '_', '-']).any(|part| part == word))
-}
-
-/// Files beside `fcd`, and in the folder above, that are named `word`.
-fn beside(fcd: &Path, words: &[&str]) -> Vec<PathBuf> {
-    let near = fcd.parent().into_iter().chain(fcd.parent().and_then(Path::parent));
-    let mut out = Vec::new();
-    for dir in near {
-        let Ok(entries) = fs::read_dir(dir) else { continue };
-        let mut here: Vec<PathBuf> = entries
-            .flatten()
-            .map(|e| e.path())
-            .filter(|p| p.is_file() && words.iter().any(|w| is_named(p, w, ".xml")))
-            .collect();
-        here.sort();
-        out.extend(here);
-    }
-    out
 }
 
 /// Reads one simulation as seen from its first ego. `None` when there is nothing that could be kept; the report says why.
@@ -330,17 +309,6 @@ fn diagnostics_of(notes: &Notes, label: &str) -> Vec<Diagnostic> {
     }
     out.extend(impossible_speeds(label, &notes.impossible));
     out
-}
-
-/// The name of a run: the file's without its endings, or the folder's when the file is just called `fcd`.
-fn run_name(path: &Path) -> String {
-    let name = file_label(path);
-    let stem = without_ending(&name);
-    let stem = stem.strip_suffix(".xml").or_else(|| stem.strip_suffix(".csv")).unwrap_or(stem);
-    // `crossroads.fcd.xml` is the run `crossroads`.
-    let stem = [".fcd", "_fcd", "-fcd"].iter().find_map(|e| stem.strip_suffix(e)).unwrap_or(stem).to_owned();
-    let folder = path.canonicalize().ok().and_then(|p| Some(file_label(p.parent()?)));
-    if stem.eq_ignore_ascii_case("fcd") { folder.unwrap_or(stem) } else { stem }
 }
 
 /// Accounts for every row of the file.

@@ -6,9 +6,11 @@
 
 mod ego;
 mod findings;
+mod group;
 mod meta;
 mod objects;
 mod problems;
+mod reader;
 mod road;
 mod sheet;
 mod signs;
@@ -16,23 +18,20 @@ mod states;
 mod words;
 
 use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
-use crate::assemble::frames::{Frames, every_tenth};
 use crate::options::{LICENCE, OptionSpec, Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, resampled};
 pub(crate) use findings::CODES;
 use meta::Meta;
-use sheet::{Sheet, sheet_file};
+use reader::{Clock, Reader};
+use sheet::sheet_file;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
-use whyroad_model::scene::{DriveMeta, FRAME_RATE_HZ, FrameOfReference};
+use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 3;
-/// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
-const MAX_GAP_S: f64 = 0.25;
-const GAP_STEPS: f64 = 1.5;
 
 /// Our own table layout.
 pub struct Table;
@@ -83,50 +82,6 @@ pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(dir.display().to_string());
     let drive = read_drive(dir, options, &mut report);
     (drive, report)
-}
-
-/// What every table is read with.
-struct Reader<'a> {
-    dir: &'a Path,
-    hash: ContentHash,
-    report: &'a mut SourceReport,
-    /// Time of `time_s` zero.
-    start: Nanos,
-}
-
-/// A log's times: frames, and how far apart samples may be to be joined.
-struct Clock {
-    /// ns.
-    origin: i64,
-    /// s since `origin`.
-    frames: Vec<f64>,
-    max_gap_s: f64,
-}
-
-impl Clock {
-    /// Frames from the ego's times (ns, ascending).
-    fn of(times: &[i64]) -> (Self, Frames) {
-        let origin = times.first().copied().unwrap_or_default();
-        let clock = Self { origin, frames: Vec::new(), max_gap_s: MAX_GAP_S };
-        let seconds: Vec<f64> = times.iter().map(|&t| clock.seconds(t)).collect();
-        let mut frames = Frames::of(&seconds);
-        // A log whose typical step is 0.1 s but which is not evenly spaced is brought to tenths as well.
-        let uneven = seconds.windows(2).any(|w| w[1] - w[0] < 0.5 / FRAME_RATE_HZ);
-        if uneven && !frames.resampled() {
-            frames.seconds = every_tenth(&seconds);
-        }
-        let max_gap_s = gap_for(frames.native_step_s);
-        (Self { frames: frames.seconds.clone(), max_gap_s, ..clock }, frames)
-    }
-
-    fn seconds(&self, time: i64) -> f64 {
-        (time - self.origin) as f64 / 1e9
-    }
-}
-
-fn gap_for(step_s: f64) -> f64 {
-    // `max` passes over NaN.
-    (GAP_STEPS * step_s).max(MAX_GAP_S)
 }
 
 fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
@@ -224,37 +179,4 @@ fn read_drive(dir: &Path, options: &Options, report: &mut SourceReport) -> Optio
         context,
         media: None,
     })
-}
-
-impl Reader<'_> {
-    /// Opens one table of the drive, if it is there and has what it needs.
-    fn sheet(
-        &mut self,
-        stem: &'static str,
-        columns: &[&'static str],
-        required: &[&[&'static str]],
-    ) -> Option<Sheet> {
-        let path = sheet_file(self.dir, stem)?;
-        let label = path.display().to_string();
-        match fs::read(&path) {
-            Ok(bytes) => self.hash.add(&file_label(&path), &bytes),
-            Err(e) => {
-                self.report.diagnostics.push(findings::unreadable(&label, &e.to_string()));
-                return None;
-            }
-        }
-        let sheet = match Sheet::open(&path) {
-            Ok(s) => s,
-            Err(e) => {
-                self.report.diagnostics.push(findings::unreadable(&label, &e));
-                return None;
-            }
-        };
-        let names = sheet.names();
-        let unknown = names.iter().filter(|n| !columns.contains(&n.as_str()));
-        self.report.diagnostics.extend(unknown.map(|n| findings::unknown_column(&label, n, columns)));
-        let absent: Vec<_> = required.iter().filter(|any| !any.iter().any(|n| sheet.has(n))).collect();
-        self.report.diagnostics.extend(absent.iter().map(|any| findings::missing_column(&label, any)));
-        absent.is_empty().then_some(sheet)
-    }
 }

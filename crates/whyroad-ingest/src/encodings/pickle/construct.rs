@@ -1,9 +1,10 @@
 //! What the known names make of their arguments: arrays, types, bytes, containers.
 
-use super::array::{Array, Data, Dtype, Kind};
+use super::arena::Node;
+use super::array::{Array, Data, Dtype, ElementKind};
 use super::machine::{Machine, NONE, Step, TRUE};
 use super::names::Name;
-use super::{Bytes, Node, Ref};
+use super::reference::{Bytes, Ref};
 
 impl Machine<'_> {
     fn list(&self, at: Ref) -> Step<&[Ref]> {
@@ -21,7 +22,7 @@ impl Machine<'_> {
         let args: Vec<Ref> = self.list(args)?.iter().take(4).copied().collect();
         let node = match (name, &args[..]) {
             (Name::Reconstruct, _) => {
-                let byte = Dtype { kind: Kind::Unsigned, size: 1, big_endian: false };
+                let byte = Dtype { kind: ElementKind::Unsigned, size: 1, big_endian: false };
                 let none = Data::Raw(Bytes::File(0..0));
                 Node::Array(Box::new(Array { dtype: byte, shape: vec![0], fortran: false, data: none }))
             }
@@ -30,7 +31,7 @@ impl Machine<'_> {
                 self.array(dtype, shape, fortran, data)?
             }
             (Name::Scalar, &[dtype, data]) => {
-                if matches!(self.node(dtype), Node::Dtype(d) if d.kind == Kind::Object) {
+                if matches!(self.node(dtype), Node::Dtype(d) if d.kind == ElementKind::Object) {
                     self.stack.push(data);
                     return Ok(());
                 }
@@ -105,8 +106,10 @@ impl Machine<'_> {
     /// The array, and how many references it copies.
     fn shaped(&self, dtype: Dtype, shape: Vec<usize>, fortran: bool, data: Ref) -> Step<(Node, usize)> {
         let (data, have, copied) = match (self.node(data), dtype.kind) {
-            (Node::Bytes(b), kind) if kind != Kind::Object => (Data::Raw(b.clone()), self.slice(b).len(), 0),
-            (Node::List(all), Kind::Object) => (Data::Objects(all.clone()), all.len(), all.len()),
+            (Node::Bytes(b), kind) if kind != ElementKind::Object => {
+                (Data::Raw(b.clone()), self.slice(b).len(), 0)
+            }
+            (Node::List(all), ElementKind::Object) => (Data::Objects(all.clone()), all.len(), all.len()),
             _ => return self.malformed("an array whose data are neither bytes nor objects"),
         };
         match Array::new(dtype, shape, fortran, data, have) {

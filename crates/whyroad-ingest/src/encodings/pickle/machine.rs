@@ -1,7 +1,8 @@
 //! The stack machine that a pickle is a program for: opcodes 2 to 5 without those that import, call or look outside.
 
+use super::arena::{Node, Pickle, PickleError};
 use super::names::known;
-use super::{Bytes, Node, Pickle, PickleError, Ref};
+use super::reference::{Bytes, Ref};
 use std::collections::HashMap;
 use std::ops::Range;
 

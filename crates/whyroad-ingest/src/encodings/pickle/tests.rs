@@ -4,7 +4,7 @@
 use super::*;
 
 fn error(bytes: &[u8]) -> PickleError {
-    Pickle::read(bytes).err().unwrap()
+    read(bytes).err().unwrap()
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_billion_laughs_stay_sixty_lists() {
         bytes.extend([b'e', b'q', i + 1]);
     }
     bytes.push(b'.');
-    let pickle = Pickle::read(&bytes).unwrap();
+    let pickle = read(&bytes).unwrap();
     assert_eq!(pickle.nodes.len(), 3 + 61);
     assert_eq!(pickle.root().items().unwrap().len(), 10);
     assert!(pickle.root().rows().is_none());
@@ -46,7 +46,7 @@ fn a_million_references_to_one_row_do_not_become_a_million_rows() {
     bytes.extend(b"eq\x000](");
     bytes.extend([b'h', 0].repeat(1000));
     bytes.extend(b"e.");
-    let pickle = Pickle::read(&bytes).unwrap();
+    let pickle = read(&bytes).unwrap();
     assert_eq!(pickle.root().items().unwrap().len(), 1000);
     assert!(pickle.root().rows().is_none());
 }
@@ -54,8 +54,8 @@ fn a_million_references_to_one_row_do_not_become_a_million_rows() {
 #[test]
 fn nesting_without_end_and_a_list_in_itself_are_harmless() {
     let deep = [&b"\x80\x02"[..], &b"]".repeat(200_000), &b"a".repeat(199_999), b"."].concat();
-    assert!(Pickle::read(&deep).unwrap().root().items().unwrap().len() == 1);
-    let cycle = Pickle::read(b"\x80\x02]q\x00h\x00a.").unwrap();
+    assert!(read(&deep).unwrap().root().items().unwrap().len() == 1);
+    let cycle = read(b"\x80\x02]q\x00h\x00a.").unwrap();
     assert!(cycle.root().items().unwrap().next().unwrap().items().is_some());
 }
 
@@ -71,18 +71,18 @@ fn sizes_that_lie_are_refused() {
 #[test]
 fn every_beginning_of_a_pickle_is_an_error_and_never_a_panic() {
     let whole = b"\x80\x04\x95\x22\x00\x00\x00\x00\x00\x00\x00}\x94(\x8c\x01a\x94K\x01\x8c\x01b\x94]\x94(G?\xf8\x00\x00\x00\x00\x00\x00Neu.";
-    let pickle = Pickle::read(whole).unwrap();
+    let pickle = read(whole).unwrap();
     let b: Vec<Option<f64>> = pickle.root().get("b").unwrap().items().unwrap().map(|v| v.number()).collect();
     assert_eq!((pickle.root().get("a").unwrap().number(), b), (Some(1.0), vec![Some(1.5), None]));
     for n in 0..whole.len() {
-        assert!(Pickle::read(&whole[..n]).is_err(), "{n}");
+        assert!(read(&whole[..n]).is_err(), "{n}");
     }
 }
 
 proptest::proptest! {
     #[test]
     fn no_bytes_make_it_panic(bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..300)) {
-        if let Ok(pickle) = Pickle::read(&bytes) {
+        if let Ok(pickle) = read(&bytes) {
             let root = pickle.root();
             let _ = (root.rows(), root.texts(), root.id(), root.number(), root.text());
         }

@@ -1,6 +1,6 @@
 //! What can be wrong with a motion forecasting scenario. Texts only; the map's findings are those of the sensor logs.
 
-use super::{EGO, Scenario};
+use super::scenario::{EGO, Scenario};
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter.

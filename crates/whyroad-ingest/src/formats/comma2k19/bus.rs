@@ -1,6 +1,7 @@
 //! Raw CAN of a comma2k19 segment to [`EgoBus`], by the DBC that the user gives.
 
 use super::recording::Recording;
+use super::state_sources::{BRAKE, BRAKE_LIGHT, CRUISE, GEAR, HAZARD, StateSource, TURN};
 use crate::assemble::resample::{latest, linear};
 use crate::encodings::can::{CanDatabase, SignalCoding};
 use std::collections::BTreeMap;
@@ -11,23 +12,6 @@ use whyroad_model::scene::{EgoBus, TurnSignal};
 const CAR_BUS: i64 = 0;
 /// Steering angle and speed (83 Hz) may be missing this long and still be interpolated, s.
 const SAMPLE_GAP_S: f64 = 0.25;
-
-/// Where a state stands in the DBC of a make, and how long one message speaks for: cars repeat them at their own pace.
-struct StateSource {
-    message: &'static str,
-    signal: &'static str,
-    holds_s: f64,
-}
-
-/// Messages of Toyota's 2017 DBC (opendbc). Brake light and brake pedal messages come 30 times a second or more, gear and
-/// cruise once a second, indicators every 8.5 s and at each change; each holds for a good two periods.
-const BRAKE: StateSource = StateSource { message: "PCM_CRUISE_2", signal: "BRAKE_PRESSED", holds_s: 0.25 };
-const BRAKE_LIGHT: StateSource = StateSource { message: "VSC1S07", signal: "BRKON", holds_s: 0.25 };
-const CRUISE: StateSource =
-    StateSource { message: "PCM_CRUISE_SM", signal: "CRUISE_CONTROL_STATE", holds_s: 2.5 };
-const GEAR: StateSource = StateSource { message: "GEAR_PACKET", signal: "GEAR", holds_s: 2.5 };
-const TURN: StateSource = StateSource { message: "BLINKERS_STATE", signal: "TURN_SIGNALS", holds_s: 20.0 };
-const HAZARD: StateSource = StateSource { message: "BLINKERS_STATE", signal: "HAZARD_LIGHT", holds_s: 20.0 };
 
 /// Bus signals on `frames` (seconds on the log's clock), and what the log or the DBC does not have.
 pub(super) fn decode(
@@ -122,13 +106,6 @@ pub(super) fn decode(
 /// True when the DBC led to none of the states that are looked for.
 pub(super) fn has_no_state(bus: &EgoBus) -> bool {
     bus.brake.is_empty() && bus.cruise.is_empty() && bus.gear.is_empty() && bus.turn_signal.is_empty()
-}
-
-/// What is looked for in a DBC, for people.
-pub(super) fn looked_for() -> String {
-    let names: Vec<String> =
-        [&BRAKE_LIGHT, &BRAKE, &CRUISE, &GEAR, &TURN].map(|s| format!("{}.{}", s.message, s.signal)).into();
-    names.join(", ")
 }
 
 /// A decoded state: its number and, where the DBC names it, its name.

@@ -54,7 +54,7 @@ pub(super) fn dbc(file: &str, reason: &str) -> Diagnostic {
 }
 
 pub(super) fn foreign_dbc(file: &str) -> Diagnostic {
-    let names = super::bus::looked_for();
+    let names = super::state_sources::looked_for();
     let message = Bilingual::new(
         format!("按此 DBC 在日志的总线 0 上解不出任何状态（查找：{names}）；刹车、巡航、档位、转向灯未知"),
         format!(

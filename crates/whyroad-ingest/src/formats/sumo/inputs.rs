@@ -1,9 +1,10 @@
 //! The files beside an FCD: vehicle types, the network, light states; found by name or named by the user.
 
+use super::naming::{beside, run_name};
 use super::net::{self, LightLink};
 use super::options::{LIGHTS, NET, TYPES};
 use super::vehicle_types::VehicleTypes;
-use super::{beside, findings, lights, run_name, shapes};
+use super::{findings, lights, shapes};
 use crate::options::Options;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, file_label};

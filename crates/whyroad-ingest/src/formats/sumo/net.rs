@@ -7,6 +7,7 @@
 //! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
 
 use super::border::Border;
+use super::edge::Edge;
 use super::{ramps, roundabouts};
 use crate::assemble::geometry::{beside, between, distance};
 use crate::encodings::xml::{Element, Tag, for_each_tag};
@@ -42,17 +43,6 @@ pub(super) struct Net {
     pub broken: Option<String>,
     /// First lane that could not be used.
     pub invalid_example: Option<String>,
-}
-
-#[derive(Default)]
-pub(super) struct Edge {
-    pub(super) from: String,
-    pub(super) to: String,
-    function: String,
-    /// `highway.motorway_link`; empty where the network does not tell.
-    kind: String,
-    /// Ids of its lanes, from the right.
-    pub(super) lanes: Vec<String>,
 }
 
 struct Connection {

@@ -1,7 +1,7 @@
 //! Areas of roundabouts: the island, the ring, and the mouths of its arms up to their give-way lines, where a road's lanes end or
 //! begin. That is where a car enters the roundabout and leaves it; the ring's own outer edge lies up to a car's length further in.
 
-use super::net::Edge;
+use super::edge::Edge;
 use std::collections::BTreeMap;
 use whyroad_model::road_map::{Facility, Lane, Point3};
 

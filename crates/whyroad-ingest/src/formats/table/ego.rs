@@ -2,8 +2,8 @@
 
 use super::meta::EgoBox;
 use super::problems::Problems;
+use super::reader::{Clock, Reader};
 use super::sheet::{Sheet, TIME};
-use super::{Clock, Reader};
 use crate::assemble::frames::{Sample, Sampled};
 use crate::assemble::resample::{latest, linear};
 use crate::report::RowCount;

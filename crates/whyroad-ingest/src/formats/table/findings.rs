@@ -1,6 +1,6 @@
 //! What the adapter of the table layout has to tell, one function a code. Texts only.
 
-use super::problems::Group;
+use super::group::Group;
 use crate::report::reason_text;
 use whyroad_model::{Bilingual, Diagnostic};
 

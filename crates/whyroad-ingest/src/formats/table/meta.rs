@@ -1,7 +1,8 @@
 //! `drive.yaml` or `drive.json`: what is known about the drive as a whole.
 
+use super::findings;
+use super::reader::Reader;
 use super::words::UnknownWords;
-use super::{Reader, findings};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

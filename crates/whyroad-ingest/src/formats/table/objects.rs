@@ -1,9 +1,10 @@
 //! `objects`: what was tracked, a row an object and time, brought to frames.
 
 use super::ego::{states, velocities};
+use super::findings;
 use super::problems::Problems;
+use super::reader::{Clock, Reader, gap_for};
 use super::sheet::{Sheet, TIME};
-use super::{Clock, Reader, findings, gap_for};
 use crate::assemble::frames::{Sample, Sampled, median};
 use crate::assemble::resample::{latest, linear};
 use crate::report::RowCount;

@@ -1,9 +1,10 @@
 //! `lanes` and `areas`: the road. A line is one cell, `x y; x y; ...` or `x y z; ...`, in metres of the drive's frame.
 
 use super::problems::Problems;
-use super::sheet::Sheet;
+use super::reader::Reader;
+use super::sheet::{Sheet, list};
+use super::signs;
 use super::words::UnknownWords;
-use super::{Reader, signs};
 use crate::assemble::geometry::centre_line;
 use crate::assemble::junctions;
 use crate::report::RowCount;
@@ -72,12 +73,6 @@ fn line(text: &str) -> Option<Vec<Point3>> {
             }
         })
         .collect()
-}
-
-/// A list of ids or words.
-pub(super) fn list(cell: &Option<String>) -> Vec<String> {
-    let ids = cell.as_deref().unwrap_or_default().split(';').map(str::trim).filter(|id| !id.is_empty());
-    ids.map(str::to_owned).collect()
 }
 
 fn read_lanes(sheet: &Sheet, map: &mut RoadMap, reader: &mut Reader) {

@@ -143,3 +143,9 @@ fn read_csv(path: &Path) -> Result<Vec<Column>, String> {
 fn texts_of(table: &Columns) -> Result<Vec<Column>, String> {
     table.names().into_iter().map(|name| table.texts(&name).map(|cells| (name, cells))).collect()
 }
+
+/// A list of ids or words.
+pub(super) fn list(cell: &Option<String>) -> Vec<String> {
+    let ids = cell.as_deref().unwrap_or_default().split(';').map(str::trim).filter(|id| !id.is_empty());
+    ids.map(str::to_owned).collect()
+}

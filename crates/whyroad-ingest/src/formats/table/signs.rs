@@ -1,8 +1,8 @@
 //! `signs`: traffic signs beside or over the road.
 
-use super::Reader;
 use super::problems::Problems;
-use super::road::list;
+use super::reader::Reader;
+use super::sheet::list;
 use super::words::UnknownWords;
 use crate::report::RowCount;
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
 //! `lights` and `context`: what holds from a time on until the next row of the same kind.
 
-use super::Reader;
 use super::problems::Problems;
+use super::reader::Reader;
 use super::sheet::TIME;
 use super::words::UnknownWords;
 use crate::report::RowCount;

@@ -1,0 +1,92 @@
+//! What every table of a drive is read with: the folder, the report, and the drive's clock.
+
+use super::findings;
+use super::sheet::{Sheet, sheet_file};
+use crate::assemble::frames::{Frames, every_tenth};
+use crate::report::SourceReport;
+use crate::source::{ContentHash, file_label};
+use std::fs;
+use std::path::Path;
+use whyroad_model::Nanos;
+use whyroad_model::scene::FRAME_RATE_HZ;
+
+/// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
+const MAX_GAP_S: f64 = 0.25;
+const GAP_STEPS: f64 = 1.5;
+
+/// What every table is read with.
+pub(super) struct Reader<'a> {
+    pub dir: &'a Path,
+    pub hash: ContentHash,
+    pub report: &'a mut SourceReport,
+    /// Time of `time_s` zero.
+    pub start: Nanos,
+}
+
+/// A log's times: frames, and how far apart samples may be to be joined.
+pub(super) struct Clock {
+    /// ns.
+    pub origin: i64,
+    /// s since `origin`.
+    pub frames: Vec<f64>,
+    pub max_gap_s: f64,
+}
+
+impl Clock {
+    /// Frames from the ego's times (ns, ascending).
+    pub fn of(times: &[i64]) -> (Self, Frames) {
+        let origin = times.first().copied().unwrap_or_default();
+        let clock = Self { origin, frames: Vec::new(), max_gap_s: MAX_GAP_S };
+        let seconds: Vec<f64> = times.iter().map(|&t| clock.seconds(t)).collect();
+        let mut frames = Frames::of(&seconds);
+        // A log whose typical step is 0.1 s but which is not evenly spaced is brought to tenths as well.
+        let uneven = seconds.windows(2).any(|w| w[1] - w[0] < 0.5 / FRAME_RATE_HZ);
+        if uneven && !frames.resampled() {
+            frames.seconds = every_tenth(&seconds);
+        }
+        let max_gap_s = gap_for(frames.native_step_s);
+        (Self { frames: frames.seconds.clone(), max_gap_s, ..clock }, frames)
+    }
+
+    pub fn seconds(&self, time: i64) -> f64 {
+        (time - self.origin) as f64 / 1e9
+    }
+}
+
+pub(super) fn gap_for(step_s: f64) -> f64 {
+    // `max` passes over NaN.
+    (GAP_STEPS * step_s).max(MAX_GAP_S)
+}
+
+impl Reader<'_> {
+    /// Opens one table of the drive, if it is there and has what it needs.
+    pub fn sheet(
+        &mut self,
+        stem: &'static str,
+        columns: &[&'static str],
+        required: &[&[&'static str]],
+    ) -> Option<Sheet> {
+        let path = sheet_file(self.dir, stem)?;
+        let label = path.display().to_string();
+        match fs::read(&path) {
+            Ok(bytes) => self.hash.add(&file_label(&path), &bytes),
+            Err(e) => {
+                self.report.diagnostics.push(findings::unreadable(&label, &e.to_string()));
+                return None;
+            }
+        }
+        let sheet = match Sheet::open(&path) {
+            Ok(s) => s,
+            Err(e) => {
+                self.report.diagnostics.push(findings::unreadable(&label, &e));
+                return None;
+            }
+        };
+        let names = sheet.names();
+        let unknown = names.iter().filter(|n| !columns.contains(&n.as_str()));
+        self.report.diagnostics.extend(unknown.map(|n| findings::unknown_column(&label, n, columns)));
+        let absent: Vec<_> = required.iter().filter(|any| !any.iter().any(|n| sheet.has(n))).collect();
+        self.report.diagnostics.extend(absent.iter().map(|any| findings::missing_column(&label, any)));
+        absent.is_empty().then_some(sheet)
+    }
+}
