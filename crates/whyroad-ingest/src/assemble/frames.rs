@@ -46,7 +46,7 @@ pub(crate) fn every_tenth(times: &[f64]) -> Vec<f64> {
     (0..count).map(|i| first + i as f64 / FRAME_RATE_HZ).collect()
 }
 
-/// One object at its own times; every vector has one value a sample, NaN is unknown.
+/// One object at its own times; every vector has one value per sample, NaN is unknown.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sampled {
     /// s on the log's clock, strictly ascending.

@@ -115,7 +115,7 @@ pub fn read(set: &Path, index: u64, options: &Options) -> (Option<Drive>, Source
 }
 
 /// Reads several scenes of a set in one pass over its tables (the whole set's are gigabytes of JSON, whatever scene is
-/// wanted) and hands over each, in the order of `indices`. Rows of all of them are held meanwhile: some 3 MB a scene.
+/// wanted) and hands over each, in the order of `indices`. Rows of all of them are held meanwhile: some 3 MB per scene.
 pub fn read_several(
     set: &Path,
     indices: &[u64],

@@ -1,4 +1,4 @@
-//! ScenarioNet databases (Li et al. 2023, arXiv 2306.12241): one pickle a scenario, as ScenarioNet and MetaDrive write
+//! ScenarioNet databases (Li et al. 2023, arXiv 2306.12241): one pickle per scenario, as ScenarioNet and MetaDrive write
 //! them (`ScenarioDescription` of MetaDrive 0.4: tracks, dynamic map states, map features, metadata).
 //!
 //! Positions are box centres, metres, headings counter-clockwise from x: as here. Times are `start` plus the

@@ -1,5 +1,5 @@
 //! SUMO simulations: floating car data (`--fcd-output`, XML or CSV, plain or compressed) with the network as map, and any
-//! vehicles as egos, a drive each.
+//! vehicles as egos, one drive per ego.
 //!
 //! FCD places vehicles by the centre of their front bumper and turns them clockwise from north in degrees; scene
 //! tables want box centres and radians from x. A person's place is taken as its centre (its front is at most half a
@@ -150,7 +150,7 @@ fn read_new(path: &Path, options: &Options, drives: &mut DriveSink<'_>) {
     }
     let sensing = options::sensing(options);
     for id in &egos {
-        // What is wrong with the files is told once.
+        // What is wrong with the files is reported once.
         let mut report = std::mem::replace(&mut report, SourceReport::new(run.label.clone()));
         let name = run.drive_id(id, egos.len(), options);
         // A single drive is made again all the same: its report tells of every row.

@@ -156,3 +156,29 @@ fn pictures_are_named_with_their_times_and_a_missing_table_is_told() {
     assert!(drive.is_none() && report.diagnostics[0].code == "nuscenes.table.unreadable");
     assert!(report.diagnostics[0].location.file.as_ref().unwrap().ends_with("category.json"));
 }
+
+#[test]
+fn timestamps_may_be_integers_floats_or_texts() {
+    let reference = first().0;
+    for form in ["{}.0", "{}e0", "\"{}\"", "\"{}.0\""] {
+        let dir = tempfile::tempdir().unwrap();
+        let set = dir.path().join("v1.0-byhand");
+        std::fs::create_dir(&set).unwrap();
+        for entry in std::fs::read_dir(fixtures().join("v1.0-byhand")).unwrap() {
+            let path = entry.unwrap().path();
+            let text = std::fs::read_to_string(&path).unwrap();
+            let mut parts = text.split("\"timestamp\":");
+            let mut changed = parts.next().unwrap().to_owned();
+            for part in parts {
+                let part = part.trim_start();
+                let end = part.find(|c: char| !c.is_ascii_digit()).unwrap();
+                changed += &format!("\"timestamp\": {}{}", form.replace("{}", &part[..end]), &part[end..]);
+            }
+            std::fs::write(set.join(path.file_name().unwrap()), changed).unwrap();
+        }
+        let (drive, report) = nuscenes::read(&set, 0, &Options::default());
+        let drive = drive.unwrap_or_else(|| panic!("{form}: {:?}", report.diagnostics));
+        assert_eq!(drive.times, reference.times, "{form}");
+        assert_eq!(format!("{:?}", drive.tracks), format!("{:?}", reference.tracks), "{form}");
+    }
+}

@@ -145,7 +145,7 @@ impl<'p> Value<'p> {
             .collect()
     }
 
-    /// One number a row: [`Value::rows`] of which only the first column counts.
+    /// One number per row: [`Value::rows`] of which only the first column counts.
     pub fn column(&self) -> Option<Vec<f64>> {
         self.rows()?.into_iter().map(|r| r.first().copied()).collect()
     }

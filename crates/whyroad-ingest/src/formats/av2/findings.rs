@@ -1,4 +1,4 @@
-//! What the AV2 adapter has to tell, one function a code. Texts only.
+//! What the AV2 adapter reports, one function per code. Texts only.
 
 use super::annotations::Annotations;
 use super::map::{Dangling, MapReading};

@@ -1,4 +1,4 @@
-//! What the MCAP adapter has to tell, one function a code. Texts only.
+//! What the MCAP adapter reports, one function per code. Texts only.
 
 use crate::report::RowCount;
 use whyroad_model::{Bilingual, Diagnostic};

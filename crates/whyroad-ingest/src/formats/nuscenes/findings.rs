@@ -1,4 +1,4 @@
-//! What the nuScenes adapter has to tell, one function a code. Texts only.
+//! What the nuScenes adapter reports, one function per code. Texts only.
 
 use super::tables::TableError;
 use crate::report::RowCount;

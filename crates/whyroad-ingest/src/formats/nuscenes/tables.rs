@@ -29,6 +29,7 @@ pub(super) struct Log {
 #[derive(Deserialize)]
 struct Sample {
     token: String,
+    #[serde(deserialize_with = "microseconds")]
     timestamp: i64,
     scene_token: String,
 }
@@ -65,6 +66,7 @@ pub(super) struct SampleData {
     pub ego_pose_token: String,
     pub filename: String,
     /// µs
+    #[serde(deserialize_with = "microseconds")]
     pub timestamp: i64,
 }
 
@@ -74,7 +76,27 @@ pub(super) struct EgoPose {
     pub translation: [f64; 3],
     pub rotation: [f64; 4],
     /// µs
+    #[serde(deserialize_with = "microseconds")]
     pub timestamp: i64,
+}
+
+/// A time in µs: an integer as in the published tables; converters also write floats (also in scientific notation) and
+/// strings of either.
+fn microseconds<'de, D: Deserializer<'de>>(from: D) -> Result<i64, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Written {
+        Integer(i64),
+        Float(f64),
+        Text(String),
+    }
+    let exact = |v: f64| (v.is_finite() && v.abs() < 9e15).then(|| v.round() as i64);
+    let time = match Written::deserialize(from)? {
+        Written::Integer(t) => Some(t),
+        Written::Float(t) => exact(t),
+        Written::Text(t) => t.trim().parse().ok().or_else(|| exact(t.trim().parse().ok()?)),
+    };
+    time.ok_or_else(|| serde::de::Error::custom("a timestamp is not a number of microseconds"))
 }
 
 /// Everything of one scene.

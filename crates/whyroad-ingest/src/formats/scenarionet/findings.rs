@@ -1,4 +1,4 @@
-//! What the ScenarioNet adapter has to tell, one function a code. Texts only.
+//! What the ScenarioNet adapter reports, one function per code. Texts only.
 
 use super::tracks::Tracks;
 use crate::encodings::pickle::PickleError;

@@ -3,7 +3,7 @@
 use super::fcd::Fcd;
 use super::vehicle_types::{IsPerson, VehicleTypes};
 
-/// The vehicles that become egos, a drive each.
+/// The vehicles that become egos, one drive per ego.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Egos {
     /// By id, in this order.

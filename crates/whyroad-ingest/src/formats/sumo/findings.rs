@@ -1,4 +1,4 @@
-//! What the SUMO adapter has to tell, one function a code. Texts only.
+//! What the SUMO adapter reports, one function per code. Texts only.
 
 use super::net::Net;
 use std::collections::BTreeMap;

@@ -18,7 +18,7 @@ const MAX_INTERPOLATION_NS: i64 = 1_050_000_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cadence {
     AsIs,
-    /// Every so-manieth step.
+    /// Every n-th step.
     Thinned,
     /// Interpolated between steps of this length, ns.
     Filled(i64),

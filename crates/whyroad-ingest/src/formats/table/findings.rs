@@ -1,4 +1,4 @@
-//! What the adapter of the table layout has to tell, one function a code. Texts only.
+//! What the adapter of the table layout reports, one function per code. Texts only.
 
 use super::group::Group;
 use crate::report::reason_text;

@@ -1,4 +1,4 @@
-//! What the Waymo adapter has to tell, one function a code. Texts only.
+//! What the Waymo adapter reports, one function per code. Texts only.
 
 use crate::encodings::tfrecord::RecordError;
 use crate::report::RowCount;
