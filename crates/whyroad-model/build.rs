@@ -1,6 +1,7 @@
 //! Generates Rust types from the data files of `schema/`, so that a name that the code relies on is checked by the
 //! compiler: `SignalId`, typed ids and the enums of category signals from `signals.yaml`, `Need` from `needs.yaml`.
-//! Fails the build if a file is not as it must be; whyroad-signals reports such faults of other files with their location.
+//! Fails the build if a file is not as it must be; whyroad-signals reports such faults of other files with their
+//! location.
 
 #[allow(dead_code, unreachable_pub)]
 #[path = "src/yaml/tree.rs"]

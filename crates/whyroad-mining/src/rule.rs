@@ -42,8 +42,7 @@ pub const CODES: &[&str] = &[
     "mine.scenario.no_rule",
 ];
 
-/// The class of what fits in no other (LABELING.md 1); it is in no taxonomy file.
-pub const OTHER: &str = "other";
+pub use whyroad_model::ids::OTHER;
 
 /// What the first role is called where the rule gives it no name of its own.
 pub const TARGET: &str = "target";

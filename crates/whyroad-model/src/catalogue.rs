@@ -169,7 +169,7 @@ mod tests {
         for (i, id) in SignalId::ALL.iter().enumerate() {
             assert_eq!((*id as usize, SignalId::from_name(id.name())), (i, Some(*id)));
             assert!(!matches!(id.kind(), SignalType::Number(_)) || id.unit().is_some(), "{id}: unit");
-            // Rules and the lake tell the scope by the prefix.
+            // Rules and the lake derive the scope from the prefix.
             assert_eq!(id.name().starts_with("target."), id.scope() == SignalScope::Target, "{id}");
         }
         assert!(SignalId::ALL.is_sorted_by_key(|id| id.name()));

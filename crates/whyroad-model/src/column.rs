@@ -78,7 +78,8 @@ pub const UNKNOWN_CODE: u16 = u16::MAX;
 /// The values of one signal on consecutive rows.
 #[derive(Clone, Debug)]
 pub enum Column {
-    /// Numbers in the signal's base unit; NaN is unknown. Infinity is allowed where the definition says so (a gap that never closes).
+    /// Numbers in the signal's base unit; NaN is unknown. Infinity is allowed where the definition says so (a gap
+    /// that never closes).
     Number(Vec<f64>),
     /// Truth values.
     Flag(Vec<Tri>),

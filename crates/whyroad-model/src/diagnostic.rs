@@ -1,4 +1,4 @@
-//! Diagnostics: what is wrong with somebody's data, said so that it can be mended. One type for logs,
+//! Diagnostics: what is wrong with somebody's data, said so it can be fixed. One type for logs,
 //! taxonomies, specs, rules and labels. Codes are stable; each has a page in `docs/diagnostics/`.
 
 mod render;
@@ -14,7 +14,7 @@ use serde::Serialize;
 pub enum Severity {
     /// The document or record is not usable as it is, or something was lost.
     Error,
-    /// It is usable, but somebody should look.
+    /// It is usable, but a person should look.
     Warning,
     /// For information.
     Note,
@@ -58,7 +58,7 @@ pub struct Diagnostic {
     /// Where.
     #[serde(rename = "place")]
     pub location: Location,
-    /// How to mend it.
+    /// How to fix it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hint: Option<Bilingual>,
 }

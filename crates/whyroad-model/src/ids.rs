@@ -61,6 +61,10 @@ pub struct ScenarioId {
     pub l3: Option<String>,
 }
 
+/// Id of what fits no class: as L1 for decision moments that no class explains, as L2 and L3 for what belongs to no
+/// class of its parent (LABELING.md 1). It is in no taxonomy file.
+pub const OTHER: &str = "other";
+
 impl ScenarioId {
     /// A leaf.
     pub fn leaf(l1: &str, l2: &str, l3: &str) -> Self {

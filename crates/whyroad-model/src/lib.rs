@@ -39,6 +39,6 @@ pub use signal::SignalTable;
 pub use text::{Bilingual, Lang};
 pub use time::{FrameRange, Nanos};
 
-/// Version of the exchange format (DATA_FORMAT.md 1.3) that this build writes. It reads every 2.x: the minor step from the
-/// given 2.0.0 only adds optional fields.
+/// Version of the exchange format (DATA_FORMAT.md 1.3) that this build writes. It reads every 2.x: the minor step
+/// from the given 2.0.0 only adds optional fields.
 pub const FORMAT_VERSION: &str = "2.1.0";

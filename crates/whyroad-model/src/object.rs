@@ -34,7 +34,7 @@ closed_set!(
         Cone = "cone",
         /// Barrier, bollard, sign on a pole, other fixed object.
         StaticObject = "static_object",
-        /// What the source did not tell.
+        /// Not stated by the source.
         #[default]
         Unknown = "unknown",
     }

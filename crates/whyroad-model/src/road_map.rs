@@ -13,7 +13,7 @@ pub struct Point3 {
     pub z: f64,
 }
 
-/// Everything the map of a drive tells, each list ordered by id.
+/// Everything in the map of a drive, each list ordered by id.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RoadMap {
     /// Lanes, junction lanes included.
@@ -31,7 +31,7 @@ pub struct RoadMap {
     /// Toll gates, speed bumps, tunnels and the like.
     pub facilities: Vec<Facility>,
     /// Kinds of signs and facilities and tags of lanes of which the map has all there are, ordered. Of any other a map
-    /// that has none does not tell that there is none.
+    /// without any is not a road without any.
     pub complete_for: Vec<String>,
 }
 
@@ -66,9 +66,9 @@ pub struct Lane {
     pub speed_limit_mps: Option<f64>,
     /// Stated width, m; where there are edges, measure those.
     pub width_m: Option<f64>,
-    /// Junction that the lane belongs to or ends at, where the source tells.
+    /// Junction that the lane belongs to or ends at, where the source states it.
     pub junction_id: Option<String>,
-    /// Turn that the lane makes across a junction, where the source tells.
+    /// Turn that the lane makes across a junction, where the source states it.
     pub turn: Option<TurnKind>,
     /// What else the lane is: words of [`crate::vocabulary::LANE_TAGS`].
     pub tags: Vec<String>,
@@ -111,7 +111,7 @@ pub enum TurnKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LaneMark {
-    /// The source does not tell.
+    /// Not stated by the source.
     #[default]
     Unknown,
     /// Nothing.
@@ -157,7 +157,7 @@ pub struct Sign {
     pub id: String,
     /// A word of [`crate::vocabulary::SIGN_KINDS`].
     pub kind: String,
-    /// Where it stands.
+    /// Position.
     pub position: Point3,
     /// Lanes that it concerns.
     pub lane_ids: Vec<String>,
@@ -184,7 +184,7 @@ impl Lane {
 }
 
 impl RoadMap {
-    /// True when the map tells where there are signs or facilities of `kind`: it has one, or states that it has all.
+    /// True if the map states where there are signs or facilities of `kind`: it has one, or states that it has all.
     pub fn tells(&self, kind: &str) -> bool {
         self.complete_for.iter().any(|k| k == kind)
             || self.facilities.iter().any(|f| f.kind == kind)

@@ -1,7 +1,7 @@
 //! Scene tables in memory: one drive as every format is brought to it. Positions are in a right-handed
 //! metric world frame (x east-ish, y left of x, z up), headings in radians counter-clockwise from x in
 //! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
-//! means that the log does not tell.
+//! means that the log does not state it.
 
 use crate::{DriveId, FrameRange, Nanos, Need, ObjectClass, RoadMap, TrackId};
 use serde::{Deserialize, Serialize};
@@ -91,7 +91,7 @@ pub enum FrameOfReference {
     Ego,
 }
 
-/// The recording vehicle, one value a frame (`Drive::times`) in each vector.
+/// The recording vehicle, one value per frame (`Drive::times`) in each vector.
 #[derive(Clone, Debug, Default)]
 pub struct Ego {
     /// Box length, m.
@@ -100,7 +100,8 @@ pub struct Ego {
     pub width_m: f64,
     /// Box height, m.
     pub height_m: f64,
-    /// From the source's reference point (rear axle, front bumper, ...) forward to the box centre, m; already applied to the poses.
+    /// From the source's reference point (rear axle, front bumper, ...) forward to the box centre, m; already applied
+    /// to the poses.
     pub reference_to_centre_m: f64,
     /// Motion of the box centre.
     pub motion: Motion,
@@ -158,7 +159,8 @@ impl Motion {
     }
 }
 
-/// Vehicle bus signals, one value a frame; an empty vector means that the log has none, NaN or `None` that this frame has none.
+/// Vehicle bus signals, one value per frame; an empty vector means that the log has none, NaN or `None` that this
+/// frame has none.
 #[derive(Clone, Debug, Default)]
 pub struct EgoBus {
     /// Speed as the car itself measures it, m/s: independent of the pose, often a few percent high or low.
@@ -177,8 +179,8 @@ pub struct EgoBus {
     pub aeb: Vec<Option<bool>>,
     /// Cruise control active.
     pub cruise: Vec<Option<bool>>,
-    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none` where it
-    /// asks for nothing now.
+    /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none`
+    /// where it asks for nothing now.
     pub route_command: Vec<Option<String>>,
 }
 
@@ -217,12 +219,12 @@ pub struct Track {
     pub height_m: Vec<f64>,
     /// Lidar points in the box or another count of visibility, NaN where unknown.
     pub interior_points: Vec<f64>,
-    /// Indicators, where the source tells (simulators do); empty when it does not.
+    /// Indicators, where the source states it (simulators do); empty when it does not.
     pub turn_signal: Vec<Option<TurnSignal>>,
     /// Share of the object that the ego's sensors could see, 0 to 1, a row each, where the source's own sensor model
     /// tells; empty when it does not.
     pub visible_share: Vec<f64>,
-    /// What hid most of the rest by that model; empty when it tells of none. May name a track that was itself never
+    /// What hid most of the rest by that model; empty if it has none. May name a track that was itself never
     /// seen and so is not in the drive.
     pub occluder: Vec<Option<TrackId>>,
 }
@@ -248,7 +250,7 @@ impl Track {
 pub struct LightState {
     /// Lane that the light controls (its id in the map).
     pub lane_id: String,
-    /// Lane behind the light, where the source tells movements apart.
+    /// Lane behind the light, if the source distinguishes movements.
     pub to_lane_id: Option<String>,
     /// When the state began or was observed.
     pub time: Nanos,

@@ -13,11 +13,11 @@ pub struct SignalTable {
     pub drive_id: DriveId,
     /// Frame times.
     pub times: Vec<Nanos>,
-    /// Signals with one value a frame.
+    /// Signals with one value per frame.
     pub frame_columns: BTreeMap<String, Column>,
-    /// One entry a target, in the order of the rows.
+    /// One entry per target, in the order of the rows.
     pub targets: Vec<TargetSpan>,
-    /// Signals with one value a target and frame; all have the same number of rows.
+    /// Signals with one value per target and frame; all have the same number of rows.
     pub target_columns: BTreeMap<String, Column>,
     /// Signals that this log cannot support, with what it lacks: `{"light.state": [Need::TrafficLights]}`.
     pub unavailable: BTreeMap<String, Vec<Need>>,

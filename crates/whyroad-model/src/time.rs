@@ -1,4 +1,5 @@
-//! Time. One clock per drive: nanoseconds since the Unix epoch as the log states them. Nothing here asks the machine what time it is.
+//! Time. One clock per drive: nanoseconds since the Unix epoch as the log states them. Nothing here asks the machine
+//! what time it is.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

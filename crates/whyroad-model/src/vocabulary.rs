@@ -1,5 +1,5 @@
-//! Closed lists of words that maps and context states are made of. Adapters bring their sources' words to these; signals
-//! read no others. What each is used for is told in `docs/reference/lake.md`.
+//! Closed lists of words that maps and context states are made of. Adapters bring their sources' words to these;
+//! signals read no others. Their use is described in `docs/reference/lake.md`.
 
 /// Tags of a lane ([`crate::road_map::Lane::tags`]).
 pub const LANE_TAGS: &[&str] =
@@ -28,7 +28,7 @@ pub const FACILITY_KINDS: &[&str] = &[
 /// Kinds of signs ([`crate::road_map::Sign::kind`]).
 pub const SIGN_KINDS: &[&str] = &["stop", "yield", "speed_limit", "lane_arrow", "prohibition", "warning"];
 
-/// Value of a context state that nobody knows; it ends what was known before.
+/// Value of an unknown context state; it ends what was known before.
 pub const UNKNOWN: &str = "unknown";
 
 /// What the value of a context state is.

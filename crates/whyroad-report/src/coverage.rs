@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use whyroad_framework::{L1, L2, L3, Taxonomy};
+use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{Coverage, CoverageState, DriveGap, LeafCoverage};
 use whyroad_model::{Bilingual, ScenarioId};
 
@@ -51,9 +52,6 @@ pub fn unresolved<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<Unr
         })
         .collect()
 }
-
-/// The class of decision moments that no class explains (LABELING.md 1); it is in no taxonomy.
-const OTHER: &str = "other";
 
 /// Decision moments that no class explains; `None` when mining did not look for them.
 pub fn unexplained(coverage: &Coverage) -> Option<&LeafCoverage> {

@@ -1,150 +1,232 @@
-//! One drive to its signal table: the families in order, each writing its own signals.
+//! One drive to its signal table, in stages: the ego alone, the road under it, the targets placed around it, and pairs.
+//! Each stage is a struct that the next one takes.
 
 use crate::catalogue::Catalogue;
-use crate::context::Channels;
-use crate::ego_lane::EgoLane;
-use crate::ego_motion::EgoMotion;
-use crate::interaction::Interaction;
-use crate::on_road::OnRoad;
-use crate::path::{Continuation, DrivenPath};
-use crate::placement::{Surroundings, Target};
-use crate::road::Road;
-use crate::rows::{Rows, observed_tracks};
+use crate::conflict::{self, pet, ttc, ttc_lane};
+use crate::ego::meta_actions::MetaActions;
+use crate::ego::motion::EgoMotion;
+use crate::ego::{bus, motion};
+use crate::needs::missing;
+use crate::road::context::{self, Channels};
+use crate::road::ego_lane::{self, EgoLane};
+use crate::road::network::Road;
+use crate::road::on_road::OnRoad;
+use crate::road::path::{DrivenPath, driven_path};
+use crate::road::way::Ways;
+use crate::road::{self, curvature, junction, lane_change, lights, route, terrain};
+use crate::series::seconds;
 use crate::table::TableBuilder;
-use crate::target_lanes::TargetLanes;
-use crate::way::Ways;
-use crate::{
-    bus, context, crosswalk, curvature, ego_lane, ego_motion, interaction, junction, lane_change, lights,
-    line_crossing, on_road, pet, relations, route, sight, target_motion, terrain, ttc, ttc_lane,
-};
+use crate::target::interaction::Interaction;
+use crate::target::lanes::TargetLanes;
+use crate::target::placement::{Surroundings, Target};
+use crate::target::relations::{self, Neighbours};
+use crate::target::rows::{Rows, observed_tracks};
+use crate::target::{self, crosswalk, free_width, line_crossing};
+use crate::{behavior, refav, sight};
+use std::collections::BTreeSet;
+use whyroad_model::catalogue::id;
 use whyroad_model::{Drive, Need, SignalTable};
 
 /// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
-    let missing = crate::needs::missing(drive);
+    let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);
-    let start = drive.times.first().copied().unwrap_or_default();
-    let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let road = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
-    let ego =
-        drive.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose)).map(|e| EgoMotion::new(e, &times));
-
-    if let Some(ego) = &drive.ego {
-        bus::write(&ego.bus, times.len(), &mut table);
-    }
-    let channels = Channels::new(drive);
-    context::write(&channels, &mut table);
-    route::write_stated(drive, &channels, &mut table);
-    target_motion::write_relative(drive, ego.as_ref(), &mut table);
-    if let Some(road) = &road {
-        crosswalk::write(drive, road, &mut table);
-    }
+    let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
+    let ego = EgoStage::new(drive, &missing);
+    write_without_ego(drive, ego.as_ref(), network.as_ref(), &mut table);
     if let Some(ego) = &ego {
-        write_with_ego(drive, ego, road.as_ref(), &times, &mut table);
+        ego.write(&mut table);
+        if let Some(on_road) = RoadStage::new(ego, network.as_ref()) {
+            on_road.write(&mut table);
+            let placed = PlacedStage::new(&on_road);
+            placed.write(&mut table);
+            write_pairs(&placed, &mut table);
+        }
     }
     table.finish(&missing)
 }
 
-/// The ego's meta actions (LABELING.md 5), one value per frame of the drive; `None` in a frame is unknown.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct MetaActions {
-    /// Values of `ego.meta_longitudinal`.
-    pub longitudinal: Vec<Option<String>>,
-    /// Values of `ego.meta_lateral`.
-    pub lateral: Vec<Option<String>>,
-}
-
 /// Only the meta actions of [`derive`], without the other signals; `None` when the log has no ego pose.
 pub fn meta_actions(drive: &Drive) -> Option<MetaActions> {
-    let ego_only = Drive {
-        meta: drive.meta.clone(),
-        times: drive.times.clone(),
-        ego: drive.ego.clone(),
-        ..Drive::default()
-    };
-    let missing = crate::needs::missing(&ego_only);
-    let start = drive.times.first().copied().unwrap_or_default();
-    let times: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let ego = ego_only.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose))?;
-    let mut table = TableBuilder::new(Catalogue::bundled(), &ego_only);
-    crate::meta_actions::write(&EgoMotion::new(ego, &times), &times, &mut table);
-    let table = table.finish(&missing);
-    let values = |name: &str| {
-        let column = table.frame_columns.get(name)?;
-        Some((0..times.len()).map(|i| column.category(i).map(str::to_owned)).collect())
-    };
-    Some(MetaActions { longitudinal: values("ego.meta_longitudinal")?, lateral: values("ego.meta_lateral")? })
+    EgoStage::new(drive, &missing(drive)).map(|ego| ego.actions)
 }
 
-fn write_with_ego(
+/// What needs no pose of the ego: its bus, the context, the targets relative to it.
+fn write_without_ego(
     drive: &Drive,
-    ego: &EgoMotion,
+    ego: Option<&EgoStage<'_>>,
     road: Option<&Road>,
-    times: &[f64],
     table: &mut TableBuilder<'_>,
 ) {
-    ego_motion::write(ego, times, table);
-    crate::meta_actions::write(ego, times, table);
-    let lanes = road.map(|r| EgoLane::new(r, ego));
-    let Some(path) = driven_path(ego, lanes.as_ref(), times) else { return };
-    curvature::write(&path, lanes.as_ref(), table);
-    if let (Some(road), Some(lanes)) = (road, &lanes) {
-        ego_lane::write(lanes, road, ego, table);
+    if let Some(ego) = &drive.ego {
+        bus::write(&ego.bus, drive.times.len(), table);
+    }
+    let channels = Channels::new(drive);
+    context::write(&channels, table);
+    route::write_stated(drive, &channels, table);
+    target::motion::write_relative(drive, ego.map(|e| &e.motion), table);
+    if let Some(road) = road {
+        crosswalk::write(drive, road, table);
+    }
+}
+
+/// Stage 1: the ego alone.
+pub(crate) struct EgoStage<'d> {
+    /// The scene tables.
+    pub drive: &'d Drive,
+    /// Seconds since the first frame.
+    pub times: Vec<f64>,
+    /// The ego's motion.
+    pub motion: EgoMotion,
+    /// Its meta actions.
+    pub actions: MetaActions,
+}
+
+impl<'d> EgoStage<'d> {
+    /// `None` if the log has no pose of the ego.
+    fn new(drive: &'d Drive, missing: &BTreeSet<Need>) -> Option<Self> {
+        let ego = drive.ego.as_ref().filter(|_| !missing.contains(&Need::EgoPose))?;
+        Some(Self::of(drive, ego))
+    }
+
+    /// Of the ego of `drive`, whatever else the log lacks.
+    pub fn of(drive: &'d Drive, ego: &whyroad_model::scene::Ego) -> Self {
+        let times = seconds(drive);
+        let motion = EgoMotion::new(ego, &times);
+        let actions = MetaActions::new(&motion, &times);
+        Self { drive, times, motion, actions }
+    }
+
+    fn write(&self, table: &mut TableBuilder<'_>) {
+        motion::write(&self.motion, &self.times, table);
+        self.actions.write(table);
+    }
+}
+
+/// Stage 2: the road under the ego, and the path that it drives.
+pub(crate) struct RoadStage<'a> {
+    /// The stage before.
+    pub ego: &'a EgoStage<'a>,
+    /// The map made ready; `None` without one.
+    pub road: Option<&'a Road>,
+    /// The ego's lanes; `None` without a map.
+    pub lanes: Option<EgoLane>,
+    /// The path driven, continued along the lanes.
+    pub path: DrivenPath,
+}
+
+impl<'a> RoadStage<'a> {
+    /// `None` if no pose of the ego is known in any frame.
+    pub fn new(ego: &'a EgoStage<'a>, road: Option<&'a Road>) -> Option<Self> {
+        let lanes = road.map(|r| EgoLane::new(r, &ego.motion));
+        let path = driven_path(&ego.motion, lanes.as_ref(), &ego.times)?;
+        Some(Self { ego, road, lanes, path })
+    }
+
+    fn write(&self, table: &mut TableBuilder<'_>) {
+        let (drive, motion) = (self.ego.drive, &self.ego.motion);
+        curvature::write(&self.path, self.lanes.as_ref(), table);
+        let (Some(road), Some(lanes)) = (self.road, &self.lanes) else { return };
+        ego_lane::write(lanes, road, motion, table);
         let rows = lane_change::Rows {
-            times,
-            position: &ego.position,
-            velocity: &ego.velocity,
+            times: &self.ego.times,
+            position: &motion.position,
+            velocity: &motion.velocity,
             places: &lanes.places,
         };
-        table.category("ego.lane_change", lane_change::changes(road, &rows));
+        table.category(id::EGO_LANE_CHANGE, lane_change::changes(road, &rows));
         if let (Some(states), Some(map)) = (&drive.lights, &drive.map) {
-            lights::write(states, map, road, lanes, ego, &drive.times, table);
+            lights::write(states, map, road, lanes, motion, &drive.times, table);
+        }
+    }
+}
+
+/// Stage 3: the targets, placed around the ego, its path and its lanes.
+pub(crate) struct PlacedStage<'a> {
+    /// The stage before.
+    pub on_road: &'a RoadStage<'a>,
+    /// What they are placed around.
+    pub around: Surroundings<'a>,
+    /// The targets in the table's order.
+    pub targets: Vec<Target<'a>>,
+    /// Lead and follower by frame.
+    pub near: Neighbours,
+}
+
+impl<'a> PlacedStage<'a> {
+    /// Places all targets of the drive.
+    pub fn new(on_road: &'a RoadStage<'a>) -> Self {
+        let ego = on_road.ego;
+        let around = Surroundings {
+            ego: &ego.motion,
+            path: &on_road.path,
+            lanes: on_road.lanes.as_ref(),
+            road: on_road.road,
+        };
+        let targets: Vec<Target<'_>> =
+            observed_tracks(ego.drive).map(|t| around.place(t, &ego.times)).collect();
+        let near = relations::neighbours(&targets, ego.motion.len());
+        Self { on_road, around, targets, near }
+    }
+
+    /// What the families on visibility read.
+    pub fn scene(&self) -> sight::Scene<'_> {
+        let RoadStage { ego, road, path, .. } = self.on_road;
+        sight::Scene {
+            drive: ego.drive,
+            ego: &ego.motion,
+            path,
+            road: *road,
+            targets: &self.targets,
+            near: &self.near,
+            times: &ego.times,
         }
     }
 
-    let around = Surroundings { ego, path: &path, lanes: lanes.as_ref(), road };
-    let targets: Vec<Target<'_>> = observed_tracks(drive).map(|t| around.place(t, times)).collect();
-    let near = relations::neighbours(&targets, ego.len());
-    if let (Some(map), Some(road), Some(lanes)) = (&drive.map, road, &lanes) {
-        let encounters = junction::Encounters::new(road, &path, ego);
-        junction::write(&encounters, &path, ego, table);
-        let ways = Ways::new(road, lanes);
-        let on = OnRoad { drive, map, road, path: &path, ego, lanes, encounters: &encounters, times, ways };
-        on_road::write(&on, &targets, table);
+    fn write(&self, table: &mut TableBuilder<'_>) {
+        let RoadStage { ego, road, lanes, path } = self.on_road;
+        let (drive, times, motion) = (ego.drive, &ego.times[..], &ego.motion);
+        if let (Some(map), Some(road), Some(lanes)) = (&drive.map, *road, lanes) {
+            let encounters = junction::Encounters::new(road, path, motion);
+            junction::write(&encounters, path, motion, table);
+            let ways = Ways::new(road, lanes);
+            let on =
+                OnRoad { drive, map, road, path, ego: motion, lanes, encounters: &encounters, times, ways };
+            road::write(&on, table);
+            free_width::write(&on, &self.targets, table);
+        }
+        terrain::write(path, table);
+        target::motion::write(drive, &self.targets, table);
+        relations::write(drive, &self.targets, &self.near, table);
+        ttc::write(drive, &self.around, &self.targets, table);
+        ttc_lane::write(drive, &self.around, &self.targets, table);
+        relations::write_lead(motion, &self.near, table);
+        line_crossing::write(drive, &self.targets, table);
+        sight::write(&self.scene(), table);
+        let rows = Rows::new(drive, table);
+        let sweep = pet::EgoSweep::new(motion, times);
+        let pets: Vec<Vec<f64>> = self.targets.iter().map(|t| sweep.pet(t, times)).collect();
+        table.number(id::TARGET_PET, rows.spread(&self.targets, f64::NAN, |k, r, _| pets[k][r]));
     }
-    terrain::write(&path, table);
-    target_motion::write(drive, &targets, table);
-    relations::write(drive, &targets, &near, table);
-    ttc::write(drive, &around, &targets, table);
-    ttc_lane::write(drive, &around, &targets, table);
-    relations::write_lead(ego, &near, table);
-    line_crossing::write(drive, &targets, table);
-    let seen = sight::Scene { drive, ego, path: &path, road, targets: &targets, near: &near, times };
-    sight::write(&seen, table);
-    let rows = Rows::new(drive, table);
-    let sweep = pet::EgoSweep::new(ego, times);
-    let pets: Vec<Vec<f64>> = targets.iter().map(|t| sweep.pet(t, times)).collect();
-    table.number("target.pet", rows.spread(&targets, f64::NAN, |k, r, _| pets[k][r]));
-    let on_lanes = road.map(|r| TargetLanes::new(r, &targets));
-    let scene = Interaction {
-        drive,
-        times,
-        around: &around,
-        targets: &targets,
-        near: &near,
-        lanes: on_lanes.as_ref(),
-    };
-    interaction::write(&scene, table);
 }
 
-/// The driven path, continued along the ego's lanes where it has any.
-pub(crate) fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Option<DrivenPath> {
-    let first = (0..ego.len()).find(|&i| ego.is_known(i))?;
-    let last = (0..ego.len()).rfind(|&i| ego.is_known(i))?;
-    let along = |frame: usize| -> Continuation<'_> {
-        lanes.and_then(|l| l.at(frame)).map(|on| (on.corridor, on.s, on.lateral))
+/// Stage 4: what the ego and the targets do to each other.
+fn write_pairs(placed: &PlacedStage<'_>, table: &mut TableBuilder<'_>) {
+    let RoadStage { ego, road, .. } = placed.on_road;
+    let on_lanes = road.map(|r| TargetLanes::new(r, &placed.targets));
+    let scene = Interaction {
+        drive: ego.drive,
+        times: &ego.times,
+        actions: &ego.actions,
+        around: &placed.around,
+        targets: &placed.targets,
+        near: &placed.near,
+        lanes: on_lanes.as_ref(),
     };
-    DrivenPath::new(ego, times, along(first), along(last))
+    conflict::write(&scene, table);
+    target::write(&scene, table);
+    behavior::write(&scene, table);
+    refav::write(&scene, table);
 }

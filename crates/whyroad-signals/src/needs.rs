@@ -28,7 +28,7 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
         missing.insert(Need::ObjectSizes);
     }
-    // A radar tells no classes: that none of its targets is a vehicle, or a pedestrian, would claim too much.
+    // A radar gives no classes: "no target is a vehicle" would be unfounded.
     if !drive.tracks.is_empty() && drive.tracks.iter().all(|t| t.class == ObjectClass::Unknown) {
         missing.insert(Need::ObjectClasses);
     }
@@ -43,7 +43,7 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     missing
 }
 
-/// What the map, the heights and the route do not tell.
+/// What the map, the heights and the route lack.
 fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
     let map = drive.map.as_ref();
     let ego_z = drive.ego.iter().any(|e| e.motion.z.iter().any(|z| z.is_finite()));
@@ -78,7 +78,7 @@ const CONTEXT_NEEDS: [(Need, &str); 10] = [
 ];
 
 fn missing_context(drive: &Drive) -> impl Iterator<Item = Need> {
-    // What another kind of state, or the lanes' tags, tell as well.
+    // What another kind of state, or the lanes' tags, state as well.
     let also = |need: Need| match need {
         Need::Weather => states(drive, "visibility"),
         Need::Pavement => drive.map.iter().flat_map(|m| &m.lanes).any(|l| l.is_tagged("unpaved")),

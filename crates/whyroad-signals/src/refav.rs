@@ -5,12 +5,16 @@
 mod turning;
 
 use crate::geometry::{P2, p2, wrap};
-use crate::interaction::Interaction;
-use crate::placement::{Placement, Target};
-use crate::road::{LaneShape, Road};
-use crate::rows::Rows;
+use crate::road::network::{LaneShape, Road};
 use crate::table::TableBuilder;
+use crate::target::interaction::Interaction;
+use crate::target::placement::{Placement, Target};
+use crate::target::rows::Rows;
 use std::f64::consts::{FRAC_PI_4, PI};
+use whyroad_model::catalogue::{
+    id,
+    value::{TargetRefavHeading, TargetRefavRelativeDirection},
+};
 use whyroad_model::road_map::LaneKind;
 use whyroad_model::scene::Motion;
 use whyroad_model::{ObjectClass, Tri};
@@ -38,16 +42,6 @@ const INTERSECTION_M: f64 = 5.0;
 /// From this speed on a motion has a direction, m/s.
 const DIRECTED_MPS: f64 = 1.0;
 
-// Indices into the values of target.refav_relative_direction and target.refav_heading; a test holds them to the names.
-const NONE: u16 = 0;
-const FRONT: u16 = 1;
-const BACK: u16 = 2;
-const LEFT: u16 = 3;
-const RIGHT: u16 = 4;
-const SAME: u16 = 1;
-const OPPOSITE: u16 = 2;
-const PERPENDICULAR: u16 = 3;
-
 /// A vector of the world in the ego's axes, x forward, y left.
 fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
     let forward = P2::from_heading(scene.around.ego.heading[frame]);
@@ -58,24 +52,24 @@ fn seen_at(scene: &Interaction<'_>, p: &Placement) -> P2 {
     in_ego_axes(scene, p.frame, p.footprint.centre - scene.around.ego.position[p.frame])
 }
 
-fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<u16> {
+fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRefavRelativeDirection> {
     let ego = scene.around.ego;
     if !p.is_sized() {
         return None;
     }
     let (at, front, side) = (seen_at(scene, p), ego.length / 2.0, ego.width / 2.0);
     Some(if ego.footprint(p.frame).distance(&p.footprint) > DIRECTION_REACH_M {
-        NONE
+        TargetRefavRelativeDirection::None
     } else if at.x > front {
-        FRONT
+        TargetRefavRelativeDirection::Front
     } else if at.x < -front {
-        BACK
+        TargetRefavRelativeDirection::Back
     } else if at.y > side {
-        LEFT
+        TargetRefavRelativeDirection::Left
     } else if at.y < -side {
-        RIGHT
+        TargetRefavRelativeDirection::Right
     } else {
-        NONE
+        TargetRefavRelativeDirection::None
     })
 }
 
@@ -174,13 +168,13 @@ fn near_intersection(road: &Road, p: P2) -> Tri {
     Tri::from(road.lanes_near(p, INTERSECTION_M).into_iter().any(near))
 }
 
-/// Things that nobody steers have no direction of their own.
+/// Objects without a driver have no direction of their own.
 fn has_free_will(class: ObjectClass) -> bool {
     use ObjectClass::{Bicycle, Cone, StaticObject, Unknown};
     !matches!(class, Bicycle | Cone | StaticObject | Unknown)
 }
 
-fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option<u16> {
+fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option<TargetRefavHeading> {
     let (ego, i) = (scene.around.ego, p.frame);
     let (own, theirs) = (ego.velocity[i], p.velocity);
     if !own.is_finite() || !theirs.is_finite() {
@@ -192,20 +186,20 @@ fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option
     } else if own_speed < DIRECTED_MPS && their_speed > HEADING_SPEED_MPS {
         (ego.heading[i], theirs.heading())
     } else if own_speed < DIRECTED_MPS || their_speed < DIRECTED_MPS {
-        return Some(NONE);
+        return Some(TargetRefavHeading::None);
     } else {
         (own.heading(), theirs.heading())
     };
     let turned = wrap(b - a).abs();
-    // A hair of slack, so that exactly 45 and 135 deg do not depend on rounding.
+    // A tolerance, so that exactly 45 and 135 deg do not depend on rounding.
     Some(if turned.is_nan() {
         return None;
     } else if turned <= FRAC_PI_4 + 1e-9 {
-        SAME
+        TargetRefavHeading::Same
     } else if turned >= PI - FRAC_PI_4 - 1e-9 {
-        OPPOSITE
+        TargetRefavHeading::Opposite
     } else {
-        PERPENDICULAR
+        TargetRefavHeading::Perpendicular
     })
 }
 
@@ -214,13 +208,13 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, ego) = (scene.targets, scene.around.ego);
     table.category(
-        "target.refav_relative_direction",
+        id::TARGET_REFAV_RELATIVE_DIRECTION,
         rows.placed(targets, None, |p| relative_direction(scene, p)),
     );
     let crossed: Vec<_> = targets.iter().map(|t| crossed_by(scene, t)).collect();
-    table.flag("target.refav_crossed_by", rows.spread(targets, Tri::Unknown, |k, r, _| crossed[k][r]));
+    table.flag(id::TARGET_REFAV_CROSSED_BY, rows.spread(targets, Tri::Unknown, |k, r, _| crossed[k][r]));
     let standing: Vec<Tri> = targets.iter().map(|t| stationary(&t.track.motion)).collect();
-    table.flag("target.refav_stationary", rows.spread(targets, Tri::Unknown, |k, _, _| standing[k]));
+    table.flag(id::TARGET_REFAV_STATIONARY, rows.spread(targets, Tri::Unknown, |k, _, _| standing[k]));
     let turns: Vec<_> = targets
         .iter()
         .map(|t| {
@@ -228,27 +222,27 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
             turning::turning(&times, &t.track.motion.heading)
         })
         .collect();
-    table.category("target.refav_turning", rows.spread(targets, None, |k, r, _| turns[k][r]));
+    table.category(id::TARGET_REFAV_TURNING, rows.spread(targets, None, |k, r, _| turns[k][r]));
     table.category(
-        "target.refav_heading",
+        id::TARGET_REFAV_HEADING,
         rows.spread(targets, None, |k, _, p| p.and_then(|p| heading(scene, targets[k].track.class, p))),
     );
     let n = ego.len();
     if let Some(own) = &scene.drive.ego {
         let value = stationary(&own.motion);
         let of = |i: usize| if ego.is_known(i) { value } else { Tri::Unknown };
-        table.flag("ego.refav_stationary", (0..n).map(of).collect());
+        table.flag(id::EGO_REFAV_STATIONARY, (0..n).map(of).collect());
     }
-    table.category("ego.refav_turning", turning::turning(scene.times, &ego.heading));
+    table.category(id::EGO_REFAV_TURNING, turning::turning(scene.times, &ego.heading));
     let Some(road) = scene.around.road else { return };
     let follows = |k: usize, r: usize, p: Option<&Placement>| {
         p.map_or(Tri::Unknown, |p| following(scene, road, k, r, p))
     };
-    table.flag("target.refav_following", rows.spread(targets, Tri::Unknown, follows));
+    table.flag(id::TARGET_REFAV_FOLLOWING, rows.spread(targets, Tri::Unknown, follows));
     let near = rows.flags(|t, r| near_intersection(road, p2(t.motion.x[r], t.motion.y[r])));
-    table.flag("target.refav_near_intersection", near);
+    table.flag(id::TARGET_REFAV_NEAR_INTERSECTION, near);
     table.flag(
-        "ego.refav_near_intersection",
+        id::EGO_REFAV_NEAR_INTERSECTION,
         (0..n).map(|i| near_intersection(road, ego.position[i])).collect(),
     );
 }

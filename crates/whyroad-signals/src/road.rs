@@ -1,210 +1,50 @@
-//! The map made ready for questions: lanes with centre line, widths and links by index, areas as polygons,
-//! and a spatial index over the lanes. Frame: world, plane.
+//! The road: the map made ready, the lanes, the path and the way of the ego on it, and what the map states beside it
+//! and ahead.
 
-use crate::geometry::{P2, Polygon, Polyline, p2};
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
-use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap};
+pub mod beside_path;
+pub mod context;
+pub mod corridor;
+pub mod crossroads;
+pub mod curvature;
+pub mod ego_lane;
+pub mod facilities;
+pub mod junction;
+pub mod junction_arms;
+pub mod lane_change;
+pub mod lane_ids;
+pub mod lane_rules;
+pub mod lanes;
+pub mod lights;
+pub mod merging;
+pub mod network;
+pub mod on_road;
+pub mod open_area;
+pub mod path;
+pub mod profile;
+pub mod roadside;
+pub mod route;
+pub mod terrain;
+pub mod way;
 
-/// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
-pub const DEFAULT_HALF_WIDTH_M: f64 = 1.75;
-/// An object this far below or above a lane is on another level, m (a storey of an interchange is 5 m and more).
-pub const LEVEL_M: f64 = 4.0;
+use crate::table::TableBuilder;
+use context::Channels;
+use on_road::OnRoad;
 
-/// One lane's geometry and links; indices are into [`Road::lanes`].
-#[derive(Clone, Debug)]
-pub struct LaneShape {
-    /// Id in the map.
-    pub id: String,
-    /// Centre line in driving direction.
-    pub centre: Polyline,
-    /// Distance from the centre line to the left edge at each of its points, m.
-    pub left_width: Vec<f64>,
-    /// The same to the right edge.
-    pub right_width: Vec<f64>,
-    /// The lane's area.
-    pub area: Option<Polygon>,
-    /// Lowest and highest point of the centre line, m; NaN when the map is flat.
-    pub height: (f64, f64),
-    /// Who it is for.
-    pub kind: LaneKind,
-    /// Inside a junction.
-    pub in_junction: bool,
-    /// Lanes entered at the end.
-    pub successors: Vec<usize>,
-    /// Lanes that lead here.
-    pub predecessors: Vec<usize>,
-    /// Adjacent lanes of the same direction, left then right.
-    pub neighbours: [Option<usize>; 2],
-}
-
-impl LaneShape {
-    /// Widths to the left and right edge at arc length `s`, m.
-    pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        let at = self.centre.arc_lengths();
-        (interpolate(at, &self.left_width, s), interpolate(at, &self.right_width, s))
-    }
-
-    /// True when an object whose box centre has height `z` can be on this lane (or heights are unknown).
-    pub fn on_level(&self, z: f64) -> bool {
-        let known = z.is_finite() && self.height.0.is_finite();
-        !known || (z > self.height.0 - LEVEL_M && z < self.height.1 + LEVEL_M)
-    }
-}
-
-/// Linear interpolation of `values` over ascending `at`, constant outside.
-pub fn interpolate(at: &[f64], values: &[f64], s: f64) -> f64 {
-    let i = at.partition_point(|&v| v <= s);
-    if i == 0 {
-        return values[0];
-    }
-    if i >= at.len() {
-        return values[values.len() - 1];
-    }
-    let t = (s - at[i - 1]) / (at[i] - at[i - 1]);
-    values[i - 1] + t * (values[i] - values[i - 1])
-}
-
-type LaneEntry = GeomWithData<Rectangle<[f64; 2]>, usize>;
-
-/// The map of one drive, ready for questions.
-pub struct Road {
-    /// Lanes with usable geometry, in the map's order.
-    pub lanes: Vec<LaneShape>,
-    /// Junction areas.
-    pub junctions: Vec<Polygon>,
-    /// Crosswalks.
-    pub crosswalks: Vec<Polygon>,
-    /// Drivable areas.
-    pub drivable: Vec<Polygon>,
-    tree: RTree<LaneEntry>,
-}
-
-fn plane(points: &[Point3]) -> impl Iterator<Item = P2> + '_ {
-    points.iter().map(|p| p2(p.x, p.y))
-}
-
-fn polygons(areas: &[Area]) -> Vec<Polygon> {
-    areas.iter().filter_map(|a| Polygon::new(plane(&a.boundary))).collect()
-}
-
-fn shape(lane: &Lane) -> Option<LaneShape> {
-    let centre = Polyline::new(plane(&lane.centre))?;
-    let stated = lane.width_m.filter(|w| w.is_finite() && *w > 0.0).map_or(DEFAULT_HALF_WIDTH_M, |w| w / 2.0);
-    let edges = (Polyline::new(plane(&lane.left)), Polyline::new(plane(&lane.right)));
-    let (left_width, right_width, area) = match &edges {
-        (Some(left), Some(right)) => {
-            let to = |edge: &Polyline| centre.points().iter().map(|&p| edge.distance(p)).collect();
-            let ring = left.points().iter().chain(right.points().iter().rev()).copied();
-            (to(left), to(right), Polygon::new(ring))
-        }
-        _ => {
-            let widths = vec![stated; centre.points().len()];
-            let side = |sign: f64| {
-                centre
-                    .arc_lengths()
-                    .iter()
-                    .map(|&s| {
-                        centre.point_at(s)
-                            + P2::from_heading(centre.smooth_heading_at(s, 0.5)).left() * (sign * stated)
-                    })
-                    .collect::<Vec<P2>>()
-            };
-            let ring = side(1.0).into_iter().chain(side(-1.0).into_iter().rev());
-            let area = Polygon::new(ring);
-            (widths.clone(), widths, area)
-        }
-    };
-    let z = |f: fn(f64, f64) -> f64| lane.centre.iter().map(|p| p.z).fold(f64::NAN, f);
-    Some(LaneShape {
-        id: lane.id.clone(),
-        centre,
-        left_width,
-        right_width,
-        area,
-        height: (z(f64::min), z(f64::max)),
-        kind: lane.kind,
-        in_junction: lane.in_junction,
-        successors: Vec::new(),
-        predecessors: Vec::new(),
-        neighbours: [None, None],
-    })
-}
-
-/// Half way along, both lanes point the same way (neighbours in a map may run against each other).
-fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
-    let middle = a.centre.length() / 2.0;
-    let there = b.centre.project(a.centre.point_at(middle));
-    let direction = |lane: &LaneShape, s| P2::from_heading(lane.centre.smooth_heading_at(s, 1.0));
-    direction(a, middle).dot(direction(b, there.s)) > 0.5
-}
-
-impl Road {
-    /// From the scene table. Lanes without a centre line and links to lanes that are not there are left out
-    /// (ingest reports them).
-    pub fn new(map: &RoadMap) -> Self {
-        let usable: Vec<(&Lane, LaneShape)> = map.lanes.iter().filter_map(|l| Some((l, shape(l)?))).collect();
-        // Usable lanes keep the map's order, so they are sorted by id.
-        let index = |id: &String| usable.binary_search_by(|(lane, _)| lane.id.cmp(id)).ok();
-        let mut links = Vec::with_capacity(usable.len());
-        for (i, (lane, shape)) in usable.iter().enumerate() {
-            let neighbour = |id: &Option<String>| {
-                let j = id.as_ref().and_then(index).filter(|&j| j != i)?;
-                same_direction(shape, &usable[j].1).then_some(j)
-            };
-            let linked = |ids: &[String]| ids.iter().filter_map(index).collect::<Vec<usize>>();
-            let neighbours = [neighbour(&lane.left_neighbour), neighbour(&lane.right_neighbour)];
-            links.push((linked(&lane.successors), linked(&lane.predecessors), neighbours));
-        }
-        let mut lanes: Vec<LaneShape> = usable.into_iter().map(|(_, shape)| shape).collect();
-        for (lane, (successors, predecessors, neighbours)) in lanes.iter_mut().zip(links) {
-            (lane.successors, lane.predecessors, lane.neighbours) = (successors, predecessors, neighbours);
-        }
-        let entries = lanes.iter().enumerate().filter_map(|(i, lane)| {
-            let (low, high) = lane.area.as_ref()?.bounds();
-            Some(LaneEntry::new(Rectangle::from_corners([low.x, low.y], [high.x, high.y]), i))
-        });
-        let tree = RTree::bulk_load(entries.collect());
-        Self {
-            junctions: polygons(&map.junctions),
-            crosswalks: polygons(&map.crosswalks),
-            drivable: polygons(&map.drivable_areas),
-            tree,
-            lanes,
-        }
-    }
-
-    /// Lanes whose bounding box is within `reach` metres of `p` on each axis, in ascending order.
-    pub fn lanes_near(&self, p: P2, reach: f64) -> Vec<usize> {
-        let around = AABB::from_corners([p.x - reach, p.y - reach], [p.x + reach, p.y + reach]);
-        let mut found: Vec<usize> =
-            self.tree.locate_in_envelope_intersecting(&around).map(|e| e.data).collect();
-        found.sort_unstable();
-        found
-    }
-
-    /// True when `p` is in a junction area or on a junction lane.
-    pub fn in_junction(&self, p: P2) -> bool {
-        self.junctions.iter().any(|j| j.contains(p))
-            || self.on_lane(p, |lane| lane.in_junction && lane.kind != LaneKind::Sidewalk)
-    }
-
-    /// True when `p` is in a drivable area or on a lane for vehicles, buses or bicycles.
-    pub fn on_road(&self, p: P2) -> bool {
-        let rolling =
-            |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
-        self.drivable.iter().any(|d| d.contains(p)) || self.on_lane(p, rolling)
-    }
-
-    fn on_lane(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> bool {
-        self.lanes_near(p, 0.0).into_iter().any(|i| {
-            let lane = &self.lanes[i];
-            wanted(lane) && lane.area.as_ref().is_some_and(|a| a.contains(p))
-        })
-    }
-
-    /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
-    pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        self.crosswalks.iter().map(|c| c.distance(p)).fold(f64::INFINITY, f64::min)
+/// Writes the families on road, map parts, signs and route.
+pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
+    let channels = Channels::new(on.drive);
+    profile::write(on, table);
+    lane_rules::write(on, table);
+    lane_rules::write_marked(on, &channels, table);
+    merging::write(on, table);
+    crossroads::write(on, table);
+    roadside::write(on, table);
+    open_area::write(on, table);
+    facilities::write(on, &channels, table);
+    route::write_fit(on, table);
+    if on.map.lanes.iter().any(|l| l.is_tagged("unpaved")) {
+        let unpaved: Vec<Option<bool>> =
+            (0..on.frames()).map(|i| on.own_lane(i).map(|l| l.is_tagged("unpaved"))).collect();
+        context::write_pavement(&channels, &unpaved, table);
     }
 }

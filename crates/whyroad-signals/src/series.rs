@@ -1,14 +1,14 @@
 //! Series over real timestamps: slopes, means, hysteresis, removal of short runs. Gaps stay gaps: no window
 //! reaches over a pause in the recording.
 
-use whyroad_model::Tri;
+use whyroad_model::{Drive, Tri};
 
 /// Two neighbouring samples further apart than this are not neighbours: 2.5 nominal frames.
 pub const GAP_S: f64 = 0.25;
 
 /// Rows `[first, last]` around `row` within `reach` seconds, not reaching over gaps or unknown values.
 fn window(times: &[f64], values: &[f64], row: usize, reach: f64) -> (usize, usize) {
-    // A hair of slack: 10 Hz logs are jittered (0.100196 s), and the second neighbour still belongs to 0.2 s.
+    // A tolerance: 10 Hz logs are jittered (0.100196 s), and the second neighbour still belongs to 0.2 s.
     let reach = reach + 0.02;
     let joined =
         |a: usize, b: usize| times[b] - times[a] <= GAP_S && !values[a].is_nan() && !values[b].is_nan();
@@ -102,6 +102,12 @@ pub fn absorb_short_runs<T: Copy + PartialEq>(times: &[f64], values: &mut [Optio
         }
         start = end;
     }
+}
+
+/// Seconds since the first frame.
+pub fn seconds(drive: &Drive) -> Vec<f64> {
+    let start = drive.times.first().copied().unwrap_or_default();
+    drive.times.iter().map(|t| t.seconds_since(start)).collect()
 }
 
 #[cfg(test)]

@@ -9,35 +9,13 @@ mod emergence;
 mod obstacles;
 mod occlusion;
 mod profile;
+mod scene;
 mod view;
 
-use crate::ego_motion::EgoMotion;
-use crate::occluders::Occluder;
-use crate::path::DrivenPath;
-use crate::placement::Target;
-use crate::relations::Neighbours;
-use crate::road::Road;
 use crate::table::TableBuilder;
 use obstacles::Obstacles;
-use whyroad_model::Drive;
 
-/// What the family is computed from.
-pub struct Scene<'a> {
-    /// The drive.
-    pub drive: &'a Drive,
-    /// The ego.
-    pub ego: &'a EgoMotion,
-    /// Its path.
-    pub path: &'a DrivenPath,
-    /// The road, when there is a map.
-    pub road: Option<&'a Road>,
-    /// The targets in row order.
-    pub targets: &'a [Target<'a>],
-    /// Who leads.
-    pub near: &'a Neighbours,
-    /// Seconds by frame.
-    pub times: &'a [f64],
-}
+pub use scene::{Occluder, Scene};
 
 /// By target: the frames in which something hides a part of it, and what hides most.
 pub fn hidden_by(scene: &Scene<'_>) -> Vec<Vec<(usize, Occluder)>> {
@@ -50,7 +28,7 @@ pub fn hidden_by(scene: &Scene<'_>) -> Vec<Vec<(usize, Occluder)>> {
     occlusion.rows.iter().map(|rows| rows.iter().filter_map(hider).collect()).collect()
 }
 
-/// Writes the signals of this family. One view a frame serves all of them.
+/// Writes the signals of this family. One view per frame serves all of them.
 pub fn write(scene: &Scene<'_>, table: &mut TableBuilder<'_>) {
     let obstacles = Obstacles::new(scene);
     let mut occlusion = occlusion::Occlusion::new(scene);

@@ -1,13 +1,70 @@
-//! Collects columns into a [`SignalTable`]. What a column is, and whether the log can support it, the catalogue
-//! says; a family only computes.
+//! Collects columns into a [`SignalTable`]. Scope and type of a column are checked by the compiler: each signal's
+//! constant in [`whyroad_model::catalogue::id`] carries them. A family only computes.
 
-use crate::catalogue::{Catalogue, SignalKind, SignalScope};
+use crate::catalogue::{Catalogue, SignalKind};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use whyroad_model::catalogue::{
+    Category, CategoryValue, Flag, Number, PerFrame, PerTarget, Signal, SignalScope,
+};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, Drive, Need, SignalTable, Tri};
+use whyroad_model::{Column, Drive, Need, SignalId, SignalTable, Tri};
 
-/// A signal table in the making.
+/// A column of a target signal: one value per row of the table.
+#[derive(Clone, Debug)]
+pub struct TargetRows<T>(pub Vec<T>);
+
+impl<T> TargetRows<T> {
+    /// Each value changed by `f`.
+    pub fn map<U>(&self, f: impl Fn(&T) -> U) -> TargetRows<U> {
+        TargetRows(self.0.iter().map(f).collect())
+    }
+}
+
+/// What holds the values of a signal of this scope.
+pub trait Scoped {
+    /// One value per frame, or one per target row.
+    type Values<T>: Into<Vec<T>>;
+}
+
+impl Scoped for PerFrame {
+    type Values<T> = Vec<T>;
+}
+
+impl Scoped for PerTarget {
+    type Values<T> = TargetRows<T>;
+}
+
+impl<T> From<TargetRows<T>> for Vec<T> {
+    fn from(rows: TargetRows<T>) -> Self {
+        rows.0
+    }
+}
+
+/// Values of a category signal of scope `S`: anything that yields one per frame, or [`TargetRows`].
+pub trait CategoryValues<S, C> {
+    /// Codes, unknown where there is no value.
+    fn codes(self) -> Vec<u16>;
+}
+
+fn codes<C: CategoryValue>(values: impl IntoIterator<Item = Option<C>>) -> Vec<u16> {
+    values.into_iter().map(|v| v.map_or(UNKNOWN_CODE, C::code)).collect()
+}
+
+impl<C: CategoryValue, I: IntoIterator<Item = Option<C>>> CategoryValues<PerFrame, C> for I {
+    fn codes(self) -> Vec<u16> {
+        codes(self)
+    }
+}
+
+impl<C: CategoryValue> CategoryValues<PerTarget, C> for TargetRows<Option<C>> {
+    fn codes(self) -> Vec<u16> {
+        codes(self.0)
+    }
+}
+
+/// A signal table under construction.
 pub struct TableBuilder<'a> {
     catalogue: &'a Catalogue,
     table: SignalTable,
@@ -15,7 +72,7 @@ pub struct TableBuilder<'a> {
 }
 
 impl<'a> TableBuilder<'a> {
-    /// An empty table for `drive`: one target a track, dense from its first to its last frame.
+    /// An empty table for `drive`: one target per track, dense from its first to its last frame.
     pub fn new(catalogue: &'a Catalogue, drive: &Drive) -> Self {
         let mut rows = 0;
         let mut targets = Vec::with_capacity(drive.tracks.len());
@@ -43,50 +100,89 @@ impl<'a> TableBuilder<'a> {
         &self.table.targets
     }
 
+    fn column(&self, id: SignalId) -> Option<&Column> {
+        match id.scope() {
+            SignalScope::Frame => self.table.frame_columns.get(id.name()),
+            SignalScope::Target => self.table.target_columns.get(id.name()),
+        }
+    }
+
+    /// True if the signal is in the table already.
+    pub fn has<S, K>(&self, id: Signal<S, K>) -> bool {
+        self.column(id.id()).is_some()
+    }
+
     /// A number of target `k` already in the table, in `frame`; NaN where there is none.
-    pub fn target_number(&self, name: &str, k: usize, frame: usize) -> f64 {
+    pub fn target_number(&self, id: Signal<PerTarget, Number>, k: usize, frame: usize) -> f64 {
         let row = self.table.targets[k].row(frame);
-        let column = self.table.target_columns.get(name);
-        row.zip(column).and_then(|(row, c)| c.number(row)).unwrap_or(f64::NAN)
+        row.zip(self.column(id.id())).and_then(|(row, c)| c.number(row)).unwrap_or(f64::NAN)
     }
 
-    /// A column already in the table.
-    pub fn column(&self, name: &str) -> Option<&Column> {
-        self.table.frame_columns.get(name).or_else(|| self.table.target_columns.get(name))
+    /// A category of target `k` already in the table, in `frame`.
+    pub fn target_category<C: CategoryValue>(
+        &self,
+        id: Signal<PerTarget, Category<C>>,
+        k: usize,
+        frame: usize,
+    ) -> Option<C> {
+        let row = self.table.targets[k].row(frame)?;
+        match self.column(id.id())? {
+            Column::Category { codes, .. } => C::from_code(codes[row]),
+            _ => None,
+        }
     }
 
-    /// Adds a number signal; one value a frame or target row.
-    pub fn number(&mut self, name: &str, values: Vec<f64>) {
-        self.add(name, Column::Number(values));
+    /// The numbers of a frame signal already in the table.
+    pub fn numbers(&self, id: Signal<PerFrame, Number>) -> Option<&[f64]> {
+        match self.column(id.id())? {
+            Column::Number(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// The flags of a frame signal already in the table.
+    pub fn flags(&self, id: Signal<PerFrame, Flag>) -> Option<&[Tri]> {
+        match self.column(id.id())? {
+            Column::Flag(values) => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Adds a number signal.
+    pub fn number<S: Scoped>(&mut self, id: Signal<S, Number>, values: S::Values<f64>) {
+        self.add(id.id(), Column::Number(values.into()));
     }
 
     /// Adds a flag signal.
-    pub fn flag(&mut self, name: &str, values: Vec<Tri>) {
-        self.add(name, Column::Flag(values));
+    pub fn flag<S: Scoped>(&mut self, id: Signal<S, Flag>, values: S::Values<Tri>) {
+        self.add(id.id(), Column::Flag(values.into()));
     }
 
-    /// Adds a category signal from indices into the catalogue's values; `None` is unknown.
-    pub fn category(&mut self, name: &str, codes: impl IntoIterator<Item = Option<u16>>) {
-        let names = match self.catalogue.get(name).map(|d| &d.kind) {
+    /// Adds a category signal; `None` is unknown.
+    pub fn category<S, C: CategoryValue>(
+        &mut self,
+        id: Signal<S, Category<C>>,
+        values: impl CategoryValues<S, C>,
+    ) {
+        let names: Arc<[String]> = match self.catalogue.get(id.id().name()).map(|d| &d.kind) {
             Some(SignalKind::Category(names)) => names.clone(),
-            _ => std::sync::Arc::from([]),
+            _ => C::NAMES.iter().map(|n| (*n).to_owned()).collect(),
         };
-        let codes = codes.into_iter().map(|c| c.unwrap_or(UNKNOWN_CODE)).collect();
-        self.add(name, Column::Category { codes, names });
+        self.add(id.id(), Column::Category { codes: values.codes(), names });
     }
 
-    fn add(&mut self, name: &str, column: Column) {
-        let Some(def) = self.catalogue.get(name) else { return };
-        let (columns, rows) = match def.scope {
+    fn add(&mut self, id: SignalId, column: Column) {
+        let (columns, rows) = match id.scope() {
             SignalScope::Frame => (&mut self.table.frame_columns, self.table.times.len()),
             SignalScope::Target => (&mut self.table.target_columns, self.rows),
         };
-        debug_assert_eq!(column.len(), rows, "{name}");
-        columns.insert(def.name.clone(), column);
+        debug_assert_eq!(column.len(), rows, "{id}");
+        columns.insert(id.name().to_owned(), column);
     }
 
-    /// The finished table: what the log cannot support is named instead of given. A signal that nothing computed is
-    /// named with what it lacks, or with all that it needs when each part is there but not enough of it.
+    /// The finished table: a signal that the log cannot support is listed with what is missing instead of given. A
+    /// signal that nothing computed is listed with what it lacks, or with all that it needs when each part is there but
+    /// not enough of it.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
         for def in self.catalogue.iter() {

@@ -8,8 +8,7 @@ use whyroad_model::decision::Lateral;
 use whyroad_model::messages::KeyframeType;
 use whyroad_model::{Bilingual, ScenarioId};
 
-/// What fits nowhere below a class is filed under this id (LABELING.md 1); it is in no taxonomy file.
-pub const OTHER: &str = "other";
+pub use whyroad_model::ids::OTHER;
 
 /// What a class prescribes for its labels.
 #[derive(Clone, Debug, Default, PartialEq)]

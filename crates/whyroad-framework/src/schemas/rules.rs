@@ -6,9 +6,7 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use whyroad_model::ScenarioId;
 use whyroad_model::decision::Lateral;
-
-/// What belongs to no class of its parent (SPEC.md 1); allowed as L2 and as L3.
-const OTHER: &str = "other";
+use whyroad_model::ids::OTHER;
 
 /// Closes `l1`, `l2` and the fields that hold an L3 to the classes: an L2 under its own L1, an L3 under its own L2.
 pub(super) fn classes(scenario: &mut Value, leaf_fields: &[&str], taxonomy: &Taxonomy) {

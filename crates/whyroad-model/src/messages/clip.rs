@@ -12,7 +12,7 @@ pub struct ClipMetadataMessage {
     pub clip_metadata: ClipMetadata,
 }
 
-/// What a labeller is told about a clip.
+/// What an annotator sees of a clip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClipMetadata {
     /// Id.
@@ -78,7 +78,7 @@ pub struct PreLabelScenario {
     pub l1: String,
     /// L2 id.
     pub l2: String,
-    /// L3 id where the rule tells it.
+    /// L3 id where the rule states it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub l3: Option<String>,
 }

@@ -13,7 +13,8 @@ pub struct Coverage {
     pub taxonomy_version: String,
     /// Drives that were searched, sorted.
     pub drives: Vec<DriveId>,
-    /// Every leaf of the taxonomy, in its order; after a question of the user's own (`--rule`, `--query`) only its class.
+    /// Every leaf of the taxonomy, in its order; after a question of the user's own (`--rule`, `--query`) only its
+    /// class.
     pub leaves: Vec<LeafCoverage>,
     /// L2s with a rule of their own: what is known to be of the L2 while its variant is not. In taxonomy order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -161,7 +161,8 @@ where
     Option::<T>::deserialize(d)
 }
 
-/// A field that must be there and may be null. schemars, left alone, takes an `Option` to be a field that may be absent.
+/// A field that must be there and may be null. schemars, left alone, takes an `Option` to be a field that may be
+/// absent.
 fn decision_or_null<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     let decision = T::json_schema(generator);
     json_schema!({

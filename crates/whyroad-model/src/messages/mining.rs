@@ -32,48 +32,6 @@ pub struct MiningQuery {
     pub output_limit: Option<u32>,
 }
 
-/// `field operator value unit`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct QueryCondition {
-    /// A signal's name or alias.
-    pub field: String,
-    /// Comparison.
-    pub operator: QueryOperator,
-    /// A number, text or truth value.
-    pub value: serde_json::Value,
-    /// Unit of the value; absent is the signal's base unit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub unit: Option<String>,
-}
-
-/// Comparison in a query.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[schemars(inline)]
-pub enum QueryOperator {
-    /// Greater.
-    #[serde(rename = ">")]
-    Gt,
-    /// Greater or equal.
-    #[serde(rename = ">=")]
-    Ge,
-    /// Less.
-    #[serde(rename = "<")]
-    Lt,
-    /// Less or equal.
-    #[serde(rename = "<=")]
-    Le,
-    /// Equal.
-    #[serde(rename = "==")]
-    Eq,
-    /// Not equal.
-    #[serde(rename = "!=")]
-    Ne,
-    /// One of a list.
-    #[serde(rename = "in")]
-    In,
-}
-
 /// Bounds, in seconds, on how long the conditions hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,5 +1,6 @@
 //! From a YAML tree to Rust types through serde: for files with a plain form, of which the first mistake is enough.
-//! The error keeps its position. Files that people edit much are read with [`super::Fields`], which reports every mistake.
+//! The error keeps its position. Files that people edit much are read with [`super::Fields`], which reports every
+//! mistake.
 
 use super::tree::{Entry, Mark, Node, Scalar, Style, SyntaxCause, SyntaxError, Value, parse};
 use serde::de::value::StrDeserializer;

@@ -1,5 +1,5 @@
-//! From any serializable value to block-style YAML, for output that people read. Fields keep their order; whatever could
-//! be read as something else is quoted.
+//! From any serializable value to block-style YAML, for output that people read. Fields keep their order; whatever
+//! could be read as something else is quoted.
 
 use super::tree::{Entry, Node, Scalar, Style, Value, parse};
 use serde::Serialize;
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// # Errors
 /// If the value cannot be written as JSON, such as a map with keys that are not text.
 pub fn to_string<T: Serialize>(value: &T) -> serde_json::Result<String> {
-    // JSON is YAML: its tree has the fields in their order, and texts are told from numbers by their quotes.
+    // JSON is YAML: its tree has the fields in their order, and texts are distinguished from numbers by their quotes.
     let tree = parse(&serde_json::to_string(value)?);
     let node = tree.map_err(|e| serde::ser::Error::custom(e.message().en))?;
     let mut out = String::new();

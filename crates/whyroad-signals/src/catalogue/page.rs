@@ -1,5 +1,5 @@
-//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked by a
-//! test. The text before the tables is in `src/catalogue/preface.md`.
+//! The catalogue as a page for readers: `docs/reference/signals.md`, written from `schema/signals.yaml` and checked
+//! by a test. The text before the tables is in `src/catalogue/preface.md`.
 
 use super::{Catalogue, SignalDef, SignalKind, SignalScope};
 use std::fmt::Write as _;

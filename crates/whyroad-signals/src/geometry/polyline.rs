@@ -10,7 +10,7 @@ pub struct Polyline {
     blocks: Vec<Block>,
 }
 
-/// So many segments are looked at together.
+/// Number of segments per block.
 const BLOCK: usize = 16;
 
 /// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
@@ -258,7 +258,8 @@ mod tests {
 
     #[test]
     fn a_long_line_is_searched_as_a_short_one() {
-        // Loops and straights, with points that are equally near to several segments: leaving blocks out changes nothing.
+        // Loops and straights, with points that are equally near to several segments: leaving blocks out changes
+        // nothing.
         let wave = |i: usize| {
             let t = i as f64 * 0.05;
             p2(30.0 * t.cos() + 3.0 * t, 20.0 * (1.3 * t).sin())

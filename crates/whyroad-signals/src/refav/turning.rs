@@ -2,14 +2,10 @@
 
 use crate::geometry::wrap;
 use std::f64::consts::FRAC_PI_4;
+use whyroad_model::catalogue::value::EgoRefavTurning;
 
 /// A mean of more than this is turning at a track's edge: 5 deg/s.
 const EDGE_RADPS: f64 = 5.0 * std::f64::consts::PI / 180.0;
-
-/// Index in the values of refav_turning.
-const NONE: u16 = 0;
-const LEFT: u16 = 1;
-const RIGHT: u16 = 2;
 
 /// Yaw rate by central differences, one-sided at the ends, rad/s.
 fn yaw_rates(times: &[f64], headings: &[f64]) -> Vec<f64> {
@@ -23,23 +19,28 @@ fn yaw_rates(times: &[f64], headings: &[f64]) -> Vec<f64> {
 }
 
 /// The turn that a run makes: its sum as RefAV forms it (each rate times the first step of the track).
-fn turn_of(rates: &[f64], step: f64, at_start: bool, at_end: bool) -> u16 {
+fn turn_of(rates: &[f64], step: f64, at_start: bool, at_end: bool) -> EgoRefavTurning {
     let turned = rates.iter().sum::<f64>() * step;
     let sign = turned.signum();
-    let code = if turned > 0.0 { LEFT } else { RIGHT };
+    let code = if turned > 0.0 { EgoRefavTurning::Left } else { EgoRefavTurning::Right };
     if turned.abs() > FRAC_PI_4 {
         return code;
     }
     let mean = rates.iter().sum::<f64>() / rates.len() as f64;
     let fast = |rate: Option<&f64>| rate.is_some_and(|r| sign * r > EDGE_RADPS);
     let cut = (at_start && fast(rates.first())) || (at_end && fast(rates.last()));
-    if cut && sign * mean > EDGE_RADPS && turned.abs() > FRAC_PI_4 / 3.0 { code } else { NONE }
+    if cut && sign * mean > EDGE_RADPS && turned.abs() > FRAC_PI_4 / 3.0 {
+        code
+    } else {
+        EgoRefavTurning::None
+    }
 }
 
-/// Index in the values of refav_turning by row; `None` where the heading (rad) is not known. `times` in s.
-pub fn turning(times: &[f64], headings: &[f64]) -> Vec<Option<u16>> {
+/// The value of refav_turning by row; `None` where the heading (rad) is not known. `times` in s.
+pub fn turning(times: &[f64], headings: &[f64]) -> Vec<Option<EgoRefavTurning>> {
     let known: Vec<usize> = (0..headings.len()).filter(|&i| headings[i].is_finite()).collect();
-    let mut codes: Vec<Option<u16>> = headings.iter().map(|h| h.is_finite().then_some(NONE)).collect();
+    let mut codes: Vec<Option<EgoRefavTurning>> =
+        headings.iter().map(|h| h.is_finite().then_some(EgoRefavTurning::None)).collect();
     if known.len() < 2 {
         return codes;
     }
@@ -55,7 +56,7 @@ pub fn turning(times: &[f64], headings: &[f64]) -> Vec<Option<u16>> {
         }
         // RefAV's runs hold the first row of the next sign too.
         let code = turn_of(&rates[start..=end], step, start == 0, end == n - 1);
-        if code != NONE {
+        if code != EgoRefavTurning::None {
             for &row in &known[start..=end] {
                 codes[row] = Some(code);
             }
@@ -70,7 +71,7 @@ pub fn turning(times: &[f64], headings: &[f64]) -> Vec<Option<u16>> {
 mod tests {
     use super::*;
 
-    fn run(heading: impl Fn(f64) -> f64) -> Vec<Option<u16>> {
+    fn run(heading: impl Fn(f64) -> f64) -> Vec<Option<EgoRefavTurning>> {
         let times: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.1).collect();
         let headings: Vec<f64> = times.iter().map(|&t| wrap(heading(t))).collect();
         turning(&times, &headings)
@@ -80,12 +81,12 @@ mod tests {
     fn turns_by_hand() {
         // 50 deg to the left between 2 and 7 s, over the wrap at 180 deg: a turn. 40 deg: none.
         let over = |deg: f64| move |t: f64| 2.9 + (deg / 5.0 * (t - 2.0).clamp(0.0, 5.0)).to_radians();
-        assert_eq!(run(over(50.0))[40], Some(LEFT));
-        assert_eq!(run(over(-50.0))[40], Some(RIGHT));
-        assert!(run(over(40.0)).iter().all(|c| *c == Some(NONE)));
+        assert_eq!(run(over(50.0))[40], Some(EgoRefavTurning::Left));
+        assert_eq!(run(over(-50.0))[40], Some(EgoRefavTurning::Right));
+        assert!(run(over(40.0)).iter().all(|c| *c == Some(EgoRefavTurning::None)));
         // 30 deg in the first three seconds of the track (10 deg/s): cut off, so 15 deg are enough; 12 deg are not.
         let first = |deg: f64| move |t: f64| (deg / 3.0 * t.min(3.0)).to_radians();
-        assert_eq!(run(first(30.0))[10], Some(LEFT));
-        assert_eq!(run(first(12.0))[10], Some(NONE));
+        assert_eq!(run(first(30.0))[10], Some(EgoRefavTurning::Left));
+        assert_eq!(run(first(12.0))[10], Some(EgoRefavTurning::None));
     }
 }

@@ -1,16 +1,17 @@
 //! How far the ego sees of its own path. Writes `map.sight_distance` and `map.curve_hidden`.
 
-use super::Scene;
-use super::obstacles::{Kind, Obstacles};
+use super::obstacles::{ObstacleKind, Obstacles};
 use super::profile::Profile;
+use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::P2;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
 
-/// Farther is not looked, m.
+/// Maximum look-ahead, m.
 const HORIZON_M: f64 = 150.0;
-/// Places on the path are so far apart, m.
+/// Sampling step along the path, m.
 const STEP_M: f64 = 1.0;
 /// A bend within this distance, and sight cut within it, m.
 const CURVE_M: f64 = 50.0;
@@ -45,9 +46,9 @@ impl<'a> Ahead<'a> {
             return;
         };
         let counts = |owner: Owner| match self.obstacles.kind(owner) {
-            Kind::Building | Kind::LargeVehicle => true,
-            Kind::Vehicle => self.obstacles.moves(owner, frame) == Some(false),
-            Kind::Vru | Kind::Object => false,
+            ObstacleKind::Building | ObstacleKind::LargeVehicle => true,
+            ObstacleKind::Vehicle => self.obstacles.moves(owner, frame) == Some(false),
+            ObstacleKind::Vru | ObstacleKind::Object => false,
         };
         let steps = (HORIZON_M / STEP_M) as usize;
         let first = (1..=steps).find_map(|i| {
@@ -73,7 +74,7 @@ impl<'a> Ahead<'a> {
         match cut {
             // Sight lines round a bend run on its inner side: what cuts one away from the path stands there.
             Some((_, owner)) => Tri::from(self.side(owner, s, frame).is_none_or(|side| side * bend > 0.0)),
-            // Nothing that is known; but a hedge or a house may stand there when the map does not tell.
+            // Nothing that is known; but a hedge or a house may stand there if the map has no data.
             None if self.obstacles.tells_buildings => Tri::False,
             None => Tri::Unknown,
         }
@@ -91,7 +92,7 @@ impl<'a> Ahead<'a> {
 
     /// Writes the signals of this file.
     pub fn write(self, table: &mut TableBuilder<'_>) {
-        table.number("map.sight_distance", self.distance);
-        table.flag("map.curve_hidden", self.curve_hidden);
+        table.number(id::MAP_SIGHT_DISTANCE, self.distance);
+        table.flag(id::MAP_CURVE_HIDDEN, self.curve_hidden);
     }
 }

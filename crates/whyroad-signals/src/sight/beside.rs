@@ -1,39 +1,33 @@
-//! How much of the ground beside the path ahead is hidden, by what, and how soon the ego is there. Writes `map.hidden_beside`,
-//! `map.hidden_beside_by` and `map.time_to_hidden_beside`.
+//! How much of the ground beside the path ahead is hidden, by what, and how soon the ego is there. Writes
+//! `map.hidden_beside`, `map.hidden_beside_by` and `map.time_to_hidden_beside`.
 
-use super::Scene;
-use super::obstacles::{Kind, Obstacles};
+use super::obstacles::{ObstacleKind, Obstacles};
+use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::P2;
-use crate::on_road::time_to;
+use crate::road::on_road::time_to;
 use crate::table::TableBuilder;
+use whyroad_model::catalogue::{CategoryValue, id, value::MapHiddenBesideBy};
 
 /// Length of the strip from the front bumper on, m.
 const LENGTH_M: f64 = 30.0;
 /// Its width, from the edge of the band that the ego sweeps outwards, m.
 const WIDTH_M: f64 = 4.0;
-/// The band is so much wider than the ego on either side, m; as for `target.gap`.
+/// Margin of the band beside the ego, m; as for `target.gap`.
 const MARGIN_M: f64 = 0.3;
-/// Places are so far apart, m.
+/// Sampling step, m.
 const STEP_M: f64 = 1.0;
-/// Farther ahead than the ego gets in this time, or than this, no hidden ground is looked for, s and m.
+/// Limits of the search for hidden ground ahead, by time and distance, s and m.
 const AHEAD_S: f64 = 10.0;
 const AHEAD_M: f64 = 100.0;
 /// Under this share nothing is said to hide it.
 const LEAST_SHARE: f64 = 0.05;
 
-// Indices into the catalogue's values of map.hidden_beside_by; a test holds them to the names.
-const NONE: u16 = 0;
-const VEHICLE: u16 = 1;
-const LARGE_VEHICLE: u16 = 2;
-const OBJECT: u16 = 3;
-const BUILDING: u16 = 4;
-
 /// What is hidden beside the path by frame.
 #[derive(Default)]
 pub struct Beside {
     share: Vec<f64>,
-    by: Vec<Option<u16>>,
+    by: Vec<Option<MapHiddenBesideBy>>,
     time: Vec<f64>,
 }
 
@@ -49,18 +43,18 @@ impl Beside {
             return;
         };
         let code = |owner: Owner| match obstacles.kind(owner) {
-            Kind::Vehicle => Some(VEHICLE),
-            Kind::LargeVehicle => Some(LARGE_VEHICLE),
-            Kind::Object => Some(OBJECT),
-            Kind::Building => Some(BUILDING),
-            Kind::Vru => None,
+            ObstacleKind::Vehicle => Some(MapHiddenBesideBy::Vehicle),
+            ObstacleKind::LargeVehicle => Some(MapHiddenBesideBy::LargeVehicle),
+            ObstacleKind::Object => Some(MapHiddenBesideBy::Object),
+            ObstacleKind::Building => Some(MapHiddenBesideBy::Building),
+            ObstacleKind::Vru => None,
         };
         let (long, wide) = ((LENGTH_M / STEP_M) as usize, (WIDTH_M / STEP_M) as usize);
         let places = (long * wide) as f64;
         let speed = scene.ego.forward_speed[frame];
         let far = (AHEAD_M.min(AHEAD_S * speed.max(0.0)) / STEP_M) as usize;
         let mut first_hidden = f64::INFINITY;
-        let mut worst = (0.0, NONE);
+        let mut worst = (0.0, MapHiddenBesideBy::None);
         for side in [1.0, -1.0] {
             let mut counts = [0_usize; 5];
             for i in 0..long.max(far) {
@@ -79,27 +73,32 @@ impl Beside {
                     let first = view.before(on + left * (side * away), |owner| code(owner).is_some());
                     if let Some(code) = first.and_then(code) {
                         first_hidden = first_hidden.min(i as f64 * STEP_M);
-                        counts[usize::from(code)] += usize::from(i < long);
+                        counts[usize::from(code.code())] += usize::from(i < long);
                     }
                 }
             }
             let share = counts.iter().sum::<usize>() as f64 / places;
-            let most = [BUILDING, OBJECT, LARGE_VEHICLE, VEHICLE]
-                .into_iter()
-                .max_by_key(|c| counts[usize::from(*c)]);
+            let most = [
+                MapHiddenBesideBy::Building,
+                MapHiddenBesideBy::Object,
+                MapHiddenBesideBy::LargeVehicle,
+                MapHiddenBesideBy::Vehicle,
+            ]
+            .into_iter()
+            .max_by_key(|c| counts[usize::from(c.code())]);
             if share > worst.0 {
-                worst = (share, most.unwrap_or(NONE));
+                worst = (share, most.unwrap_or(MapHiddenBesideBy::None));
             }
         }
         self.time.push(time_to(first_hidden, speed));
         self.share.push(worst.0);
-        self.by.push(Some(if worst.0 < LEAST_SHARE { NONE } else { worst.1 }));
+        self.by.push(Some(if worst.0 < LEAST_SHARE { MapHiddenBesideBy::None } else { worst.1 }));
     }
 
     /// Writes the signals of this file.
     pub fn write(self, table: &mut TableBuilder<'_>) {
-        table.number("map.hidden_beside", self.share);
-        table.category("map.hidden_beside_by", self.by);
-        table.number("map.time_to_hidden_beside", self.time);
+        table.number(id::MAP_HIDDEN_BESIDE, self.share);
+        table.category(id::MAP_HIDDEN_BESIDE_BY, self.by);
+        table.number(id::MAP_TIME_TO_HIDDEN_BESIDE, self.time);
     }
 }

@@ -4,18 +4,20 @@
 //! direction of approach are looked into, along their middle up to 40 m. The angle of a side is that of the outermost
 //! place seen there; an arm seen to its end is free (90 deg), and so is a side without an arm.
 
-use super::Scene;
-use super::obstacles::{Kind, Obstacles};
+use super::obstacles::{ObstacleKind, Obstacles};
+use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::{P2, wrap};
-use crate::junction::{Stretch, stretches};
-use crate::road::Road;
+use crate::road::junction::{Stretch, stretches};
+use crate::road::network::Road;
 use crate::table::TableBuilder;
 use std::f64::consts::{FRAC_PI_2, PI};
+use whyroad_model::catalogue::id;
 
 /// The junction is looked at from this distance on, m.
 const REACH_M: f64 = 60.0;
-/// Stretches of the path in junctions with less than this between them are one junction, m; as `map.distance_to_junction`.
+/// Stretches of the path in junctions with less than this between them are one junction, m; as
+/// `map.distance_to_junction`.
 const MERGE_M: f64 = 5.0;
 /// Arms are looked into up to this far from the junction's middle, m.
 const ARM_M: f64 = 40.0;
@@ -69,8 +71,9 @@ impl<'a> CrossingArms<'a> {
         };
         let eye = self.scene.ego.position[frame];
         // Somebody on foot does not cut the view of a road, and who drives in the ego's lane goes on.
-        let counts =
-            |owner: Owner| !matches!(self.obstacles.kind(owner), Kind::Vru) && !self.in_way(owner, frame);
+        let counts = |owner: Owner| {
+            !matches!(self.obstacles.kind(owner), ObstacleKind::Vru) && !self.in_way(owner, frame)
+        };
         let angle = crossing
             .arms
             .iter()
@@ -89,7 +92,7 @@ impl<'a> CrossingArms<'a> {
 
     /// Writes `map.sight_angle`.
     pub fn write(self, table: &mut TableBuilder<'_>) {
-        table.number("map.sight_angle", self.angle);
+        table.number(id::MAP_SIGHT_ANGLE, self.angle);
     }
 }
 

@@ -1,13 +1,14 @@
 //! When a target comes out from behind something, and from behind what. Writes `target.emerges`, `emergence`,
 //! `hidden_by_lead`.
 
-use super::Scene;
 use super::obstacles::Obstacles;
 use super::occlusion::{Occlusion, Seen, TRACED_BACK_S};
+use super::scene::Scene;
 use super::view::Owner;
-use crate::rows::Rows;
 use crate::table::TableBuilder;
+use crate::target::rows::Rows;
 use whyroad_model::Tri;
+use whyroad_model::catalogue::{id, value::TargetEmergence};
 
 /// From this visible share on a target is seen.
 const VISIBLE_SHARE: f64 = 0.2;
@@ -15,25 +16,20 @@ const VISIBLE_SHARE: f64 = 0.2;
 const HIDDEN_SHARE: f64 = 0.1;
 /// Below this share a lead hides it.
 const HIDDEN_BY_LEAD_SHARE: f64 = 0.3;
-/// Emergence is told of within this distance, m.
+/// Maximum distance for emergence, m.
 const REACH_M: f64 = 60.0;
-/// What hid it is held for so long, s.
+/// How long the cause is reported, s.
 const HELD_S: f64 = 3.0;
 /// An occluder that moved within this time is dynamic, s (TAXONOMY.md vru_emergence: parked is 3 s and more).
 const STOOD_S: f64 = 3.0;
 /// Who was the lead this long ago counts as lead, s.
 const LEAD_S: f64 = 2.0;
 
-// Indices into the catalogue's values of target.emergence; a test holds them to the names.
-const NONE: u16 = 0;
-const STATIC: u16 = 1;
-const DYNAMIC: u16 = 2;
-
 /// The three signals of one row.
 #[derive(Clone, Copy)]
 struct Row {
     emerges: Tri,
-    emergence: Option<u16>,
+    emergence: Option<TargetEmergence>,
     by_lead: Tri,
 }
 
@@ -48,15 +44,15 @@ pub fn write(
         (0..scene.targets.len()).map(|k| rows_of(scene, occlusion, obstacles, k)).collect();
     let rows = Rows::new(scene.drive, table);
     let targets = scene.targets;
-    table.flag("target.emerges", rows.spread(targets, Tri::Unknown, |k, r, _| told[k][r].emerges));
-    table.category("target.emergence", rows.spread(targets, None, |k, r, _| told[k][r].emergence));
-    table.flag("target.hidden_by_lead", rows.spread(targets, Tri::Unknown, |k, r, _| told[k][r].by_lead));
+    table.flag(id::TARGET_EMERGES, rows.spread(targets, Tri::Unknown, |k, r, _| told[k][r].emerges));
+    table.category(id::TARGET_EMERGENCE, rows.spread(targets, None, |k, r, _| told[k][r].emergence));
+    table.flag(id::TARGET_HIDDEN_BY_LEAD, rows.spread(targets, Tri::Unknown, |k, r, _| told[k][r].by_lead));
 }
 
 fn rows_of(scene: &Scene<'_>, occlusion: &Occlusion<'_>, obstacles: &Obstacles<'_>, k: usize) -> Vec<Row> {
     let mut traced = occlusion.traced[k].iter().peekable();
     let mut hidden: Option<Seen> = None;
-    let mut emerged: Option<(f64, Option<u16>)> = None;
+    let mut emerged: Option<(f64, Option<TargetEmergence>)> = None;
     let mut emerged_before = false;
     let mut out = Vec::with_capacity(occlusion.rows[k].len());
     for (row, seen) in occlusion.rows[k].iter().enumerate() {
@@ -76,7 +72,7 @@ fn rows_of(scene: &Scene<'_>, occlusion: &Occlusion<'_>, obstacles: &Obstacles<'
         let held = emerged.filter(|(since, _)| now - since <= HELD_S + 1e-6);
         let emergence = match held {
             Some((_, cause)) => cause,
-            None => emerges.known().map(|_| NONE),
+            None => emerges.known().map(|_| TargetEmergence::None),
         };
         let behind_lead =
             from.filter(|_| emerges.is_true()).is_some_and(|h| is_lead(scene, h.occluder, h.frame));
@@ -117,7 +113,7 @@ fn is_lead(scene: &Scene<'_>, who: Option<Owner>, frame: usize) -> bool {
 }
 
 /// Whether what hid it stood or moved in the time before.
-fn cause(scene: &Scene<'_>, obstacles: &Obstacles<'_>, hidden: &Seen) -> Option<u16> {
+fn cause(scene: &Scene<'_>, obstacles: &Obstacles<'_>, hidden: &Seen) -> Option<TargetEmergence> {
     let owner = hidden.occluder?;
     let known: Vec<bool> = (0..=hidden.frame)
         .rev()
@@ -127,5 +123,5 @@ fn cause(scene: &Scene<'_>, obstacles: &Obstacles<'_>, hidden: &Seen) -> Option<
     if known.is_empty() {
         return None;
     }
-    Some(if known.contains(&true) { DYNAMIC } else { STATIC })
+    Some(if known.contains(&true) { TargetEmergence::Dynamic } else { TargetEmergence::Static })
 }

@@ -1,21 +1,21 @@
 //! What can hide something, and of what kind it is: the boxes of targets by frame, and the buildings of the map.
 
-use super::Scene;
+use super::scene::Occluder;
+use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::{P2, p2};
-use crate::occluders::Occluder;
-use crate::placement::{MOVING_MPS, Placement, Target};
+use crate::target::placement::{MOVING_MPS, Placement, Target};
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
-/// Nothing farther from the ego than this is looked at, m.
+/// Maximum distance from the ego that is examined, m.
 const REACH_M: f64 = 150.0;
 /// What is known to be lower than this hides nothing: a driver's eye is at 1.1 to 1.2 m, a child's head above it.
 const LEAST_HEIGHT_M: f64 = 1.0;
 
 /// What an occluder is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ObstacleKind {
     /// Any other motor vehicle.
     Vehicle,
     /// Truck, bus, odd vehicle.
@@ -35,7 +35,7 @@ pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
     by_frame: Vec<Vec<(usize, usize)>>,
     walls: RTree<Wall>,
-    /// Whether the map tells where buildings are: without, nothing is known to be free of them.
+    /// Whether the map has buildings; if not, no area is known to be free of them.
     pub tells_buildings: bool,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Obstacles<'a> {
             .locate_in_envelope_intersecting(&around)
             .map(|w| (w.data, p2(w.geom().from[0], w.geom().from[1]), p2(w.geom().to[0], w.geom().to[1])))
             .collect();
-        // The tree's order is no one's business: the view's is by building and place.
+        // The tree's order does not matter: the view's is by building and place.
         walls.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)).then(a.1.y.total_cmp(&b.1.y)));
         for (k, a, b) in walls {
             view.add_wall(Owner::Building(k), a, b);
@@ -94,13 +94,13 @@ impl<'a> Obstacles<'a> {
     }
 
     /// Of what kind the owner is.
-    pub fn kind(&self, owner: Owner) -> Kind {
-        let Owner::Target(k) = owner else { return Kind::Building };
+    pub fn kind(&self, owner: Owner) -> ObstacleKind {
+        let Owner::Target(k) = owner else { return ObstacleKind::Building };
         match self.scene.targets[k].track.class {
-            class if class.is_large_vehicle() => Kind::LargeVehicle,
-            class if class.is_vehicle() => Kind::Vehicle,
-            class if class.is_vru() => Kind::Vru,
-            _ => Kind::Object,
+            class if class.is_large_vehicle() => ObstacleKind::LargeVehicle,
+            class if class.is_vehicle() => ObstacleKind::Vehicle,
+            class if class.is_vru() => ObstacleKind::Vru,
+            _ => ObstacleKind::Object,
         }
     }
 

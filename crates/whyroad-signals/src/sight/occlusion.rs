@@ -1,13 +1,14 @@
 //! The visible share of each target and what hides it; also where a target must have been before it was first seen,
-//! so that it can be told from behind what it came. Writes `target.visible_share`, `occluder`, `occluder_moving`.
+//! to report behind what it appeared. Writes `target.visible_share`, `occluder`, `occluder_moving`.
 
-use super::Scene;
-use super::obstacles::{Kind, Obstacles};
+use super::obstacles::{ObstacleKind, Obstacles};
+use super::scene::Scene;
 use super::view::{Owner, View};
 use crate::geometry::OrientedBox;
-use crate::rows::Rows;
 use crate::table::TableBuilder;
+use crate::target::rows::Rows;
 use whyroad_model::Tri;
+use whyroad_model::catalogue::{id, value::TargetOccluder};
 
 /// Farther targets are not looked at, m.
 const REACH_M: f64 = 80.0;
@@ -99,15 +100,18 @@ impl<'a> Occlusion<'a> {
     pub fn write(&self, obstacles: &Obstacles<'_>, table: &mut TableBuilder<'_>) {
         let rows = Rows::new(self.scene.drive, table);
         let targets = self.scene.targets;
-        table.number("target.visible_share", rows.spread(targets, f64::NAN, |k, r, _| self.rows[k][r].share));
-        let kind = |k: usize, r: usize| -> Option<u16> {
+        table.number(
+            id::TARGET_VISIBLE_SHARE,
+            rows.spread(targets, f64::NAN, |k, r, _| self.rows[k][r].share),
+        );
+        let kind = |k: usize, r: usize| -> Option<TargetOccluder> {
             let seen = self.rows[k][r];
             match seen.occluder {
                 Some(owner) => Some(code(obstacles.kind(owner))),
-                None => (seen.share >= 1.0).then_some(0),
+                None => (seen.share >= 1.0).then_some(TargetOccluder::None),
             }
         };
-        table.category("target.occluder", rows.spread(targets, None, |k, r, _| kind(k, r)));
+        table.category(id::TARGET_OCCLUDER, rows.spread(targets, None, |k, r, _| kind(k, r)));
         let moving = |k: usize, r: usize| {
             let seen = self.rows[k][r];
             match seen.occluder {
@@ -116,18 +120,18 @@ impl<'a> Occlusion<'a> {
                 None => Tri::Unknown,
             }
         };
-        table.flag("target.occluder_moving", rows.spread(targets, Tri::Unknown, |k, r, _| moving(k, r)));
+        table.flag(id::TARGET_OCCLUDER_MOVING, rows.spread(targets, Tri::Unknown, |k, r, _| moving(k, r)));
     }
 }
 
-/// Index into the catalogue's values of target.occluder; a test holds them to the names.
-fn code(kind: Kind) -> u16 {
+/// The value of target.occluder.
+fn code(kind: ObstacleKind) -> TargetOccluder {
     match kind {
-        Kind::Vehicle => 1,
-        Kind::LargeVehicle => 2,
-        Kind::Vru => 3,
-        Kind::Object => 4,
-        Kind::Building => 5,
+        ObstacleKind::Vehicle => TargetOccluder::Vehicle,
+        ObstacleKind::LargeVehicle => TargetOccluder::LargeVehicle,
+        ObstacleKind::Vru => TargetOccluder::Vru,
+        ObstacleKind::Object => TargetOccluder::Object,
+        ObstacleKind::Building => TargetOccluder::Building,
     }
 }
 

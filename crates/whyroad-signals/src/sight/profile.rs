@@ -3,10 +3,11 @@
 //! Heights are the ego's own where it drove; beyond the recording's end they go on by the map's, set level with the
 //! ego's at the joint. Only differences count, so it does not matter how high the box's centre is over the road.
 
-use super::Scene;
+use super::scene::Scene;
 use crate::geometry::P2;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
 use whyroad_model::road_map::{Point3, RoadMap};
 
 /// Driver's eye over the road, m (AASHTO Green Book: 1.08; RASt: 1.0; a van's 1.2).
@@ -100,11 +101,12 @@ impl Profile {
             }
             if over.known_to >= CREST_M { Tri::False } else { Tri::Unknown }
         };
-        table.flag("map.crest_ahead", scene.path.ego_s.iter().map(crest).collect());
+        table.flag(id::MAP_CREST_AHEAD, scene.path.ego_s.iter().map(crest).collect());
     }
 }
 
-/// Height of the nearest lane's centre line at `p`; of several levels the one nearest to `about`. NaN when there is none.
+/// Height of the nearest lane's centre line at `p`; of several levels the one nearest to `about`. NaN when there is
+/// none.
 fn height_at(map: &RoadMap, p: P2, about: f64) -> f64 {
     let near = map.lanes.iter().flat_map(|l| l.centre.windows(2)).filter_map(|w| near_segment(w, p));
     near.min_by(|a, b| (a - about).abs().total_cmp(&(b - about).abs())).unwrap_or(f64::NAN)

@@ -1,14 +1,14 @@
 //! What stands around one eye in one frame, by the angles that it fills, and what of a place or a box is seen past it.
 //! Plane geometry: heights play no part.
 //!
-//! Everything that can hide something is cut into convex pieces: boxes as they are, buildings by their walls. Two convex
-//! pieces that do not overlap are never before one another on one sight line and behind on another, so which of the two
-//! is nearer is decided on one line, and the visible share of a box is exact: one minus the union of the angles of the
-//! pieces before it. Nothing is sampled.
+//! Everything that can hide something is cut into convex pieces: boxes as they are, buildings by their walls. Two
+//! convex pieces that do not overlap are never before one another on one sight line and behind on another, so which
+//! of the two is nearer is decided on one line, and the visible share of a box is exact: one minus the union of the
+//! angles of the pieces before it. Nothing is sampled.
 
 use crate::geometry::{OrientedBox, P2, wrap};
 
-/// Angles smaller than this are none, rad (a hair at 80 m).
+/// Angles smaller than this are none, rad (negligible at 80 m).
 const LEAST_ANGLE_RAD: f64 = 1e-9;
 
 /// What can hide something, as the rest of the family sees it.

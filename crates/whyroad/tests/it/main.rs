@@ -9,6 +9,7 @@ mod demo;
 mod docs;
 mod evaluate;
 mod faults;
+mod import_cycles;
 mod imports;
 mod ingest;
 mod ingest_again;

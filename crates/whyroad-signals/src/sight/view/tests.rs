@@ -25,8 +25,8 @@ fn a_share_by_angles() {
     let half = view(&[at(10.0, 1.0, 0.0, 2.0, 2.0)]).sight(None, &target).unwrap();
     assert!((half.share - 0.5).abs() < 1e-12);
     assert_eq!(half.occluder, Some(Owner::Target(0)));
-    // One whose lower left corner is (9, 0.2): it hides what is above atan(0.2 / 9) - but its lower edge runs along y = 0.2,
-    // whose far end (11, 0.2) is seen lower, at atan(0.2 / 11).
+    // One whose lower left corner is (9, 0.2): it hides what is above atan(0.2 / 9) - but its lower edge runs along y
+    // = 0.2, whose far end (11, 0.2) is seen lower, at atan(0.2 / 11).
     let angle = (1.0_f64 / 18.0).atan();
     let expected = ((0.2_f64 / 11.0).atan() + angle) / (2.0 * angle);
     let part = view(&[at(10.0, 1.2, 0.0, 2.0, 2.0)]).sight(None, &target).unwrap();

@@ -1,0 +1,149 @@
+//! Phases of the ego's lane changes (LABELING.md 4), and lane changes that it gave up.
+
+use crate::behavior::lane_change_intention::formed;
+use crate::road::ego_lane::{OVER_LINE_M, lateral_extent};
+use crate::road::lane_change::{self, Side};
+use crate::road::network::Road;
+use crate::series::GAP_S;
+use crate::table::TableBuilder;
+use crate::target::interaction::Interaction;
+use crate::target::placement::MOVING_MPS;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{id, value::EgoLaneChangePhase};
+use whyroad_model::road_map::LaneKind;
+
+/// Within this of the lane's centre it is centred, m (LABELING.md 4).
+const CENTRED_M: f64 = 0.3;
+/// Farther off the centre than this it has left it, m.
+const LEFT_CENTRE_M: f64 = 0.5;
+/// An excursion longer than this is a way of driving, s.
+const LONGEST_S: f64 = 20.0;
+/// The turn back is where the offset falls this much under its peak, m.
+const TURNED_BACK_M: f64 = 0.05;
+
+/// A lane change or an attempt at one, by its phases.
+struct Phases {
+    side: Side,
+    /// First frame of `execute`.
+    first: usize,
+    /// One past the last frame of `execute`.
+    until: usize,
+    /// One past the last frame of `complete`; `until` for an attempt, which has no such phase.
+    end: usize,
+}
+
+fn codes(
+    scene: &Interaction<'_>,
+    road: &Road,
+    mut all: Vec<Phases>,
+    known: impl Fn(usize) -> bool,
+) -> Vec<Option<EgoLaneChangePhase>> {
+    let Some(lanes) = scene.around.lanes else { return Vec::new() };
+    all.sort_by_key(|p| p.first);
+    let mut codes: Vec<Option<EgoLaneChangePhase>> =
+        (0..scene.times.len()).map(|i| known(i).then_some(EgoLaneChangePhase::None)).collect();
+    // In a junction the indicator is for the turn.
+    let turns = |i: usize| lanes.at(i).is_some_and(|on| road.lanes[on.lane].in_junction);
+    for p in all {
+        let earliest = (0..p.first)
+            .rfind(|&i| codes[i] != Some(EgoLaneChangePhase::None) || turns(i))
+            .map_or(0, |i| i + 1);
+        codes[formed(scene, p.side, p.first, earliest)..p.first].fill(Some(EgoLaneChangePhase::Prepare));
+        codes[p.first..p.until].fill(Some(EgoLaneChangePhase::Execute));
+        codes[p.until..p.end].fill(Some(EgoLaneChangePhase::Complete));
+    }
+    codes
+}
+
+/// A stretch off the lane's centre, to one side.
+struct Excursion {
+    first: usize,
+    /// One past the last frame off the centre: there it is centred again.
+    end: usize,
+    side: usize,
+}
+
+/// Unbroken stretches off the centre of one lane (and its successors), that begin and end centred.
+fn excursions(scene: &Interaction<'_>, road: &Road) -> Vec<Excursion> {
+    let Some(lanes) = scene.around.lanes else { return Vec::new() };
+    let (mut found, mut open): (Vec<Excursion>, Option<Excursion>) = (Vec::new(), None);
+    let mut last: Option<(usize, usize, f64)> = None;
+    for i in 0..scene.times.len() {
+        let now =
+            lanes.at(i).filter(|on| !road.lanes[on.lane].in_junction).map(|on| (i, on.lane, on.lateral));
+        let joined = match (last, now) {
+            (Some((j, before, _)), Some((_, lane, _))) => {
+                scene.times[i] - scene.times[j] <= GAP_S
+                    && (before == lane || road.lanes[before].successors.contains(&lane))
+            }
+            _ => false,
+        };
+        let off = now.map_or(0.0, |(_, _, offset)| offset);
+        let side = usize::from(off < 0.0);
+        if !joined || open.as_ref().is_some_and(|x| off.abs() > CENTRED_M && x.side != side) {
+            open = None;
+        }
+        if off.abs() <= CENTRED_M {
+            found.extend(open.take().map(|x| Excursion { end: i, ..x }));
+        } else if open.is_none() && joined && last.is_some_and(|(_, _, before)| before.abs() <= CENTRED_M) {
+            open = Some(Excursion { first: i, end: i, side });
+        }
+        last = now;
+    }
+    found
+}
+
+/// Frames from the turn back until centred, for an excursion that was an attempt.
+fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::ops::Range<usize>> {
+    let (lanes, ego) = (scene.around.lanes?, scene.around.ego);
+    let sign = if x.side == 0 { 1.0 } else { -1.0 };
+    let off = |i: usize| lanes.at(i).map_or(f64::NEG_INFINITY, |on| sign * on.lateral);
+    let peak = (x.first..x.end).max_by(|&a, &b| off(a).total_cmp(&off(b)))?;
+    let on = lanes.at(peak)?;
+    let beside = road.lanes[on.lane].neighbours[x.side]?;
+    if !matches!(road.lanes[beside].kind, LaneKind::Vehicle | LaneKind::Bus)
+        || scene.times[x.end] - scene.times[x.first] > LONGEST_S
+        || ego.speed[peak] < MOVING_MPS
+    {
+        return None;
+    }
+    let (low, high) = lateral_extent(on.corridor, &ego.footprint(peak), on.s);
+    let (left, right) = on.corridor.widths_at(on.s);
+    let over = if x.side == 0 { high > left + OVER_LINE_M } else { low < -right - OVER_LINE_M };
+    if off(peak) <= LEFT_CENTRE_M && !over {
+        return None;
+    }
+    let turned = (peak..x.end).rfind(|&i| off(i) >= off(peak) - TURNED_BACK_M)?;
+    Some(turned + 1..x.end)
+}
+
+/// Writes `ego.lane_change_phase`, `lane_change_aborted`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let (Some(road), Some(lanes)) = (scene.around.road, scene.around.lanes) else { return };
+    let ego = scene.around.ego;
+    let rows = lane_change::Rows {
+        times: scene.times,
+        position: &ego.position,
+        velocity: &ego.velocity,
+        places: &lanes.places,
+    };
+    let changes = lane_change::found(road, &rows);
+    let known = |i: usize| lanes.places[i].is_some();
+    let mut all: Vec<Phases> = changes
+        .iter()
+        .map(|c| Phases { side: c.side, first: c.start, until: c.crossing, end: c.end })
+        .collect();
+    let mut aborted: Vec<Tri> =
+        (0..ego.len()).map(|i| if known(i) { Tri::False } else { Tri::Unknown }).collect();
+    for x in &excursions(scene, road) {
+        let changing = |i: usize| changes.iter().any(|c| (c.start..c.end).contains(&i));
+        let Some(back) = given_up(scene, road, x).filter(|range| !range.clone().any(changing)) else {
+            continue;
+        };
+        let side = if x.side == 0 { Side::Left } else { Side::Right };
+        all.push(Phases { side, first: x.first, until: back.start, end: back.start });
+        aborted[back].fill(Tri::True);
+    }
+    table.category(id::EGO_LANE_CHANGE_PHASE, codes(scene, road, all, known));
+    table.flag(id::EGO_LANE_CHANGE_ABORTED, aborted);
+}

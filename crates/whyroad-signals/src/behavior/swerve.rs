@@ -1,0 +1,77 @@
+//! How far the ego is off its own usual line, and whether it jerks the wheel.
+
+use crate::behavior::ego_offset::unrolled;
+use crate::ego::motion::DERIVATIVE_REACH_S;
+use crate::series::slope;
+use crate::table::TableBuilder;
+use crate::target::interaction::Interaction;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
+
+/// The usual line is the median over this time, s.
+const MEDIAN_OVER_S: f64 = 5.0;
+/// ... of which this much must be known, s.
+const MEDIAN_LEAST_S: f64 = 1.0;
+/// Lateral acceleration beyond the road's that is an emergency, m/s2.
+const SWERVE_MPS2: f64 = 3.0;
+/// Its rate that is one, m/s3, with a deviation of
+const SWERVE_MPS3: f64 = 5.0;
+/// this much, m.
+const DEVIATION_M: f64 = 0.3;
+/// Minimum speed for swerving, m/s.
+const LEAST_MPS: f64 = 3.0;
+/// The road's curvature is measured over this much either side, m.
+const CURVATURE_REACH_M: f64 = 5.0;
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    (values[(n - 1) / 2] + values[n / 2]) / 2.0
+}
+
+/// Offset minus the median of the frames before in the last [`MEDIAN_OVER_S`]; NaN until enough is known.
+fn deviations(times: &[f64], offset: &[f64]) -> Vec<f64> {
+    let mut first = 0;
+    (0..times.len())
+        .map(|i| {
+            if offset[i].is_nan() {
+                first = i + 1;
+                return f64::NAN;
+            }
+            while times[i] - times[first] > MEDIAN_OVER_S + 0.02 {
+                first += 1;
+            }
+            if times[i] - times[first] < MEDIAN_LEAST_S - 1e-6 {
+                return f64::NAN;
+            }
+            offset[i] - median(&mut offset[first..i].to_vec())
+        })
+        .collect()
+}
+
+/// Writes `ego.lateral_deviation`, `swerve`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let (ego, times) = (scene.around.ego, scene.times);
+    let Some(lanes) = scene.around.lanes else { return };
+    let deviation = deviations(times, &unrolled(scene));
+    let beyond_road = |i: usize| {
+        let v = ego.forward_speed[i];
+        lanes.at(i).map_or(f64::NAN, |on| {
+            v * (ego.yaw_rate[i] - v * on.corridor.line.curvature_at(on.s, CURVATURE_REACH_M))
+        })
+    };
+    let lateral: Vec<f64> = (0..ego.len()).map(beyond_road).collect();
+    let rate = slope(times, &lateral, DERIVATIVE_REACH_S);
+    let swerves = |i: usize| {
+        if ego.forward_speed[i] < LEAST_MPS {
+            return Tri::False;
+        }
+        if lateral[i].is_nan() {
+            return Tri::Unknown;
+        }
+        let jerks = rate[i].abs() >= SWERVE_MPS3 && deviation[i].abs() >= DEVIATION_M;
+        Tri::from(lateral[i].abs() >= SWERVE_MPS2 || jerks)
+    };
+    table.flag(id::EGO_SWERVE, (0..ego.len()).map(swerves).collect());
+    table.number(id::EGO_LATERAL_DEVIATION, deviation);
+}

@@ -1,0 +1,121 @@
+//! What it takes to avoid contact, and how long the danger lasted: required deceleration, brake and steer threat
+//! numbers, deceleration to safety time, time exposed to and integrated under a TTC of 2 s.
+
+use crate::conflict::ttc::{self, CLOSING_LEAST_MPS};
+use crate::conflict::ttc_accel::accel_along;
+use crate::geometry::P2;
+use crate::table::TableBuilder;
+use crate::target::gaps::gap;
+use crate::target::interaction::Interaction;
+use crate::target::placement::{Placement, Surroundings, Target};
+use crate::target::rows::Rows;
+use whyroad_model::catalogue::id;
+
+/// What a car can brake, m/s2 (CriMe BTN, from CommonRoad's vehicle).
+const BRAKE_MPS2: f64 = 11.5;
+/// What it can steer, m/s2 (CriMe STN).
+const STEER_MPS2: f64 = 8.0;
+/// Safety time of DST, s (CriMe).
+const SAFETY_TIME_S: f64 = 2.0;
+/// TTC under which a pair is exposed, s (CriMe tau).
+const TAU_S: f64 = 2.0;
+/// No frame counts for longer than this, s: what happened in a pause is not known.
+const LONGEST_FRAME_S: f64 = 0.25;
+
+/// Gap and closing speed of one row; `None` where a part is unknown.
+fn closing_pair(p: &Placement, around: &Surroundings<'_>) -> Option<(f64, f64)> {
+    let gap = gap(p, around.ego.length);
+    let closing = ttc::closing(p, gap, around);
+    (!gap.is_nan() && (gap.is_infinite() || !closing.is_nan())).then_some((gap, closing))
+}
+
+fn closes(gap: f64, closing: f64) -> bool {
+    gap.is_finite() && closing > CLOSING_LEAST_MPS
+}
+
+/// Jansson's required longitudinal acceleration, m/s2, never positive.
+fn a_long_req(gap: f64, closing: f64, accel: f64) -> f64 {
+    if !closes(gap, closing) {
+        0.0
+    } else if gap <= 0.0 {
+        f64::NEG_INFINITY
+    } else if accel.is_nan() {
+        // `min` would take the unknown for a zero.
+        f64::NAN
+    } else {
+        (accel - closing * closing / (2.0 * gap)).min(0.0)
+    }
+}
+
+/// Deceleration to safety time, m/s2. `theirs` is the target's speed along the path, m/s.
+fn dst(gap: f64, closing: f64, theirs: f64) -> f64 {
+    if !closes(gap, closing) {
+        return 0.0;
+    }
+    let room = gap - theirs * SAFETY_TIME_S;
+    if room <= 0.0 { f64::INFINITY } else { 3.0 * closing * closing / (2.0 * room) }
+}
+
+/// Least lateral acceleration with which the ego (its centre on the path) is beside the target after `ttc`, m/s2. The
+/// target keeps its sideways speed.
+fn a_lat_req(p: &Placement, ttc: f64, ego_width: f64) -> f64 {
+    if ttc.is_nan() || ttc.is_infinite() {
+        return if ttc.is_nan() { ttc } else { 0.0 };
+    }
+    if ttc <= 0.0 {
+        return f64::INFINITY;
+    }
+    let sideways = p.velocity.dot(P2::from_heading(p.path.heading).left());
+    let to_left = p.path.high + ego_width / 2.0 + sideways * ttc;
+    let to_right = -(p.path.low - ego_width / 2.0 + sideways * ttc);
+    2.0 * to_left.min(to_right).max(0.0) / (ttc * ttc)
+}
+
+/// Time exposed and time integrated under [`TAU_S`] up to each row, from the TTC of each.
+fn exposure(target: &Target<'_>, ttc: impl Fn(usize) -> f64, times: &[f64]) -> Vec<(f64, f64)> {
+    let (mut exposed, mut integrated) = (0.0, 0.0);
+    let mut sums = Vec::with_capacity(target.places.len());
+    for (row, place) in target.places.iter().enumerate() {
+        let t = ttc(row);
+        if let Some(p) = place
+            && t <= TAU_S
+        {
+            // A frame lasts until the next one; the last as long as the one before.
+            let (now, next) = (times[p.frame], times.get(p.frame + 1));
+            let before = p.frame.checked_sub(1).map_or(0.1, |i| now - times[i]);
+            let lasts = next.map_or(before, |n| n - now).min(LONGEST_FRAME_S);
+            exposed += lasts;
+            integrated += (TAU_S - t) * lasts;
+        }
+        sums.push((exposed, integrated));
+    }
+    sums
+}
+
+/// Writes `target.a_long_req`, `btn`, `stn`, `dst`, `tet`, `tit`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(scene.drive, table);
+    let (targets, around) = (scene.targets, scene.around);
+    // Once a row: whether two meet is the expensive part, and all of the measures ask it.
+    let pairs: Vec<Vec<Option<(f64, f64)>>> = targets
+        .iter()
+        .map(|t| t.places.iter().map(|p| p.as_ref().and_then(|p| closing_pair(p, around))).collect())
+        .collect();
+    let of = |value: &dyn Fn(usize, usize, &Placement, f64, f64) -> f64| {
+        rows.spread(targets, f64::NAN, |k, r, p| match (p, pairs[k][r]) {
+            (Some(p), Some((gap, closing))) => value(k, r, p, gap, closing),
+            _ => f64::NAN,
+        })
+    };
+    let along = of(&|k, r, p, gap, closing| a_long_req(gap, closing, accel_along(p, targets[k].accel[r])));
+    table.number(id::TARGET_BTN, along.map(|a| a.abs() / BRAKE_MPS2));
+    table.number(id::TARGET_A_LONG_REQ, along);
+    let steer = |p: &Placement, gap, closing| a_lat_req(p, ttc::ttc(gap, closing), around.ego.width);
+    table.number(id::TARGET_STN, of(&|_, _, p, gap, closing| steer(p, gap, closing) / STEER_MPS2));
+    table.number(id::TARGET_DST, of(&|_, _, p, gap, closing| dst(gap, closing, ttc::along(p))));
+    let ttc = |k: usize, r: usize| pairs[k][r].map_or(f64::NAN, |(gap, closing)| ttc::ttc(gap, closing));
+    let sums: Vec<Vec<(f64, f64)>> =
+        targets.iter().enumerate().map(|(k, t)| exposure(t, |r| ttc(k, r), scene.times)).collect();
+    table.number(id::TARGET_TET, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].0));
+    table.number(id::TARGET_TIT, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].1));
+}

@@ -1,0 +1,149 @@
+//! Post-encroachment time from what both parties really drove. The conflict area is where the swept footprints of
+//! the two meet; the time runs from the first party's leaving it until the second one's entering it. An entry or
+//! exit is taken half way between the frames around it: good to a frame.
+
+use crate::ego::motion::EgoMotion;
+use crate::geometry::{OrientedBox, P2, wrap};
+use crate::target::placement::Target;
+use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree};
+use std::collections::BTreeSet;
+
+/// Longer than this there is no encounter, s.
+const LONGEST_S: f64 = 10.0;
+/// A target that moves less than this over the drive crosses no path, m.
+const LEAST_TRAVEL_M: f64 = 1.0;
+/// Poses nearer than this are one stand, m.
+const STAND_M: f64 = 0.1;
+/// Ways that never differ in direction by more than this follow one another: 15 deg.
+const FOLLOWING_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
+
+/// A stretch of time in one place.
+#[derive(Clone, Copy)]
+struct Stand {
+    footprint: OrientedBox,
+    /// First and last moment in this place, half way to the frames around, s.
+    from: f64,
+    until: f64,
+}
+
+/// Poses in order of time, those in one place joined.
+fn stands(poses: impl Iterator<Item = (f64, OrientedBox)>) -> Vec<Stand> {
+    let mut found: Vec<Stand> = Vec::new();
+    for (t, footprint) in poses {
+        match found.last_mut() {
+            Some(last) if (footprint.centre - last.footprint.centre).norm() < STAND_M => last.until = t,
+            _ => found.push(Stand { footprint, from: t, until: t }),
+        }
+    }
+    for i in 1..found.len() {
+        let middle = (found[i - 1].until + found[i].from) / 2.0;
+        (found[i - 1].until, found[i].from) = (middle, middle);
+    }
+    found
+}
+
+/// One encounter with a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encounter {
+    /// s, not negative.
+    pub pet: f64,
+    /// First entry of either party, s.
+    pub from: f64,
+    /// Last exit of either party, s.
+    pub until: f64,
+}
+
+/// The ego's swept way, made once for all targets.
+pub struct EgoSweep {
+    stands: Vec<Stand>,
+    tree: RTree<GeomWithData<[f64; 2], usize>>,
+    radius: f64,
+}
+
+impl EgoSweep {
+    /// From the ego's recorded poses; `times` in seconds.
+    pub fn new(ego: &EgoMotion, times: &[f64]) -> Self {
+        let known = (0..ego.len()).filter(|&i| ego.is_known(i));
+        let stands = stands(known.map(|i| (times[i], ego.footprint(i))));
+        let points = stands.iter().enumerate();
+        let tree = RTree::bulk_load(
+            points.map(|(i, s)| GeomWithData::new([s.footprint.centre.x, s.footprint.centre.y], i)).collect(),
+        );
+        Self { radius: ego.length.hypot(ego.width) / 2.0, stands, tree }
+    }
+
+    fn near(&self, p: P2, reach: f64) -> impl Iterator<Item = usize> + '_ {
+        let around = AABB::from_corners([p.x - reach, p.y - reach], [p.x + reach, p.y + reach]);
+        self.tree.locate_in_envelope(&around).map(|e| e.data)
+    }
+
+    /// All encounters with a target.
+    fn encounters(&self, theirs: &[Stand]) -> Vec<Encounter> {
+        let mut pairs: Vec<(usize, usize)> = Vec::new();
+        for (j, other) in theirs.iter().enumerate() {
+            let reach = self.radius + other.footprint.radius();
+            pairs.extend(
+                self.near(other.footprint.centre, reach)
+                    .filter(|&i| self.stands[i].footprint.overlaps(&other.footprint))
+                    .map(|i| (i, j)),
+            );
+        }
+        let own: BTreeSet<usize> = pairs.iter().map(|&(i, _)| i).collect();
+        let mut found = Vec::new();
+        for (first, last) in runs(own) {
+            let here: Vec<(usize, usize)> =
+                pairs.iter().copied().filter(|&(i, _)| i >= first && i <= last).collect();
+            for (their_first, their_last) in runs(here.iter().map(|&(_, j)| j).collect()) {
+                let (a, b) = (&self.stands[first], &self.stands[last]);
+                let (c, d) = (&theirs[their_first], &theirs[their_last]);
+                let met: Vec<(usize, usize)> =
+                    here.iter().copied().filter(|&(_, j)| j >= their_first && j <= their_last).collect();
+                let touched = met.iter().any(|&(i, j)| {
+                    self.stands[i].from.max(theirs[j].from) < self.stands[i].until.min(theirs[j].until)
+                });
+                let crossed = met.iter().any(|&(i, j)| {
+                    let turned = self.stands[i].footprint.heading - theirs[j].footprint.heading;
+                    wrap(turned).abs() > FOLLOWING_RAD
+                });
+                let (ego_first, they_first) = (c.from - b.until, a.from - d.until);
+                let pet =
+                    if touched { Some(0.0) } else { Some(ego_first.max(they_first)).filter(|p| *p >= 0.0) };
+                if let Some(pet) = pet.filter(|p| *p <= LONGEST_S && (crossed || touched)) {
+                    found.push(Encounter { pet, from: a.from.min(c.from), until: b.until.max(d.until) });
+                }
+            }
+        }
+        found
+    }
+
+    /// PET of `target` for each of its rows: the least of the encounters under way, infinite outside, NaN where
+    /// its size is unknown.
+    pub fn pet(&self, target: &Target<'_>, times: &[f64]) -> Vec<f64> {
+        let known: Vec<_> = target.places.iter().flatten().filter(|p| p.is_sized()).collect();
+        let travelled = known.first().zip(known.last()).map_or(0.0, |(a, _)| {
+            known.iter().map(|p| (p.footprint.centre - a.footprint.centre).norm()).fold(0.0, f64::max)
+        });
+        let encounters = if travelled >= LEAST_TRAVEL_M {
+            self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.footprint))))
+        } else {
+            Vec::new()
+        };
+        let at = |t: f64| encounters.iter().filter(move |e| e.from <= t && t <= e.until).map(|e| e.pet);
+        let value =
+            |p: &crate::target::placement::Placement| at(times[p.frame]).fold(f64::INFINITY, f64::min);
+        target.places.iter().map(|p| p.as_ref().filter(|p| p.is_sized()).map_or(f64::NAN, value)).collect()
+    }
+}
+
+/// Unbroken runs of indices, breaks of one index bridged.
+fn runs(indices: BTreeSet<usize>) -> Vec<(usize, usize)> {
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for i in indices {
+        match found.last_mut() {
+            Some((_, last)) if i - *last <= 2 => *last = i,
+            _ => found.push((i, i)),
+        }
+    }
+    found
+}

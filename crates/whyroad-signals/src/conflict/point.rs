@@ -1,0 +1,155 @@
+//! Where a target's straight course crosses the ego's path, and when both get there; whether it does cross, as
+//! recorded; and the time that an oncoming vehicle leaves to a turning ego.
+
+use crate::geometry::{P2, angle_between_lines, wrap};
+use crate::road::junction::{self, Stretch};
+use crate::table::TableBuilder;
+use crate::target::interaction::Interaction;
+use crate::target::motion::OPPOSITE_RAD;
+use crate::target::placement::{MOVING_MPS, Placement, Surroundings, Target};
+use crate::target::rows::Rows;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
+
+/// Courses that meet at less than this run along each other: 20 deg.
+const CROSSING_LEAST_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
+/// A course is followed this far, m.
+const REACH_M: f64 = 100.0;
+/// A crossing later than this is none, s.
+const SOON_S: f64 = 10.0;
+/// A target that has crossed still does for this long, s.
+const JUST_S: f64 = 3.0;
+/// At this speed the ego is at standstill, m/s.
+const STANDS_MPS: f64 = 0.1;
+/// A junction farther ahead is not the ego's yet, m (LABELING.md 4: 60 m before a junction).
+const JUNCTION_REACH_M: f64 = 60.0;
+/// A crossing this near a junction's border is in it, m.
+const BORDER_M: f64 = 3.0;
+/// Rows farther apart than this do not show a crossing between them, s.
+const JOINED_S: f64 = 0.55;
+
+/// A crossing ahead of both.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    /// Until the target's front end is there, s.
+    theirs: f64,
+    /// Until the ego's front bumper is there, s.
+    own: f64,
+    /// Where it is on the path, arc length, m.
+    s: f64,
+}
+
+/// The first crossing of the course with the path ahead of the ego's rear.
+fn crossing(p: &Placement, around: &Surroundings<'_>) -> Option<Crossing> {
+    if p.speed() < MOVING_MPS || !p.same_level || !p.within_reach() {
+        return None;
+    }
+    let direction = p.velocity * (1.0 / p.speed());
+    let length = p.footprint.length;
+    let rear = p.footprint.centre - direction * (length / 2.0);
+    let (ego_s, half) = (around.path.ego_s[p.frame], around.ego.length / 2.0);
+    let line = &around.path.line;
+    let (points, at) = (line.points(), line.arc_lengths());
+    let first = at.partition_point(|&s| s <= ego_s - half).saturating_sub(1);
+    let mut best: Option<(f64, f64)> = None;
+    for i in first..points.len() - 1 {
+        if at[i] > ego_s + 150.0 {
+            break;
+        }
+        let segment = points[i + 1] - points[i];
+        let across = direction.cross(segment);
+        // sin of the angle, times the segment's length.
+        if across.abs() < CROSSING_LEAST_RAD.sin() * segment.norm() {
+            continue;
+        }
+        let to = points[i] - rear;
+        let (x, share) = (to.cross(segment) / across, to.cross(direction) / across);
+        let s = at[i] + share * (at[i + 1] - at[i]);
+        if (0.0..=1.0).contains(&share)
+            && (0.0..=REACH_M).contains(&x)
+            && s >= ego_s - half
+            && best.is_none_or(|b| x < b.0)
+        {
+            best = Some((x, s));
+        }
+    }
+    let (x, s) = best?;
+    let speed = around.ego.forward_speed[p.frame];
+    let own = if s - ego_s <= half {
+        0.0
+    } else if speed < STANDS_MPS {
+        f64::INFINITY
+    } else {
+        (s - ego_s - half) / speed
+    };
+    Some(Crossing { theirs: (x - length).max(0.0) / p.speed(), own, s })
+}
+
+/// Times at which the target's centre is recorded to pass over the path ahead of the ego, s.
+fn recorded(target: &Target<'_>, around: &Surroundings<'_>, times: &[f64]) -> Vec<f64> {
+    let known: Vec<&Placement> = target.places.iter().flatten().collect();
+    let crosses = |a: &Placement, b: &Placement| {
+        let sides = a.path.lateral * b.path.lateral < 0.0 || (b.path.lateral == 0.0 && a.path.lateral != 0.0);
+        let near = a.path.lateral.abs().max(b.path.lateral.abs()) < 10.0;
+        let ahead = b.ahead >= -around.ego.length / 2.0 && b.within_reach() && b.same_level;
+        let turned = b.speed() >= MOVING_MPS
+            && angle_between_lines(b.velocity.heading(), b.path.heading) >= CROSSING_LEAST_RAD;
+        sides && near && ahead && turned && times[b.frame] - times[a.frame] <= JOINED_S
+    };
+    known.windows(2).filter(|w| crosses(w[0], w[1])).map(|w| times[w[1].frame]).collect()
+}
+
+/// The junction that concerns the ego at `ego_s`, and the direction in which it enters it.
+fn junction_ahead(junctions: &[Stretch], around: &Surroundings<'_>, frame: usize) -> Option<(Stretch, f64)> {
+    let (ego_s, half) = (around.path.ego_s[frame], around.ego.length / 2.0);
+    let next = junctions.iter().find(|j| j.to >= ego_s)?;
+    let near = next.from - ego_s - half <= JUNCTION_REACH_M;
+    near.then(|| (*next, around.path.heading_at(next.from - 1.0)))
+}
+
+/// Writes `target.time_to_conflict`, `ego_time_to_conflict`, `crosses_path`, `oncoming_gap`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(scene.drive, table);
+    let (targets, around, times) = (scene.targets, scene.around, scene.times);
+    let found: Vec<Vec<Option<Crossing>>> = targets
+        .iter()
+        .map(|t| {
+            t.places.iter().map(|p| p.as_ref().filter(|p| p.is_sized()).and_then(|p| crossing(p, around)))
+        })
+        .map(Iterator::collect)
+        .collect();
+    let number = |value: fn(&Crossing) -> f64| {
+        rows.spread(targets, f64::NAN, |k, r, p| match p {
+            Some(p) if p.is_sized() && p.velocity.is_finite() => {
+                found[k][r].as_ref().map_or(f64::INFINITY, value)
+            }
+            _ => f64::NAN,
+        })
+    };
+    let (theirs, own) = (number(|c| c.theirs), number(|c| c.own));
+    table.number(id::TARGET_TIME_TO_CONFLICT, theirs);
+    table.number(id::TARGET_EGO_TIME_TO_CONFLICT, own);
+    let passed: Vec<Vec<f64>> = targets.iter().map(|t| recorded(t, around, times)).collect();
+    let crosses = |k: usize, r: usize, p: Option<&Placement>| {
+        let Some(p) = p.filter(|p| p.velocity.is_finite()) else { return Tri::Unknown };
+        let now = times[p.frame];
+        let soon = found[k][r].is_some_and(|c| c.theirs <= SOON_S);
+        Tri::from(soon || passed[k].iter().any(|t| (-JUST_S..=SOON_S).contains(&(t - now))))
+    };
+    table.flag(id::TARGET_CROSSES_PATH, rows.spread(targets, Tri::Unknown, crosses));
+    let Some(road) = around.road else { return };
+    let junctions = junction::stretches(around.path, |p: P2| road.in_junction(p), junction::MERGE_M);
+    let entered: Vec<Option<(Stretch, f64)>> =
+        (0..times.len()).map(|i| junction_ahead(&junctions, around, i)).collect();
+    let oncoming = |k: usize, r: usize, p: Option<&Placement>| {
+        let Some(p) = p.filter(|p| p.is_sized() && p.velocity.is_finite()) else { return f64::NAN };
+        let Some((junction, heading)) = entered[p.frame] else { return f64::INFINITY };
+        let faces = wrap(p.course() - heading).abs() >= OPPOSITE_RAD - 1e-9;
+        let inside = |c: &Crossing| c.s >= junction.from - BORDER_M && c.s <= junction.to + BORDER_M;
+        match found[k][r].filter(inside) {
+            Some(c) if faces && targets[k].track.class.is_vehicle() => c.theirs,
+            _ => f64::INFINITY,
+        }
+    };
+    table.number(id::TARGET_ONCOMING_GAP, rows.spread(targets, f64::NAN, oncoming));
+}

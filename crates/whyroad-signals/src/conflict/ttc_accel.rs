@@ -1,0 +1,217 @@
+//! Time to collision when both go on with their present accelerations: along the path, and of the boxes. Who brakes
+//! stops and stays stopped. At equal accelerations the path's time is `target.ttc`.
+
+use crate::conflict::ttc::{self, Course};
+use crate::ego::motion::EgoMotion;
+use crate::geometry::{OrientedBox, P2, wrap};
+use crate::table::TableBuilder;
+use crate::target::gaps::gap;
+use crate::target::interaction::Interaction;
+use crate::target::placement::{Placement, Surroundings};
+use crate::target::rows::Rows;
+use whyroad_model::ObjectClass;
+use whyroad_model::catalogue::id;
+
+/// Accelerations that differ by no more are equal, m/s2 (CriMe TTC).
+const EQUAL_MPS2: f64 = 0.1;
+/// Contacts later than this are none, s: no acceleration lasts as long.
+const HORIZON_S: f64 = 30.0;
+/// The same for boxes, s.
+const BOX_HORIZON_S: f64 = 10.0;
+/// Boxes nearer than this touch, m.
+const TOUCH_M: f64 = 0.01;
+/// Boxes are not looked at more often than this, s: what it can hide is a graze of centimetres.
+const LEAST_STEP_S: f64 = 0.02;
+
+/// Motion along a line: speed m/s and acceleration m/s2; it ends where the speed reaches zero.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    speed: f64,
+    accel: f64,
+}
+
+impl Line {
+    /// When the acceleration has used up the speed, s; infinite when it adds to it.
+    fn stops_after(self) -> f64 {
+        if self.speed * self.accel < 0.0 { -self.speed / self.accel } else { f64::INFINITY }
+    }
+
+    /// Distance covered after `t` seconds, m.
+    fn covered(self, t: f64) -> f64 {
+        let t = t.min(self.stops_after());
+        self.speed * t + self.accel * t * t / 2.0
+    }
+
+    /// Speed and acceleration after `t` seconds.
+    fn after(self, t: f64) -> Line {
+        if t >= self.stops_after() {
+            return Line { speed: 0.0, accel: 0.0 };
+        }
+        Line { speed: self.speed + self.accel * t, accel: self.accel }
+    }
+
+    /// The greatest speed within `t` seconds, without sign, m/s.
+    fn fastest(self, t: f64) -> f64 {
+        self.speed.abs().max(self.after(t).speed.abs())
+    }
+}
+
+/// First time at which `behind` has gained `gap` metres on `ahead`, s; infinite beyond the horizon.
+fn time_to_close(gap: f64, behind: Line, ahead: Line) -> f64 {
+    let mut borders = [0.0, behind.stops_after(), ahead.stops_after(), HORIZON_S];
+    borders.sort_by(f64::total_cmp);
+    for pair in borders.windows(2) {
+        let (from, to) = (pair[0], pair[1].min(HORIZON_S));
+        if to <= from {
+            continue;
+        }
+        let left = gap + ahead.covered(from) - behind.covered(from);
+        let (b, a) = (behind.after(from), ahead.after(from));
+        if let Some(t) = first_root(left, b.speed - a.speed, b.accel - a.accel)
+            && from + t <= to + 1e-9
+        {
+            return from + t;
+        }
+    }
+    f64::INFINITY
+}
+
+/// Least `t >= 0` with `gain t + more t^2 / 2 = gap`.
+fn first_root(gap: f64, gain: f64, more: f64) -> Option<f64> {
+    if more.abs() < 1e-9 {
+        return (gain > 1e-9).then(|| gap / gain);
+    }
+    let inside = gain * gain + 2.0 * more * gap;
+    if inside < 0.0 {
+        return None;
+    }
+    let root = inside.sqrt();
+    let (t1, t2) = ((-gain - root) / more, (-gain + root) / more);
+    [t1.min(t2), t1.max(t2)].into_iter().find(|t| *t >= 0.0)
+}
+
+/// Acceleration of a target along the ego's path where it is, m/s2; 0 for what goes across it.
+pub fn accel_along(p: &Placement, accel: f64) -> f64 {
+    if ttc::course_of(p) == Course::Across {
+        0.0
+    } else {
+        accel * wrap(p.footprint.heading - p.path.heading).cos()
+    }
+}
+
+/// TTC along the path with both accelerations, s.
+fn along_path(p: &Placement, accel: f64, around: &Surroundings<'_>) -> f64 {
+    let ego = around.ego;
+    let gap = gap(p, ego.length);
+    if gap.is_nan() || gap.is_infinite() {
+        return gap;
+    }
+    if gap <= 0.0 {
+        return 0.0;
+    }
+    let own = Line { speed: ego.forward_speed[p.frame], accel: ego.accel[p.frame] };
+    let theirs = Line { speed: ttc::along(p), accel: accel_along(p, accel) };
+    if (own.accel - theirs.accel).is_nan() || (own.speed - theirs.speed).is_nan() {
+        return f64::NAN;
+    }
+    if (own.accel - theirs.accel).abs() <= EQUAL_MPS2 {
+        return ttc::ttc(gap, ttc::closing(p, gap, around));
+    }
+    let t = time_to_close(gap, own, theirs);
+    let meets = t.is_infinite() || ttc::course_of(p) == Course::Along || around.meets(p, t);
+    if meets { t } else { f64::INFINITY }
+}
+
+/// First contact of two boxes that move along straight lines, s. Steps by how near they can have come at most.
+fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line) -> f64 {
+    let fastest = ma.fastest(BOX_HORIZON_S) + mb.fastest(BOX_HORIZON_S);
+    let around = a.radius() + b.radius();
+    let mut t = 0.0;
+    while t <= BOX_HORIZON_S {
+        let at = |c: P2, direction: P2, line: Line| c + direction * line.covered(t);
+        let (x, y) = (
+            OrientedBox { centre: at(a.centre, da, ma), ..*a },
+            OrientedBox { centre: at(b.centre, db, mb), ..*b },
+        );
+        // Circles first: far apart they tell enough.
+        let circles = (x.centre - y.centre).norm() - around;
+        let apart = if circles > 1.0 { circles } else { x.distance(&y) };
+        if apart <= TOUCH_M {
+            return t;
+        }
+        if fastest <= 1e-6 {
+            break;
+        }
+        t += (apart / fastest).max(LEAST_STEP_S);
+    }
+    f64::INFINITY
+}
+
+/// TTC of the boxes with both accelerations, s.
+fn boxes(p: &Placement, class: ObjectClass, accel: f64, ego: &EgoMotion) -> f64 {
+    let own = Line { speed: ego.forward_speed[p.frame], accel: ego.accel[p.frame] };
+    if !p.is_sized() || (own.speed + own.accel + p.velocity.x + p.velocity.y + accel).is_nan() {
+        return f64::NAN;
+    }
+    if !p.same_level || !p.within_reach() {
+        return f64::INFINITY;
+    }
+    // Vehicles roll where they point; whoever walks may look elsewhere.
+    let forward = P2::from_heading(p.footprint.heading);
+    let (direction, speed) = if class.is_vehicle() || p.speed() < 1e-6 {
+        (forward, p.velocity.dot(forward))
+    } else {
+        (p.velocity * (1.0 / p.speed()), p.speed())
+    };
+    let theirs = Line { speed, accel };
+    let footprint = ego.footprint(p.frame);
+    contact(&footprint, P2::from_heading(ego.heading[p.frame]), own, &p.footprint, direction, theirs)
+}
+
+/// Writes `target.ttc_accel`, `ttc_box_accel`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(scene.drive, table);
+    let targets = scene.targets;
+    let path = |k: usize, r: usize, p: Option<&Placement>| {
+        p.map_or(f64::NAN, |p| along_path(p, targets[k].accel[r], scene.around))
+    };
+    table.number(id::TARGET_TTC_ACCEL, rows.spread(targets, f64::NAN, path));
+    let both = |k: usize, r: usize, p: Option<&Placement>| {
+        p.map_or(f64::NAN, |p| boxes(p, targets[k].track.class, targets[k].accel[r], scene.around.ego))
+    };
+    table.number(id::TARGET_TTC_BOX_ACCEL, rows.spread(targets, f64::NAN, both));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(speed: f64, accel: f64) -> Line {
+        Line { speed, accel }
+    }
+
+    #[test]
+    fn closing_times_by_hand() {
+        // 20 m, 10 m/s faster, lead brakes at 4: 10 t + 2 t^2 = 20, t = (-10 + sqrt 260) / 4 = 1.5311 s.
+        let t = time_to_close(20.0, line(20.0, 0.0), line(10.0, -4.0));
+        assert!((t - (260.0_f64.sqrt() - 10.0) / 4.0).abs() < 1e-9);
+        // The lead of 4 m/s brakes at 4 and stands after 1 s and 2 m; 8 m ahead, ego 4 m/s: 10 m at 4 m/s = 2.5 s.
+        assert!((time_to_close(8.0, line(4.0, 0.0), line(4.0, -4.0)) - 2.5).abs() < 1e-9);
+        // The ego stops 12.5 m on (10 m/s at -4): 13 m short of nothing, 12 m a contact: 10 t - 2 t^2 = 12 at t = 2 s.
+        assert_eq!(time_to_close(13.0, line(10.0, -4.0), line(0.0, 0.0)), f64::INFINITY);
+        assert!((time_to_close(12.0, line(10.0, -4.0), line(0.0, 0.0)) - 2.0).abs() < 1e-9);
+        // It draws away, but will be caught: -2 t + t^2 = 8, t = 4.
+        assert!((time_to_close(8.0, line(8.0, 2.0), line(10.0, 0.0)) - 4.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn boxes_that_brake_by_hand() {
+        let b = |x: f64| OrientedBox { centre: P2 { x, y: 0.0 }, heading: 0.0, length: 4.0, width: 2.0 };
+        let forward = P2 { x: 1.0, y: 0.0 };
+        // Bumpers 12 m apart, as above: 2 s.
+        let t = contact(&b(0.0), forward, line(10.0, -4.0), &b(16.0), forward, line(0.0, 0.0));
+        assert!((t - 2.0).abs() < 0.03, "{t}");
+        let t = contact(&b(0.0), forward, line(10.0, -4.0), &b(17.0), forward, line(0.0, 0.0));
+        assert_eq!(t, f64::INFINITY);
+    }
+}

@@ -1,0 +1,96 @@
+//! Meta actions of the ego on every frame (LABELING.md 5, after AR1 table 5). The names are theirs, the
+//! thresholds ours: AR1 does not print any.
+
+use crate::ego::motion::EgoMotion;
+use crate::series::{absorb_short_runs, smooth};
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{
+    id,
+    value::{EgoMetaLateral, EgoMetaLongitudinal},
+};
+
+/// Below this |acceleration| the speed is maintained, m/s2.
+const MAINTAIN_MPS2: f64 = 0.4;
+/// From this |acceleration| on it is strong, m/s2.
+const STRONG_MPS2: f64 = 2.0;
+/// Forward speed below which the ego reverses, m/s.
+const REVERSE_MPS: f64 = -0.3;
+/// Below this |yaw rate| the ego goes straight: 2 deg/s.
+const STRAIGHT_RADPS: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// From this |yaw rate| on it steers sharply: 15 deg/s.
+const SHARP_RADPS: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Half width of the mean over acceleration and yaw rate, s.
+const MEAN_REACH_S: f64 = 0.3;
+/// Runs shorter than this join the one before, s.
+const LEAST_RUN_S: f64 = 0.5;
+
+fn longitudinal(standstill: Tri, forward_speed: f64, accel: f64) -> Option<EgoMetaLongitudinal> {
+    if standstill.known()? {
+        return Some(EgoMetaLongitudinal::Stop);
+    }
+    if forward_speed < REVERSE_MPS {
+        return Some(EgoMetaLongitudinal::Reverse);
+    }
+    Some(match accel {
+        a if a.is_nan() => return None,
+        a if a <= -STRONG_MPS2 => EgoMetaLongitudinal::StrongDecelerate,
+        a if a <= -MAINTAIN_MPS2 => EgoMetaLongitudinal::GentleDecelerate,
+        a if a < MAINTAIN_MPS2 => EgoMetaLongitudinal::MaintainSpeed,
+        a if a < STRONG_MPS2 => EgoMetaLongitudinal::GentleAccelerate,
+        _ => EgoMetaLongitudinal::StrongAccelerate,
+    })
+}
+
+fn lateral(standstill: Tri, forward_speed: f64, yaw_rate: f64) -> Option<EgoMetaLateral> {
+    if standstill.known()? {
+        return Some(EgoMetaLateral::GoStraight);
+    }
+    if yaw_rate.is_nan() {
+        return None;
+    }
+    if yaw_rate.abs() < STRAIGHT_RADPS {
+        return Some(EgoMetaLateral::GoStraight);
+    }
+    if forward_speed < REVERSE_MPS {
+        // Backing with a clockwise turn moves the tail to the ego's left.
+        return Some(if yaw_rate < 0.0 { EgoMetaLateral::ReverseLeft } else { EgoMetaLateral::ReverseRight });
+    }
+    Some(match (yaw_rate > 0.0, yaw_rate.abs() >= SHARP_RADPS) {
+        (true, false) => EgoMetaLateral::SteerLeft,
+        (false, false) => EgoMetaLateral::SteerRight,
+        (true, true) => EgoMetaLateral::SharpSteerLeft,
+        (false, true) => EgoMetaLateral::SharpSteerRight,
+    })
+}
+
+/// The ego's meta actions (LABELING.md 5), one value per frame of the drive; `None` in a frame is unknown.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MetaActions {
+    /// Values of `ego.meta_longitudinal`.
+    pub longitudinal: Vec<Option<EgoMetaLongitudinal>>,
+    /// Values of `ego.meta_lateral`.
+    pub lateral: Vec<Option<EgoMetaLateral>>,
+}
+
+impl MetaActions {
+    /// Of the ego's motion; `times` in s by frame.
+    pub fn new(ego: &EgoMotion, times: &[f64]) -> Self {
+        let accel = smooth(times, &ego.accel, MEAN_REACH_S);
+        let yaw_rate = smooth(times, &ego.yaw_rate, MEAN_REACH_S);
+        let frames = 0..ego.len();
+        let mut along: Vec<_> =
+            frames.clone().map(|i| longitudinal(ego.standstill[i], ego.forward_speed[i], accel[i])).collect();
+        let mut across: Vec<_> =
+            frames.map(|i| lateral(ego.standstill[i], ego.forward_speed[i], yaw_rate[i])).collect();
+        absorb_short_runs(times, &mut along, LEAST_RUN_S);
+        absorb_short_runs(times, &mut across, LEAST_RUN_S);
+        Self { longitudinal: along, lateral: across }
+    }
+
+    /// Writes `ego.meta_longitudinal` and `ego.meta_lateral`.
+    pub(crate) fn write(&self, table: &mut TableBuilder<'_>) {
+        table.category(id::EGO_META_LONGITUDINAL, self.longitudinal.iter().copied());
+        table.category(id::EGO_META_LATERAL, self.lateral.iter().copied());
+    }
+}

@@ -1,0 +1,120 @@
+//! The ego's own motion: speed, acceleration, jerk, yaw rate, curvature, standstill. Frame: world for heading,
+//! the ego's own axes for the rest (x forward, y left).
+
+use crate::geometry::{OrientedBox, P2, p2, unwrap, wrap};
+use crate::series::{below_with_hysteresis, slope};
+use crate::table::TableBuilder;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
+use whyroad_model::scene::Ego;
+
+/// Half width of the window in which derivatives are fitted, s.
+pub const DERIVATIVE_REACH_S: f64 = 0.2;
+/// Standstill is set below this speed, m/s.
+pub const STANDSTILL_SET_MPS: f64 = 0.3;
+/// Standstill is released above this speed, m/s.
+pub const STANDSTILL_RELEASE_MPS: f64 = 0.5;
+/// Curvature is unknown below this speed, m/s.
+const CURVATURE_LEAST_SPEED_MPS: f64 = 0.5;
+
+/// The ego's motion by frame, each vector as long as the drive; NaN is unknown.
+#[derive(Clone, Debug)]
+pub struct EgoMotion {
+    /// Box centre, m, world.
+    pub position: Vec<P2>,
+    /// Height of the box centre, m.
+    pub z: Vec<f64>,
+    /// rad, (-pi, pi].
+    pub heading: Vec<f64>,
+    /// Velocity over ground, m/s, world.
+    pub velocity: Vec<P2>,
+    /// m/s.
+    pub speed: Vec<f64>,
+    /// m/s along the heading.
+    pub forward_speed: Vec<f64>,
+    /// m/s2 along the heading.
+    pub accel: Vec<f64>,
+    /// rad/s.
+    pub yaw_rate: Vec<f64>,
+    /// Speed under 0.3 m/s, until above 0.5 m/s.
+    pub standstill: Vec<Tri>,
+    /// Box length, m.
+    pub length: f64,
+    /// Box width, m.
+    pub width: f64,
+}
+
+/// `given` where it is known anywhere, else the slope of `values`.
+pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Vec<f64> {
+    if given.iter().any(|v| !v.is_nan()) { given.to_vec() } else { slope(times, values, DERIVATIVE_REACH_S) }
+}
+
+impl EgoMotion {
+    /// From the scene table; `times` in seconds.
+    pub fn new(ego: &Ego, times: &[f64]) -> Self {
+        let m = &ego.motion;
+        let rows = 0..m.len();
+        let speed: Vec<f64> = rows.clone().map(|i| m.speed(i)).collect();
+        let forward: Vec<f64> = rows.clone().map(|i| m.forward_speed(i)).collect();
+        let heading: Vec<f64> = m.heading.iter().map(|&h| if h.is_nan() { h } else { wrap(h) }).collect();
+        Self {
+            position: rows.clone().map(|i| p2(m.x[i], m.y[i])).collect(),
+            z: m.z.clone(),
+            velocity: rows.map(|i| p2(m.vx[i], m.vy[i])).collect(),
+            accel: given_or_slope(&m.accel, times, &forward),
+            yaw_rate: given_or_slope(&m.yaw_rate, times, &unwrap(&heading)),
+            standstill: below_with_hysteresis(&speed, STANDSTILL_SET_MPS, STANDSTILL_RELEASE_MPS),
+            heading,
+            speed,
+            forward_speed: forward,
+            length: ego.length_m,
+            width: ego.width_m,
+        }
+    }
+
+    /// From the box centre to the front bumper, m; 0 where the length is unknown.
+    pub fn front(&self) -> f64 {
+        if self.length.is_finite() { self.length / 2.0 } else { 0.0 }
+    }
+
+    /// Number of frames.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// The box on the ground in `frame`.
+    pub fn footprint(&self, frame: usize) -> OrientedBox {
+        OrientedBox {
+            centre: self.position[frame],
+            heading: self.heading[frame],
+            length: self.length,
+            width: self.width,
+        }
+    }
+
+    /// True when position and heading of `frame` are known.
+    pub fn is_known(&self, frame: usize) -> bool {
+        self.position[frame].is_finite() && self.heading[frame].is_finite()
+    }
+}
+
+/// Writes the ego's kinematic signals.
+pub fn write(ego: &EgoMotion, times: &[f64], table: &mut TableBuilder<'_>) {
+    let frames = 0..ego.len();
+    let curvature = |i: usize| {
+        if ego.forward_speed[i].abs() < CURVATURE_LEAST_SPEED_MPS {
+            f64::NAN
+        } else {
+            ego.yaw_rate[i] / ego.forward_speed[i]
+        }
+    };
+    table.number(id::EGO_SPEED, ego.speed.clone());
+    table.number(id::EGO_FORWARD_SPEED, ego.forward_speed.clone());
+    table.number(id::EGO_ACCEL, ego.accel.clone());
+    table.number(id::EGO_JERK, slope(times, &ego.accel, DERIVATIVE_REACH_S));
+    table.number(id::EGO_YAW_RATE, ego.yaw_rate.clone());
+    table.number(id::EGO_HEADING, ego.heading.clone());
+    table.number(id::EGO_CURVATURE, frames.clone().map(curvature).collect());
+    table.number(id::EGO_LATERAL_ACCEL, frames.map(|i| ego.forward_speed[i] * ego.yaw_rate[i]).collect());
+    table.flag(id::EGO_STANDSTILL, ego.standstill.clone());
+}

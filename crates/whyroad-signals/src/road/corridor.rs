@@ -1,0 +1,110 @@
+//! A lane continued along a route: ahead through the successors that the actor takes (else the straightest),
+//! behind through the lanes it came from. One line with the widths to both edges.
+
+use crate::geometry::{P2, Polyline, wrap};
+use crate::road::lanes::LanePlace;
+use crate::road::network::{LaneShape, Road, interpolate};
+
+/// How far a corridor reaches ahead of its lane's start, beyond the lane's own length, m.
+pub const AHEAD_M: f64 = 160.0;
+/// How far it reaches behind the lane's start, m.
+pub const BEHIND_M: f64 = 110.0;
+
+/// A lane and its continuation, by arc length.
+#[derive(Clone, Debug)]
+pub struct Corridor {
+    /// Centre line.
+    pub line: Polyline,
+    left: Vec<f64>,
+    right: Vec<f64>,
+    /// Arc length at which each lane of the chain begins, in driving order.
+    pub lanes: Vec<(usize, f64)>,
+    base_start: f64,
+}
+
+/// How much a lane turns from its start to its end, rad, without sign.
+fn turn_of(lane: &LaneShape) -> f64 {
+    wrap(lane.centre.heading_at(lane.centre.length()) - lane.centre.heading_at(0.0)).abs()
+}
+
+/// The continuation to take: one on the route, else one beside the route, else the straightest.
+fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
+    let rank = |&i: &usize| {
+        let beside = road.lanes[i].neighbours.iter().flatten().any(|n| route.contains(n));
+        let order = if route.contains(&i) {
+            0.0
+        } else if beside {
+            10.0
+        } else {
+            20.0
+        };
+        order + turn_of(&road.lanes[i])
+    };
+    options.iter().copied().min_by(|a, b| rank(a).total_cmp(&rank(b)))
+}
+
+impl Corridor {
+    /// The corridor of lane `base` for an actor whose route is `route` (all lanes it is ever in).
+    pub fn new(road: &Road, base: usize, route: &[usize]) -> Option<Self> {
+        let mut chain = vec![base];
+        let mut reach = 0.0;
+        // The lane itself may be shorter than what is wanted ahead of any place on it.
+        while reach < AHEAD_M {
+            let Some(next) = choose(road, &road.lanes[*chain.last()?].successors, route) else { break };
+            reach += road.lanes[next].centre.length();
+            chain.push(next);
+        }
+        let mut behind = Vec::new();
+        let mut reach = 0.0;
+        while reach < BEHIND_M {
+            let last = behind.last().copied().unwrap_or(base);
+            let Some(previous) = choose(road, &road.lanes[last].predecessors, route) else { break };
+            reach += road.lanes[previous].centre.length();
+            behind.push(previous);
+        }
+        behind.reverse();
+        let base_index = behind.len();
+        behind.extend(chain);
+
+        let (mut points, mut left, mut right) = (Vec::<P2>::new(), Vec::new(), Vec::new());
+        let mut starts = Vec::new();
+        for &index in &behind {
+            let lane = &road.lanes[index];
+            starts.push((index, points.len()));
+            for (i, &p) in lane.centre.points().iter().enumerate() {
+                if points.last().is_some_and(|&q: &P2| (p - q).norm() <= 0.05) {
+                    continue;
+                }
+                points.push(p);
+                left.push(lane.left_width[i]);
+                right.push(lane.right_width[i]);
+            }
+        }
+        let line = Polyline::new(points)?;
+        let s_at = |i: usize| line.arc_lengths().get(i).copied().unwrap_or(line.length());
+        // A lane's first point was dropped when it repeats the last of the one before: it begins there.
+        let lanes: Vec<(usize, f64)> = starts
+            .iter()
+            .enumerate()
+            .map(|(k, &(lane, i))| (lane, s_at(if k == 0 { 0 } else { i.saturating_sub(1) })))
+            .collect();
+        let base_start = lanes[base_index].1;
+        Some(Self { line, left, right, lanes, base_start })
+    }
+
+    /// Arc length on the corridor of a place on its base lane, m.
+    pub fn s_of(&self, place: &LanePlace) -> f64 {
+        self.base_start + place.s
+    }
+
+    /// Distances from the centre line to the left and right edge at `s`, m.
+    pub fn widths_at(&self, s: f64) -> (f64, f64) {
+        let at = self.line.arc_lengths();
+        (interpolate(at, &self.left, s), interpolate(at, &self.right, s))
+    }
+
+    /// Arc length where lane `k` of the chain ends, m.
+    pub fn lane_end(&self, k: usize) -> f64 {
+        self.lanes.get(k + 1).map_or(self.line.length(), |(_, s)| *s)
+    }
+}

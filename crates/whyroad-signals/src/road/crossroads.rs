@@ -1,0 +1,155 @@
+//! The junction here or next on the ego's path: lights, arms, exits; and whether the next crosswalk belongs to one
+//! with lights.
+
+use crate::road::beside_path;
+use crate::road::junction::{HORIZON_M, Stretch, distance_to_next};
+use crate::road::junction_arms::{JunctionArms, groups};
+use crate::road::network::Road;
+use crate::road::on_road::{OnRoad, time_to};
+use crate::road::path::DrivenPath;
+use crate::road::way::beside;
+use crate::table::TableBuilder;
+use std::collections::BTreeSet;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::id;
+
+/// A junction farther ahead than this is not asked for its lights, m.
+const LIGHTS_REACH_M: f64 = 100.0;
+/// A crosswalk this near to a junction on the path belongs to it, m.
+const CROSSWALK_REACH_M: f64 = 15.0;
+/// A light drawn in the map stands no farther than this beside the path, and no farther before or behind its
+/// junction, m.
+const LIGHT_REACH_M: f64 = 10.0;
+/// Step in which the path is probed inside a junction, m.
+const STEP_M: f64 = 1.0;
+
+/// A junction on the path.
+struct Crossing {
+    arms: JunctionArms,
+    lights: Tri,
+}
+
+/// The group of junction lanes that the path crosses most of between two arc lengths.
+fn group_on_path(road: &Road, path: &DrivenPath, groups: &[Vec<usize>], from: f64, to: f64) -> Vec<usize> {
+    let steps = ((to - from) / STEP_M) as usize;
+    let mut hits = vec![0usize; groups.len()];
+    for k in 0..=steps {
+        let near = road.lanes_near(path.line.point_at(from + k as f64 * STEP_M), 0.5);
+        for (hits, group) in hits.iter_mut().zip(groups) {
+            *hits += near.iter().filter(|l| group.binary_search(l).is_ok()).count();
+        }
+    }
+    let best = (0..groups.len()).rev().max_by_key(|&k| hits[k]).filter(|&k| hits[k] > 0);
+    best.map(|k| groups[k].clone()).unwrap_or_default()
+}
+
+/// Where the path passes lights that the map draws; `None` if it has none.
+fn drawn_lights(on: &OnRoad<'_>) -> Option<Vec<Stretch>> {
+    let lights = on.map.facilities.iter().filter(|f| f.kind == "traffic_light");
+    on.map
+        .tells("traffic_light")
+        .then(|| lights.flat_map(|f| beside_path::parts(on.path, f, LIGHT_REACH_M)).collect())
+}
+
+fn crossings(on: &OnRoad<'_>) -> Vec<Crossing> {
+    let groups = groups(on.road, |lane| on.lane(lane).and_then(|l| l.junction_id.clone()));
+    let controlled: Option<BTreeSet<&str>> =
+        on.drive.lights.as_ref().map(|states| states.iter().map(|s| s.lane_id.as_str()).collect());
+    let drawn = drawn_lights(on);
+    let stretches = on.encounters.junctions.iter();
+    stretches
+        .map(|j| {
+            let arms = JunctionArms::new(on.road, group_on_path(on.road, on.path, &groups, j.from, j.to));
+            let mut lanes = arms.inside.iter().chain(&arms.entries);
+            let lights =
+                controlled.as_ref().map(|c| lanes.any(|&l| c.contains(on.road.lanes[l].id.as_str())));
+            let near = |l: &Stretch| l.to >= j.from - LIGHT_REACH_M && l.from <= j.to + LIGHT_REACH_M;
+            let shown = lights == Some(true) || drawn.as_ref().is_some_and(|d| d.iter().any(near));
+            // That there is none, a log with light states says, or a map that has all lights.
+            let lights = match shown {
+                true => Tri::True,
+                false if lights.is_some() || on.map.tells_all("traffic_light") => Tri::False,
+                false => Tri::Unknown,
+            };
+            Crossing { arms, lights }
+        })
+        .collect()
+}
+
+/// Lanes of the approach by which the ego comes to junction `crossing`: its last lane before it with those beside it.
+fn approach(on: &OnRoad<'_>, crossing: &Crossing, frame: usize) -> Option<Vec<usize>> {
+    let (way, s) = on.ways.at(frame)?;
+    let here = way.step_at(s);
+    let inside = |lane: usize| crossing.arms.inside.binary_search(&lane).is_ok();
+    let last = if inside(way.steps[here].lane) {
+        // Already inside: whence its lane comes.
+        let mut lane = way.steps[here].lane;
+        for _ in 0..8 {
+            let Some(&before) = on.road.lanes[lane].predecessors.first().filter(|_| inside(lane)) else {
+                break;
+            };
+            lane = before;
+        }
+        lane
+    } else {
+        let first = (here + 1..way.steps.len()).find(|&k| inside(way.steps[k].lane))?;
+        way.steps[first - 1].lane
+    };
+    Some(std::iter::once(last).chain(beside(on.road, last)).collect())
+}
+
+fn crosswalk_lights(on: &OnRoad<'_>, crossings: &[Crossing], frame: usize) -> Tri {
+    let (s, front) = (on.path.ego_s[frame], on.ego.front());
+    let ahead =
+        on.encounters.crosswalks.iter().find(|c| c.to >= s).filter(|c| c.from - s - front <= HORIZON_M);
+    let Some(walk) = ahead else { return Tri::False };
+    let near = on
+        .encounters
+        .junctions
+        .iter()
+        .position(|j| j.from - CROSSWALK_REACH_M <= walk.to && walk.from <= j.to + CROSSWALK_REACH_M);
+    // Beside no junction: a light of its own would be one of a lane that it crosses, which maps do not state.
+    near.map_or(Tri::False, |k| crossings[k].lights)
+}
+
+/// Writes `map.time_to_junction`, `time_to_crosswalk`, `junction_signalised`, `junction_arms`, `junction_irregular`,
+/// `junction_exits`, `opposing_arm`, `crosswalk_signalised`.
+pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
+    let (found, front) = (on.encounters, on.ego.front());
+    let crossings = crossings(on);
+    let frames = || 0..on.frames();
+    let s = |i: usize| on.path.ego_s[i];
+    for (id, stretches) in
+        [(id::MAP_TIME_TO_JUNCTION, &found.junctions), (id::MAP_TIME_TO_CROSSWALK, &found.crosswalks)]
+    {
+        let time = |i: usize| time_to(distance_to_next(stretches, s(i), front), on.ego.forward_speed[i]);
+        table.number(id, frames().map(time).collect());
+    }
+    let within = |i: usize, reach: f64| found.here_or_next(s(i), front, reach).map(|k| &crossings[k]);
+    table.flag(
+        id::MAP_JUNCTION_SIGNALISED,
+        on.flags(|i| within(i, LIGHTS_REACH_M).map_or(Tri::False, |c| c.lights)),
+    );
+    let number = |value: &dyn Fn(usize, &Crossing) -> f64| -> Vec<f64> {
+        let of = |i: usize| within(i, HORIZON_M).map_or(0.0, |c| value(i, c));
+        frames().map(|i| if on.ego.is_known(i) { of(i) } else { f64::NAN }).collect()
+    };
+    // A junction area without lanes inside has no known arms.
+    let known = |c: &Crossing, value: usize| if c.arms.inside.is_empty() { f64::NAN } else { value as f64 };
+    table.number(id::MAP_JUNCTION_ARMS, number(&|_, c| known(c, c.arms.count())));
+    let exits = |i: usize, c: &Crossing| {
+        approach(on, c, i).map_or(f64::NAN, |lanes| known(c, c.arms.reached(on.road, &lanes)))
+    };
+    table.number(id::MAP_JUNCTION_EXITS, number(&exits));
+    let irregular = |c: &Crossing| {
+        if c.arms.inside.is_empty() { Tri::Unknown } else { Tri::from(c.arms.is_irregular()) }
+    };
+    table.flag(id::MAP_JUNCTION_IRREGULAR, on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, irregular)));
+    let opposed = |i: usize, c: &Crossing| match approach(on, c, i).and_then(|lanes| lanes.first().copied()) {
+        Some(lane) if !c.arms.inside.is_empty() => Tri::from(c.arms.is_opposed(on.road, lane)),
+        _ => Tri::Unknown,
+    };
+    table
+        .flag(id::MAP_OPPOSING_ARM, on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, |c| opposed(i, c))));
+    table.flag(id::MAP_CROSSWALK_SIGNALISED, on.flags(|i| crosswalk_lights(on, &crossings, i)));
+}

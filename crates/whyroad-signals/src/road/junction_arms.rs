@@ -1,0 +1,180 @@
+//! A junction by its lanes: those inside it, where they come in and go out, and the arms that these make. Arms are
+//! told apart by where they meet the junction and in which direction they leave it, not by names of roads, which maps
+//! split as they like.
+
+use crate::geometry::{P2, wrap};
+use crate::road::network::Road;
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+use whyroad_model::road_map::LaneKind;
+
+/// Links to the outside belong to one arm when their directions differ by less than this, rad: 25 deg.
+const SAME_ARM_RAD: f64 = 25.0 * PI / 180.0;
+/// And when they are no farther apart than this: two carriageways with a strip between them, m.
+const SAME_ARM_M: f64 = 20.0;
+/// The direction of an arm is that of its first metres, m.
+const DIRECTION_M: f64 = 10.0;
+/// Two arms this near to a straight line are opposite, rad: 30 deg.
+const OPPOSITE_RAD: f64 = 30.0 * PI / 180.0;
+/// Who comes in at this angle or more comes from opposite, rad: 135 deg (RefAV, opposite direction).
+const AGAINST_RAD: f64 = 135.0 * PI / 180.0;
+/// Adjacent arms nearer than this make an acute corner, rad: 50 deg.
+const ACUTE_RAD: f64 = 50.0 * PI / 180.0;
+
+/// Where a lane outside meets the junction.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    outside: usize,
+    at: P2,
+    /// Away from the junction, rad.
+    bearing: f64,
+}
+
+/// One junction.
+pub struct JunctionArms {
+    /// Lanes inside, in ascending order.
+    pub inside: Vec<usize>,
+    /// Lanes outside that lead in.
+    pub entries: Vec<usize>,
+    /// By arm: the lanes outside that meet it there, and its bearing as seen from the junction, rad.
+    arms: Vec<(Vec<usize>, f64)>,
+}
+
+fn rolls(road: &Road, lane: usize) -> bool {
+    matches!(road.lanes[lane].kind, LaneKind::Vehicle | LaneKind::Bus)
+}
+
+fn links(road: &Road, inside: &[usize]) -> (Vec<Link>, Vec<usize>) {
+    let (mut found, mut seen, mut entries) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
+    for &lane in inside.iter().filter(|&&l| rolls(road, l)) {
+        let outside = |l: &&usize| !road.lanes[**l].in_junction && rolls(road, **l);
+        for &l in road.lanes[lane].predecessors.iter().filter(outside) {
+            entries.insert(l);
+            let line = &road.lanes[l].centre;
+            let at = line.point_at(line.length());
+            let back = line.point_at((line.length() - DIRECTION_M).max(0.0));
+            if seen.insert((l, true)) {
+                found.push(Link { outside: l, at, bearing: (back - at).heading() });
+            }
+        }
+        for &l in road.lanes[lane].successors.iter().filter(outside) {
+            let line = &road.lanes[l].centre;
+            let (at, on) = (line.point_at(0.0), line.point_at(DIRECTION_M.min(line.length())));
+            if seen.insert((l, false)) {
+                found.push(Link { outside: l, at, bearing: (on - at).heading() });
+            }
+        }
+    }
+    (found, entries.into_iter().collect())
+}
+
+impl JunctionArms {
+    /// From the lanes inside the junction.
+    pub fn new(road: &Road, inside: Vec<usize>) -> Self {
+        let (links, entries) = links(road, &inside);
+        // Single linkage: the lanes of a wide road hold together one by one.
+        let mut group: Vec<usize> = (0..links.len()).collect();
+        for i in 0..links.len() {
+            for j in 0..i {
+                let together = wrap(links[i].bearing - links[j].bearing).abs() < SAME_ARM_RAD
+                    && (links[i].at - links[j].at).norm() <= SAME_ARM_M;
+                if together && group[i] != group[j] {
+                    let (from, to) = (group[i], group[j]);
+                    group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+                }
+            }
+        }
+        let names: BTreeSet<usize> = group.iter().copied().collect();
+        let arms = names
+            .into_iter()
+            .map(|name| {
+                let own = || links.iter().zip(&group).filter(|(_, g)| **g == name).map(|(l, _)| l);
+                let sum = own().fold(P2::default(), |sum, l| sum + P2::from_heading(l.bearing));
+                (own().map(|l| l.outside).collect(), sum.heading())
+            })
+            .collect();
+        Self { inside, entries, arms }
+    }
+
+    /// Number of arms.
+    pub fn count(&self) -> usize {
+        self.arms.len()
+    }
+
+    /// 5 arms or more, no two of them opposite, or two of them less than 50 deg apart.
+    pub fn is_irregular(&self) -> bool {
+        let mut bearings: Vec<f64> = self.arms.iter().map(|a| a.1).collect();
+        bearings.sort_by(f64::total_cmp);
+        let n = bearings.len();
+        let apart = |i: usize, j: usize| wrap(bearings[i] - bearings[j]).abs();
+        let pairs = || (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+        n >= 5
+            || (n >= 2 && !pairs().any(|(i, j)| PI - apart(i, j) <= OPPOSITE_RAD))
+            || pairs().any(|(i, j)| apart(i, j) < ACUTE_RAD)
+    }
+
+    /// Arms that the lanes `from` (of one approach) lead to, other than the one that they are of.
+    pub fn reached(&self, road: &Road, from: &[usize]) -> usize {
+        let own: BTreeSet<usize> = from.iter().filter_map(|l| self.arm_of(*l)).collect();
+        let mut seen: BTreeSet<usize> = BTreeSet::new();
+        let mut open: Vec<usize> =
+            from.iter().flat_map(|&l| road.lanes[l].successors.iter().copied()).collect();
+        let mut reached = BTreeSet::new();
+        while let Some(lane) = open.pop() {
+            if self.inside.binary_search(&lane).is_ok() {
+                if seen.insert(lane) {
+                    open.extend(road.lanes[lane].successors.iter().copied());
+                }
+            } else {
+                reached.extend(self.arm_of(lane));
+            }
+        }
+        reached.difference(&own).count()
+    }
+
+    /// True when some lane leads in against the direction in which `approach` does: traffic may come from opposite.
+    pub fn is_opposed(&self, road: &Road, approach: usize) -> bool {
+        let into = |lane: usize| {
+            let line = &road.lanes[lane].centre;
+            let before = (line.length() - DIRECTION_M).max(0.0);
+            (line.point_at(line.length()) - line.point_at(before)).heading()
+        };
+        let own = into(approach);
+        self.entries.iter().any(|&l| wrap(into(l) - own).abs() >= AGAINST_RAD)
+    }
+
+    fn arm_of(&self, outside: usize) -> Option<usize> {
+        self.arms.iter().position(|(lanes, _)| lanes.contains(&outside))
+    }
+}
+
+/// The junctions of a map by their lanes: those of one stated junction or one junction area, else those that touch.
+pub fn groups(road: &Road, stated: impl Fn(usize) -> Option<String>) -> Vec<Vec<usize>> {
+    let inside: Vec<usize> = (0..road.lanes.len()).filter(|&l| road.lanes[l].in_junction).collect();
+    let mut named: std::collections::BTreeMap<String, Vec<usize>> = Default::default();
+    let mut loose: Vec<Vec<usize>> = Vec::new();
+    for &lane in &inside {
+        let line = &road.lanes[lane].centre;
+        let middle = line.point_at(line.length() / 2.0);
+        let in_area = || road.junctions.iter().position(|j| j.contains(middle)).map(|k| format!("area {k}"));
+        match stated(lane).or_else(in_area) {
+            Some(name) => named.entry(name).or_default().push(lane),
+            None => {
+                let touches = |other: &usize| {
+                    let bounds = |l: usize| road.lanes[l].area.as_ref().map(|a| a.bounds());
+                    bounds(lane).zip(bounds(*other)).is_some_and(|((al, ah), (bl, bh))| {
+                        al.x <= bh.x && bl.x <= ah.x && al.y <= bh.y && bl.y <= ah.y
+                    })
+                };
+                let (mut joined, apart): (Vec<_>, Vec<_>) =
+                    loose.into_iter().partition(|group: &Vec<usize>| group.iter().any(touches));
+                let mut group: Vec<usize> = joined.drain(..).flatten().collect();
+                group.push(lane);
+                group.sort_unstable();
+                loose = apart;
+                loose.push(group);
+            }
+        }
+    }
+    named.into_values().chain(loose).collect()
+}

@@ -1,0 +1,187 @@
+//! Lane changes of an actor from its sequence of lanes: from where it leaves the old lane's centre until it is
+//! stable in the new one (LABELING.md 4: phases execute and complete). The two lanes lie beside each other and run
+//! the same way; a successor is no lane change, however the map draws the joint.
+
+use crate::geometry::P2;
+use crate::road::corridor::Corridor;
+use crate::road::lanes::LanePlace;
+use crate::road::network::Road;
+use crate::series::GAP_S;
+use whyroad_model::catalogue::value::EgoLaneChange;
+
+/// Lateral speed from which an actor moves across, and below which it is stable, m/s (LABELING.md 4, RefAV).
+const LATERAL_MPS: f64 = 0.1;
+/// Within this of the new lane's centre it has arrived, m (LABELING.md 4).
+const CENTRED_M: f64 = 0.3;
+/// Without lateral motion for this long it is stable too, if not in the centre, s.
+const SETTLED_S: f64 = 2.0;
+/// A pause in the lateral motion shorter than this does not part the beginning, s.
+const PAUSE_S: f64 = 0.5;
+/// It must move across by this much, m: less is the map's joint, not the actor.
+const LEAST_SHIFT_M: f64 = 1.5;
+/// Time in the new lane to count, s, unless the recording ends.
+const LEAST_STAY_S: f64 = 1.0;
+/// No lane change is longer on either side of the line, s.
+const LONGEST_HALF_S: f64 = 10.0;
+
+/// To which side an actor changes lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+}
+
+/// One lane change, in rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// First row: it leaves the old lane's centre.
+    pub start: usize,
+    /// First row in the new lane: half of it is there.
+    pub crossing: usize,
+    /// One past the last row: it is stable in the new lane.
+    pub end: usize,
+    /// The side.
+    pub side: Side,
+}
+
+/// An actor's rows in ascending time.
+pub struct Rows<'a> {
+    /// s.
+    pub times: &'a [f64],
+    /// m, world.
+    pub position: &'a [P2],
+    /// m/s, world.
+    pub velocity: &'a [P2],
+    /// Assigned lanes.
+    pub places: &'a [Option<LanePlace>],
+}
+
+/// On which side of lane `a` lane `b` lies, 0 left, 1 right; `None` when `b` follows `a` or lies elsewhere.
+fn side_of(road: &Road, a: usize, b: usize) -> Option<usize> {
+    let mut front = vec![a];
+    for _ in 0..3 {
+        front = front.iter().flat_map(|&i| road.lanes[i].successors.iter().copied()).collect();
+        if front.contains(&b) {
+            return None;
+        }
+    }
+    let beside = |x: usize, y: usize, side: usize| {
+        road.lanes[x].neighbours[side] == Some(y) || road.lanes[y].neighbours[1 - side] == Some(x)
+    };
+    (0..2).find(|&side| {
+        beside(a, b, side)
+            || road.lanes[a].successors.iter().any(|&next| beside(next, b, side))
+            || road.lanes[b].predecessors.iter().any(|&before| beside(a, before, side))
+    })
+}
+
+impl Rows<'_> {
+    fn gap_after(&self, row: usize) -> bool {
+        self.times[row + 1] - self.times[row] > GAP_S
+    }
+
+    /// Offset from a corridor's centre and speed across it, both positive towards `sign`.
+    fn across(&self, corridor: &Corridor, row: usize, sign: f64) -> (f64, f64) {
+        let at = corridor.line.project(self.position[row]);
+        let left = P2::from_heading(corridor.line.smooth_heading_at(at.s, 2.0)).left();
+        (sign * at.lateral, sign * self.velocity[row].dot(left))
+    }
+
+    /// First row of the change whose first row in the new lane is `k`.
+    fn beginning(&self, road: &Road, old: &Corridor, k: usize, earliest: usize, sign: f64) -> usize {
+        let mut start = k;
+        let mut row = k;
+        while row > earliest
+            && !self.gap_after(row - 1)
+            && self.times[k] - self.times[row - 1] <= LONGEST_HALF_S
+        {
+            row -= 1;
+            // What moves across while it comes out of a junction's turn is still settling into its lane.
+            if self.places[row].is_some_and(|p| road.lanes[p.lane].in_junction) {
+                break;
+            }
+            let (offset, speed) = self.across(old, row, sign);
+            if speed >= LATERAL_MPS || (offset > CENTRED_M && start == row + 1 && speed > 0.0) {
+                start = row;
+            } else if self.times[start] - self.times[row] > PAUSE_S {
+                break;
+            }
+        }
+        start
+    }
+
+    /// One past the last row of the change.
+    fn end(&self, new: &Corridor, k: usize, latest: usize, sign: f64) -> usize {
+        let mut still_since = None;
+        for row in k..latest {
+            let (offset, speed) = self.across(new, row, sign);
+            let still = speed.abs() < LATERAL_MPS;
+            let since = *still_since.get_or_insert(self.times[row]);
+            if !still {
+                still_since = None;
+            }
+            let settled = still && (offset.abs() < CENTRED_M || self.times[row] - since >= SETTLED_S);
+            let broken = row + 1 < latest && self.gap_after(row);
+            if settled || broken || self.times[row] - self.times[k] > LONGEST_HALF_S {
+                return row + 1;
+            }
+        }
+        latest
+    }
+}
+
+/// The change in progress in each row; `None` where no lane is known.
+pub fn changes(road: &Road, rows: &Rows<'_>) -> Vec<Option<EgoLaneChange>> {
+    let mut codes: Vec<Option<EgoLaneChange>> =
+        rows.places.iter().map(|p| p.as_ref().map(|_| EgoLaneChange::None)).collect();
+    for change in found(road, rows) {
+        let code = if change.side == Side::Left { EgoLaneChange::Left } else { EgoLaneChange::Right };
+        codes[change.start..change.end].fill(Some(code));
+    }
+    codes
+}
+
+/// All lane changes of an actor, in order.
+pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
+    let n = rows.places.len();
+    let mut changes = Vec::new();
+    // (first row in the new lane, old lane, new lane, side)
+    let mut steps: Vec<(usize, usize, usize, usize)> = Vec::new();
+    let mut last: Option<(usize, usize)> = None;
+    for (row, place) in rows.places.iter().enumerate() {
+        let Some(place) = place else { continue };
+        if let Some((before, old)) = last
+            && old != place.lane
+            && rows.times[row] - rows.times[before] < 2.0
+            // Inside a junction lanes overlap and have no lines: cutting its corner is no lane change.
+            && !road.lanes[old].in_junction
+            && !road.lanes[place.lane].in_junction
+            && let Some(side) = side_of(road, old, place.lane)
+        {
+            steps.push((row, old, place.lane, side));
+        }
+        last = Some((row, place.lane));
+    }
+    let mut route: Vec<usize> = rows.places.iter().flatten().map(|p| p.lane).collect();
+    route.sort_unstable();
+    route.dedup();
+    for (x, &(k, old, new, side)) in steps.iter().enumerate() {
+        let earliest = x.checked_sub(1).map_or(0, |w| steps[w].0);
+        let latest = steps.get(x + 1).map_or(n, |s| s.0);
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let (Some(from), Some(to)) = (Corridor::new(road, old, &route), Corridor::new(road, new, &route))
+        else {
+            continue;
+        };
+        let (start, end) = (rows.beginning(road, &from, k, earliest, sign), rows.end(&to, k, latest, sign));
+        let shift = rows.across(&from, end - 1, sign).0 - rows.across(&from, start, sign).0;
+        let stayed = latest == n || rows.times[latest] - rows.times[k] >= LEAST_STAY_S;
+        if shift >= LEAST_SHIFT_M && stayed {
+            let side = if side == 0 { Side::Left } else { Side::Right };
+            changes.push(Change { start, crossing: k, end, side });
+        }
+    }
+    changes
+}

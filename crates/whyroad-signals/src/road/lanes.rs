@@ -1,0 +1,150 @@
+//! Which lane an actor is in, over its whole track: the cheapest sequence of lanes (Viterbi) under position,
+//! heading and continuity. That gives hysteresis (a short swing over a line is no lane change), tells the
+//! overlapping lanes of a junction apart by where the actor came from and goes to, and leaves an actor that
+//! is off the road, or stands or drives against the lane, without one.
+
+use crate::geometry::{P2, wrap};
+use crate::road::network::Road;
+use whyroad_model::road_map::LaneKind;
+
+/// Position of an actor on its lane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LanePlace {
+    /// Index into [`Road::lanes`].
+    pub lane: usize,
+    /// Arc length along the centre line, m.
+    pub s: f64,
+    /// Offset from the centre line, left positive, m.
+    pub lateral: f64,
+}
+
+/// How firmly an actor is held to lanes. Costs are per frame and without unit; only their ratios matter.
+#[derive(Clone, Copy, Debug)]
+pub struct Tether {
+    /// Cost of having no lane. A lane beyond whose edge the centre is by about this many metres loses.
+    none: f64,
+    /// Lanes are considered until the centre is this far beyond their edge, m.
+    reach_m: f64,
+    /// What the actor's kind pays for a bicycle lane.
+    bike_lane: f64,
+}
+
+impl Tether {
+    /// The ego: it drives on roads, and its lane should survive borrowing the oncoming one.
+    pub const EGO: Tether = Tether { none: 2.0, reach_m: 1.5, bike_lane: 0.5 };
+    /// Other motor vehicles: many are parked beside the road.
+    pub const VEHICLE: Tether = Tether { none: 0.8, reach_m: 1.0, bike_lane: 0.5 };
+    /// Bicycles.
+    pub const BICYCLE: Tether = Tether { none: 0.8, reach_m: 1.0, bike_lane: 0.0 };
+}
+
+/// Headings that differ more than this from the lane's cannot be in it.
+const HEADING_LIMIT_RAD: f64 = 75.0 * std::f64::consts::PI / 180.0;
+/// Slack at lane ends, so that a centre between two joints has a lane, m.
+const END_SLACK_M: f64 = 0.5;
+const CHANGE_COST: f64 = 1.5;
+const ENTER_OR_LEAVE_COST: f64 = 1.5;
+const BACKWARD_COST: f64 = 1.0;
+const UNRELATED_COST: f64 = 4.0;
+
+fn candidates(road: &Road, p: P2, z: f64, heading: f64, tether: Tether) -> Vec<(LanePlace, f64)> {
+    let mut found = Vec::new();
+    for index in road.lanes_near(p, tether.reach_m) {
+        let lane = &road.lanes[index];
+        if lane.kind == LaneKind::Sidewalk || !lane.on_level(z) {
+            continue;
+        }
+        let at = lane.centre.project(p);
+        if at.s < -END_SLACK_M || at.s > lane.centre.length() + END_SLACK_M {
+            continue;
+        }
+        let (left, right) = lane.widths_at(at.s);
+        let beyond = (at.lateral - left).max(-at.lateral - right).max(0.0);
+        let turned = wrap(heading - lane.centre.smooth_heading_at(at.s, 2.0)).abs();
+        if beyond > tether.reach_m || turned > HEADING_LIMIT_RAD {
+            continue;
+        }
+        let half = ((left + right) / 2.0).max(0.5);
+        let mut cost = 0.3 * (at.lateral / half).powi(2) + beyond + 0.5 * (turned / 0.35).powi(2);
+        if lane.kind == LaneKind::Bike {
+            cost += tether.bike_lane;
+        }
+        found.push((LanePlace { lane: index, s: at.s, lateral: at.lateral }, cost));
+    }
+    found
+}
+
+/// What it costs to be in lane `b` one row after lane `a`.
+fn transition(road: &Road, a: usize, b: usize) -> f64 {
+    if a == b {
+        return 0.0;
+    }
+    // Lanes can be shorter than what a fast actor drives between two rows.
+    let mut front = vec![a];
+    for hop in 0..3 {
+        front = front.iter().flat_map(|&i| road.lanes[i].successors.iter().copied()).collect();
+        if front.contains(&b) {
+            return 0.1 * f64::from(hop);
+        }
+    }
+    let beside = |i: usize| road.lanes[i].neighbours.into_iter().flatten();
+    let to_neighbour = beside(a).any(|n| n == b) || beside(b).any(|n| n == a);
+    if to_neighbour {
+        return CHANGE_COST;
+    }
+    let diagonal = beside(a).any(|n| road.lanes[n].successors.contains(&b))
+        || road.lanes[a].successors.iter().any(|&n| beside(n).any(|m| m == b) || beside(b).any(|m| m == n));
+    if diagonal {
+        return CHANGE_COST + 0.1;
+    }
+    if road.lanes[b].successors.contains(&a) { BACKWARD_COST } else { UNRELATED_COST }
+}
+
+/// The lane of each row, `None` where the actor is in no lane or its pose is unknown.
+/// `rows` gives position (m), height (m) and heading (rad) of an actor in ascending time.
+pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Option<LanePlace>> {
+    // One column of states per row: the candidates and, last, "no lane".
+    let mut columns: Vec<Vec<(Option<LanePlace>, f64, usize)>> = Vec::with_capacity(rows.len());
+    for &(p, z, heading) in rows {
+        let known = p.is_finite() && heading.is_finite();
+        let mut states: Vec<(Option<LanePlace>, f64)> = if known {
+            candidates(road, p, z, heading, tether).into_iter().map(|(c, cost)| (Some(c), cost)).collect()
+        } else {
+            Vec::new()
+        };
+        states.push((None, if known { tether.none } else { 0.0 }));
+        let column = states
+            .into_iter()
+            .map(|(state, emission)| {
+                let Some(before) = columns.last() else { return (state, emission, 0) };
+                let mut best = (f64::INFINITY, 0);
+                for (i, (from, cost, _)) in before.iter().enumerate() {
+                    let step = match (from, state) {
+                        (Some(a), Some(b)) => transition(road, a.lane, b.lane),
+                        (None, None) => 0.0,
+                        _ => ENTER_OR_LEAVE_COST,
+                    };
+                    if cost + step < best.0 {
+                        best = (cost + step, i);
+                    }
+                }
+                (state, best.0 + emission, best.1)
+            })
+            .collect();
+        columns.push(column);
+    }
+    let mut result = vec![None; rows.len()];
+    let cheapest = |column: &Vec<(Option<LanePlace>, f64, usize)>| {
+        (0..column.len()).min_by(|&a, &b| column[a].1.total_cmp(&column[b].1)).unwrap_or(0)
+    };
+    let mut at = columns.last().map_or(0, cheapest);
+    for (row, column) in columns.iter().enumerate().rev() {
+        let (state, _, from) = column[at];
+        result[row] = state;
+        at = from;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests;

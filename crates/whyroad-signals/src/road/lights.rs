@@ -1,0 +1,165 @@
+//! The traffic light for the ego's own movement: the next one on its lane's continuation that the log knows, its
+//! state and what is known of its history.
+
+use crate::ego::motion::EgoMotion;
+use crate::geometry::p2;
+use crate::road::ego_lane::{EgoLane, OnCorridor};
+use crate::road::network::Road;
+use crate::table::TableBuilder;
+use std::collections::BTreeMap;
+use whyroad_model::catalogue::{id, value};
+use whyroad_model::scene::{LightColour, LightState};
+use whyroad_model::{Nanos, RoadMap};
+
+/// Lights farther ahead do not concern the ego yet, m.
+const REACH_M: f64 = 100.0;
+
+/// A state that was seen for this long without a change has lasted at least as long, s.
+const LASTED_S: f64 = 5.0;
+/// Slower than this the ego is at standstill, m/s.
+const STANDS_MPS: f64 = 0.1;
+
+/// The value of light.state; `None` if the log does not know the color.
+fn shown_value(colour: LightColour) -> Option<value::LightState> {
+    Some(match colour {
+        LightColour::Red => value::LightState::Red,
+        LightColour::Yellow => value::LightState::Yellow,
+        LightColour::Green => value::LightState::Green,
+        LightColour::GreenYield => value::LightState::GreenYield,
+        LightColour::RedYellow => value::LightState::RedYellow,
+        LightColour::FlashingYellow => value::LightState::FlashingYellow,
+        LightColour::Off => value::LightState::Off,
+        LightColour::Unknown => return None,
+    })
+}
+
+/// What a light shows, and what it showed before.
+#[derive(Clone, Copy)]
+struct Shown {
+    colour: LightColour,
+    /// `None` when no change was recorded.
+    previous: Option<LightColour>,
+    /// Since the change, or since it was first seen, s.
+    lasted_s: f64,
+}
+
+impl Shown {
+    /// Time since the change, s; a lower bound where none was recorded, NaN while that says nothing.
+    fn since_change(self) -> f64 {
+        let told = self.previous.is_some() || self.lasted_s >= LASTED_S - 1e-6;
+        if told && self.colour != LightColour::Unknown { self.lasted_s } else { f64::NAN }
+    }
+}
+
+struct Lights<'a> {
+    by_lane: BTreeMap<&'a str, Vec<&'a LightState>>,
+    stop_lines: BTreeMap<&'a str, crate::geometry::P2>,
+}
+
+impl<'a> Lights<'a> {
+    fn new(states: &'a [LightState], map: &'a RoadMap) -> Self {
+        let mut by_lane: BTreeMap<&str, Vec<&LightState>> = BTreeMap::new();
+        for state in states {
+            by_lane.entry(state.lane_id.as_str()).or_default().push(state);
+        }
+        let mut stop_lines = BTreeMap::new();
+        for line in map.stop_lines.iter().filter(|l| !l.line.is_empty()) {
+            let n = line.line.len() as f64;
+            let middle = line.line.iter().fold(p2(0.0, 0.0), |acc, p| acc + p2(p.x, p.y) * (1.0 / n));
+            stop_lines.extend(line.lane_ids.iter().map(|id| (id.as_str(), middle)));
+        }
+        Self { by_lane, stop_lines }
+    }
+
+    /// The latest state at `time` of the light on `lane` that concerns a way over the lanes `onward`, with its history.
+    fn shown(&self, lane: &str, onward: &[&str], time: Nanos) -> Option<Shown> {
+        let concerns = |s: &&&LightState| s.to_lane_id.as_deref().is_none_or(|to| onward.contains(&to));
+        let states =
+            || self.by_lane.get(lane).into_iter().flatten().filter(concerns).filter(|s| s.time <= time);
+        let colour = states().max_by_key(|s| s.time)?.colour;
+        let before = states().filter(|s| s.colour != colour).max_by_key(|s| s.time);
+        let since = states()
+            .filter(|s| s.colour == colour && before.is_none_or(|b| s.time > b.time))
+            .map(|s| s.time)
+            .min()?;
+        Some(Shown { colour, previous: before.map(|b| b.colour), lasted_s: time.seconds_since(since) })
+    }
+
+    /// The next light on the corridor: what it shows, when known at `time`, and the distance of its stop line from
+    /// the ego's front bumper, m.
+    fn next(&self, road: &Road, on: OnCorridor<'_>, front: f64, time: Nanos) -> Option<(Option<Shown>, f64)> {
+        let chain = &on.corridor.lanes;
+        for (k, &(lane, start)) in chain.iter().enumerate() {
+            let id = road.lanes[lane].id.as_str();
+            let end = on.corridor.lane_end(k);
+            if end < on.s || !self.by_lane.contains_key(id) {
+                continue;
+            }
+            // A light on a junction's lane is met at its beginning, one on an approach at its end.
+            let drawn = self
+                .stop_lines
+                .get(id)
+                .map(|&p| on.corridor.line.project_between(p, start - 5.0, end + 5.0).s);
+            let stop = drawn.unwrap_or(if road.lanes[lane].in_junction { start } else { end });
+            if stop < on.s {
+                continue;
+            }
+            if stop - on.s > REACH_M {
+                return None;
+            }
+            let onward: Vec<&str> = chain[k..].iter().map(|&(l, _)| road.lanes[l].id.as_str()).collect();
+            return Some((self.shown(id, &onward, time), (stop - on.s - front).max(0.0)));
+        }
+        None
+    }
+}
+
+/// Time to the stop line, s.
+fn time_to_line(distance: f64, speed: f64) -> f64 {
+    if distance.is_infinite() || speed < STANDS_MPS { f64::INFINITY } else { distance / speed }
+}
+
+/// Writes `light.state`, `previous`, `time_since_change`, `distance_to_stop_line`, `time_to_stop_line`.
+pub fn write(
+    states: &[LightState],
+    map: &RoadMap,
+    road: &Road,
+    lanes: &EgoLane,
+    ego: &EgoMotion,
+    times: &[Nanos],
+    table: &mut TableBuilder<'_>,
+) {
+    let lights = Lights::new(states, map);
+    let front = if ego.length.is_finite() { ego.length / 2.0 } else { 0.0 };
+    let (mut codes, mut distances) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
+    let (mut previous, mut since) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
+    for (i, &time) in times.iter().enumerate() {
+        let (state, distance, before, lasted) = match lanes.at(i) {
+            None => (None, f64::NAN, None, f64::NAN),
+            Some(on) => match lights.next(road, on, front, time) {
+                None => (
+                    Some(value::LightState::None),
+                    f64::INFINITY,
+                    Some(value::LightState::None),
+                    f64::INFINITY,
+                ),
+                Some((shown, distance)) => (
+                    shown.and_then(|s| shown_value(s.colour)),
+                    distance,
+                    shown.and_then(|s| s.previous).and_then(shown_value),
+                    shown.map_or(f64::NAN, Shown::since_change),
+                ),
+            },
+        };
+        codes.push(state);
+        distances.push(distance);
+        previous.push(before);
+        since.push(lasted);
+    }
+    let to_line = distances.iter().zip(&ego.forward_speed).map(|(&d, &v)| time_to_line(d, v));
+    table.number(id::LIGHT_TIME_TO_STOP_LINE, to_line.collect());
+    table.category(id::LIGHT_PREVIOUS, previous);
+    table.number(id::LIGHT_TIME_SINCE_CHANGE, since);
+    table.category(id::LIGHT_STATE, codes);
+    table.number(id::LIGHT_DISTANCE_TO_STOP_LINE, distances);
+}

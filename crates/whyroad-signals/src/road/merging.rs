@@ -1,0 +1,221 @@
+//! Ramps, merges and splits outside junctions: where another stream of traffic joins the ego's way, where its lanes
+//! part, and on what kind of lane it is meanwhile. From the lanes' links and neighbours; tags where the source has
+//! them.
+
+use crate::road::network::Road;
+use crate::road::on_road::{OnRoad, within_horizon};
+use crate::road::way::{Way, beside};
+use crate::table::TableBuilder;
+use std::collections::BTreeSet;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{
+    id,
+    value::{MapFacilityChange, MapMergeZone},
+};
+use whyroad_model::road_map::LaneKind;
+
+/// A lane that gains or loses speed reaches no farther than this, m.
+const ZONE_M: f64 = 500.0;
+/// Ahead of where the ego's lane ends this counts as lane_drop, m.
+const DROP_M: f64 = 150.0;
+/// The change between ramp and main road is reported this long before and after it, s.
+const CHANGE_S: f64 = 1.0;
+
+fn for_vehicles(road: &Road, lane: usize) -> bool {
+    matches!(road.lanes[lane].kind, LaneKind::Vehicle | LaneKind::Bus)
+}
+
+/// All lanes of the road that `lane` belongs to, itself first.
+fn whole_road(road: &Road, lane: usize) -> Vec<usize> {
+    std::iter::once(lane).chain(beside(road, lane)).collect()
+}
+
+/// Lanes that lead into step `k` of the way, other than the step before and those inside junctions.
+fn others_into<'a>(road: &'a Road, way: &'a Way, k: usize) -> impl Iterator<Item = usize> + 'a {
+    let own = way.steps[k - 1].lane;
+    let lane = way.steps[k].lane;
+    let mine = road.lanes[own].in_junction || road.lanes[lane].in_junction;
+    let others = road.lanes[lane].predecessors.iter().copied().filter(move |&p| !mine && p != own);
+    others.filter(|&p| !road.lanes[p].in_junction && for_vehicles(road, p))
+}
+
+/// True when the lanes run side by side just before they become one: they are neighbours, or those before them are.
+fn side_by_side(road: &Road, a: usize, b: usize) -> bool {
+    let before = |lane: usize| road.lanes[lane].predecessors.clone();
+    beside(road, a).contains(&b)
+        || before(a).iter().any(|&p| before(b).iter().any(|&q| p != q && beside(road, p).contains(&q)))
+}
+
+/// How far the lane shifts sideways to reach the start of `into`, m.
+fn shift(road: &Road, lane: usize, into: usize) -> f64 {
+    let start = road.lanes[into].centre.point_at(0.0);
+    let shift_of = |lane: usize| {
+        let line = &road.lanes[lane].centre;
+        // Against the line's own beginning: what bends only to end in the other lane has shifted by its width.
+        let (origin, heading) = (line.point_at(0.0), line.smooth_heading_at(0.0, 0.5));
+        crate::geometry::P2::from_heading(heading).cross(start - origin).abs()
+    };
+    shift_of(lane)
+}
+
+/// True when the lane of step `k` ends by becoming one with its neighbour, and is the one of the two that gives way.
+pub fn merges_away(on: &OnRoad<'_>, way: &Way, k: usize) -> bool {
+    let (road, own, into) = (on.road, way.steps[k].lane, way.steps[k + 1].lane);
+    others_into(road, way, k + 1).any(|other| {
+        let tagged = |lane: usize| {
+            let before = road.lanes[lane].predecessors.iter().copied();
+            before.chain([lane]).any(|l| on.lane(l).is_some_and(|l| l.is_tagged("acceleration")))
+        };
+        side_by_side(road, own, other)
+            && match (tagged(own), tagged(other)) {
+                (true, false) => true,
+                (false, true) => false,
+                _ => shift(road, own, into) > shift(road, other, into) + 0.5,
+            }
+    })
+}
+
+/// Distance from the front bumper to where another lane leads into the way, or the ego's lane ends.
+fn to_merge(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
+    let joins = |k: &usize| way.steps[*k].hopped || others_into(on.road, way, *k).next().is_some();
+    let at = (1..way.steps.len()).filter(|&k| way.steps[k].from >= front).find(joins);
+    at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].from - front))
+}
+
+/// True when the lanes of the road at `lane` lead on into more than one road.
+fn parts(road: &Road, lane: usize) -> bool {
+    let next: BTreeSet<usize> = whole_road(road, lane)
+        .into_iter()
+        .flat_map(|l| road.lanes[l].successors.iter().copied())
+        .filter(|&l| for_vehicles(road, l) && !road.lanes[l].in_junction)
+        .collect();
+    let Some(&first) = next.first() else { return false };
+    let same = whole_road(road, first);
+    let after = |l: usize| road.lanes[l].successors.iter().copied().collect::<BTreeSet<usize>>();
+    let (joined, beyond) = (|l: &usize| same.contains(l), after(first));
+    next.iter().any(|l| {
+        // Short pieces between two roads are not always told to be neighbours; those behind them are.
+        let meets = after(*l).iter().any(|b| beyond.iter().any(|a| a == b || beside(road, *a).contains(b)));
+        !joined(l) && !meets
+    })
+}
+
+fn to_split(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
+    let splits =
+        |k: &usize| !on.road.lanes[way.steps[*k].lane].in_junction && parts(on.road, way.steps[*k].lane);
+    let at = (0..way.steps.len()).filter(|&k| way.steps[k].to >= front).find(splits);
+    at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].to - front))
+}
+
+/// What a lane is for traffic that joins or leaves, apart from where the ego is on it.
+#[derive(Clone, Copy, Default)]
+struct Role {
+    ramp: bool,
+    /// Traffic comes from a ramp onto it.
+    joined: bool,
+    /// It leads to a ramp.
+    leaves: bool,
+    /// It is told to be one.
+    acceleration: bool,
+    deceleration: bool,
+}
+
+impl Role {
+    fn of(on: &OnRoad<'_>, lane: usize) -> Self {
+        let road = on.road;
+        let tagged = |l: usize, tag: &str| on.lane(l).is_some_and(|l| l.is_tagged(tag));
+        // Over a short piece between the two roads as well.
+        let near = |links: fn(&crate::road::network::LaneShape) -> &Vec<usize>| -> Vec<usize> {
+            let first = links(&road.lanes[lane]);
+            first
+                .iter()
+                .copied()
+                .chain(first.iter().flat_map(|&l| links(&road.lanes[l]).iter().copied()))
+                .collect()
+        };
+        let ramp = tagged(lane, "ramp");
+        let through = !ramp && road.lanes[lane].centre.length() < ZONE_M;
+        Self {
+            ramp,
+            joined: through && near(|l| &l.predecessors).into_iter().any(|l| tagged(l, "ramp")),
+            leaves: through && near(|l| &l.successors).into_iter().any(|l| tagged(l, "ramp")),
+            acceleration: tagged(lane, "acceleration"),
+            deceleration: tagged(lane, "deceleration"),
+        }
+    }
+
+    fn weaves(self) -> bool {
+        (self.joined || self.acceleration) && (self.leaves || self.deceleration)
+    }
+
+    /// Beside the through lanes: a ramp, or a lane to gain or lose speed.
+    fn aside(self) -> bool {
+        self.ramp || self.acceleration || self.deceleration
+    }
+}
+
+fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone {
+    let role = roles[lane];
+    let beside = on.road.lanes[lane].neighbours.into_iter().flatten();
+    if on.road.lanes[lane].in_junction || role.ramp {
+        MapMergeZone::None
+    } else if role.weaves() || beside.into_iter().any(|n| roles[n].weaves()) {
+        MapMergeZone::Weaving
+    } else if role.acceleration || (role.joined && ends <= ZONE_M && ends.is_finite()) {
+        MapMergeZone::Acceleration
+    } else if role.deceleration || (role.leaves && on.road.lanes[lane].predecessors.is_empty()) {
+        MapMergeZone::Deceleration
+    } else if ends <= DROP_M {
+        MapMergeZone::LaneDrop
+    } else {
+        MapMergeZone::None
+    }
+}
+
+/// Changes between ramp and main road, one value per frame.
+fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
+    let mut codes: Vec<Option<MapFacilityChange>> =
+        (0..on.frames()).map(|i| on.ego.is_known(i).then_some(MapFacilityChange::None)).collect();
+    let aside = |i: usize| {
+        let lane = on.lanes.at(i)?.lane;
+        (!on.road.lanes[lane].in_junction).then(|| roles[lane].aside())
+    };
+    let mut before = None;
+    for i in 0..on.frames() {
+        let Some(now) = aside(i) else { continue };
+        if before.is_some_and(|b| b != now) {
+            let code = if now { MapFacilityChange::MainToRamp } else { MapFacilityChange::RampToMain };
+            let near = |j: &usize| (on.times[*j] - on.times[i]).abs() <= CHANGE_S + 0.01;
+            (0..on.frames()).filter(near).filter(|&j| on.ego.is_known(j)).for_each(|j| codes[j] = Some(code));
+        }
+        before = Some(now);
+    }
+    codes
+}
+
+/// Writes `map.on_ramp`, `merge_zone`, `distance_to_merge`, `distance_to_split`, `facility_change`.
+pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
+    table.number(id::MAP_DISTANCE_TO_MERGE, on.ahead(|_, way, front| to_merge(on, way, front)));
+    table.number(id::MAP_DISTANCE_TO_SPLIT, on.ahead(|_, way, front| to_split(on, way, front)));
+    let tells = on.map.complete_for.iter().any(|k| k == "ramp")
+        || on
+            .map
+            .lanes
+            .iter()
+            .any(|l| ["ramp", "acceleration", "deceleration"].iter().any(|t| l.is_tagged(t)));
+    let roles: Vec<Role> = (0..on.road.lanes.len()).map(|i| Role::of(on, i)).collect();
+    let own = |i: usize| on.lanes.at(i).map(|at| at.lane);
+    let ends = on.ahead(|_, way, front| {
+        let end = (0..way.steps.len() - 1).find(|&k| way.steps[k + 1].hopped || merges_away(on, way, k));
+        end.map_or(f64::INFINITY, |k| (way.steps[k].to - front).max(0.0))
+    });
+    let zones = (0..on.frames()).map(|i| own(i).map(|lane| zone(on, &roles, lane, ends[i])));
+    table.category(id::MAP_MERGE_ZONE, zones);
+    if tells {
+        table.flag(
+            id::MAP_ON_RAMP,
+            on.flags(|i| own(i).map_or(Tri::Unknown, |lane| Tri::from(roles[lane].ramp))),
+        );
+        table.category(id::MAP_FACILITY_CHANGE, changes(on, &roles));
+    }
+}

@@ -1,0 +1,147 @@
+//! The ego's driven path: the recorded ("posterior") trajectory of its box centre by arc length. Before its
+//! first and beyond its last recorded point it goes on along the lane (fading in from the ego's own offset),
+//! or straight where there is no lane. What was driven and what is continuation is marked.
+
+use crate::ego::motion::EgoMotion;
+use crate::geometry::{P2, Polyline, Projection};
+use crate::road::corridor::Corridor;
+use crate::road::ego_lane::EgoLane;
+use crate::road::network::interpolate;
+
+/// Points closer than this are one: at a crawl, noise would bend the path, m.
+const SPACING_M: f64 = 0.5;
+/// Length of the continuation at either end, m.
+const CONTINUATION_M: f64 = 160.0;
+/// Over this distance the continuation comes from the ego's offset to the lane's centre, m.
+const FADE_M: f64 = 20.0;
+/// Targets are sought on the path this far behind and ahead of the ego, m.
+pub const WINDOW_M: (f64, f64) = (110.0, 160.0);
+
+/// The path by arc length; arc length 0 is where the backward continuation begins.
+#[derive(Clone, Debug)]
+pub struct DrivenPath {
+    /// The line.
+    pub line: Polyline,
+    /// Arc lengths between which it was really driven, m.
+    pub driven: (f64, f64),
+    /// Arc length of the ego's centre in each frame; NaN where its pose is unknown.
+    pub ego_s: Vec<f64>,
+    /// Direction of the path where the ego is in each frame, rad; NaN where its pose is unknown.
+    pub ego_heading: Vec<f64>,
+    z: Vec<f64>,
+}
+
+/// The lane to continue along from a place: the corridor, the arc length there, and the offset from it.
+pub type Continuation<'a> = Option<(&'a Corridor, f64, f64)>;
+
+fn continue_from(start: P2, heading: f64, lane: Continuation<'_>, sign: f64) -> Vec<P2> {
+    let steps = (CONTINUATION_M / 2.0) as usize;
+    (1..=steps)
+        .map(|i| {
+            let ds = 2.0 * i as f64;
+            match lane {
+                Some((corridor, s, offset)) => {
+                    let at = s + sign * ds;
+                    let left = P2::from_heading(corridor.line.smooth_heading_at(at, 2.0)).left();
+                    corridor.line.point_at(at) + left * (offset * (1.0 - ds / FADE_M).max(0.0))
+                }
+                None => start + P2::from_heading(heading) * (sign * ds),
+            }
+        })
+        .collect()
+}
+
+impl DrivenPath {
+    /// The path of `ego`; `times` in seconds. `None` when no pose is known.
+    pub fn new(
+        ego: &EgoMotion,
+        times: &[f64],
+        before: Continuation<'_>,
+        after: Continuation<'_>,
+    ) -> Option<Self> {
+        let known: Vec<usize> = (0..ego.len()).filter(|&i| ego.is_known(i)).collect();
+        let (first, last) = (*known.first()?, *known.last()?);
+        let mut frames = vec![first];
+        for &i in &known {
+            let step = ego.position[i] - ego.position[*frames.last()?];
+            // Backing up does not fold the path: only what leads forward extends it.
+            if step.norm() >= SPACING_M && step.dot(P2::from_heading(ego.heading[i])) > 0.0 {
+                frames.push(i);
+            }
+        }
+        let end = *frames.last()?;
+        let mut points = continue_from(ego.position[first], ego.heading[first], before, -1.0);
+        points.reverse();
+        let lead_in = points.len();
+        points.extend(frames.iter().map(|&i| ego.position[i]));
+        // After backing up, the last frame is not the path's end; the heading at its end counts.
+        let after = if end == last || (ego.position[end] - ego.position[last]).norm() < SPACING_M {
+            after
+        } else {
+            None
+        };
+        points.extend(continue_from(ego.position[end], ego.heading[end], after, 1.0));
+        let line = Polyline::new(points)?;
+        let s = line.arc_lengths();
+        let driven = (s[lead_in.min(s.len() - 1)], s[(lead_in + frames.len() - 1).min(s.len() - 1)]);
+        let ego_s = Vec::with_capacity(ego.len());
+        let mut path = Self { driven, ego_s, ego_heading: Vec::new(), z: Vec::new(), line };
+        path.follow(ego, times);
+        let known_heading = |s: &f64| if s.is_nan() { f64::NAN } else { path.heading_at(*s) };
+        path.ego_heading = path.ego_s.iter().map(known_heading).collect();
+        let heights: Vec<(f64, f64)> = known.iter().map(|&i| (path.ego_s[i], ego.z[i])).collect();
+        path.z = path.heights(&heights);
+        Some(path)
+    }
+
+    fn follow(&mut self, ego: &EgoMotion, times: &[f64]) {
+        let (mut s, mut t) = (self.driven.0, times.first().copied().unwrap_or(0.0));
+        for (i, &now) in times.iter().enumerate() {
+            if !ego.is_known(i) {
+                self.ego_s.push(f64::NAN);
+                continue;
+            }
+            // Far enough for 60 m/s over the time since the last pose; narrow enough not to skip a loop.
+            let reach = 5.0 + 60.0 * (now - t);
+            s = self.line.project_between(ego.position[i], s - 5.0, s + reach).s;
+            t = now;
+            self.ego_s.push(s);
+        }
+    }
+
+    fn heights(&self, known: &[(f64, f64)]) -> Vec<f64> {
+        let mut ascending: Vec<(f64, f64)> = known.iter().copied().filter(|(_, z)| z.is_finite()).collect();
+        ascending.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ascending.dedup_by(|a, b| a.0 - b.0 < 1e-3);
+        if ascending.is_empty() {
+            return Vec::new();
+        }
+        let (s, z): (Vec<f64>, Vec<f64>) = ascending.into_iter().unzip();
+        self.line.arc_lengths().iter().map(|&at| interpolate(&s, &z, at)).collect()
+    }
+
+    /// Height of the path at `s` (of the ego's box centre, constant beyond the driven part); NaN when unknown.
+    pub fn z_at(&self, s: f64) -> f64 {
+        if self.z.is_empty() { f64::NAN } else { interpolate(self.line.arc_lengths(), &self.z, s) }
+    }
+
+    /// Foot point of `p` on the part of the path around the ego in a frame where its arc length is `ego_s`.
+    pub fn project_near(&self, p: P2, ego_s: f64) -> Projection {
+        self.line.project_between(p, ego_s - WINDOW_M.0, ego_s + WINDOW_M.1)
+    }
+
+    /// Direction of the path at `s`, rad.
+    pub fn heading_at(&self, s: f64) -> f64 {
+        self.line.smooth_heading_at(s, 1.0)
+    }
+}
+
+/// The driven path, continued along the ego's lanes where it has any.
+pub fn driven_path(ego: &EgoMotion, lanes: Option<&EgoLane>, times: &[f64]) -> Option<DrivenPath> {
+    let first = (0..ego.len()).find(|&i| ego.is_known(i))?;
+    let last = (0..ego.len()).rfind(|&i| ego.is_known(i))?;
+    let along = |frame: usize| -> Continuation<'_> {
+        lanes.and_then(|l| l.at(frame)).map(|on| (on.corridor, on.s, on.lateral))
+    };
+    DrivenPath::new(ego, times, along(first), along(last))
+}

@@ -1,0 +1,27 @@
+//! The targets: their rows, their placement around the ego, its path and its lanes, and what each does by itself.
+
+pub mod crosswalk;
+pub mod free_width;
+pub mod gaps;
+pub mod interaction;
+pub mod lane_changes;
+pub mod lanes;
+pub mod line_crossing;
+pub mod motion;
+pub mod placement;
+pub mod ramp;
+pub mod relations;
+pub mod rows;
+pub mod side;
+pub mod turns;
+
+use crate::table::TableBuilder;
+use interaction::Interaction;
+
+/// Writes the families on lanes, sides and turns of targets.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    lane_changes::write(scene, table);
+    ramp::write(scene, table);
+    side::write(scene, table);
+    turns::write(scene, table);
+}

@@ -1,0 +1,211 @@
+//! Room beside the ego and ahead of it: to the edge of the road and to tracked objects. Sideways is across the ego's
+//! box for the room beside it, across its driven path for the room ahead.
+
+use crate::geometry::{OrientedBox, P2, wrap};
+use crate::road::network::Road;
+use crate::road::on_road::OnRoad;
+use crate::road::path::DrivenPath;
+use crate::table::TableBuilder;
+use crate::target::placement::{MOVING_MPS, Placement, Target};
+use std::f64::consts::FRAC_PI_3;
+use whyroad_model::catalogue::id;
+use whyroad_model::road_map::LaneKind;
+
+/// Farther than this to one side is free, m.
+const FREE_M: f64 = 10.0;
+/// Ground is probed in steps of this, sideways and along the path, m.
+const PROBE_M: f64 = 0.25;
+const STATION_M: f64 = 1.0;
+/// The corridor ahead reaches this far from the front bumper, m.
+const AHEAD_M: f64 = 40.0;
+
+/// Distances from the path to the road's edges, left then right, at stations along it; NaN where the path is off the
+/// road.
+struct Edges {
+    stations: Vec<[f64; 2]>,
+}
+
+fn is_road(road: &Road, p: P2) -> bool {
+    let shoulder = || {
+        road.lanes_near(p, 0.0).into_iter().any(|l| {
+            let lane = &road.lanes[l];
+            lane.kind == LaneKind::Shoulder && lane.area.as_ref().is_some_and(|a| a.contains(p))
+        })
+    };
+    road.on_road(p) || road.junctions.iter().any(|j| j.contains(p)) || shoulder()
+}
+
+/// How far the road goes on from `p` in direction `across`, at most [`FREE_M`] beyond `within`, m.
+fn edge(road: &Road, p: P2, across: P2, within: f64) -> f64 {
+    let steps = ((FREE_M + within) / PROBE_M) as usize;
+    let off = |k: usize| !is_road(road, p + across * (k as f64 * PROBE_M));
+    // Two probes in a row: between lanes that are drawn one by one there are seams.
+    let Some(k) = (1..=steps).find(|&k| off(k) && off(k + 1)) else { return FREE_M + within };
+    // Between the last probe on the road and the first off it; as sharp as positions are, so that no step shows.
+    let (mut on, mut out) = ((k - 1) as f64 * PROBE_M, k as f64 * PROBE_M);
+    while out - on > 1e-6 {
+        let middle = (on + out) / 2.0;
+        if is_road(road, p + across * middle) { on = middle } else { out = middle }
+    }
+    on
+}
+
+impl Edges {
+    fn new(road: &Road, path: &DrivenPath, half_width: f64) -> Self {
+        let count = (path.line.length() / STATION_M) as usize + 1;
+        let at = |k: usize| {
+            let s = k as f64 * STATION_M;
+            let p = path.line.point_at(s);
+            if !is_road(road, p) {
+                return [f64::NAN; 2];
+            }
+            let left = P2::from_heading(path.heading_at(s)).left();
+            [edge(road, p, left, half_width), edge(road, p, left * -1.0, half_width)]
+        };
+        Self { stations: (0..count).map(at).collect() }
+    }
+
+    /// Stations between two arc lengths; at least one.
+    fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
+        let last = self.stations.len() - 1;
+        let first = ((from / STATION_M).ceil().max(0.0) as usize).min(last);
+        first..((to / STATION_M).floor().max(0.0) as usize).clamp(first, last) + 1
+    }
+}
+
+/// The part of `other` beside the ego's box: nearest distance from the side of the ego, left then right, m. What
+/// overlaps the ego's box has distance 0 on the side of its centre.
+fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
+    let (forward, left) = (P2::from_heading(ego.heading), P2::from_heading(ego.heading).left());
+    let half = ego.length / 2.0;
+    // Clip the footprint to the stretch along the ego's box.
+    let mut ring: Vec<P2> = other
+        .corners()
+        .map(|c| P2 { x: (c - ego.centre).dot(forward), y: (c - ego.centre).dot(left) })
+        .into();
+    for sign in [1.0, -1.0] {
+        let depth = |p: &P2| half - sign * p.x;
+        let mut kept = Vec::new();
+        for (i, a) in ring.iter().enumerate() {
+            let b = &ring[(i + 1) % ring.len()];
+            if depth(a) >= 0.0 {
+                kept.push(*a);
+            }
+            if (depth(a) >= 0.0) != (depth(b) >= 0.0) {
+                kept.push(*a + (*b - *a) * (depth(a) / (depth(a) - depth(b))));
+            }
+        }
+        ring = kept;
+        if ring.is_empty() {
+            return [f64::INFINITY; 2];
+        }
+    }
+    let (low, high) =
+        ring.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
+    if low + high >= 0.0 {
+        [(low - ego.width / 2.0).max(0.0), f64::INFINITY]
+    } else {
+        [f64::INFINITY, (-high - ego.width / 2.0).max(0.0)]
+    }
+}
+
+/// Goes the way of the path where it is: it will be elsewhere when the ego gets there.
+fn moves_along(p: &Placement) -> bool {
+    p.speed() >= MOVING_MPS && wrap(p.course() - p.path.heading).abs() < FRAC_PI_3
+}
+
+/// Everything placed, by frame.
+fn by_frame<'t>(targets: &'t [Target<'_>], frames: usize) -> Vec<Vec<&'t Placement>> {
+    let mut found: Vec<Vec<&Placement>> = vec![Vec::new(); frames];
+    for p in targets.iter().flat_map(|t| t.places.iter().flatten()) {
+        if p.same_level && p.is_sized() {
+            found[p.frame].push(p);
+        }
+    }
+    found
+}
+
+fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize) -> [f64; 2] {
+    let ego = on.ego.footprint(frame);
+    let s = on.path.ego_s[frame];
+    let mut room = [FREE_M; 2];
+    for k in edges.between(s - ego.length / 2.0, s + ego.length / 2.0) {
+        // NaN, where the path is off the road, must stay: `min` would pass over it.
+        let edge = edges.stations[k].map(|e| (e - ego.width / 2.0).clamp(0.0, FREE_M));
+        room = [0, 1].map(|i| if edge[i] < room[i] || edge[i].is_nan() { edge[i] } else { room[i] });
+    }
+    let reach = ego.radius() + FREE_M;
+    for p in near {
+        if (p.footprint.centre - ego.centre).norm() <= reach + p.footprint.radius() {
+            let free = beside(&ego, &p.footprint);
+            room = [0, 1].map(|i| if free[i] < room[i] { free[i] } else { room[i] });
+        }
+    }
+    room
+}
+
+/// Least width of the corridor ahead between the road's edges and those objects that `counts` tells.
+fn room_ahead(
+    on: &OnRoad<'_>,
+    edges: &Edges,
+    near: &[&Placement],
+    frame: usize,
+    counts: fn(&Placement) -> bool,
+) -> f64 {
+    let s = on.path.ego_s[frame];
+    let from = s + on.ego.front();
+    let range = edges.between(from, from + AHEAD_M);
+    let mut room: Vec<[f64; 2]> =
+        edges.stations[range.clone()].iter().map(|e| e.map(|d| d.min(FREE_M))).collect();
+    for p in near.iter().filter(|p| counts(p)) {
+        let (first, last) = (s + p.near, s + p.far);
+        if last < from || first > from + AHEAD_M {
+            continue;
+        }
+        let covered = edges.between(first.max(from).floor(), last.min(from + AHEAD_M).ceil());
+        // Where the path was really driven, what lies across it was gone when the ego came; beyond, the wider side is
+        // left.
+        let across = p.path.low <= 0.0 && p.path.high >= 0.0;
+        if across && first <= on.path.driven.1 {
+            continue;
+        }
+        for k in covered.filter(|k| range.contains(k)) {
+            let side = &mut room[k - range.start];
+            if across {
+                let (left, right) = (side[0] - p.path.high, side[1] + p.path.low);
+                *side = [left.max(right).max(0.0), 0.0];
+            } else if p.path.low > 0.0 {
+                side[0] = if p.path.low < side[0] { p.path.low } else { side[0] };
+            } else {
+                side[1] = if -p.path.high < side[1] { -p.path.high } else { side[1] };
+            }
+        }
+    }
+    // Where the path leaves the road nothing is known of its width.
+    room.iter()
+        .map(|r| r[0] + r[1])
+        .fold(f64::INFINITY, |least, w| if least.is_nan() || w.is_nan() { f64::NAN } else { least.min(w) })
+}
+
+/// Writes `map.free_width_left`, `free_width_right`, `free_width_ahead`, `meeting_width_ahead`.
+pub fn write(on: &OnRoad<'_>, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+    if !on.ego.length.is_finite() || !on.ego.width.is_finite() {
+        return;
+    }
+    let edges = Edges::new(on.road, on.path, on.ego.width / 2.0);
+    let near = by_frame(targets, on.frames());
+    let frames = || 0..on.frames();
+    let beside =
+        |i: usize| if on.ego.is_known(i) { room_beside(on, &edges, &near[i], i) } else { [f64::NAN; 2] };
+    let room: Vec<[f64; 2]> = frames().map(beside).collect();
+    table.number(id::MAP_FREE_WIDTH_LEFT, room.iter().map(|r| r[0]).collect());
+    table.number(id::MAP_FREE_WIDTH_RIGHT, room.iter().map(|r| r[1]).collect());
+    let ahead = |i: usize, counts: fn(&Placement) -> bool| {
+        if on.ego.is_known(i) { room_ahead(on, &edges, &near[i], i, counts) } else { f64::NAN }
+    };
+    table.number(id::MAP_FREE_WIDTH_AHEAD, frames().map(|i| ahead(i, |p| !moves_along(p))).collect());
+    table.number(
+        id::MAP_MEETING_WIDTH_AHEAD,
+        frames().map(|i| ahead(i, |p| p.speed() < MOVING_MPS)).collect(),
+    );
+}

@@ -1,0 +1,46 @@
+//! Which targets are in the ego's path ahead, and the clear distance to them: from the ego's front bumper to the
+//! target's nearest corner, along the driven path.
+
+use crate::geometry::wrap;
+use crate::target::placement::Placement;
+
+/// A target that moves across the lane faster than this towards its centre is coming in, m/s.
+const COMING_IN_MPS: f64 = 0.1;
+
+/// Arc length from the ego's centre to the nearest part of a target ahead in its path, m; `None` when the target is
+/// not. In path is what is in the band that the ego sweeps along its driven path; what has its centre in the ego's
+/// lane; and what is partly over the line into the lane and moving in. A car parked with one wheel in the lane,
+/// which the ego passes, is none of these.
+fn nearest_in_path(p: &Placement) -> Option<f64> {
+    if !p.same_level || !p.within_reach() {
+        return None;
+    }
+    if let Some((near, far)) = p.band {
+        return (near + far > 0.0).then_some(near);
+    }
+    let coming_in =
+        p.intrusion().is_some_and(|d| d > 0.0) && lane_lateral_speed(p).is_some_and(|v| v >= COMING_IN_MPS);
+    (p.ahead > 0.0 && (p.blocks_way() || coming_in)).then_some(p.near)
+}
+
+/// Velocity across the ego's lane, towards its centre line positive, m/s. `None` without a lane.
+pub fn lane_lateral_speed(p: &Placement) -> Option<f64> {
+    let (at, _, _) = p.lane?;
+    let across = p.velocity.dot(crate::geometry::P2::from_heading(at.heading).left());
+    Some(if at.lateral > 0.0 { -across } else { across })
+}
+
+/// The gap of a target: bumper to bumper along the path, negative when overlapping, infinite when known not to be
+/// ahead in path, NaN when its size is unknown.
+pub fn gap(p: &Placement, ego_length: f64) -> f64 {
+    if p.is_sized() {
+        nearest_in_path(p).map_or(f64::INFINITY, |near| near - ego_length / 2.0)
+    } else {
+        f64::NAN
+    }
+}
+
+/// Velocity of a target along the path where it is, m/s, forward positive.
+pub fn along_signed(p: &Placement) -> f64 {
+    p.speed() * wrap(p.velocity.heading() - p.path.heading).cos()
+}

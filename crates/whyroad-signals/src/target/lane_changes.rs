@@ -1,0 +1,188 @@
+//! What a target does relative to its lane: changing it, weaving in it, driving it the wrong way.
+
+use crate::geometry::{P2, p2, wrap};
+use crate::road::lane_change;
+use crate::road::lanes::LanePlace;
+use crate::road::network::Road;
+use crate::series::GAP_S;
+use crate::table::TableBuilder;
+use crate::target::interaction::Interaction;
+use crate::target::lanes::drives;
+use crate::target::motion::OPPOSITE_RAD;
+use crate::target::placement::{MOVING_MPS, Placement, Target};
+use crate::target::rows::Rows;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{id, value::TargetLaneChange};
+use whyroad_model::road_map::LaneKind;
+
+/// A swing across the lane counts from this width on, m.
+const SWING_M: f64 = 0.5;
+/// This number of swings is weaving.
+const SWINGS: usize = 3;
+/// ... within this time, s.
+const SWINGS_WITHIN_S: f64 = 8.0;
+/// Minimum speed for weaving, m/s: what seems to is the annotation's noise.
+const WEAVING_LEAST_MPS: f64 = 1.0;
+/// Against the lanes for longer than this is wrong-way driving, s.
+const WRONG_WAY_S: f64 = 2.0;
+
+/// Lane changes of a target, one value per row; empty for what does not drive in lanes.
+fn changes(
+    road: &Road,
+    target: &Target<'_>,
+    places: &[Option<LanePlace>],
+    times: &[f64],
+) -> Vec<Option<TargetLaneChange>> {
+    if places.is_empty() {
+        return Vec::new();
+    }
+    let m = &target.track.motion;
+    let position: Vec<P2> = (0..m.len()).map(|r| p2(m.x[r], m.y[r])).collect();
+    let velocity: Vec<P2> = (0..m.len()).map(|r| p2(m.vx[r], m.vy[r])).collect();
+    let row_times: Vec<f64> = target.track.frames.iter().map(|&f| times[f as usize]).collect();
+    let rows = lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places };
+    lane_change::changes(road, &rows)
+}
+
+/// Sideways travel of a target across the lanes' direction by row, m; NaN where a stretch ends.
+fn sideways(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<f64> {
+    let m = &target.track.motion;
+    let time = |r: usize| times[target.track.frames[r] as usize];
+    let (mut sum, mut last) = (0.0, None);
+    (0..m.len())
+        .map(|r| {
+            let place = places[r].as_ref().filter(|p| !road.lanes[p.lane].in_junction);
+            let velocity = p2(m.vx[r], m.vy[r]);
+            let joined = last.is_none_or(|l: usize| time(r) - time(l) <= GAP_S);
+            let (Some(place), true) = (place, velocity.norm() >= WEAVING_LEAST_MPS && joined) else {
+                last = None;
+                return f64::NAN;
+            };
+            let left = P2::from_heading(road.lanes[place.lane].centre.smooth_heading_at(place.s, 2.0)).left();
+            sum += last.map_or(0.0, |l| (time(r) - time(l)) * velocity.dot(left));
+            last = Some(r);
+            sum
+        })
+        .collect()
+}
+
+/// Number of alternating swings of at least [`SWING_M`] in `values`.
+fn swings(values: &[f64]) -> usize {
+    let Some(&start) = values.first() else { return 0 };
+    let (mut low, mut high, mut rising, mut count) = (start, start, None, 0);
+    for &v in values {
+        (low, high) = (low.min(v), high.max(v));
+        // A swing is counted when it is wide enough; from then on its end moves along with it.
+        if rising != Some(true) && v - low >= SWING_M {
+            (rising, count, high) = (Some(true), count + 1, v);
+        } else if rising != Some(false) && high - v >= SWING_M {
+            (rising, count, low) = (Some(false), count + 1, v);
+        }
+        if rising == Some(true) {
+            low = high;
+        } else if rising == Some(false) {
+            high = low;
+        }
+    }
+    count
+}
+
+fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<Tri> {
+    if places.is_empty() {
+        return vec![Tri::False; target.places.len()];
+    }
+    let across = sideways(road, target, places, times);
+    let time = |r: usize| times[target.track.frames[r] as usize];
+    let mut first = 0;
+    (0..across.len())
+        .map(|r| {
+            if across[r].is_nan() {
+                first = r + 1;
+                return Tri::False;
+            }
+            while time(r) - time(first) > SWINGS_WITHIN_S {
+                first += 1;
+            }
+            Tri::from(swings(&across[first..=r]) >= SWINGS)
+        })
+        .collect()
+}
+
+/// Against every lane for vehicles that is here, outside junctions.
+fn against(road: &Road, p: &Placement) -> bool {
+    if p.speed() < MOVING_MPS || road.in_junction(p.footprint.centre) {
+        return false;
+    }
+    let here = road.lanes_near(p.footprint.centre, 0.0).into_iter().filter(|&i| {
+        let lane = &road.lanes[i];
+        matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus)
+            && lane.area.as_ref().is_some_and(|a| a.contains(p.footprint.centre))
+    });
+    let mut any = false;
+    for i in here {
+        let centre = &road.lanes[i].centre;
+        let along = centre.smooth_heading_at(centre.project(p.footprint.centre).s, 2.0);
+        if wrap(p.course() - along).abs() < OPPOSITE_RAD {
+            return false;
+        }
+        any = true;
+    }
+    any
+}
+
+fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
+    let mut flags: Vec<Tri> =
+        target.places.iter().map(|p| if p.is_some() { Tri::False } else { Tri::Unknown }).collect();
+    if !drives(target.track.class) {
+        return flags;
+    }
+    let mut run: Vec<usize> = Vec::new();
+    let time = |r: usize| times[target.track.frames[r] as usize];
+    for r in 0..=flags.len() {
+        let goes_on = r < flags.len()
+            && target.places[r].as_ref().is_some_and(|p| against(road, p))
+            && run.last().is_none_or(|&l| time(r) - time(l) <= GAP_S);
+        if goes_on {
+            run.push(r);
+            continue;
+        }
+        if let (Some(&a), Some(&b)) = (run.first(), run.last())
+            && time(b) - time(a) > WRONG_WAY_S
+        {
+            flags[a..=b].fill(Tri::True);
+        }
+        run.clear();
+    }
+    flags
+}
+
+/// Writes `target.lane_change`, `weaves`, `wrong_way`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let (Some(road), Some(lanes)) = (scene.around.road, scene.lanes) else { return };
+    let rows = Rows::new(scene.drive, table);
+    let (targets, times) = (scene.targets, scene.times);
+    let each = || targets.iter().zip(&lanes.places);
+    let codes: Vec<_> = each().map(|(t, places)| changes(road, t, places, times)).collect();
+    table.category(
+        id::TARGET_LANE_CHANGE,
+        rows.spread(targets, None, |k, r, _| codes[k].get(r).copied().flatten()),
+    );
+    let weaving: Vec<_> = each().map(|(t, places)| weaves(road, t, places, times)).collect();
+    table.flag(id::TARGET_WEAVES, rows.spread(targets, Tri::Unknown, |k, r, _| weaving[k][r]));
+    let wrong: Vec<_> = targets.iter().map(|t| wrong_way(road, t, times)).collect();
+    table.flag(id::TARGET_WRONG_WAY, rows.spread(targets, Tri::Unknown, |k, r, _| wrong[k][r]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn swings_by_hand() {
+        assert_eq!(swings(&[0.0, 0.2, 0.4, 0.2, 0.0]), 0, "none is half a metre wide");
+        assert_eq!(swings(&[0.0, 1.0, 2.0, 3.5]), 1, "a lane change");
+        assert_eq!(swings(&[0.0, 0.6, 0.0]), 2, "out and back");
+        assert_eq!(swings(&[0.0, 0.6, 0.5, 0.7, 0.0, -0.1, 0.5]), 3);
+        assert_eq!(swings(&[]), 0);
+    }
+}

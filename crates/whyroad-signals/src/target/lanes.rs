@@ -1,0 +1,41 @@
+//! The lanes of the targets, assigned once for all families that read them.
+
+use crate::geometry::{P2, p2};
+use crate::road::lanes::{LanePlace, Tether, assign};
+use crate::road::network::Road;
+use crate::target::placement::Target;
+use whyroad_model::ObjectClass;
+
+/// True for what drives in lanes.
+pub fn drives(class: ObjectClass) -> bool {
+    class.is_vehicle() || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist)
+}
+
+/// Lanes of all targets: by target, then by row of its track. Empty for what does not drive in lanes.
+pub struct TargetLanes {
+    /// Assigned places.
+    pub places: Vec<Vec<Option<LanePlace>>>,
+}
+
+impl TargetLanes {
+    /// Assigns the lanes of `targets`.
+    pub fn new(road: &Road, targets: &[Target<'_>]) -> Self {
+        let places = targets.iter().map(|target| {
+            let tether = match target.track.class {
+                class if class.is_vehicle() => Tether::VEHICLE,
+                class if drives(class) => Tether::BICYCLE,
+                _ => return Vec::new(),
+            };
+            let m = &target.track.motion;
+            let rows: Vec<(P2, f64, f64)> =
+                (0..m.len()).map(|r| (p2(m.x[r], m.y[r]), m.z[r], m.heading[r])).collect();
+            assign(road, &rows, tether)
+        });
+        Self { places: places.collect() }
+    }
+
+    /// The place of target `k` in its row `r`.
+    pub fn at(&self, k: usize, r: usize) -> Option<&LanePlace> {
+        self.places[k].get(r)?.as_ref()
+    }
+}

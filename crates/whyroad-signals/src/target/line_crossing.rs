@@ -1,0 +1,38 @@
+//! A target at the edge of the ego's lane: whether it is across the line, how deep it has come in, how far from
+//! the lane's centre it is and how fast it comes nearer. All against the lane as the map draws it.
+
+use crate::road::ego_lane::OVER_LINE_M;
+use crate::table::TableBuilder;
+use crate::target::gaps::lane_lateral_speed;
+use crate::target::placement::{Placement, Target};
+use crate::target::rows::Rows;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{Number, PerTarget, Signal, id};
+use whyroad_model::scene::Drive;
+
+/// Across an edge: more than a decimetre inside and more than a decimetre outside.
+fn across_line(p: &Placement) -> Tri {
+    let Some((at, left, right)) = p.lane else { return Tri::Unknown };
+    if !p.is_sized() {
+        return Tri::Unknown;
+    }
+    if !p.same_level || !p.within_reach() {
+        return Tri::False;
+    }
+    let straddles = |inner: f64, outer: f64| inner > OVER_LINE_M && outer > OVER_LINE_M;
+    let over_left = straddles(left - at.low, at.high - left);
+    let over_right = straddles(right + at.high, -right - at.low);
+    Tri::from(over_left || over_right)
+}
+
+/// Writes `target.wheel_over_line`, `lateral_offset`, `lane_centre_distance`, `lane_lateral_speed`.
+pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(drive, table);
+    table.flag(id::TARGET_WHEEL_OVER_LINE, rows.placed(targets, Tri::Unknown, across_line));
+    let mut number = |id: Signal<PerTarget, Number>, value: &dyn Fn(&Placement) -> Option<f64>| {
+        table.number(id, rows.placed(targets, f64::NAN, |p| value(p).unwrap_or(f64::NAN)));
+    };
+    number(id::TARGET_LATERAL_OFFSET, &Placement::intrusion);
+    number(id::TARGET_LANE_CENTRE_DISTANCE, &|p| p.lane.map(|(at, _, _)| at.lateral.abs()));
+    number(id::TARGET_LANE_LATERAL_SPEED, &lane_lateral_speed);
+}

@@ -1,0 +1,302 @@
+//! Where each target is in each frame, once for all signals that ask: in the ego's axes, along and beside the
+//! ego's driven path, and along and beside the ego's lane.
+
+use crate::ego::motion::{EgoMotion, given_or_slope};
+use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
+use crate::road::ego_lane::{EgoLane, lateral_extent};
+use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
+use crate::road::path::DrivenPath;
+use whyroad_model::scene::Track;
+
+/// From this speed on a target moves, m/s.
+pub const MOVING_MPS: f64 = 0.5;
+
+/// One target over its observed rows.
+pub struct Target<'a> {
+    /// The track.
+    pub track: &'a Track,
+    /// Forward acceleration, m/s2.
+    pub accel: Vec<f64>,
+    /// One entry a row of the track; `None` where the ego's or the target's pose is unknown.
+    pub places: Vec<Option<Placement>>,
+}
+
+/// A place beside a line: signed distances, left positive, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside {
+    /// Of the centre.
+    pub lateral: f64,
+    /// Of the rightmost corner.
+    pub low: f64,
+    /// Of the leftmost corner.
+    pub high: f64,
+    /// Direction of the line there, rad.
+    pub heading: f64,
+}
+
+/// Where a target is in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement {
+    /// The frame.
+    pub frame: usize,
+    /// Box on the ground; sizes may be NaN.
+    pub footprint: OrientedBox,
+    /// Velocity over ground, m/s, world.
+    pub velocity: P2,
+    /// Arc length from the ego's centre to the target's along the path, forward positive, m.
+    pub ahead: f64,
+    /// The same to its nearest corner, m; the centre where sizes are unknown.
+    pub near: f64,
+    /// The same to its farthest corner, m.
+    pub far: f64,
+    /// Beside the driven path.
+    pub path: Beside,
+    /// Beside the ego's lane, with the distances to its left and right edge; `None` while the ego has none.
+    pub lane: Option<(Beside, f64, f64)>,
+    /// Arc length from the ego's centre to the target's along the ego's lane, m; NaN while the ego has none.
+    pub lane_ahead: f64,
+    /// Nearest and farthest arc length (from the ego's centre) of the part of the footprint that is in the band which
+    /// the ego sweeps along its path, m; `None` when no part is.
+    pub band: Option<(f64, f64)>,
+    /// In the ego's lane, see [`Placement::centre_in_way`]; inside junctions, where no lines are drawn, a target
+    /// that was in the lane stays in it until its whole footprint has left.
+    pub in_way: bool,
+    /// There is room beside it for the ego within the ego's lane, or no lane is known.
+    pub leaves_room: bool,
+    /// At the height of the ego's path.
+    pub same_level: bool,
+    /// Direction of the path where the ego is, rad.
+    pub heading_at_ego: f64,
+}
+
+impl Placement {
+    /// True when the box's size is known.
+    pub fn is_sized(&self) -> bool {
+        self.footprint.length.is_finite() && self.footprint.width.is_finite()
+    }
+
+    /// In the ego's lane, and not one that stands at its side with room for the ego to pass within the lane: lanes
+    /// with room for parking are drawn as wide lanes. What stands in the middle of a lane blocks it, though the ego
+    /// may later have changed lanes.
+    pub fn blocks_way(&self) -> bool {
+        let may_pass = self.leaves_room && self.band.is_none();
+        self.in_way && (!may_pass || self.speed() >= MOVING_MPS)
+    }
+
+    /// Speed over ground, m/s.
+    pub fn speed(&self) -> f64 {
+        self.velocity.norm()
+    }
+
+    /// The ego's lane where there is one, else a band along the driven path: place and edges.
+    pub fn way(&self) -> (Beside, f64, f64) {
+        self.lane.unwrap_or((self.path, DEFAULT_HALF_WIDTH_M, DEFAULT_HALF_WIDTH_M))
+    }
+
+    /// True when the centre is between the edges of [`Placement::way`], on its level and within reach.
+    fn centre_in_way(&self) -> bool {
+        let (at, left, right) = self.way();
+        self.same_level && self.within_reach() && at.lateral <= left && at.lateral >= -right
+    }
+
+    /// True within 150 m ahead and 100 m behind: farther targets are known to be out of relation.
+    pub fn within_reach(&self) -> bool {
+        self.near <= 150.0 && self.far >= -100.0
+    }
+
+    /// How far the innermost side has come over the edge into the ego's lane, never negative, m. `None` without
+    /// a lane or a size.
+    pub fn intrusion(&self) -> Option<f64> {
+        let (at, left, right) = self.lane?;
+        if !self.is_sized() {
+            return None;
+        }
+        let depth = if at.lateral > 0.0 { left - at.low } else { right + at.high };
+        let there = self.same_level && self.within_reach();
+        Some(if there { depth.max(0.0) } else { 0.0 })
+    }
+
+    /// Direction in which the target goes: of its velocity when it moves, else of its box, rad.
+    pub fn course(&self) -> f64 {
+        if self.speed() >= MOVING_MPS { self.velocity.heading() } else { self.footprint.heading }
+    }
+}
+
+/// What a placement is made from.
+pub struct Surroundings<'a> {
+    /// The ego.
+    pub ego: &'a EgoMotion,
+    /// Its path.
+    pub path: &'a DrivenPath,
+    /// Its lanes, when there is a map.
+    pub lanes: Option<&'a EgoLane>,
+    /// The road, when there is a map.
+    pub road: Option<&'a Road>,
+}
+
+/// The band that the ego sweeps is this much wider than the ego on either side, m.
+const PATH_MARGIN_M: f64 = 0.3;
+/// Points around a footprint are this close, m.
+const BAND_STEP_M: f64 = 0.5;
+
+fn corner_reach(footprint: &OrientedBox) -> f64 {
+    footprint.radius() + 3.0
+}
+
+impl Surroundings<'_> {
+    /// Places `track` in all its rows; `times` in seconds by frame.
+    pub fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
+        let m = &track.motion;
+        let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
+        let forward: Vec<f64> = (0..m.len()).map(|r| m.forward_speed(r)).collect();
+        let mut places: Vec<Option<Placement>> = (0..m.len()).map(|row| self.at(track, row)).collect();
+        let mut was_in_way = false;
+        for place in &mut places {
+            let Some(p) = place else { continue };
+            let held = |p: &Placement| {
+                p.intrusion().is_some_and(|d| d > 0.0)
+                    && self.road.is_some_and(|r| r.in_junction(p.footprint.centre))
+            };
+            p.in_way = p.centre_in_way() || (was_in_way && held(p));
+            was_in_way = p.in_way;
+        }
+        Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places }
+    }
+
+    /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
+    /// centre is at `ego_s`. Points, not corners: where the path bends away, a car beside the ego can have corners
+    /// on either side of it and yet be clear. Beside the ego's own body the band has no margin.
+    fn in_band(
+        &self,
+        footprint: &OrientedBox,
+        ego_s: f64,
+        at: &Projection,
+        beside: &Beside,
+    ) -> Option<(f64, f64)> {
+        let half = self.ego.width / 2.0;
+        // A little more than the corners tell, for what bulges between them.
+        let widest = half + PATH_MARGIN_M + 1.0;
+        if beside.low > widest || beside.high < -widest {
+            return None;
+        }
+        let reach = corner_reach(footprint);
+        let corners = footprint.corners();
+        // Arc length and how far inside the band (negative: outside), point by point around the footprint.
+        let probe = |p: P2| {
+            let on = self.path.line.project_between(p, at.s - reach, at.s + reach);
+            let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
+            (on.s, half + margin - on.lateral.abs())
+        };
+        let mut extent: Option<(f64, f64)> = None;
+        let mut include = |s: f64| {
+            let (low, high) = extent.unwrap_or((s, s));
+            extent = Some((low.min(s), high.max(s)));
+        };
+        let mut before = probe(corners[3]);
+        for (i, &a) in corners.iter().enumerate() {
+            let from = corners[(i + 3) % 4];
+            let steps = ((a - from).norm() / BAND_STEP_M).ceil().max(1.0);
+            for k in 1..=steps as usize {
+                let now = probe(from + (a - from) * (k as f64 / steps));
+                if now.1 >= 0.0 {
+                    include(now.0);
+                }
+                if (now.1 >= 0.0) != (before.1 >= 0.0) {
+                    // Where the side leaves the band, between two points.
+                    include(before.0 + (now.0 - before.0) * (before.1 / (before.1 - now.1)));
+                }
+                before = now;
+            }
+        }
+        extent
+    }
+
+    /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
+    fn extents(&self, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
+        let heading = self.path.heading_at(at.s);
+        let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
+        let (mut near, mut far) = (at.s, at.s);
+        let reach = corner_reach(footprint);
+        for corner in footprint.corners() {
+            let on = self.path.line.project_between(corner, at.s - reach, at.s + reach);
+            (near, far) = (near.min(on.s), far.max(on.s));
+            (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
+        }
+        (near, far, beside)
+    }
+
+    /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
+    pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
+        let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
+        let footprint = OrientedBox { centre: p.footprint.centre + p.velocity * seconds, ..p.footprint };
+        let at = self.path.project_near(footprint.centre, ego_s);
+        let (_, _, beside) = self.extents(&footprint, &at);
+        let front = ego_s + self.ego.length / 2.0;
+        // A metre of grace: the gap was closed along the path, which is not quite where the target moved.
+        self.in_band(&footprint, ego_s, &at, &beside)
+            .is_some_and(|(near, far)| near <= front + 1.0 && far >= ego_s - self.ego.length / 2.0)
+    }
+
+    fn at(&self, track: &Track, row: usize) -> Option<Placement> {
+        let frame = track.frames[row] as usize;
+        let m = &track.motion;
+        let centre = p2(m.x[row], m.y[row]);
+        if !self.ego.is_known(frame) || !centre.is_finite() {
+            return None;
+        }
+        let footprint = OrientedBox {
+            centre,
+            heading: wrap(m.heading[row]),
+            length: track.length_m[row],
+            width: track.width_m[row],
+        };
+        let sized =
+            footprint.length.is_finite() && footprint.width.is_finite() && footprint.heading.is_finite();
+        let ego_s = self.path.ego_s[frame];
+        let on_path = self.path.project_near(centre, ego_s);
+        let (near, far, beside) = if sized {
+            self.extents(&footprint, &on_path)
+        } else {
+            let heading = self.path.heading_at(on_path.s);
+            let lateral = on_path.lateral;
+            (on_path.s, on_path.s, Beside { lateral, low: lateral, high: lateral, heading })
+        };
+        let band = if sized { self.in_band(&footprint, ego_s, &on_path, &beside) } else { None };
+        let mut lane_ahead = f64::NAN;
+        let lane = self.lanes.and_then(|l| l.at(frame)).map(|on| {
+            let at = on.corridor.line.project_between(centre, on.s - 105.0, on.s + 155.0);
+            lane_ahead = at.s - on.s;
+            let (low, high) =
+                if sized { lateral_extent(on.corridor, &footprint, at.s) } else { (at.lateral, at.lateral) };
+            let heading = on.corridor.line.smooth_heading_at(at.s, 2.0);
+            let (left, right) = on.corridor.widths_at(at.s);
+            (Beside { lateral: at.lateral, low, high, heading }, left, right)
+        });
+        let (z, path_z) = (m.z[row], self.path.z_at(on_path.s));
+        // Where the path is only continued, the road may climb: 6 % over the distance beyond what was driven.
+        let beyond = (on_path.s - self.path.driven.1).max(self.path.driven.0 - on_path.s).max(0.0);
+        let off_level = (z - path_z).abs() > LEVEL_M + 0.06 * beyond;
+        let needed = self.ego.width + 2.0 * PATH_MARGIN_M;
+        // A width that is not known (NaN) is no reason to call the lane blocked.
+        let leaves_room = lane.is_none_or(|(at, left, right)| {
+            let room = (left - at.high).max(right + at.low);
+            room.is_nan() || room >= needed
+        });
+        Some(Placement {
+            frame,
+            footprint,
+            velocity: p2(m.vx[row], m.vy[row]),
+            ahead: on_path.s - ego_s,
+            near: near - ego_s,
+            far: far - ego_s,
+            path: beside,
+            lane,
+            lane_ahead,
+            band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
+            in_way: false,
+            leaves_room,
+            same_level: !off_level,
+            heading_at_ego: self.path.ego_heading[frame],
+        })
+    }
+}

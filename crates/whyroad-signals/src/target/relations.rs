@@ -1,0 +1,141 @@
+//! What a target is to the ego: lead, follower, beside, oncoming, crossing. Lead and follower are the nearest
+//! vehicles in the ego's lane (see `Placement::way`) that head the way the lane goes.
+
+use crate::ego::motion::EgoMotion;
+use crate::geometry::wrap;
+use crate::table::TableBuilder;
+use crate::target::placement::{MOVING_MPS, Placement, Target};
+use crate::target::rows::Rows;
+use std::f64::consts::PI;
+use whyroad_model::Tri;
+use whyroad_model::catalogue::{id, value::TargetRelation};
+use whyroad_model::scene::Drive;
+
+/// A lead or follower heads within this of the lane: 60 deg (RefAV following: cos > 0.5).
+const SAME_WAY_RAD: f64 = PI / 3.0;
+/// Headings from here on cross: 45 deg (RefAV).
+const CROSSING_RAD: f64 = PI / 4.0;
+/// Headings from here on are oncoming: 135 deg (RefAV).
+const ONCOMING_RAD: f64 = 3.0 * PI / 4.0;
+const CROSSING_REACH_M: f64 = 50.0;
+const ONCOMING_REACH_M: f64 = 100.0;
+const BESIDE_REACH_M: (f64, f64) = (50.0, 6.0);
+
+/// Lead and follower by frame: `(target index, row in its track)`.
+pub struct Neighbours {
+    /// The lead.
+    pub lead: Vec<Option<(usize, usize)>>,
+    /// The follower.
+    pub follower: Vec<Option<(usize, usize)>>,
+}
+
+fn leads_or_follows(p: &Placement) -> bool {
+    let (at, _, _) = p.way();
+    p.is_sized() && p.blocks_way() && wrap(p.footprint.heading - at.heading).abs() <= SAME_WAY_RAD
+}
+
+/// The nearest vehicles ahead and behind in the ego's lane, frame by frame. Ties go to the target that comes
+/// first by id, so that the order of candidates changes nothing.
+pub fn neighbours(targets: &[Target<'_>], frames: usize) -> Neighbours {
+    let mut found = Neighbours { lead: vec![None; frames], follower: vec![None; frames] };
+    let (mut nearest, mut farthest) = (vec![f64::INFINITY; frames], vec![f64::NEG_INFINITY; frames]);
+    for (k, target) in targets.iter().enumerate().filter(|(_, t)| t.track.class.is_vehicle()) {
+        for (row, place) in target.places.iter().enumerate() {
+            let Some(p) = place.as_ref().filter(|p| leads_or_follows(p)) else { continue };
+            let i = p.frame;
+            if p.ahead > 0.0 && p.near < nearest[i] {
+                nearest[i] = p.near;
+                found.lead[i] = Some((k, row));
+            }
+            if p.ahead <= 0.0 && p.far > farthest[i] {
+                farthest[i] = p.far;
+                found.follower[i] = Some((k, row));
+            }
+        }
+    }
+    found
+}
+
+fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
+    if is_lead {
+        return TargetRelation::Lead;
+    }
+    if is_follower {
+        return TargetRelation::Follower;
+    }
+    if !p.same_level || !p.within_reach() {
+        return TargetRelation::None;
+    }
+    let turned = wrap(p.course() - p.path.heading).abs();
+    let distance = p.ahead.hypot(p.path.lateral);
+    if turned >= ONCOMING_RAD - 1e-9 {
+        return if distance <= ONCOMING_REACH_M { TargetRelation::Oncoming } else { TargetRelation::None };
+    }
+    if turned >= CROSSING_RAD {
+        // Standing across is not crossing.
+        return if p.speed() >= MOVING_MPS && distance <= CROSSING_REACH_M {
+            TargetRelation::Crossing
+        } else {
+            TargetRelation::None
+        };
+    }
+    if p.in_way {
+        return if p.ahead > 0.0 { TargetRelation::Ahead } else { TargetRelation::Behind };
+    }
+    if p.ahead.abs() <= BESIDE_REACH_M.0 && p.path.lateral.abs() <= BESIDE_REACH_M.1 {
+        return if p.path.lateral > 0.0 { TargetRelation::Left } else { TargetRelation::Right };
+    }
+    TargetRelation::None
+}
+
+/// Writes `target.in_ego_lane`, `is_lead`, `is_follower`, `relation`.
+pub fn write(drive: &Drive, targets: &[Target<'_>], near: &Neighbours, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(drive, table);
+    table.flag(id::TARGET_IN_EGO_LANE, rows.placed(targets, Tri::Unknown, |p| Tri::from(p.in_way)));
+    let is =
+        |who: &[Option<(usize, usize)>], k: usize, p: &Placement| who[p.frame].is_some_and(|(j, _)| j == k);
+    let flag = |who: &[Option<(usize, usize)>], k: usize, p: Option<&Placement>| {
+        // Without a size the nearest is unknown.
+        p.filter(|p| p.is_sized()).map_or(Tri::Unknown, |p| Tri::from(is(who, k, p)))
+    };
+    table.flag(id::TARGET_IS_LEAD, rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.lead, k, p)));
+    table.flag(
+        id::TARGET_IS_FOLLOWER,
+        rows.spread(targets, Tri::Unknown, |k, _, p| flag(&near.follower, k, p)),
+    );
+    table.category(
+        id::TARGET_RELATION,
+        rows.spread(targets, None, |k, _, p| {
+            p.map(|p| relation(p, is(&near.lead, k, p), is(&near.follower, k, p)))
+        }),
+    );
+}
+
+/// Writes the `lead.*` signals: the lead's own target signals, copied to the frame.
+pub fn write_lead(ego: &EgoMotion, near: &Neighbours, table: &mut TableBuilder<'_>) {
+    let frames = 0..ego.len();
+    let known = |i: usize| ego.is_known(i);
+    table.flag(
+        id::LEAD_EXISTS,
+        frames
+            .clone()
+            .map(|i| if known(i) { Tri::from(near.lead[i].is_some()) } else { Tri::Unknown })
+            .collect(),
+    );
+    let copies = [
+        (id::LEAD_GAP, id::TARGET_GAP, f64::INFINITY),
+        (id::LEAD_TTC, id::TARGET_TTC, f64::INFINITY),
+        (id::LEAD_THW, id::TARGET_THW, f64::INFINITY),
+        (id::LEAD_SPEED, id::TARGET_SPEED, f64::NAN),
+        (id::LEAD_ACCEL, id::TARGET_ACCEL, f64::NAN),
+    ];
+    for (id, source, without) in copies {
+        let value = |i: usize| match near.lead[i] {
+            Some((k, _)) => table.target_number(source, k, i),
+            None if known(i) => without,
+            None => f64::NAN,
+        };
+        let column = frames.clone().map(value).collect();
+        table.number(id, column);
+    }
+}

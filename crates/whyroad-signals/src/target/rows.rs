@@ -1,0 +1,88 @@
+//! From observed rows of tracks to the dense rows of target columns: frames in which a target was not seen
+//! stay unknown.
+
+use crate::table::{TableBuilder, TargetRows};
+use crate::target::placement::{Placement, Target};
+use whyroad_model::Tri;
+use whyroad_model::catalogue::CategoryValue;
+use whyroad_model::scene::{Drive, Track};
+
+/// The row layout of one table.
+pub struct Rows<'a> {
+    tracks: Vec<&'a Track>,
+    first_rows: Vec<usize>,
+    count: usize,
+}
+
+impl<'a> Rows<'a> {
+    /// The layout of `table`, which was made for `drive`.
+    pub fn new(drive: &'a Drive, table: &TableBuilder<'_>) -> Self {
+        Self {
+            tracks: observed_tracks(drive).collect(),
+            first_rows: table.targets().iter().map(|t| t.first_row).collect(),
+            count: table.rows(),
+        }
+    }
+
+    fn dense(&self, k: usize, row: usize) -> usize {
+        self.first_rows[k] + (self.tracks[k].frames[row] - self.tracks[k].frames[0]) as usize
+    }
+
+    fn fill<T: Clone>(&self, unknown: T, value: impl Fn(usize, &Track, usize) -> T) -> TargetRows<T> {
+        let mut column = vec![unknown; self.count];
+        for (k, track) in self.tracks.iter().enumerate() {
+            for row in 0..track.frames.len() {
+                column[self.dense(k, row)] = value(k, track, row);
+            }
+        }
+        TargetRows(column)
+    }
+
+    /// A number per row of each track.
+    pub fn numbers(&self, value: impl Fn(&Track, usize) -> f64) -> TargetRows<f64> {
+        self.fill(f64::NAN, |_, t, r| value(t, r))
+    }
+
+    /// A flag per row, unknown where not observed.
+    pub fn flags(&self, value: impl Fn(&Track, usize) -> Tri) -> TargetRows<Tri> {
+        self.flags_or(Tri::Unknown, value)
+    }
+
+    /// A flag per row, `unseen` where not observed.
+    pub fn flags_or(&self, unseen: Tri, value: impl Fn(&Track, usize) -> Tri) -> TargetRows<Tri> {
+        self.fill(unseen, |_, t, r| value(t, r))
+    }
+
+    /// A category value per row.
+    pub fn values<C: CategoryValue>(
+        &self,
+        value: impl Fn(&Track, usize) -> Option<C>,
+    ) -> TargetRows<Option<C>> {
+        self.fill(None, |_, t, r| value(t, r))
+    }
+
+    /// A value per row from `(target index, row, placement)`; rows are those of `targets[k].track`.
+    pub fn spread<T: Clone>(
+        &self,
+        targets: &[Target<'_>],
+        unknown: T,
+        value: impl Fn(usize, usize, Option<&Placement>) -> T,
+    ) -> TargetRows<T> {
+        self.fill(unknown, |k, _, r| value(k, r, targets[k].places[r].as_ref()))
+    }
+
+    /// A value per placed row; unknown where there is no placement.
+    pub fn placed<T: Clone>(
+        &self,
+        targets: &[Target<'_>],
+        unknown: T,
+        value: impl Fn(&Placement) -> T,
+    ) -> TargetRows<T> {
+        self.spread(targets, unknown.clone(), |_, _, p| p.map_or(unknown.clone(), &value))
+    }
+}
+
+/// Tracks that have rows; the order of the targets.
+pub fn observed_tracks(drive: &Drive) -> impl Iterator<Item = &Track> {
+    drive.tracks.iter().filter(|t| !t.frames.is_empty())
+}

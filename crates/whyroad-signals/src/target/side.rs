@@ -1,0 +1,87 @@
+//! On which side of the ego a target is, in which lane beside it, and which way it moves along the ego's path.
+
+use crate::geometry::{p2, wrap};
+use crate::table::TableBuilder;
+use crate::target::gaps;
+use crate::target::interaction::Interaction;
+use crate::target::motion::OPPOSITE_RAD;
+use crate::target::placement::Placement;
+use crate::target::rows::Rows;
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4};
+use whyroad_model::catalogue::{
+    id,
+    value::{TargetLaneSide, TargetMovesAlong, TargetSide},
+};
+
+/// Below this a target does not move, m/s.
+const STILL_MPS: f64 = 0.3;
+
+/// The value of target.side of a target seen at `bearing` from the ego's heading, rad, left positive.
+fn side(bearing: f64) -> TargetSide {
+    match bearing.abs() {
+        b if b <= FRAC_PI_4 => TargetSide::Front,
+        b if b >= OPPOSITE_RAD - 1e-9 => TargetSide::Rear,
+        _ if bearing > 0.0 => TargetSide::Left,
+        _ => TargetSide::Right,
+    }
+}
+
+/// The value of target.lane_side; `None` where the ego has no lane.
+fn lane_side(p: &Placement) -> Option<TargetLaneSide> {
+    let (at, left, right) = p.lane?;
+    let same_way = wrap(p.course() - at.heading).abs() <= FRAC_PI_3;
+    let width = left + right;
+    Some(if p.in_way {
+        TargetLaneSide::Same
+    } else if !p.same_level || !p.within_reach() || !same_way {
+        TargetLaneSide::Other
+    } else if at.lateral > left && at.lateral <= left + width {
+        TargetLaneSide::Left
+    } else if at.lateral < -right && at.lateral >= -right - width {
+        TargetLaneSide::Right
+    } else {
+        TargetLaneSide::Other
+    })
+}
+
+/// The value of target.moves_along.
+fn moves_along(p: &Placement) -> Option<TargetMovesAlong> {
+    if p.speed().is_nan() {
+        return None;
+    }
+    if p.speed() < STILL_MPS {
+        return Some(TargetMovesAlong::Still);
+    }
+    let turned = wrap(p.velocity.heading() - p.path.heading).abs();
+    Some(if turned <= FRAC_PI_4 {
+        TargetMovesAlong::Along
+    } else if turned >= OPPOSITE_RAD - 1e-9 {
+        TargetMovesAlong::Against
+    } else {
+        TargetMovesAlong::Across
+    })
+}
+
+/// Writes `target.side`, `lane_side`, `moves_along`, `relative_speed`.
+pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
+    let rows = Rows::new(scene.drive, table);
+    let (targets, ego) = (scene.targets, scene.around.ego);
+    let bearing = |p: &Placement| {
+        let away = p.footprint.centre - ego.position[p.frame];
+        let at = wrap(p2(away.x, away.y).heading() - ego.heading[p.frame]);
+        Some(side(at))
+    };
+    table.category(id::TARGET_SIDE, rows.placed(targets, None, bearing));
+    if scene.around.lanes.is_some() {
+        table.category(id::TARGET_LANE_SIDE, rows.placed(targets, None, lane_side));
+    }
+    table.category(id::TARGET_MOVES_ALONG, rows.placed(targets, None, moves_along));
+    let relative = |p: &Placement| {
+        if p.speed() == 0.0 {
+            -ego.forward_speed[p.frame]
+        } else {
+            gaps::along_signed(p) - ego.forward_speed[p.frame]
+        }
+    };
+    table.number(id::TARGET_RELATIVE_SPEED, rows.placed(targets, f64::NAN, relative));
+}

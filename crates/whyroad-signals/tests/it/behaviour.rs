@@ -1,0 +1,278 @@
+//! What targets and the ego do over time, traffic and the light's history, against motions
+//! given by formulas. Expected values are worked out in the comments.
+use crate::scene::{Table, add, car, drive, map, near, road};
+use std::f64::consts::PI;
+use whyroad_model::Nanos;
+use whyroad_model::ObjectClass::Truck;
+use whyroad_model::Tri::{False, True, Unknown};
+use whyroad_model::road_map::{Point3, StopLine};
+use whyroad_model::scene::{LightColour, LightState};
+
+/// 3.5 m to the left between 4 and 8 s, as a cosine.
+fn shift(t: f64) -> f64 {
+    1.75 * (1.0 - (PI * ((t - 4.0).clamp(0.0, 4.0)) / 4.0).cos())
+}
+
+/// Frames in which a flag of the ego is true: first and last.
+fn when(t: &Table, name: &str, frames: usize) -> Option<(usize, usize)> {
+    let on: Vec<usize> = (0..frames).filter(|&i| t.ego_flag(name, i) == True).collect();
+    Some((*on.first()?, *on.last()?))
+}
+
+fn when_of(t: &Table, target: &str, name: &str, frames: usize) -> Option<(usize, usize)> {
+    let on: Vec<usize> = (0..frames).filter(|&i| t.flag(target, name, i) == True).collect();
+    Some((*on.first()?, *on.last()?))
+}
+
+#[test]
+fn off_the_usual_line_and_a_jerk_of_the_wheel() {
+    let mut d = drive(120, |t| (12.0 * t, 0.2 + shift(t), 0.0));
+    d.map = Some(road());
+    let t = Table::of(&d);
+    assert!(t.ego("ego.lateral_deviation", 5).is_nan(), "half a second is no habit");
+    near(t.ego("ego.lateral_deviation", 39), 0.0, 1e-6);
+    // Half way over: 1.75 m from the usual line, though the lane is another.
+    near(t.ego("ego.lateral_deviation", 60), 1.75, 0.03);
+    assert_eq!(when(&t, "ego.swerve", 120), None);
+    // 15 m/s, yaw rate 0.25 rad/s from 5 to 5.6 s on a straight road: 3.75 m/s2.
+    let h = |t: f64| 0.25 * ((t - 5.0).clamp(0.0, 0.6) - (t - 5.6).clamp(0.0, 0.6));
+    let mut d = drive(100, move |t| (15.0 * t, 0.0, h(t)));
+    d.map = Some(road());
+    let (first, last) = when(&Table::of(&d), "ego.swerve", 100).unwrap();
+    assert!((50..=51).contains(&first) && (60..=63).contains(&last), "{first} {last}");
+}
+
+/// Stop and go: 6 m/s for 5 s, stands 3 s, and again, three times.
+fn stop_and_go(t: f64) -> f64 {
+    let (whole, part) = ((t / 8.0).floor(), t.rem_euclid(8.0));
+    30.0 * whole + 6.0 * part.min(5.0)
+}
+
+#[test]
+fn stops_are_counted() {
+    let mut d = drive(240, |t| (stop_and_go(t), 0.0, 0.0));
+    car(&mut d, "lead", |t| (8.0 + stop_and_go(t), 0.0, 0.0));
+    let t = Table::of(&d);
+    assert_eq!(t.ego("ego.stop_count", 40), 0.0);
+    assert_eq!(t.ego("ego.stop_count", 60), 1.0);
+    assert_eq!(t.ego("ego.stop_count", 200), 2.0);
+    assert_eq!(t.ego_flag("ego.stop_and_go", 100), False);
+    assert_eq!(t.ego_flag("ego.stop_and_go", 145), True, "second stop at 13 s");
+    near(t.ego("ego.time_standing", 70), 2.0, 0.11);
+    assert_eq!(t.ego("ego.time_standing", 30), 0.0);
+    let (first, _) = when(&t, "ego.moves_off", 100).unwrap();
+    assert!((80..=81).contains(&first), "{first}");
+    assert_eq!(t.ego_flag("ego.moves_off", 92), False, "for a second");
+    // Of the 20 s before 16 s, 16 are known: 60 m.
+    near(t.ego("ego.mean_speed", 160), 60.0 / 16.0, 0.1);
+    assert!(t.ego("ego.mean_speed", 5).is_nan());
+    near(t.ego("lead.stopped_time", 70), 2.0, 0.11);
+}
+
+#[test]
+fn a_change_of_mind_with_an_effect() {
+    // 10 m/s, from 4 s on braking at 1 m/s2 for 3 s: 3 m/s less. The meta action changes within 0.4 s of that.
+    let mut d = drive(120, |t| {
+        let b = (t - 4.0).clamp(0.0, 3.0);
+        (10.0 * t - 0.5 * b * b - 3.0 * (t - 7.0).max(0.0), 0.0, 0.0)
+    });
+    d.map = Some(road());
+    let t = Table::of(&d);
+    let (first, _) = when(&t, "ego.responds", 60).unwrap();
+    assert!((37..=44).contains(&first), "{first}");
+    // At 7 s it goes on at a constant speed: a change of action, but nothing comes of it.
+    assert_eq!(t.ego_flag("ego.responds", 72), False);
+    // Nor of a speed that wavers by 0.4 m/s either way, though its acceleration of 0.8 m/s2 is a change of action.
+    let mut d = drive(120, |t| (10.0 * t + 0.2 * (2.0 * t).sin(), 0.0, 0.0));
+    d.map = Some(road());
+    assert_eq!(when(&Table::of(&d), "ego.responds", 80), None);
+}
+
+#[test]
+fn what_targets_do() {
+    let mut d = drive(150, |t| (5.0 * t, 0.0, 0.0));
+    // Stands for 7 s, then backs at 1 m/s for 3 s.
+    car(&mut d, "backs", |t| (40.0 - (t - 7.0).clamp(0.0, 3.0), 3.5, 0.0));
+    // 12 m/s, brakes at 5 m/s2 from 4 s: stands at 6.4 s.
+    car(&mut d, "brakes", |t| {
+        let b = (t - 4.0).clamp(0.0, 2.4);
+        (60.0 + 12.0 * t.min(6.4) - 2.5 * b * b, 3.5, 0.0)
+    });
+    // 1 m to either side every 4 s at 10 m/s: four swings of 2 m in 8 s.
+    car(&mut d, "weaves", |t| (30.0 + 10.0 * t, 3.5 + (PI * t / 2.0).sin(), 0.0));
+    car(&mut d, "changes", |t| (20.0 + 10.0 * t, 3.5 - shift(t), 0.0));
+    car(&mut d, "wrong", |t| (150.0 - 8.0 * t, 3.5, PI));
+    car(&mut d, "oncoming", |t| (150.0 - 8.0 * t, 7.0, PI));
+    d.map = Some(road());
+    let t = Table::of(&d);
+    let (from, to) = when_of(&t, "backs", "target.reverses", 150).unwrap();
+    assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
+    assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
+    near(t.num("backs", "target.time_standing", 60), 6.0, 1e-6);
+    let (from, to) = when_of(&t, "backs", "target.starts", 150).unwrap();
+    assert!((70..=71).contains(&from) && to == from + 9, "{from} {to}");
+    // It stood when first seen: for 5 s nobody knows since when.
+    assert_eq!(t.flag("backs", "target.was_parked", 40), Unknown);
+    assert_eq!(t.flag("backs", "target.was_parked", 55), True);
+    assert_eq!(t.flag("backs", "target.was_parked", 90), True, "until 2 s ago");
+    assert_eq!(t.flag("brakes", "target.was_parked", 20), False);
+    let (from, to) = when_of(&t, "brakes", "target.sudden_brake", 150).unwrap();
+    // The mean over 0.2 s either side reaches -4; at the end it is slower than 1 m/s from 6.2 s on.
+    assert!((39..=42).contains(&from) && (58..=62).contains(&to), "{from} {to}");
+    let (from, _) = when_of(&t, "weaves", "target.weaves", 150).unwrap();
+    // From the middle up by 1 m at 1 s, down by 2 m at 3 s, up again: the third swing is 0.5 m wide at 3.67 s.
+    assert!((35..=38).contains(&from), "{from}");
+    assert_eq!(when_of(&t, "changes", "target.weaves", 150), None, "a lane change is one swing");
+    assert_eq!(t.flag("wrong", "target.wrong_way", 30), True);
+    assert_eq!(t.flag("oncoming", "target.wrong_way", 30), False, "its lane runs that way");
+}
+
+#[test]
+fn sides_and_lanes() {
+    let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
+    for (id, x, y) in [("ahead", 20.0, 0.0), ("left", 4.0, 3.5), ("rear", -20.0, 3.5), ("right", 1.0, -3.5)] {
+        car(&mut d, id, move |t| (x + 10.0 * t, y, 0.0));
+    }
+    d.map = Some(road());
+    let t = Table::of(&d);
+    // 41 deg to the left is still in front of the ego; 4 m ahead and 3.5 m left is 41.2 deg.
+    for (id, side, lane) in [
+        ("ahead", "front", "same"),
+        ("left", "front", "left"),
+        ("rear", "rear", "left"),
+        ("right", "right", "right"),
+    ] {
+        assert_eq!(t.category(id, "target.side", 5), Some(side), "{id}");
+        // There is no lane to the right, but one lane's width beyond the edge is beside.
+        assert_eq!(t.category(id, "target.lane_side", 5), Some(lane), "{id}");
+    }
+}
+
+#[test]
+fn slower_traffic_is_overtaken() {
+    // 10 m/s faster, from 24 m behind: wholly ahead until its rear is at the ego's front (2.0 s), wholly behind at
+    // 2.8 s.
+    let mut d = drive(60, |t| (20.0 * t, 0.0, 0.0));
+    car(&mut d, "slow", |t| (24.0 + 10.0 * t, 3.5, 0.0));
+    car(&mut d, "parked", |_| (60.0, 3.5, 0.0));
+    car(&mut d, "oncoming", |t| (100.0 - 10.0 * t, 3.5, PI));
+    let t = Table::of(&d);
+    let (from, to) = when_of(&t, "slow", "target.overtaken", 60).unwrap();
+    assert!((28..=29).contains(&from) && to == from + 19, "{from} {to}");
+    assert_eq!(when(&t, "ego.passed_slower", 60), Some((from, to)));
+    for id in ["parked", "oncoming"] {
+        assert_eq!(when_of(&t, id, "target.overtaken", 60), None, "{id}");
+    }
+}
+
+#[test]
+fn the_queue_before_the_line() {
+    // Stop line at 60. Two cars stand at 56 and 50 (centres), one stands beyond the line at 70; the ego comes to
+    // stand with its front at 46. They move off at 8 and 9 s, the ego at 10 s.
+    let goes = |from: f64, at: f64| move |t: f64| (from + 1.0 * (t - at).max(0.0).powi(2), 0.0, 0.0);
+    let mut d = drive(130, |t| (20.0 + 8.0 * t.min(3.0) + (t - 10.0).max(0.0).powi(2), 0.0, 0.0));
+    car(&mut d, "first", goes(56.0, 8.0));
+    car(&mut d, "second", goes(50.0, 9.0));
+    car(&mut d, "beyond", |_| (70.0, 0.0, 0.0));
+    car(&mut d, "beside", |_| (54.0, 3.5, 0.0));
+    let mut m = road();
+    let line = vec![Point3 { x: 60.0, y: 0.0, z: 0.0 }];
+    m.stop_lines = vec![StopLine { id: "s".into(), line, lane_ids: vec!["r0".into()] }];
+    d.map = Some(m);
+    let t = Table::of(&d);
+    assert_eq!(t.ego("traffic.queue_position", 10), 2.0);
+    assert_eq!(t.ego("traffic.queue_position", 60), 2.0);
+    // Both have gone, but it was third when it stood.
+    assert_eq!(t.ego("traffic.queue_position", 105), 2.0);
+    assert_eq!(t.ego("traffic.density", 60), 4.0);
+}
+
+#[test]
+fn congestion_is_slow_company() {
+    let run = |speed: f64, cars: usize| {
+        let mut d = drive(60, move |t| (speed * t, 0.0, 0.0));
+        for k in 0..cars {
+            car(&mut d, &format!("c{k}"), move |t| (10.0 + 10.0 * k as f64 + speed * t, 0.0, 0.0));
+        }
+        car(&mut d, "parked", |_| (30.0, 8.0, 0.0));
+        let t = Table::of(&d);
+        (t.ego_flag("traffic.congested", 50), t.ego("traffic.mean_speed", 20))
+    };
+    assert_eq!(run(5.0, 3).0, True);
+    assert_eq!(run(9.0, 3).0, False, "32 km/h");
+    assert_eq!(run(5.0, 2).0, False, "two are no traffic");
+    // What is parked off the road does not slow the mean.
+    near(run(5.0, 3).1, 5.0, 1e-6);
+    assert!(run(5.0, 0).1.is_nan());
+}
+
+#[test]
+fn the_light_remembers_its_change() {
+    let mut d = drive(120, |t| (5.0 * t, 0.0, 0.0));
+    let mut m = road();
+    let line = vec![Point3 { x: 70.0, y: 0.0, z: 0.0 }];
+    m.stop_lines = vec![StopLine { id: "s".into(), line, lane_ids: vec!["r0".into()] }];
+    d.map = Some(m);
+    let at = |s: i64, colour| LightState {
+        lane_id: "r0".into(),
+        to_lane_id: None,
+        time: Nanos(1_000_000_000 + s * 1_000_000_000),
+        colour,
+    };
+    d.lights = Some(vec![at(0, LightColour::Green), at(8, LightColour::Yellow), at(11, LightColour::Red)]);
+    let t = Table::of(&d);
+    // Green since before the recording: for 5 s nobody knows, then at least as long as seen.
+    assert!(t.ego("light.time_since_change", 30).is_nan());
+    near(t.ego("light.time_since_change", 60), 6.0, 1e-6);
+    assert_eq!(t.ego_category("light.previous", 60), None);
+    near(t.ego("light.time_since_change", 95), 1.5, 1e-6);
+    assert_eq!(t.ego_category("light.previous", 95), Some("green"));
+    near(t.ego("light.time_since_change", 112), 0.2, 1e-6);
+    assert_eq!(t.ego_category("light.previous", 112), Some("yellow"));
+    // At 4 s: front at 22, line at 70, 5 m/s.
+    near(t.ego("light.time_to_stop_line", 40), 48.0 / 5.0, 1e-3);
+}
+
+#[test]
+fn the_lead_leaves_and_is_what_it_is() {
+    // A truck ahead that changes to the left lane between 4 and 8 s and brakes at 3.5 m/s2 from 9 s.
+    let mut d = drive(120, |t| (10.0 * t, 0.0, 0.0));
+    let x = |t: f64| 30.0 + 10.0 * t - 1.75 * (t - 9.0).max(0.0).powi(2);
+    add(&mut d, "truck", Truck, (8.0, 2.5), move |t| (x(t), shift(t), 0.0));
+    car(&mut d, "ahead", move |t| (50.0 + x(t), 0.0, 0.0));
+    d.map = Some(road());
+    let t = Table::of(&d);
+    assert_eq!(t.ego_category("lead.class", 20), Some("truck"));
+    assert_eq!(t.ego_flag("lead.large", 20), True);
+    assert_eq!(t.ego_flag("lead.changes_lane", 20), False);
+    assert_eq!(t.ego_flag("lead.changes_lane", 50), True);
+    // Its centre is over the line at 6 s: the car ahead is the lead then.
+    let (from, to) = when(&t, "lead.left_lane", 120).unwrap();
+    assert!((60..=61).contains(&from) && (9..=10).contains(&(to - from)), "{from} {to}");
+    assert_eq!(t.ego_category("lead.class", 70), Some("car"));
+    assert_eq!(t.ego_flag("lead.braking", 70), False);
+    assert_eq!(t.ego_flag("lead.braking", 100), True);
+    let alone = Table::of(&drive(20, |t| (10.0 * t, 0.0, 0.0)));
+    assert_eq!(alone.ego_category("lead.class", 5), Some("none"));
+    assert_eq!((alone.ego_flag("lead.braking", 5), alone.ego("lead.stopped_time", 5)), (False, 0.0));
+}
+
+#[test]
+fn a_target_turns_by_its_heading() {
+    let mut d = drive(140, |t| (-30.0 + 0.5 * t, 30.0, 0.0));
+    // Along x at 8 m/s, in the junction from x = 40: a quarter circle to the right, radius 10 m; another straight on.
+    car(&mut d, "right", |t| {
+        let (s, arc) = (8.0 * t, 5.0 * PI);
+        let a = ((s - 40.0) / 10.0).clamp(0.0, PI / 2.0);
+        let on = (s - 40.0 - arc).max(0.0);
+        (s.min(40.0) + 10.0 * a.sin(), -10.0 + 10.0 * a.cos() - on, -a)
+    });
+    car(&mut d, "straight", |t| (8.0 * t, 3.5, 0.0));
+    let mut m = map(vec![crate::scene::lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
+    m.junctions = vec![crate::scene::area("j", &[(39.0, -11.0), (56.0, -11.0), (56.0, 8.0), (39.0, 8.0)])];
+    d.map = Some(m);
+    let t = Table::of(&d);
+    assert_eq!(t.category("right", "target.turns", 30), Some("none"));
+    assert_eq!(t.category("right", "target.turns", 60), Some("right"));
+    assert_eq!(t.category("straight", "target.turns", 60), Some("straight"));
+}

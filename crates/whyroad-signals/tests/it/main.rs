@@ -1,0 +1,24 @@
+//! Integration tests of the signals, in one binary. Each file states where its expected values come from.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod behaviour;
+mod crime;
+mod criticality;
+mod distances;
+mod lane_change_phases;
+mod manoeuvres;
+mod map_parts;
+mod recorded;
+mod refav;
+mod road_ahead;
+mod scene;
+mod sight;
+mod sight_recorded;
+mod simulated;
+mod sumo_road;
+mod sumo_truth;
+mod target_ramp;
+mod terrain;
+mod ttc_lane;
+mod whole;

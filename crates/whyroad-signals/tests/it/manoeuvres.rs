@@ -1,0 +1,326 @@
+//! The ego's own motion, lanes, lane changes and turns, against motions given by formulas. Expected values are
+//! worked out in the comments.
+use crate::scene::{Table, add, area, car, drive, lane, map, near, road};
+use std::f64::consts::{FRAC_PI_2, PI};
+use whyroad_model::Need;
+use whyroad_model::ObjectClass::Pedestrian;
+use whyroad_model::Tri::{False, True, Unknown};
+use whyroad_model::scene::FrameOfReference;
+
+#[test]
+fn a_constant_turn_through_pi_has_a_constant_rate() {
+    // Radius 50 m at 10 m/s from heading 2.5 rad: passes pi after 3.2 s.
+    let circle = |t: f64| {
+        let h = 2.5 + 0.2 * t;
+        (50.0 * (h - FRAC_PI_2).cos(), 50.0 * (h - FRAC_PI_2).sin(), h)
+    };
+    let mut d = drive(100, circle);
+    for given in [true, false] {
+        if !given {
+            d.ego.as_mut().unwrap().motion.yaw_rate.fill(f64::NAN);
+        }
+        let t = Table::of(&d);
+        for i in 0..100 {
+            near(t.ego("ego.yaw_rate", i), 0.2, 1e-6);
+            near(t.ego("ego.curvature", i), 0.02, 1e-5);
+            near(t.ego("ego.lateral_accel", i), 2.0, 1e-3);
+            let h = t.ego("ego.heading", i);
+            assert!(h > -PI && h <= PI);
+            assert_eq!(t.ego_category("ego.meta_lateral", i), Some("steer_left"), "0.2 rad/s is 11.5 deg/s");
+        }
+    }
+}
+
+#[test]
+fn from_179_to_minus_179_degrees_is_straight() {
+    // Westbound through a junction, heading swinging by 2 deg across the wrap.
+    let pose = |t: f64| (-10.0 * t, 0.0, PI + (1.0_f64.to_radians()) * (t - 5.0).clamp(-1.0, 1.0));
+    let mut d = drive(100, pose);
+    let line: Vec<(f64, f64)> = vec![(50.0, 0.0), (-40.0, 0.0)];
+    let mut inner = lane("b", &[(-40.0, 0.0), (-60.0, 0.0)], 3.5);
+    inner.in_junction = true;
+    d.map = Some(map(vec![lane("a", &line, 3.5), inner, lane("c", &[(-60.0, 0.0), (-200.0, 0.0)], 3.5)]));
+    car(&mut d, "other", |t| (-30.0 - 10.0 * t, 0.0, -179.0_f64.to_radians()));
+    let t = Table::of(&d);
+    assert_eq!(t.ego_category("ego.movement", 50), Some("straight"));
+    near(t.ego("ego.turn_angle", 50), 2.0_f64.to_radians(), 1e-3);
+    // Ego at 179 deg, other at -179 deg: 2 deg to the left.
+    near(t.num("other", "target.heading_difference", 0), 2.0_f64.to_radians(), 1e-9);
+    assert_eq!(t.flag("other", "target.opposite_direction", 0), False);
+    assert_eq!(t.flag("other", "target.is_lead", 0), True);
+}
+
+#[test]
+fn kinematics_meta_actions_and_standstill() {
+    // 8 m/s braking at 2.5 m/s2 from 2 s: stands at 5.2 s.
+    let pose = |t: f64| {
+        let b = (t - 2.0).clamp(0.0, 3.2);
+        (8.0 * t.min(5.2) - 1.25 * b * b, 0.0, 0.0)
+    };
+    let t = Table::of(&drive(80, pose));
+    near(t.ego("ego.speed", 30), 5.5, 1e-3);
+    near(t.ego("ego.accel", 30), -2.5, 1e-2);
+    near(t.ego("ego.jerk", 30), 0.0, 0.1);
+    assert_eq!(t.ego_category("ego.meta_longitudinal", 10), Some("maintain_speed"));
+    assert_eq!(t.ego_category("ego.meta_longitudinal", 30), Some("strong_decelerate"));
+    assert_eq!(t.ego_category("ego.meta_longitudinal", 60), Some("stop"));
+    // 0.3 m/s is reached 3.08 s into braking, at 5.08 s.
+    assert_eq!((0..80).find(|&i| t.ego_flag("ego.standstill", i) == True), Some(51));
+    let back = Table::of(&drive(40, |t| (-2.0 * t, 0.0, 0.0)));
+    near(back.ego("ego.forward_speed", 20), -2.0, 1e-6);
+    near(back.ego("ego.speed", 20), 2.0, 1e-6);
+    assert_eq!(back.ego_category("ego.meta_longitudinal", 20), Some("reverse"));
+}
+
+/// 3.5 m to the left between 4 and 8 s, as a cosine.
+fn shift(t: f64) -> f64 {
+    1.75 * (1.0 - (PI * ((t - 4.0).clamp(0.0, 4.0)) / 4.0).cos())
+}
+
+#[test]
+fn a_lane_change_lasts_from_leaving_one_centre_to_resting_on_the_other() {
+    let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
+    d.map = Some(road());
+    let t = Table::of(&d);
+    // Lateral speed 1.374 sin(pi (t-4)/4) reaches 0.1 m/s at 4.093 s and falls under it at 7.907 s; the first frame
+    // after that is 8.0 s.
+    assert_eq!(t.span("ego.lane_change", "left"), Some((41, 80)));
+    assert_eq!(t.span("ego.lane_change", "right"), None);
+    near(t.ego("ego.lateral_speed", 60), 1.75 * PI / 4.0, 1e-3);
+    near(t.ego("ego.lane_offset", 20), 0.0, 1e-6);
+    near(t.ego("ego.lane_width", 20), 3.5, 1e-6);
+    near(t.ego("map.lane_count", 20), 2.0, 0.0);
+    // Before the middle it is left of the old centre, after it right of the new one: shift(5) = 0.5126.
+    near(t.ego("ego.lane_offset", 50), 0.5126, 1e-3);
+    near(t.ego("ego.lane_offset", 70), -0.5126, 1e-3);
+    assert_eq!(t.ego_flag("ego.wheel_over_line", 60), True);
+    assert_eq!(t.ego_flag("ego.wheel_over_line", 20), False);
+}
+
+#[test]
+fn a_lane_change_begins_when_it_goes_the_right_way() {
+    // First 0.4 m to the right between 2.5 and 4 s, then 3.9 m to the left between 4 and 8 s: the beginning is where
+    // the lateral speed 1.95 pi/4 sin(pi (t-4)/4) to the left reaches 0.1 m/s, at 4.083 s.
+    let y = |t: f64| {
+        let half = |from: f64, over: f64| (1.0 - (PI * (t - from).clamp(0.0, over) / over).cos()) / 2.0;
+        -0.4 * half(2.5, 1.5) + 3.9 * half(4.0, 4.0)
+    };
+    let mut d = drive(120, move |t| (12.0 * t, y(t), 0.0));
+    d.map = Some(road());
+    assert_eq!(Table::of(&d).span("ego.lane_change", "left").unwrap().0, 41);
+}
+
+#[test]
+fn swinging_out_and_back_or_driving_on_is_no_lane_change() {
+    // 1.2 m out and back: over the line with the wheels, never with the centre.
+    let mut swing =
+        drive(120, |t| (12.0 * t, 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos()), 0.0));
+    swing.map = Some(road());
+    let t = Table::of(&swing);
+    assert_eq!(t.span("ego.lane_change", "left"), None);
+    assert_eq!(t.ego_flag("ego.wheel_over_line", 60), True);
+    // Over the joint at x = 100 (8.3 s) straight on.
+    let mut on = drive(120, |t| (12.0 * t, 0.1, 0.0));
+    on.map = Some(road());
+    let t = Table::of(&on);
+    assert_eq!(t.span("ego.lane_change", "none"), Some((0, 119)));
+    near(t.ego("ego.lane_offset", 90), 0.1, 1e-6);
+}
+
+/// A crossing of two roads at (50, 0): straight on along x, and a quarter circle of radius 10 m to the left.
+fn crossing() -> whyroad_model::RoadMap {
+    let arc: Vec<(f64, f64)> = (0..=20)
+        .map(|i| (f64::from(i) / 20.0) * FRAC_PI_2)
+        .map(|a| (40.0 + 10.0 * a.sin(), 10.0 - 10.0 * a.cos()))
+        .collect();
+    let mut lanes = vec![
+        lane("in", &[(-100.0, 0.0), (0.0, 0.0), (40.0, 0.0)], 3.5),
+        lane("left", &arc, 3.5),
+        lane("on", &[(40.0, 0.0), (60.0, 0.0)], 3.5),
+        lane("out_ahead", &[(60.0, 0.0), (200.0, 0.0)], 3.5),
+        lane("out_left", &[(50.0, 10.0), (50.0, 200.0)], 3.5),
+    ];
+    for (i, j) in [(0, 1), (0, 2), (1, 4), (2, 3)] {
+        let (a, b) = (lanes[i].id.clone(), lanes[j].id.clone());
+        lanes[i].successors.push(b);
+        lanes[j].predecessors.push(a);
+    }
+    lanes[1].in_junction = true;
+    lanes[2].in_junction = true;
+    let mut m = map(lanes);
+    m.crosswalks = vec![area("zebra", &[(34.0, -3.0), (38.0, -3.0), (38.0, 3.0), (34.0, 3.0)])];
+    m
+}
+
+/// Along x to the junction at x = 40, then the left arc, then along y; `s` is the distance driven from x = 0.
+fn left_turn(s: f64) -> (f64, f64, f64) {
+    let arc = 10.0 * FRAC_PI_2;
+    if s < 40.0 {
+        (s, 0.0, 0.0)
+    } else if s < 40.0 + arc {
+        let a = (s - 40.0) / 10.0;
+        (40.0 + 10.0 * a.sin(), 10.0 - 10.0 * a.cos(), a)
+    } else {
+        (50.0, 10.0 + s - 40.0 - arc, FRAC_PI_2)
+    }
+}
+
+#[test]
+fn turns_by_integrated_heading() {
+    let mut d = drive(120, |t| left_turn(8.0 * t));
+    d.map = Some(crossing());
+    let t = Table::of(&d);
+    // In the junction from s = 40 (5.0 s) to s = 55.7 (6.96 s).
+    assert_eq!(t.ego_category("ego.movement", 60), Some("left"));
+    near(t.ego("ego.turn_angle", 60), FRAC_PI_2, 0.01);
+    assert_eq!(t.ego_flag("ego.in_junction", 45), False);
+    assert_eq!(t.ego_flag("ego.in_junction", 60), True);
+    assert_eq!(t.ego_flag("ego.in_junction", 75), False);
+    assert_eq!(t.ego_category("ego.movement", 20), None, "unknown outside");
+    // At 2 s: centre at 16, front bumper at 18; junction at 40, crosswalk at 34.
+    near(t.ego("map.distance_to_junction", 20), 22.0, 0.6);
+    near(t.ego("map.distance_to_crosswalk", 20), 16.0, 0.6);
+    assert_eq!(t.ego("map.distance_to_junction", 60), 0.0);
+    // The bend's curvature 1/10, seen 24 m ahead; here the road is straight.
+    near(t.ego("map.curvature_ahead", 20), 0.1, 0.005);
+    near(t.ego("map.curvature", 20), 0.0, 1e-9);
+    assert_eq!(t.span("ego.lane_change", "left"), None, "a turn is no lane change");
+
+    let mut d = drive(120, |t| (8.0 * t, 0.0, 0.0));
+    d.map = Some(crossing());
+    assert_eq!(Table::of(&d).ego_category("ego.movement", 60), Some("straight"));
+    // The recording breaks off in the junction after 0.3 m: it cannot be told.
+    let mut d = drive(52, |t| (8.0 * t, 0.0, 0.0));
+    d.map = Some(crossing());
+    let t = Table::of(&d);
+    assert_eq!((t.ego_flag("ego.in_junction", 51), t.ego_category("ego.movement", 51)), (True, None));
+}
+
+#[test]
+fn a_u_turn_is_one_whichever_way_the_wrap_goes() {
+    // Half circle of radius 6 m at 4 m/s from heading 0 or from just under pi, left: 180 deg in 4.7 s.
+    for start in [0.0, 3.0] {
+        let pose = move |t: f64| {
+            let (s, arc) = (4.0 * t - 20.0, 6.0 * PI);
+            let a = (s / 6.0).clamp(0.0, PI);
+            let (x, y) = if s < 0.0 {
+                (s, 0.0)
+            } else if s < arc {
+                (6.0 * a.sin(), 6.0 - 6.0 * a.cos())
+            } else {
+                (arc - s, 12.0)
+            };
+            let (sin, cos) = f64::sin_cos(start);
+            (x * cos - y * sin, x * sin + y * cos, start + a)
+        };
+        let mut d = drive(150, pose);
+        let (sin, cos) = f64::sin_cos(start);
+        let turned = |x: f64, y: f64| (x * cos - y * sin, x * sin + y * cos);
+        let mut m = map(vec![lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
+        m.junctions =
+            vec![area("j", &[turned(-2.0, -3.0), turned(9.0, -3.0), turned(9.0, 15.0), turned(-2.0, 15.0)])];
+        d.map = Some(m);
+        let t = Table::of(&d);
+        assert_eq!(t.ego_category("ego.movement", 70), Some("uturn"), "from {start}");
+        near(t.ego("ego.turn_angle", 70), PI, 0.02);
+    }
+}
+
+#[test]
+fn a_standing_ego_looks_along_its_lane_and_a_blind_one_straight_on() {
+    // Standing 5 m before the left bend; only the left lane goes on. A car stands 20 m ahead along it.
+    let mut d = drive(30, |_| left_turn(35.0));
+    car(&mut d, "round_the_bend", |_| left_turn(60.0));
+    let t = Table::of(&d);
+    assert_eq!(
+        t.flag("round_the_bend", "target.is_lead", 10),
+        False,
+        "without a map the way ahead is straight"
+    );
+    let mut m = crossing();
+    m.lanes[0].successors = vec!["left".into()];
+    assert_eq!(m.lanes[0].id, "in");
+    d.map = Some(m);
+    let t = Table::of(&d);
+    assert_eq!(t.flag("round_the_bend", "target.is_lead", 10), True);
+    // 25 m between centres along the lane, half lengths 2 m each; the continuation is drawn in 2 m steps.
+    near(t.num("round_the_bend", "target.gap", 10), 21.0, 0.3);
+}
+
+#[test]
+fn crosswalks_and_the_road_by_place() {
+    let mut d = drive(20, |t| (5.0 * t, 0.0, 0.0));
+    d.map = Some(crossing());
+    add(&mut d, "on", Pedestrian, (0.6, 0.6), |t| (36.0, -2.0 + t, FRAC_PI_2));
+    add(&mut d, "edge", Pedestrian, (0.6, 0.6), |t| (38.9, -2.0 + t, FRAC_PI_2));
+    add(&mut d, "away", Pedestrian, (0.6, 0.6), |t| (42.0, -6.0 + t, FRAC_PI_2));
+    let t = Table::of(&d);
+    assert_eq!(t.flag("on", "target.on_crosswalk", 0), True);
+    assert_eq!(t.flag("edge", "target.on_crosswalk", 0), True, "0.9 m beside it");
+    assert_eq!(t.flag("away", "target.on_crosswalk", 0), False);
+    // From (42, -6) to the corner (38, -3): 3-4-5.
+    near(t.num("away", "target.distance_to_crosswalk", 0), 5.0, 1e-9);
+    assert_eq!(t.flag("on", "target.on_road", 10), True);
+    assert_eq!(t.flag("away", "target.on_road", 0), False);
+    near(t.num("on", "target.path_lateral", 0), -2.0, 1e-6);
+}
+
+#[test]
+fn what_a_log_lacks_is_named_and_never_given() {
+    let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
+    car(&mut d, "lead", |t| (20.0 + 10.0 * t, 0.5, 0.0));
+    let t = Table::of(&d);
+    assert_eq!(t.0.unavailable["target.wheel_over_line"], [Need::Map]);
+    assert_eq!(t.0.unavailable["light.state"], [Need::Map, Need::TrafficLights]);
+    assert_eq!(t.0.unavailable["ego.brake"], [Need::VehicleBus]);
+    assert_eq!(t.flag("lead", "target.is_lead", 5), True, "without a map the driven path serves as lane");
+
+    // A bus that tells the brake but nothing of emergency braking.
+    d.ego.as_mut().unwrap().bus.brake = vec![Some(false); 20];
+    let t = Table::of(&d);
+    assert_eq!(t.ego_flag("ego.brake", 3), False);
+    assert_eq!(t.0.unavailable["ego.aeb"], [Need::VehicleBus]);
+
+    // Positions relative to the ego, no ego pose.
+    d.ego = None;
+    d.meta.frame_of_reference = FrameOfReference::Ego;
+    let t = Table::of(&d);
+    near(t.num("lead", "target.longitudinal", 0), 20.0, 1e-9);
+    near(t.num("lead", "target.lateral", 0), 0.5, 1e-9);
+    assert_eq!(t.0.unavailable["target.speed"], [Need::EgoPose]);
+    assert!(!t.0.target_columns.contains_key("target.gap"));
+
+    // Sizes unknown: no gap, but a place.
+    let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
+    add(&mut d, "point", whyroad_model::ObjectClass::Car, (f64::NAN, f64::NAN), |t| {
+        (20.0 + 10.0 * t, 0.0, 0.0)
+    });
+    let t = Table::of(&d);
+    assert_eq!(t.0.unavailable["target.gap"], [Need::ObjectSizes]);
+    near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);
+    assert_eq!(t.flag("point", "target.in_ego_lane", 5), True);
+
+    // A radar tells no classes: whether what drives ahead is a vehicle is not known, and so not that there is no lead.
+    let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
+    add(&mut d, "blip", whyroad_model::ObjectClass::Unknown, (4.0, 1.8), |t| (20.0 + 10.0 * t, 0.0, 0.0));
+    let t = Table::of(&d);
+    for name in ["lead.gap", "lead.exists", "target.is_lead", "target.class", "traffic.density"] {
+        assert_eq!(t.0.unavailable[name], [Need::ObjectClasses], "{name}");
+    }
+    assert_eq!(t.flag("blip", "target.in_ego_lane", 5), True);
+    // One known class, and the log tells classes.
+    car(&mut d, "lead", |t| (40.0 + 10.0 * t, 0.0, 0.0));
+    assert_eq!(Table::of(&d).flag("lead", "target.is_lead", 5), True);
+
+    // An ego whose pose is lost for a second: unknown then, known again after.
+    let mut d = drive(40, |t| (10.0 * t, 0.0, 0.0));
+    car(&mut d, "lead", |t| (20.0 + 10.0 * t, 0.0, 0.0));
+    let m = &mut d.ego.as_mut().unwrap().motion;
+    for v in [&mut m.x, &mut m.y, &mut m.heading, &mut m.vx, &mut m.vy] {
+        v[10..20].fill(f64::NAN);
+    }
+    let t = Table::of(&d);
+    assert_eq!(t.flag("lead", "target.is_lead", 15), Unknown);
+    assert_eq!(t.ego_flag("lead.exists", 15), Unknown);
+    near(t.num("lead", "target.gap", 25), 16.0, 1e-6);
+}

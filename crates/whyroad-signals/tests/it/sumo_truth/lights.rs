@@ -1,0 +1,51 @@
+//! `light.state` against the letters of `SaveTLSStates`. Which letter concerns the ego is known from where it drove
+//! in the end: the first lane inside the junction that FCD names has a link number in the network.
+
+use super::{GRID_RUN, Tally};
+
+fn word(letter: u8) -> &'static str {
+    match letter {
+        b'r' => "red",
+        b'y' => "yellow",
+        b'G' => "green",
+        b'g' => "green_yield",
+        _ => "other",
+    }
+}
+
+#[test]
+fn light_states_are_the_simulators() {
+    let s = &GRID_RUN.truth;
+    let mut tally = Tally::default();
+    for (&ego, derived) in &GRID_RUN.seen_from {
+        let column = &derived.table.frame_columns["light.state"];
+        for (&step, &frame) in &derived.frames {
+            let now = s.vehicle(step, ego).expect("the ego is in its own log");
+            let ahead = (step..).map_while(|t| s.vehicle(t, ego)).find(|v| v.lane.starts_with(':'));
+            let Some(next) = ahead.filter(|_| !now.lane.starts_with(':')) else { continue };
+            let end = s.lane_end[&now.lane];
+            let distance = (end.0 - now.x).hypot(end.1 - now.y);
+            let expected = s.link_of.get(&next.lane).filter(|_| distance < 90.0).map(|(light, link)| {
+                let letters = s.lights[light].range(..=step).next_back().expect("a state before").1;
+                word(letters.as_bytes()[*link])
+            });
+            // Between 90 and 110 m either answer is right: our reach is 100 m from the centre.
+            if expected.is_none() && s.link_of.contains_key(&next.lane) {
+                continue;
+            }
+            let known = column.category(frame);
+            let changing = s.lane_changes.iter().any(|c| c.vehicle == ego && (c.step - step).abs() <= 40);
+            tally.add(match (known, expected) {
+                (Some("none"), None) => "none, as there",
+                (Some(a), Some(b)) if a == b => "same",
+                _ if changing => "while changing lanes",
+                (Some("none") | None, Some(_)) => "theirs only",
+                (Some(_), None) => "ours only",
+                _ => "different",
+            });
+        }
+    }
+    println!("light state, grid: {}", tally.line());
+    assert!(tally.get("same") > 500, "{}", tally.line());
+    assert!(tally.share(&["same", "none, as there"]) > 0.99, "{}", tally.line());
+}
