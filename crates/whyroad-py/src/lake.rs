@@ -15,7 +15,7 @@ use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{DriveId, Lang, ScenarioId};
 use whyroad_signals::Catalogue;
-use whyroad_signals::catalogue::Scope;
+use whyroad_signals::catalogue::SignalScope;
 
 /// Opens a lake, as `whyroad ingest --lake DIR` made it.
 #[pyfunction]
@@ -75,7 +75,7 @@ impl Lake {
                 let near = catalogue.similar(name).join(", ");
                 return Err(PyKeyError::new_err(format!("there is no signal '{name}'; similar: {near}")));
             };
-            let of = if def.scope == Scope::Frame { Rows::Frames } else { Rows::Targets };
+            let of = if def.scope == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
             if *rows.get_or_insert(of) != of {
                 return Err(PyValueError::new_err("signals per frame and signals per target need two calls"));
             }
