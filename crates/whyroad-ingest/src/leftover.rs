@@ -124,11 +124,17 @@ fn by_extension(file: &Path) -> SkipReason {
         Bilingual::new("压缩包：请先解压", "an archive: unpack it first")
     } else if extension == "bag" {
         Bilingual::new("ROS 1 bag：请转换为 MCAP", "a ROS 1 bag: convert it to MCAP")
-    } else if is(TEXTS) || extension.is_empty() {
+    } else if is(TEXTS) || extension.is_empty() || is_licence(file) {
         Bilingual::new("不是行程记录", "not a recording")
     } else {
         Bilingual::new("没有适配器读取这种文件或布局", "no adapter reads this kind of file or layout")
     }
+}
+
+/// `LICENSE.MIT`, `NOTICE.md` and the like.
+fn is_licence(file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
+    ["LICENSE", "LICENCE", "NOTICE", "COPYING"].iter().any(|word| name.starts_with(word))
 }
 
 fn not_taken(path: &Path, reason: &SkipReason, files: &[PathBuf]) -> Diagnostic {

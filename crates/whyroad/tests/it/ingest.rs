@@ -106,3 +106,45 @@ fn every_recorded_av2_log_goes_in() {
         report.as_array().unwrap().iter().map(|r| r["tables"][0]["read"].as_u64().unwrap()).collect();
     assert_eq!(rows, [12342, 11364, 12078, 6542]);
 }
+
+#[test]
+fn a_mistyped_format_is_a_usage_error_and_writes_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().join("lake");
+    let at = lake.to_str().unwrap();
+    let typo = whyroad(&["ingest", "av3", "examples/drives", "--lake", at]);
+    assert_eq!(typo.status.code(), Some(2));
+    assert!(err(&typo).contains("'av3'") && err(&typo).contains("'av2'"), "{}", err(&typo));
+    let unknown = whyroad(&["ingest", "zzz", "examples/drives", "--lake", at]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(err(&unknown).contains("the formats are av2,"), "{}", err(&unknown));
+    assert_eq!(whyroad(&["ingest", "sumo", "examples/drives"]).status.code(), Some(2), "no lake");
+    let foreign = whyroad(&["ingest", "av2", "examples/drives", "--ego", "a", "--lake", at]);
+    assert_eq!(foreign.status.code(), Some(2), "an option of another format");
+    assert!(!lake.exists());
+}
+
+#[test]
+fn help_of_a_format_lists_its_own_options_only() {
+    let av2 = out(&whyroad(&["ingest", "av2", "--help"]));
+    let sumo = out(&whyroad(&["ingest", "sumo", "--help"]));
+    for option in ["--ego", "--sensor-range", "--occlusion", "--net", "--dbc", "--mapping"] {
+        assert!(!av2.contains(option), "{option}: {av2}");
+    }
+    assert!(
+        sumo.contains("--ego-share") && sumo.contains("--sensor-range") && !sumo.contains("--dbc"),
+        "{sumo}"
+    );
+    assert!(av2.contains("Example:") && sumo.contains("Example:"));
+}
+
+#[test]
+fn notes_appear_only_when_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path().to_str().unwrap();
+    let set = "crates/whyroad-ingest/tests/fixtures/nuscenes/v1.0-byhand";
+    let quiet = whyroad(&["ingest", "nuscenes", set, "--lake", at]);
+    assert!(!err(&quiet).contains("note["), "{}", err(&quiet));
+    let verbose = whyroad(&["ingest", "nuscenes", set, "--lake", at, "--verbose"]);
+    assert!(err(&verbose).contains("note[ingest.rate.resampled]"), "{}", err(&verbose));
+}
