@@ -116,7 +116,7 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
     assert!(card.contains("class=\"zebra\"") && card.contains(">10 m</text>"));
     // light.state has no column: it says what the log lacks instead of drawing a flat line.
     assert!(card.contains(
-        "not observable, needs: </span><span lang=\"zh\">信号灯</span><span lang=\"en\">traffic lights"
+        "not observable, needs: </span><span lang=\"zh\">交通信号灯</span><span lang=\"en\">traffic lights"
     ));
     assert!(card.contains("Label draft (needs a person)"));
     // At the keyframe, 4 s in: ego at x = 40, the car at x = 58 and y = 1.2, so 18 m up and 1.2 m to the left.
