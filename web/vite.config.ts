@@ -1,5 +1,5 @@
-// Builds the page into the folder that the service embeds, and runs its tests. File names carry no hash of the machine or the
-// time: the same sources give the same bytes, so that a test can compare the committed build with a fresh one.
+// Builds the page into the folder that the service embeds, and runs its tests. File names carry no hash of the machine
+// or the time: the same sources give the same bytes, so that a test can compare the committed build with a fresh one.
 import { svelte } from "@sveltejs/vite-plugin-svelte";
 import { svelteTesting } from "@testing-library/svelte/vite";
 import { defineConfig } from "vitest/config";

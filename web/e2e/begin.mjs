@@ -1,6 +1,6 @@
 // The first hour: the administrator's account, people, a project, and tasks that a lead makes from mined episodes.
 import assert from "node:assert/strict";
-import { look, person, signIn } from "./people.mjs";
+import { checkAccessibility, person, signIn } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const PASSWORD = "纸上得来终觉浅-2026";
@@ -11,7 +11,7 @@ const TEAM = [
   ["chen", "陈静", ["checker"]],
   ["sun", "孙悦", ["auditor"]],
 ];
-const ROLES = { lead: "负责人", annotator: "标注员", checker: "检查员", auditor: "审计员" };
+const ROLES = { lead: "负责人", annotator: "标注员", checker: "质检员", auditor: "抽检员" };
 export const PROJECT = "城区因果标注";
 
 async function enter(day, name) {
@@ -25,23 +25,23 @@ async function firstRun(day) {
   const admin = await person(day.browser, day.service.url, { faults: day.faults });
   day.people.admin = admin;
   const { page } = admin;
-  await page.getByRole("heading", { name: "首次使用：建立管理员" }).waitFor();
-  await look(page, "first run");
+  await page.getByRole("heading", { name: "首次使用：创建管理员" }).waitFor();
+  await checkAccessibility(page, "first run");
   await shot(day, page, "setup");
   await page.getByLabel("用户名").fill("admin");
   await page.getByLabel("显示名").fill("管理员");
   await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await page.getByLabel("再输入一次密码").fill("别的密码别的密码");
+  await page.getByLabel("再次输入密码").fill("别的密码别的密码");
   await page.keyboard.press("Enter");
-  await page.getByText("两次输入的密码不同").waitFor();
-  await page.getByLabel("再输入一次密码").fill(PASSWORD);
+  await page.getByText("两次输入的密码不一致").waitFor();
+  await page.getByLabel("再次输入密码").fill(PASSWORD);
   await page.keyboard.press("Enter");
   await page.getByRole("heading", { name: "项目" }).first().waitFor();
 }
 
 async function people(day) {
   const { page } = day.people.admin;
-  await page.getByRole("link", { name: "人员" }).click();
+  await page.getByRole("link", { name: "用户" }).click();
   for (const [name, display] of TEAM) {
     await page.getByRole("button", { name: "新建用户" }).first().click();
     const dialog = page.getByRole("dialog");
@@ -49,7 +49,7 @@ async function people(day) {
     await dialog.getByLabel("显示名").fill(display);
     await dialog.getByLabel("密码").fill(PASSWORD);
     await dialog.getByRole("button", { name: "新建用户" }).click();
-    await page.getByText(`已建立用户 ${name}。`).waitFor();
+    await page.getByText(`已创建用户 ${name}。`).waitFor();
   }
   assert.equal(await page.locator("tbody tr").count(), TEAM.length + 1);
 }
@@ -61,20 +61,20 @@ async function project(day) {
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("项目名").fill(PROJECT);
   await dialog.getByLabel("标注指南").fill("先写近因，再写决策。\n证据只取关键帧之前看得到的。\n切入以车轮压线为准；压线前的靠近不算。");
-  await dialog.getByRole("button", { name: "建立" }).click();
+  await dialog.getByRole("button", { name: "创建" }).click();
   await page.getByRole("heading", { name: "项目设置" }).waitFor();
-  await page.getByLabel("每类都要").fill("2");
-  await page.getByRole("button", { name: "应用到所有叶子类" }).click();
+  await page.getByLabel("每个场景的目标数").fill("2");
+  await page.getByRole("button", { name: "应用到所有 L3 场景" }).click();
   // Leaves of the taxonomy as delivered (TAXONOMY.md): 122.
-  await page.getByText("共 122 个叶子类，244 条").waitFor();
+  await page.getByText("共 122 个 L3 场景，244 条").waitFor();
   // Every label is audited, so that the day has an audit.
-  await page.getByLabel("最低审计比例 (%)").fill("100");
-  await page.getByLabel("最高审计比例 (%)").fill("100");
+  await page.getByLabel("最低抽检比例 (%)").fill("100");
+  await page.getByLabel("最高抽检比例 (%)").fill("100");
   await page.getByRole("button", { name: "保存" }).click();
   await page.getByText("已保存。").waitFor();
   await page.getByRole("link", { name: "成员" }).click();
   for (const [name, display, roles] of TEAM) {
-    await page.getByLabel("人员").selectOption({ label: `${display} (${name})` });
+    await page.getByLabel("用户").selectOption({ label: `${display} (${name})` });
     for (const [role, zh] of Object.entries(ROLES)) await page.locator("fieldset").getByLabel(zh).setChecked(roles.includes(role));
     await page.getByRole("button", { name: "加入项目" }).click();
     await page.getByText(`${display} 已加入项目。`).waitFor();
@@ -85,15 +85,15 @@ async function tasks(day) {
   const page = await enter(day, "wang");
   await page.getByRole("link", { name: PROJECT }).click();
   await page.getByText("还没有任务").waitFor();
-  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  await page.getByRole("button", { name: "从挖掘结果创建任务" }).click();
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("来源").waitFor();
   await shot(day, page, "make-tasks");
-  await look(page, "making tasks");
-  await dialog.getByRole("button", { name: "建立任务" }).click();
+  await checkAccessibility(page, "making tasks");
+  await dialog.getByRole("button", { name: "创建任务" }).click();
   // A debug build on a busy machine derives the signals of three drives here.
-  const told = await dialog.getByText(/已建立 \d+ 个任务/).textContent({ timeout: 120_000 });
-  const made = Number(told.match(/\d+/)[0]);
+  const message = await dialog.getByText(/已创建 \d+ 个任务/).textContent({ timeout: 120_000 });
+  const made = Number(message.match(/\d+/)[0]);
   assert.ok(made >= 10, `${made} tasks from the demo's episodes`);
   await dialog.getByRole("button", { name: "关闭" }).last().click();
   await page.getByText(`已列出 ${made} 个任务`).waitFor();
@@ -108,7 +108,7 @@ async function tasks(day) {
   await page.getByRole("cell", { name: "李明" }).waitFor();
   await page.getByRole("button", { name: "清除筛选" }).click();
   await page.getByText(`已列出 ${made} 个任务`).waitFor();
-  await look(page, "tasks");
+  await checkAccessibility(page, "tasks");
 }
 
 async function others(day) {
@@ -124,7 +124,7 @@ async function others(day) {
   await page.getByRole("link", { name: PROJECT }).click();
   await page.getByRole("button", { name: "领取下一个标注任务" }).waitFor();
   assert.equal(await page.getByRole("link", { name: "看板" }).count(), 0);
-  assert.equal(await page.getByRole("button", { name: "从挖掘结果建任务" }).count(), 0);
+  assert.equal(await page.getByRole("button", { name: "从挖掘结果创建任务" }).count(), 0);
   await page.goto(`${day.service.url}/projects/${day.project}/dashboard`);
   await page.getByRole("alert").locator(".notice").waitFor();
 }

@@ -1,5 +1,5 @@
-// How evenly the labelling screen plays a made-up scene: `node e2e/bench.mjs [objects] [seconds]`, after `npm run build`.
-// Measures the time between frames in Chromium while the scene plays, and what the main thread does in each.
+// How evenly the labelling screen plays a made-up scene: `node e2e/bench.mjs [objects] [seconds]`, after `npm run
+// build`. Measures the time between frames in Chromium while the scene plays, and what the main thread does in each.
 import { readFile } from "node:fs/promises";
 import { cpus, loadavg } from "node:os";
 import { join, resolve } from "node:path";

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { PROJECT } from "./begin.mjs";
-import { look } from "./people.mjs";
+import { checkAccessibility } from "./people.mjs";
 import { whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -17,58 +17,58 @@ const home = async (day, who) => {
 
 async function sendBack(day) {
   const page = await home(day, "chen");
-  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
+  await page.getByRole("button", { name: "领取下一个质检任务" }).click();
   await page.waitForURL(`**/tasks/${day.task}`);
   const trace = page.locator('[data-field="/coc_trace"]');
   await trace.locator("button[aria-expanded]").click();
   await trace.locator("form textarea").fill(COMMENT);
   await trace.getByRole("button", { name: "写意见" }).click();
   await trace.getByText(COMMENT).waitFor();
-  await look(page, "check");
+  await checkAccessibility(page, "check");
   await shot(day, page, "check");
   // By key, from where the remark left the focus.
   await page.keyboard.press("b");
   const dialog = page.getByRole("dialog");
   await dialog.getByRole("textbox").fill("请补充车距。");
   await dialog.locator("button.primary").click();
-  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-action="next"]').waitFor();
 }
 
 async function rework(day) {
   const { page } = day.people.li;
   await page.goto(`${day.service.url}/tasks/${day.task}`);
   await page.getByText(COMMENT).first().waitFor();
-  if (await page.locator('[data-deed="take"]').count()) await page.locator('[data-deed="take"]').click();
-  await page.locator('[data-deed="submit"]').waitFor();
+  if (await page.locator('[data-action="take"]').count()) await page.locator('[data-action="take"]').click();
+  await page.locator('[data-action="submit"]').waitFor();
   const trace = page.locator('[data-field="/coc_trace"]');
-  await trace.getByRole("textbox", { name: "因果推理" }).fill(day.trace.replace("原有车距", "原有约 18 m 的车距"));
+  await trace.getByRole("textbox", { name: "因果描述" }).fill(day.trace.replace("原有车距", "原有约 18 m 的车距"));
   await trace.getByRole("button", { name: "标为已解决" }).click();
   await page.getByLabel("合法且安全").check();
   await page.locator('[data-saving="saved"]').waitFor();
   await shot(day, page, "rework");
-  await page.locator('[data-deed="submit"]').click();
-  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-action="submit"]').click();
+  await page.locator('[data-action="next"]').waitFor();
 }
 
 async function accept(day) {
   const page = await home(day, "chen");
-  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
+  await page.getByRole("button", { name: "领取下一个质检任务" }).click();
   await page.waitForURL(`**/tasks/${day.task}`);
   await page.waitForFunction(() => document.querySelector('[data-field="/coc_trace"] textarea')?.value.includes("约 18 m"));
-  await page.locator('[data-deed="accept"]').click();
-  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-action="accept"]').click();
+  await page.locator('[data-action="next"]').waitFor();
 }
 
 async function audit(day) {
   const page = await home(day, "sun");
-  await page.getByRole("button", { name: "领取下一个审计任务" }).click();
+  await page.getByRole("button", { name: "领取下一个抽检任务" }).click();
   await page.waitForURL(`**/tasks/${day.task}`);
-  await page.locator('[data-deed="accept"]').click();
-  await page.locator('[data-deed="next"]').waitFor();
-  await page.locator('[data-deed="history"]').click();
+  await page.locator('[data-action="accept"]').click();
+  await page.locator('[data-action="next"]').waitFor();
+  await page.locator('[data-action="history"]').click();
   const history = page.getByRole("dialog");
   await history.getByText("李明").first().waitFor();
-  await look(page, "history");
+  await checkAccessibility(page, "history");
   await shot(day, page, "history");
   await page.keyboard.press("Escape");
 }

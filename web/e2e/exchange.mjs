@@ -1,11 +1,11 @@
-// Files in and out in the page, and webhooks: a receiver of ours refuses the first delivery, is tried again, and checks the
-// signature as docs/how-to/run-the-service.md describes it.
+// Files in and out in the page, and webhooks: a receiver of ours refuses the first delivery, is tried again, and checks
+// the signature as docs/how-to/run-the-service.md describes it.
 import assert from "node:assert/strict";
 import { createHmac } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { join } from "node:path";
-import { ask, look } from "./people.mjs";
+import { ask, checkAccessibility } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const NAME = "导入的任务";
@@ -35,12 +35,12 @@ async function hook(day) {
   await page.getByText(/网址无效/).waitFor();
   await page.getByLabel("地址").fill(day.receiver.url);
   await page.getByLabel("跳过").check();
-  await page.getByLabel("重开").check();
+  await page.getByLabel("重新打开").check();
   await page.getByRole("button", { name: "添加 Webhook" }).click();
   day.secret = await page.getByLabel("签名密钥").inputValue();
   await page.getByRole("cell", { name: day.receiver.url, exact: true }).waitFor();
   await page.getByText("正常", { exact: true }).waitFor();
-  await look(page, "webhooks");
+  await checkAccessibility(page, "webhooks");
 }
 
 async function deliveries(day) {
@@ -110,7 +110,7 @@ async function labelsIn(day) {
   assert.match(lost[0], /^第 1 行 不是 JSON/);
   assert.match(lost[1], /^第 3 行/);
   assert.match(lost[2], /^第 4 行 既不是任务/);
-  await look(page, "import");
+  await checkAccessibility(page, "import");
   await shot(day, page, "import");
   await page.getByRole("button", { name: "English" }).click();
   assert.match(await page.locator(".lost li").first().innerText(), /^Line 1 it is no JSON/);
@@ -130,10 +130,10 @@ async function tasksIn(day) {
   await upload(day, "in-tasks.jsonl", lines);
   await page.getByText(`已导入 ${tasks.length} 个任务，0 个原已存在。`).waitFor({ timeout: 120_000 });
   assert.match(await page.locator(".lost li").innerText(), /^第 2 行/);
-  // Changed on the disk since it was chosen: told in words, and chosen again.
+  // Changed on disk after it was chosen: the page reports it, and it is chosen again.
   writeFileSync(join(day.scratch, "in-tasks.jsonl"), "{}");
   await page.getByRole("button", { name: "导入", exact: true }).click();
-  await page.getByText("文件在选择之后有了改动").waitFor();
+  await page.getByText("文件在选择之后有改动").waitFor();
   await upload(day, "again.jsonl", tasks);
   await page.getByText(`已导入 0 个任务，${tasks.length} 个原已存在。`).waitFor({ timeout: 120_000 });
   assert.equal(await page.locator(".lost li").count(), 0);

@@ -1,6 +1,6 @@
 // An annotator labels one task in Chinese with the keyboard only, through both stages. The pointer is never pressed.
 import assert from "node:assert/strict";
-import { look, tabTo, typeChinese } from "./people.mjs";
+import { checkAccessibility, tabTo, typeChinese } from "./people.mjs";
 import { PROJECT } from "./begin.mjs";
 import { shot } from "./shots.mjs";
 
@@ -22,10 +22,10 @@ async function open(day) {
   await page.keyboard.press("Enter");
   await page.locator("canvas").first().waitFor();
   day.task = new URL(page.url()).pathname.split("/")[2];
-  const take = page.locator('[data-deed="take"]');
-  await page.locator('[data-deed="take"], [data-deed="lock"]').waitFor();
+  const take = page.locator('[data-action="take"]');
+  await page.locator('[data-action="take"], [data-action="lock"]').waitFor();
   if (await take.count()) await page.keyboard.press("Control+Enter");
-  await page.locator('[data-deed="lock"]').waitFor();
+  await page.locator('[data-action="lock"]').waitFor();
 }
 
 /** Nothing after the keyframe is shown or even here: the player ends at it. */
@@ -41,7 +41,7 @@ async function history(day) {
   await page.keyboard.press("?");
   const help = page.getByRole("dialog");
   await help.getByText("把选中的目标加为要素").waitFor();
-  await look(page, "help");
+  await checkAccessibility(page, "help");
   await shot(day, page, "keys");
   await page.keyboard.press("Escape");
   await help.waitFor({ state: "detached" });
@@ -73,7 +73,7 @@ async function stageOne(day) {
     await page.keyboard.press("ArrowDown");
   }
   await saved(page);
-  await look(page, "Stage I");
+  await checkAccessibility(page, "Stage I");
   await shot(day, page, "stage1");
   await page.keyboard.press("Escape");
   await page.keyboard.press("Control+Enter");
@@ -122,7 +122,7 @@ async function stageTwo(day) {
   await page.keyboard.press("Escape");
   await page.keyboard.press("y");
   await saved(page);
-  await look(page, "Stage II");
+  await checkAccessibility(page, "Stage II");
   await shot(day, page, "stage2");
   assert.match(await section(page, "findings").innerText(), /没有发现问题/);
 }
@@ -130,7 +130,7 @@ async function stageTwo(day) {
 async function submit(day) {
   const { page } = day.people.li;
   await page.keyboard.press("Control+Enter");
-  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-action="next"]').waitFor();
   assert.equal(await page.evaluate(() => window.pointerPresses), 0, "no pointer was pressed");
 }
 

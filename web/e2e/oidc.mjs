@@ -1,8 +1,9 @@
-// Signing in at a real OpenID provider, with a service of its own: by keyboard, with an account that an administrator gave the
-// address; who has no verified address is told so; who is signed in links themselves; signing out there as well.
+// Signing in at a real OpenID provider, with a service of its own: by keyboard, with an account that an administrator
+// gave the address; who has no verified address is refused; a signed-in user links their own identity; signing out
+// there as well.
 import assert from "node:assert/strict";
 import { join } from "node:path";
-import { look, person, signIn, tabTo } from "./people.mjs";
+import { checkAccessibility, person, signIn, tabTo } from "./people.mjs";
 import { CLIENT, freePort, provide } from "./provider.mjs";
 import { serve } from "./service.mjs";
 import { shot } from "./shots.mjs";
@@ -26,19 +27,19 @@ async function setUp(day) {
   const { page } = admin;
   await page.getByLabel("用户名").fill("admin");
   await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await page.getByLabel("再输入一次密码").fill(PASSWORD);
+  await page.getByLabel("再次输入密码").fill(PASSWORD);
   assert.equal(await page.getByRole("button", { name: /城市通行证/ }).count(), 0, "the first account is made here");
   await page.keyboard.press("Enter");
-  await page.getByRole("link", { name: "人员" }).click();
+  await page.getByRole("link", { name: "用户" }).click();
   await page.getByRole("button", { name: "新建用户" }).first().click();
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("用户名").fill("liming");
   await dialog.getByLabel("显示名").fill("李明");
   // With an address no password is needed.
   await dialog.getByLabel("邮箱").fill("Li@example.com");
-  await look(page, "a new user with an address");
+  await checkAccessibility(page, "a new user with an address");
   await dialog.getByRole("button", { name: "新建用户" }).click();
-  await page.getByText("已建立用户 liming。").waitFor();
+  await page.getByText("已创建用户 liming。").waitFor();
   await page.getByRole("cell", { name: "li@example.com" }).waitFor();
 }
 
@@ -57,7 +58,7 @@ async function byKeyboard(day) {
   await button.waitFor();
   for (const theme of ["light", "dark"]) {
     await page.emulateMedia({ colorScheme: theme });
-    await look(page, `the door with a provider, ${theme}`);
+    await checkAccessibility(page, `the door with a provider, ${theme}`);
   }
   await page.emulateMedia({ colorScheme: "light" });
   await shot(day, page, "sign-in-provider");
@@ -70,7 +71,7 @@ async function byKeyboard(day) {
   assert.equal(page.url(), `${day.oidc.service.url}/settings`);
   assert.equal(await page.evaluate(() => window.pointerPresses), 0, "all on our page by keyboard");
   await page.getByRole("cell", { name: "li@example.com" }).waitFor();
-  await look(page, "settings with a linked identity");
+  await checkAccessibility(page, "settings with a linked identity");
   await shot(day, page, "settings-identity");
   // Going back does not lead into the used answer.
   await page.reload();
@@ -83,16 +84,16 @@ async function byKeyboard(day) {
 
 async function outThere(day) {
   const { page } = day.oidc.li;
-  await page.getByRole("button", { name: "退出" }).click();
-  const link = page.getByRole("link", { name: "在 城市通行证 也退出" });
+  await page.getByRole("button", { name: "退出登录" }).click();
+  const link = page.getByRole("link", { name: "同时退出 城市通行证" });
   await link.waitFor();
-  await look(page, "signed out here, not there");
+  await checkAccessibility(page, "signed out here, not there");
   await link.click();
   await page.waitForURL(`${day.oidc.provider.issuer}/**`);
   await page.getByRole("button", { name: "Yes, sign me out" }).click();
   await page.waitForURL(`${day.oidc.service.url}/`);
   await page.getByRole("button", { name: "用 城市通行证 登录" }).click();
-  // Asked again who one is: nobody comes in as the one before.
+  // The provider asks for the identity again: nobody is signed in as the previous user.
   await page.locator("input[name=login]").waitFor();
   await day.oidc.li.context.close();
 }
@@ -106,9 +107,9 @@ async function stranger(day) {
   await page.getByRole("button", { name: "English" }).click();
   await page.getByRole("alert").getByText(/no account is linked to this identity/).waitFor();
   assert.equal(page.url(), `${day.oidc.service.url}/`);
-  await look(page, "no account");
+  await checkAccessibility(page, "no account");
   await page.getByRole("button", { name: "中文" }).click();
-  // Who says no there comes back and is told.
+  // A user who declines there returns and sees why.
   await page.context().clearCookies();
   await page.goto(day.oidc.service.url);
   await page.getByRole("button", { name: "用 城市通行证 登录" }).click();
@@ -153,7 +154,7 @@ export const oidc = [
   ["a service with a real OpenID provider; the administrator gives an account its address", setUp],
   ["somebody signs in at the provider by keyboard and is back where they wanted to be", byKeyboard],
   ["they sign out here and there", outThere],
-  ["who has no account, or says no, is told so", stranger],
+  ["a user without an account, or who declines, sees why", stranger],
   ["the administrator links their own account, uses that, and unlinks it", link],
   ["without the provider the password goes on working", end],
 ];

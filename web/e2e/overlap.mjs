@@ -3,12 +3,12 @@
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { ask, person, look, signIn } from "./people.mjs";
+import { ask, person, checkAccessibility, signIn } from "./people.mjs";
 import { whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
 const PASSWORD = "欲穷千里目-更上一层楼";
-const NAME = "盲标对比";
+const NAME = "独立标注对比";
 
 async function prepare(day) {
   const { page } = day.people.admin;
@@ -32,16 +32,16 @@ async function upload(day) {
   writeFileSync(file, `${line}\n`);
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
-  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  await page.getByRole("button", { name: "从挖掘结果创建任务" }).click();
   const dialog = page.getByRole("dialog");
   await dialog.getByLabel("来源").selectOption("");
   await dialog.locator("input[type=file]").setInputFiles(file);
-  await dialog.getByLabel("每个片段的盲标人数").fill("2");
-  await dialog.getByRole("button", { name: "建立任务" }).click();
-  await dialog.getByText("已建立 2 个任务").waitFor({ timeout: 60_000 });
+  await dialog.getByLabel("独立（背靠背）标注人数").fill("2");
+  await dialog.getByRole("button", { name: "创建任务" }).click();
+  await dialog.getByText("已创建 2 个任务").waitFor({ timeout: 60_000 });
   await page.keyboard.press("Escape");
   await page.getByText("已列出 2 个任务").waitFor();
-  assert.equal(await page.getByText("盲标", { exact: true }).count(), 2);
+  assert.equal(await page.getByText("独立标注", { exact: true }).count(), 2);
 }
 
 async function labelAs(day, who, trace) {
@@ -75,11 +75,11 @@ async function both(day) {
 async function sideBySide(day) {
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/tasks/${day.pair[0]}`);
-  await page.locator('[data-deed="overlap"]').click();
+  await page.locator('[data-action="overlap"]').click();
   const dialog = page.getByRole("dialog");
   await dialog.getByText("周敏").waitFor();
   await dialog.getByText("前方左侧轿车正在并入本车道").waitFor();
-  await look(page, "side by side");
+  await checkAccessibility(page, "side by side");
   await shot(day, page, "side-by-side");
   await dialog.getByRole("button", { name: "采用这一份" }).nth(1).click();
   await dialog.waitFor({ state: "detached" });
@@ -88,35 +88,37 @@ async function sideBySide(day) {
   await page.getByText("已采用", { exact: true }).waitFor();
 }
 
-/** Both chose the same: no kappa, because agreement beyond chance cannot be told of one choice; keyframes 0 s apart. */
+/**
+ * Both chose the same: no kappa, because agreement beyond chance cannot be message of one choice; keyframes 0 s apart.
+ */
 async function agreement(day) {
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/projects/${day.blind}/dashboard`);
-  await page.getByText("1 个片段，1 对标注").waitFor();
+  await page.getByText("1 个事件，1 对标注").waitFor();
   await page.getByText("关键帧相差：中位数 0 s，最大 0 s").waitFor();
-  await look(page, "agreement");
+  await checkAccessibility(page, "agreement");
 }
 
 /** More tasks than one page of the list: each once, also after a filter. */
 async function pages(day) {
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/projects/${day.blind}/tasks`);
-  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
+  await page.getByRole("button", { name: "从挖掘结果创建任务" }).click();
   const dialog = page.getByRole("dialog");
-  await dialog.getByLabel("最多任务数").fill("60");
-  await dialog.getByLabel("每个片段的盲标人数").fill("4");
-  await dialog.getByRole("button", { name: "建立任务" }).click();
-  const told = await dialog.getByText(/已建立 \d+ 个任务/).textContent({ timeout: 120_000 });
-  const all = Number(told.match(/\d+/)[0]) + day.pair.length;
+  await dialog.getByLabel("最大任务数", { exact: true }).fill("60");
+  await dialog.getByLabel("独立（背靠背）标注人数").fill("4");
+  await dialog.getByRole("button", { name: "创建任务" }).click();
+  const message = await dialog.getByText(/已创建 \d+ 个任务/).textContent({ timeout: 120_000 });
+  const all = Number(message.match(/\d+/)[0]) + day.pair.length;
   assert.ok(all > 50, `${all} tasks`);
   await page.keyboard.press("Escape");
   await page.getByText("已列出 50 个任务").waitFor();
-  await page.getByRole("button", { name: "载入更多" }).click();
+  await page.getByRole("button", { name: "加载更多" }).click();
   await page.getByText(`已列出 ${all} 个任务`).waitFor();
   const links = await page.locator("tbody a").evaluateAll((found) => found.map((a) => a.getAttribute("href")));
   assert.equal(new Set(links).size, all);
-  assert.equal(await page.getByRole("button", { name: "载入更多" }).count(), 0);
-  await page.getByLabel("状态").selectOption({ label: "待检查" });
+  assert.equal(await page.getByRole("button", { name: "加载更多" }).count(), 0);
+  await page.getByLabel("状态").selectOption({ label: "待质检" });
   await page.getByText(`已列出 ${day.pair.length} 个任务`).waitFor();
 }
 

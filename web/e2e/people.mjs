@@ -1,5 +1,5 @@
-// A person at a browser: one context each, as on a machine of their own. Counts pointer presses, listens for faults of the
-// page, and looks with axe.
+// A person at a browser: one context each, as on a machine of their own. Counts pointer presses, listens for faults of
+// the page, and looks with axe.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 
@@ -42,20 +42,20 @@ export async function signIn(page, name, password) {
 }
 
 /** Serious and critical faults that axe found anywhere: the test's last step wants none. */
-export const grave = [];
+export const seriousFindings = [];
 
 /** Looks with axe at what is shown now. */
-export async function look(page, where) {
+export async function checkAccessibility(page, where) {
   await page.evaluate(axeSource);
   const found = await page.evaluate(async (rules) => {
     const { violations } = await window.axe.run(document, { runOnly: rules });
     return violations.map((v) => ({ impact: v.impact, id: v.id, at: v.nodes.map((n) => n.target.join(" ")).slice(0, 5) }));
   }, RULES);
-  grave.push(...found.filter((v) => v.impact === "serious" || v.impact === "critical").map((v) => ({ where, ...v })));
+  seriousFindings.push(...found.filter((v) => v.impact === "serious" || v.impact === "critical").map((v) => ({ where, ...v })));
   return found;
 }
 
-/** Presses Tab until `target` has the focus: what somebody without a mouse does. */
+/** Presses Tab until `target` has the focus: as a user without a mouse does. */
 export async function tabTo(page, target, key = "Tab") {
   for (let n = 0; n < 250; n++) {
     if (await target.evaluate((e) => e === document.activeElement)) return;
@@ -64,7 +64,9 @@ export async function tabTo(page, target, key = "Tab") {
   throw new Error(`${target} cannot be reached with ${key}`);
 }
 
-/** Types Chinese as an input method does: letters being composed, then the text. Keys of the page must not act on it. */
+/**
+ * Types Chinese as an input method does: letters being composed, then the text. Keys of the page must not act on it.
+ */
 export async function typeChinese(page, text) {
   const session = await page.context().newCDPSession(page);
   await session.send("Input.imeSetComposition", { text: "pinyin", selectionStart: 6, selectionEnd: 6 });

@@ -1,5 +1,5 @@
-// A real OpenID provider for the test: `oidc-provider`, which the OpenID Foundation has certified. It asks for any login and
-// any password, and for consent, on pages of its own.
+// A real OpenID provider for the test: `oidc-provider`, which the OpenID Foundation has certified. It asks for any
+// login and any password, and for consent, on pages of its own.
 import { createServer } from "node:http";
 
 export const CLIENT = { id: "whyroad", secret: "e2e secret/+&" };

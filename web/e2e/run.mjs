@@ -1,4 +1,4 @@
-// The work of a day, in a real browser against the real service: from a fresh store to labels that `whyroad validate`
+// End-to-end test in a real browser against the real service: from a fresh store to labels that `whyroad validate`
 // passes. WHYROAD_DEMO names what `whyroad demo --out` wrote (else the service prepares the bundled drives itself);
 // SHOTS names a folder for screenshots.
 import assert from "node:assert/strict";
@@ -12,7 +12,7 @@ import { label } from "./label.mjs";
 import { oidc } from "./oidc.mjs";
 import { overlap } from "./overlap.mjs";
 import { exchange } from "./exchange.mjs";
-import { grave } from "./people.mjs";
+import { seriousFindings } from "./people.mjs";
 import { screens } from "./screens.mjs";
 import { second } from "./second.mjs";
 import { chromium, serve } from "./service.mjs";
@@ -53,8 +53,8 @@ try {
   await step("the service starts on a fresh store", async () => (day.service = await day.restart(0)));
   for (const [name, work] of [...begin, ...label, ...check, ...exchange, ...troubles, ...overlap, ...second, ...screens, ...oidc]) await step(name, work);
   await step("the page complained of nothing", () => assert.deepEqual(day.faults, []));
-  await step("axe found nothing serious on any screen", () => assert.deepEqual(grave, []));
-  await step("the service stops when it is told to", async () => assert.equal(await day.service.stop(), "0"));
+  await step("axe found nothing serious on any screen", () => assert.deepEqual(seriousFindings, []));
+  await step("the service stops on SIGTERM", async () => assert.equal(await day.service.stop(), "0"));
   console.log(`The whole day: ${((Date.now() - began) / 1000).toFixed(0)} s`);
 } finally {
   await day.browser.close();

@@ -1,17 +1,17 @@
 // Every screen in both languages, dark and light: axe finds nothing serious, nothing is wider than the window (also at
 // 200 %), and the language changes without a reload. Screenshots are taken on the way.
 import assert from "node:assert/strict";
-import { look, person } from "./people.mjs";
+import { checkAccessibility, person } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
-const WAYS = [
+const APPEARANCES = [
   ["zh", "light"],
   ["en", "dark"],
   ["zh", "dark"],
   ["en", "light"],
 ];
 
-/** Who sees what: address and the name of the picture. */
+/** Screens by user: address and name of the screenshot. */
 const SEEN = (day) => ({
   wang: [
     ["/", "projects"],
@@ -27,12 +27,12 @@ const SEEN = (day) => ({
   admin: [["/users", "users"]],
 });
 
-const speaking = (page) => page.evaluate(() => document.documentElement.lang.slice(0, 2));
+const languageOf = (page) => page.evaluate(() => document.documentElement.lang.slice(0, 2));
 
-async function wear(page, lang, theme) {
-  if ((await speaking(page)) !== lang) await page.getByRole("button", { name: /^(English|中文)$/ }).click();
+async function setAppearance(page, lang, theme) {
+  if ((await languageOf(page)) !== lang) await page.getByRole("button", { name: /^(English|中文)$/ }).click();
   const now = await page.evaluate(() => document.documentElement.dataset.theme);
-  if (now !== theme) await page.getByRole("button", { name: /换成|Switch to/ }).click();
+  if (now !== theme) await page.getByRole("button", { name: /切换为|Switch to/ }).click();
 }
 
 /** Nothing may stick out sideways. */
@@ -49,16 +49,16 @@ async function all(day) {
       await page.locator("h1").first().waitFor();
       await page.waitForLoadState("networkidle");
       await page.evaluate(() => (window.sameDocument = true));
-      for (const [lang, theme] of WAYS) {
-        await wear(page, lang, theme);
-        assert.equal(await speaking(page), lang);
-        await look(page, `${name}, ${lang}, ${theme}`);
+      for (const [lang, theme] of APPEARANCES) {
+        await setAppearance(page, lang, theme);
+        assert.equal(await languageOf(page), lang);
+        await checkAccessibility(page, `${name}, ${lang}, ${theme}`);
         await fits(page, `${name}, ${lang}, ${theme}`);
         if (lang === "zh" && theme === "light") await shot(day, page, name);
         if (lang === "en" && theme === "dark") await shot(day, page, `${name}-en-dark`);
       }
       assert.ok(await page.evaluate(() => window.sameDocument), `${name} was reloaded`);
-      await wear(page, "zh", "light");
+      await setAppearance(page, "zh", "light");
     }
   }
 }
@@ -78,25 +78,25 @@ async function enlarged(day) {
 }
 
 async function door(day) {
-  for (const [lang, theme] of WAYS) {
+  for (const [lang, theme] of APPEARANCES) {
     const { page, context } = await person(day.browser, day.service.url, { lang, theme, faults: day.faults });
     await page.locator("#name").waitFor();
-    assert.equal(await speaking(page), lang, "the browser's language is the first one");
-    await look(page, `sign-in, ${lang}, ${theme}`);
+    assert.equal(await languageOf(page), lang, "the browser's language is the first one");
+    await checkAccessibility(page, `sign-in, ${lang}, ${theme}`);
     await context.close();
   }
 }
 
-/** The task that somebody holds in Stage I, in all ways. */
+/** A task held in Stage I, in all languages and appearances. */
 async function held(day) {
   const { page } = day.people.zhao;
   await page.goto(day.service.url);
   await page.locator("main a").first().click();
   await page.getByRole("button", { name: "领取下一个标注任务" }).click();
-  await page.locator('[data-deed="lock"]').waitFor();
-  for (const [lang, theme] of WAYS) {
-    await wear(page, lang, theme);
-    await look(page, `Stage I, ${lang}, ${theme}`);
+  await page.locator('[data-action="lock"]').waitFor();
+  for (const [lang, theme] of APPEARANCES) {
+    await setAppearance(page, lang, theme);
+    await checkAccessibility(page, `Stage I, ${lang}, ${theme}`);
     await fits(page, `Stage I, ${lang}, ${theme}`);
   }
   // A manoeuvre of the ego's own has no object that the rule could propose.
@@ -109,16 +109,16 @@ async function held(day) {
   await page.locator('[data-saving="saved"]').waitFor();
   await page.keyboard.press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
-  for (const [lang, theme] of WAYS) {
-    await wear(page, lang, theme);
-    await look(page, `Stage II, ${lang}, ${theme}`);
+  for (const [lang, theme] of APPEARANCES) {
+    await setAppearance(page, lang, theme);
+    await checkAccessibility(page, `Stage II, ${lang}, ${theme}`);
     if (lang === "en" && theme === "dark") await shot(day, page, "stage2-en-dark");
   }
   // The language also changes by key, and while a field has the focus.
-  await wear(page, "zh", "light");
+  await setAppearance(page, "zh", "light");
   await page.keyboard.press("5");
   await page.keyboard.press("Alt+l");
-  assert.equal(await speaking(page), "en");
+  assert.equal(await languageOf(page), "en");
   await page.keyboard.press("Alt+l");
 }
 
@@ -131,7 +131,7 @@ async function markup(day) {
   await lead.getByRole("button", { name: "保存" }).click();
   await lead.getByText("已保存。").waitFor();
   const { page } = day.people.zhao;
-  await page.locator('[data-deed="guide"]').click();
+  await page.locator('[data-action="guide"]').click();
   await page.getByRole("dialog").getByText(nasty).waitFor();
   assert.equal(await page.locator("dialog img, dialog b").count(), 0);
   assert.equal(await page.evaluate(() => window.broken), undefined);
@@ -156,21 +156,21 @@ async function tokens(day) {
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/settings`);
   await page.locator("#token-name").fill("夜间导出");
-  await page.getByRole("button", { name: "建立令牌" }).click();
+  await page.getByRole("button", { name: "创建令牌" }).click();
   const token = await page.locator("input[readonly]").inputValue();
   const ask = () =>
     fetch(`${day.service.url}/api/v1/projects/${day.project}/export?format=labels`, { headers: { authorization: `Bearer ${token}` } });
   const answer = await ask();
   assert.equal(answer.status, 200);
   assert.equal((await answer.text()).trim().split("\n").length, 1);
-  await page.getByRole("button", { name: "作废" }).click();
-  await page.getByRole("button", { name: "作废" }).waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "吊销" }).click();
+  await page.getByRole("button", { name: "吊销" }).waitFor({ state: "detached" });
   assert.equal((await ask()).status, 401);
 }
 
 async function leaving(day) {
   const { page } = day.people.zhao;
-  await page.getByRole("button", { name: "退出" }).click();
+  await page.getByRole("button", { name: "退出登录" }).click();
   await page.getByRole("heading", { name: "登录" }).waitFor();
   const status = await page.evaluate(async () => (await fetch("/api/v1/projects")).status);
   assert.equal(status, 401);

@@ -1,10 +1,11 @@
-// A drive of its own, with a leaf that has two keyframes and with pictures of two cameras: simulated by the project
-// (examples/truth/agents), brought into a lake, mined and served as anybody would. Handles are dragged with the pointer.
+// A drive of its own, with a leaf that has two keyframes and with images of two cameras: simulated by the project
+// (examples/truth/agents), brought into a lake, mined and served as anybody would. Handles are dragged with the
+// pointer.
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { deflateSync } from "node:zlib";
-import { ask, look, person } from "./people.mjs";
+import { ask, checkAccessibility, person } from "./people.mjs";
 import { serve, whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -24,7 +25,7 @@ function crc(bytes) {
   return ~c >>> 0;
 }
 
-/** A picture of one colour, PNG. */
+/** A PNG image of one color. */
 function picture(width, height, [r, g, b]) {
   const chunk = (type, data) => {
     const body = Buffer.concat([Buffer.from(type, "latin1"), data]);
@@ -61,22 +62,22 @@ async function prepare(day) {
   await page.getByLabel("用户名").fill("own");
   await page.getByLabel("显示名").fill("一个人");
   await page.getByLabel("密码", { exact: true }).fill(PASSWORD);
-  await page.getByLabel("再输入一次密码").fill(PASSWORD);
+  await page.getByLabel("再次输入密码").fill(PASSWORD);
   await page.keyboard.press("Enter");
   await page.getByRole("button", { name: "新建项目" }).click();
   await page.getByRole("dialog").getByLabel("项目名").fill("两个关键帧");
-  await page.getByRole("dialog").getByRole("button", { name: "建立" }).click();
+  await page.getByRole("dialog").getByRole("button", { name: "创建" }).click();
   await page.getByRole("link", { name: "任务" }).click();
-  await page.getByRole("button", { name: "从挖掘结果建任务" }).click();
-  await page.getByRole("dialog").getByRole("button", { name: "建立任务" }).click();
-  await page.getByRole("dialog").getByText("已建立 1 个任务").waitFor({ timeout: 300_000 });
+  await page.getByRole("button", { name: "从挖掘结果创建任务" }).click();
+  await page.getByRole("dialog").getByRole("button", { name: "创建任务" }).click();
+  await page.getByRole("dialog").getByText("已创建 1 个任务").waitFor({ timeout: 300_000 });
   await page.keyboard.press("Escape");
 }
 
 async function cameras(day) {
   const { page } = day.people.own;
   await page.getByRole("button", { name: "领取下一个标注任务" }).click();
-  await page.locator('[data-deed="lock"]').waitFor();
+  await page.locator('[data-action="lock"]').waitFor();
   const image = page.locator(".camera img");
   await image.waitFor();
   const shown = () => page.getByLabel("相机", { exact: true }).inputValue();
@@ -94,7 +95,7 @@ async function cameras(day) {
   assert.equal(await shown(), "左视");
   await page.getByLabel("相机", { exact: true }).selectOption("前视");
   await page.locator("canvas").first().click({ position: { x: 5, y: 200 } });
-  await look(page, "cameras");
+  await checkAccessibility(page, "cameras");
 }
 
 /** Speeds are in the unit that the reader chose: 1 m/s is 3.6 km/h. */
@@ -132,7 +133,7 @@ const seconds = async (handle) => Number(await handle.getAttribute("aria-valueno
 const at = (draft, pointer) => pointer.split("/").slice(1).reduce((value, key) => value?.[key], draft);
 const task = (day) => ask(day.people.own.page, "GET", `/tasks/${day.ownTask}`);
 
-/** Drags by so many seconds of the time axis; what the handle then says. */
+/** Drags a handle by `by` seconds of the time axis; its time afterwards. */
 async function drag(page, handle, by) {
   const from = await middle(handle);
   const [now, least, most] = await handle.evaluate((e) => ["now", "min", "max"].map((k) => Number(e.getAttribute(`aria-value${k}`))));
@@ -206,7 +207,7 @@ async function secondKeyframe(day) {
   await drag(page, end, 0.6);
   await page.getByText("较建议 起点 −0.5 s, 终点 +0.6 s").waitFor();
   await saved(page);
-  await look(page, "dragged");
+  await checkAccessibility(page, "dragged");
   await shot(day, page, "dragged");
   const { draft, suggestion, changed_from_suggestion } = await task(day);
   const apart = (pointer, was) => Date.parse(at(draft, pointer)) - Date.parse(was);
@@ -232,7 +233,7 @@ async function handedIn(day) {
   const saving = await ask(page, "PATCH", `/tasks/${day.ownTask}/draft`, { fence, base_version: version, changes });
   assert.deepEqual(saving.findings.filter((f) => f.severity === "error" || f.code.includes("second_keyframe")), []);
   await page.reload();
-  await page.locator('[data-deed="submit"]').waitFor();
+  await page.locator('[data-action="submit"]').waitFor();
   await page.waitForLoadState("networkidle");
   // What the draft got right takes one key a field, which leads on to the next, and at last to the safety filter.
   const inSafety = () => page.evaluate(() => document.activeElement?.closest("[data-section=safety]") !== null && document.activeElement?.closest("[data-section=safety]") !== undefined);
@@ -240,18 +241,18 @@ async function handedIn(day) {
   assert.ok(await inSafety(), "the last field leads to the safety filter");
   await page.keyboard.press("y");
   await saved(page);
-  await page.locator('[data-deed="submit"]').click();
-  await page.locator('[data-deed="next"]').waitFor();
+  await page.locator('[data-action="submit"]').click();
+  await page.locator('[data-action="next"]').waitFor();
   // One person alone: nothing is left, and it says why.
-  await page.locator('[data-deed="next"]').click();
-  await page.getByText("没有任务在等这一步").waitFor();
+  await page.locator('[data-action="next"]').click();
+  await page.getByText("没有任务处于这一步").waitFor();
   await page.goto(`${day.own.url}/projects/${(await task(day)).task.project}/tasks`);
-  await page.getByRole("button", { name: "领取下一个检查任务" }).click();
-  await page.getByText("有的是您自己写的，须由别人检查。").waitFor();
-  await look(page, "nothing next");
+  await page.getByRole("button", { name: "领取下一个质检任务" }).click();
+  await page.getByText("有的任务由您标注，须由他人质检。").waitFor();
+  await checkAccessibility(page, "nothing next");
   await shot(day, page, "nothing-next");
   await page.getByRole("button", { name: "English" }).click();
-  await page.getByText("Some you wrote yourself: somebody else has to judge them.").waitFor();
+  await page.getByText("You cannot check your own labels.").waitFor();
   const exported = await page.evaluate(async (p) => (await fetch(`/api/v1/projects/${p}/export?format=tasks`)).text(), (await task(day)).task.project);
   const { task: line } = JSON.parse(exported.trim());
   assert.equal(Date.parse(line.draft.second_keyframe.timestamp) - Date.parse(line.initial.second_keyframe.timestamp), 800, "the difference is kept");

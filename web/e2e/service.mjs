@@ -12,7 +12,7 @@ export function binary() {
   return found;
 }
 
-/** A Chromium of this machine; null when there is none. */
+/** The Chromium of this machine; null without one. */
 export function chromium() {
   const names = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
   return names.find((p) => p && existsSync(p)) ?? null;

@@ -1,5 +1,5 @@
-// A task made up by arithmetic, and answers to every request of the labelling screen about it: for measuring the page without a
-// server and without recorded data. The scene is a curved motorway of four lanes with any number of objects.
+// A task made up by arithmetic, and answers to every request of the labelling screen about it: for measuring the page
+// without a server and without recorded data. The scene is a curved motorway of four lanes with any number of objects.
 
 const HZ = 10;
 const iso = (i) => new Date(Date.UTC(2026, 0, 15, 10, 30, 0) + i * 100).toISOString();
@@ -193,7 +193,7 @@ export function task(view, { stage }) {
     comments: [],
     history_count: 1,
     findings: [
-      { code: "label.trace.empty", severity: "error", message_zh: "因果推理为空", message_en: "the trace is empty", pointer: "/coc_trace", hint_zh: "写出状态、原因与决策", hint_en: "write state, reason and decision" },
+      { code: "label.trace.empty", severity: "error", message_zh: "因果描述为空", message_en: "the trace is empty", pointer: "/coc_trace", hint_zh: "写出状态、原因与决策", hint_en: "write state, reason and decision" },
     ],
     permissions: stage === "stage1" ? ["edit", "lock_stage1", "release", "skip", "reject", "comment"] : ["edit", "submit", "release", "skip", "reject", "comment"],
     changed_from_suggestion: [],

@@ -1,8 +1,8 @@
-// What goes wrong in a day: no network, a page that dies, two tabs, a service that is killed, a task taken away. After each of
-// them everything that was typed is there, and everybody was told in words.
+// What goes wrong in a day: no network, a page that dies, two tabs, a service that is killed, a task taken away. After
+// each of them everything that was typed is there, and the users were informed.
 import assert from "node:assert/strict";
 import { PROJECT } from "./begin.mjs";
-import { look } from "./people.mjs";
+import { checkAccessibility } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const description = (page, n) => page.locator(`[data-component="${n}"] textarea`);
@@ -29,7 +29,7 @@ async function takeOne(day) {
   await page.goto(day.service.url);
   await page.getByRole("link", { name: PROJECT }).click();
   await page.getByRole("button", { name: "领取下一个标注任务" }).click();
-  await page.locator('[data-deed="lock"]').waitFor();
+  await page.locator('[data-action="lock"]').waitFor();
   day.second = new URL(page.url()).pathname.split("/")[2];
   await page.locator("canvas").waitFor();
   day.row = await page.locator("[data-component]").count();
@@ -64,7 +64,7 @@ async function crash(day) {
   const next = await context.newPage();
   next.setDefaultTimeout(15_000);
   await next.goto(address);
-  await next.getByText("已找回上次未保存的修改").waitFor();
+  await next.getByText("已恢复上次未保存的修改").waitFor();
   assert.equal(await description(next, day.row).inputValue(), "页面崩溃前写下的一句");
   await saving(next, "saved").waitFor();
   assert.equal((await stored(next, day.second))[day.row], "页面崩溃前写下的一句");
@@ -76,7 +76,7 @@ async function twoTabs(day) {
   const other = await context.newPage();
   other.setDefaultTimeout(15_000);
   await other.goto(page.url());
-  await other.locator('[data-deed="lock"]').waitFor();
+  await other.locator('[data-action="lock"]').waitFor();
   for (const tab of [page, other]) await tab.getByText("此任务也在您的另一个标签页中打开").waitFor();
   await description(other, day.row).fill("在另一个标签页写下的一句");
   await saving(other, "saved").waitFor();
@@ -98,7 +98,7 @@ async function conflict(day) {
   for (const word of ["这一页的说法", "另一页的说法", "我的", "对方的", "描述"]) assert.ok(text.includes(word), `${word} in ${text}`);
   assert.ok(!/[{}"]|critical_components/.test(text), `no JSON for people: ${text}`);
   await shot(day, page, "conflict");
-  await look(page, "conflict");
+  await checkAccessibility(page, "conflict");
   await asked.getByRole("button", { name: "用这个" }).first().click();
   await saving(page, "saved").waitFor();
   assert.equal((await stored(page, day.second))[day.row], "这一页的说法");
@@ -132,7 +132,7 @@ async function takenAway(day) {
   }, day.second);
   assert.equal(gone, 200);
   await description(page, day.row).fill("任务被转走时写下的一句");
-  await page.getByText("此任务已被别人领取，或租约已过期").waitFor();
+  await page.getByText("此任务已被他人领取，或已超过领取时限").waitFor();
   const kept = await page.evaluate(() => JSON.stringify({ ...localStorage }));
   assert.ok(kept.includes("任务被转走时写下的一句"), "what was typed is still on this machine");
   assert.equal(await description(page, day.row).count(), 0, "nothing more can be typed into another's task");
@@ -146,5 +146,5 @@ export const troubles = [
   ["two tabs of one person show one draft", twoTabs],
   ["one field changed in two places: both sides in words, one is chosen", conflict],
   ["a killed service: what is typed meanwhile arrives after its restart", killed],
-  ["a task taken away: told, nothing overwritten, nothing lost", takenAway],
+  ["a task taken away: reported, nothing overwritten, nothing lost", takenAway],
 ];

@@ -1,4 +1,5 @@
-// The framework's words, for the screens that list classes and for the labelling screen: read once for the whole page.
+// Names of scenarios from the framework, for the screens that list them and for the labeling screen: loaded once per
+// page.
 import * as api from "./api/calls.generated.ts";
 import { type Framework, readFramework } from "./label/framework.ts";
 import { type Bilingual, localized } from "./text/text.svelte.ts";
@@ -6,7 +7,7 @@ import { type Bilingual, localized } from "./text/text.svelte.ts";
 const loaded = $state<{ now: Framework | null }>({ now: null });
 let asked: Promise<Framework> | null = null;
 
-/** Asks for the framework unless it is there or under way. A failure is asked for again by the next screen. */
+/** Loads the framework once. After a failure the next screen tries again. */
 export function loadFramework(): Promise<Framework> {
   asked ??= api.getFramework().then(
     (view) => (loaded.now = readFramework(view)),
@@ -18,7 +19,7 @@ export function loadFramework(): Promise<Framework> {
   return asked;
 }
 
-/** The reader's name of a leaf; its id while names are not there, or for `other` and leaves of another version. */
+/** The localized name of a leaf; its id while names are not loaded, and for `other` and leaves of another version. */
 export function leafName(id: string): string {
   const leaf = loaded.now?.leaves.get(id);
   return leaf ? localized(leaf.name) : id;

@@ -1,5 +1,5 @@
-// The module graph of the page: no cycles, the API is called only through the generated functions, and only one module spells
-// the label's pointers.
+// The module graph of the page: no cycles, the API is called only through the generated functions, and only one module
+// spells the label's pointers.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";

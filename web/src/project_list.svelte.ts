@@ -1,4 +1,4 @@
-// The projects of the reader and the framework's names: asked for once, used by many screens.
+// The user's projects: loaded once, used by many screens.
 import * as api from "./api/calls.generated.ts";
 import type { Project } from "./api/types.ts";
 
@@ -9,7 +9,7 @@ export async function loadProjects(): Promise<void> {
   projectList.loaded = true;
 }
 
-/** Puts a changed project in its place, so that the bar and the lists say what the server now holds. */
+/** Replaces a project in the list after a change. */
 export function updateProject(project: Project): void {
   const at = projectList.items.findIndex((p) => p.id === project.id);
   if (at >= 0) projectList.items[at] = project;

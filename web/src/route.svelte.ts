@@ -1,4 +1,4 @@
-// Which screen the address names. Addresses are plain paths, so that a link to a task can be sent to a colleague.
+// The screen of an address. Addresses are plain paths, so that a link to a task can be shared.
 
 export type Route =
   | { screen: "projects" }
@@ -6,12 +6,12 @@ export type Route =
   | { screen: "label"; task: string }
   | { screen: "users" | "settings" | "unknown" };
 
-/** Where the identity provider sends the browser back to; no screen, for it is left at once. */
+/** The address to which the identity provider redirects; not a screen, it is left at once. */
 export const CALLBACK = "/oidc/callback";
 
 const PROJECT_SCREENS = ["tasks", "dashboard", "members", "exchange"] as const;
 
-/** The screen of a path. A project without a further word is its settings; `tasks` is where its people work. */
+/** The screen of a path. `/projects/<id>` is the project's settings. */
 export function routeOf(path: string): Route {
   const parts = path.split("/").filter(Boolean).map(decodeURIComponent);
   const [head, id, word] = parts;
@@ -48,26 +48,26 @@ export function pathOf(to: Route): string {
 
 const here = (): { path: string; query: string } => ({ path: location.pathname, query: location.search });
 
-/** Where the page is now; follows the browser's back and forward. */
+/** The current address; follows the browser's Back and Forward. */
 export const currentLocation = $state(typeof location === "undefined" ? { path: "/", query: "" } : here());
 
 function follow(): void {
   Object.assign(currentLocation, here());
 }
 
-/** Goes to a screen; `query` begins with `?` or is empty. */
+/** Opens a screen; `query` begins with `?` or is empty. */
 export function go(to: Route | string, query = ""): void {
   history.pushState(null, "", (typeof to === "string" ? to : pathOf(to)) + query);
   follow();
 }
 
-/** Goes to a path of this page in place of the present one: what was there is not to be gone back to. */
+/** Replaces the current path: the browser's Back skips it. */
 export function replace(path: string): void {
   history.replaceState(null, "", new URL(path, location.origin).pathname + new URL(path, location.origin).search);
   follow();
 }
 
-/** Changes the query of this screen without a step in the browser's history: what a filter does. */
+/** Changes the query of this screen without an entry in the browser's history, for filters. */
 export function replaceQuery(query: string): void {
   history.replaceState(null, "", currentLocation.path + query);
   follow();
@@ -80,7 +80,7 @@ export function startRouter(): void {
     const link = e.target instanceof Element ? e.target.closest("a[href]") : null;
     if (!(link instanceof HTMLAnchorElement) || e.defaultPrevented || e.button !== 0) return;
     if (e.ctrlKey || e.metaKey || e.shiftKey || e.altKey || link.target || link.hasAttribute("download")) return;
-    // A link within the page, such as the one that skips to the content, stays the browser's.
+    // Links within the page, such as "skip to content", are left to the browser.
     const inside = link.getAttribute("href")?.startsWith("#") ?? true;
     if (inside || link.origin !== location.origin || link.pathname.startsWith("/api/")) return;
     e.preventDefault();

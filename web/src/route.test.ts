@@ -1,4 +1,4 @@
-// Addresses: every screen has one that leads back to it, and nothing else does.
+// Addresses: every screen has one, and every address has at most one screen.
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import { pathOf, routeOf, type Route } from "./route.svelte.ts";

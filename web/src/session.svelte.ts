@@ -83,7 +83,10 @@ export async function goToProvider(purpose: "sign_in" | "link"): Promise<void> {
   location.assign(url);
 }
 
-/** Creates the first administrator. A service that is reachable from other machines requires the token of the address it printed. */
+/**
+ * Creates the first administrator. A service that is reachable from other machines requires the token of the address it
+ * printed.
+ */
 export async function setup(first: { name: string; display: string; password: string; lang: string }): Promise<void> {
   const token = new URLSearchParams(location.search).get("setup");
   signedIn(await api.postSetup(token ? { ...first, token } : first));

@@ -1,4 +1,4 @@
-// Dark or light: the reader's choice, else the system's. `data-theme` on the root is what app.css looks at.
+// Dark or light: the user's choice, else the system's. app.css uses `data-theme` on the root element.
 
 export type Theme = "auto" | "light" | "dark";
 

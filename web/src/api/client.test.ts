@@ -1,4 +1,4 @@
-// The way to the server: what is sent, what is tried again, what a refusal becomes.
+// HTTP with the service: what is sent, what is tried again, what a refusal becomes.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "vitest";
 import { ApiError, call, clearCache, Offline, queryString, TextBody, setCsrf } from "./client.ts";
@@ -63,7 +63,7 @@ test("a problem keeps its code, both languages and what belongs to it", async ()
   const error = await call("PATCH", "/x", {}).then(() => null, (e: unknown) => e);
   assert.ok(error instanceof ApiError);
   assert.deepEqual([error.status, error.code, error.zh, error.en, error.more["version"]], [409, "lease.lost", "租约已失效", "the lease is lost", 3]);
-  // What a proxy says is no problem+json: its status has to do.
+  // A proxy's page is not problem+json: only its status is known.
   serve(new Response("<html>Bad</html>", { status: 400 }));
   await assert.rejects(call("POST", "/x"), /400/);
 });

@@ -1,4 +1,5 @@
-// HTTP with the service: cookies, the CSRF header, ETags, retries, problem+json. Knows no route; calls.generated.ts does.
+// HTTP with the service: cookies, the CSRF header, ETags, retries, problem+json. Knows no route; calls.generated.ts
+// does.
 
 /** A refusal of the service in both languages. `body` is the whole problem document. */
 export class ApiError extends Error {

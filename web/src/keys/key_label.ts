@@ -1,4 +1,4 @@
-// A key stroke as people read it: arrows as arrows, short names for long ones.
+// Key strokes for display: arrows as symbols, short names for long ones.
 
 const SIGNS: Record<string, string> = {
   ArrowLeft: "←",

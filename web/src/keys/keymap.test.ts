@@ -1,4 +1,4 @@
-// The keyboard's promises: no two actions share a key, and nothing typed into a field is taken away.
+// Shortcuts: no two actions share a key, and keys that type stay with text fields.
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import { actionIds, actionOf, actions, fieldKeeps, keyOf, bindingProblem, strokeName } from "./keymap.ts";

@@ -1,74 +1,94 @@
-// What the keyboard can do, by which keys, and when a key must be left alone. Pure: no DOM events, no state.
+// The keyboard shortcuts of the page: actions, their default keys, and when a key stroke belongs to the focused field.
+// Pure.
 import type { TextPair } from "../text/screen_texts.ts";
 
-/** Where an action works: everywhere, or also while a text field has the focus. */
+/** Where an action works: outside of text fields, or also while a text field has the focus. */
 type Reach = "page" | "always";
 
-interface Act {
+/** Groups of actions in the order of the help. */
+export const groups = {
+  general: ["通用", "General"],
+  task: ["任务", "Task"],
+  playback: ["播放", "Playback"],
+  view: ["视图", "View"],
+  components: ["要素", "Components"],
+  times: ["时刻与范围", "Times and ranges"],
+  go: ["转到", "Go to"],
+} as const satisfies Record<string, TextPair>;
+
+export type GroupId = keyof typeof groups;
+
+interface Action {
+  group: GroupId;
   name: TextPair;
   key: string;
   reach: Reach;
 }
 
-const action = (zh: string, en: string, key: string, reach: Reach = "page"): Act => ({ name: [zh, en], key, reach });
+const action = (group: GroupId, zh: string, en: string, key: string, reach: Reach = "page"): Action => ({ group, name: [zh, en], key, reach });
 
-/** All actions with their default keys, in the order in which the help shows them. */
+/** All actions with their default keys, in the order of the help. */
 export const actions = {
-  help: action("显示快捷键", "Show the keys", "?"),
-  language: action("切换中文 / 英文", "Switch Chinese / English", "Alt+L", "always"),
-  leave: action("离开输入框，回到画面", "Leave the field, back to the scene", "Escape", "always"),
-  save: action("立即保存", "Save now", "Ctrl+S", "always"),
-  undo: action("撤销", "Undo", "Ctrl+Z"),
-  redo: action("重做", "Redo", "Ctrl+Shift+Z"),
-  acceptField: action("采纳当前项的草稿，到下一项", "Accept the draft of this field, on to the next", "Alt+A", "always"),
-  advance: action("主按钮：领取、锁定、提交、接受、下一个", "The main button: take, lock, submit, accept, next", "Ctrl+Enter", "always"),
-  play: action("播放 / 暂停", "Play / pause", "Space"),
-  back: action("上一帧", "Frame back", "ArrowLeft"),
-  forward: action("下一帧", "Frame on", "ArrowRight"),
-  back1: action("后退 1 秒", "Back 1 s", "Shift+ArrowLeft"),
-  forward1: action("前进 1 秒", "On 1 s", "Shift+ArrowRight"),
-  first: action("到开头", "To the beginning", "Home"),
-  last: action("到末尾", "To the end", "End"),
-  toKeyframe: action("跳到关键帧", "To the keyframe", "0"),
-  slower: action("放慢", "Slower", "["),
-  faster: action("加快", "Faster", "]"),
-  loop: action("循环区间", "Loop the range", "L"),
-  follow: action("跟随 / 自由视角", "Follow / free view", "F"),
-  zoomIn: action("放大", "Zoom in", "="),
-  zoomOut: action("缩小", "Zoom out", "-"),
-  nextObject: action("选下一个目标", "Pick the next object", "N"),
-  previousObject: action("选上一个目标", "Pick the previous object", "P"),
-  targetObject: action("选规则的目标", "Pick the rule's target", "T"),
-  names: action("显示目标编号", "Show object names", "M"),
-  nextCamera: action("下一个相机", "Next camera", "V"),
-  previousCamera: action("上一个相机", "Previous camera", "Shift+V"),
-  occlusion: action("显示遮挡区", "Show hidden areas", "H"),
-  addComponent: action("把选中的目标加为要素", "Make the picked object a component", "C"),
-  linkObject: action("把选中的目标关联到当前要素", "Link the picked object to the component", "O"),
-  evidence: action("把此刻记为证据时刻", "Add this moment as evidence", "E"),
-  uncertain: action("当前要素的不确定性：低 / 高", "Uncertainty of the component: low / high", "X"),
-  keyframe: action("关键帧设在此刻", "Keyframe here", "K"),
-  keyframe2: action("第二关键帧设在此刻", "Second keyframe here", "Shift+K"),
-  keyStart: action("关键帧范围起点设在此刻", "Keyframe range starts here", "Shift+I"),
-  keyEnd: action("关键帧范围终点设在此刻", "Keyframe range ends here", "Shift+U"),
-  rangeStart: action("时间范围起点设在此刻", "Range starts here", "I"),
-  rangeEnd: action("时间范围终点设在此刻", "Range ends here", "U"),
-  safe: action("合法且安全", "Legal and safe", "Y"),
-  reject: action("剔除…", "Reject…", "D"),
-  sendBack: action("退回…（检查、审计）", "Send back… (check, audit)", "B"),
-  toComponents: action("到关键要素", "Go to the components", "1"),
-  toLongitudinal: action("到纵向决策", "Go to the longitudinal decision", "2"),
-  toLateral: action("到横向决策", "Go to the lateral decision", "3"),
-  toCauses: action("到原因", "Go to the causes", "4"),
-  toTrace: action("到因果推理", "Go to the trace", "5"),
-  toRecords: action("到必记项", "Go to the records", "6"),
-  toFindings: action("到检查结果", "Go to the findings", "7"),
-  toComments: action("到意见", "Go to the comments", "8"),
-  spec: action("显示 / 收起标注规范", "Show / hide the specification", "S"),
-} as const satisfies Record<string, Act>;
+  help: action("general", "显示快捷键", "Show keyboard shortcuts", "?"),
+  language: action("general", "切换中文 / 英文", "Switch Chinese / English", "Alt+L", "always"),
+  leave: action("general", "离开输入框", "Leave the text field", "Escape", "always"),
+  save: action("general", "立即保存", "Save now", "Ctrl+S", "always"),
+  undo: action("general", "撤销", "Undo", "Ctrl+Z"),
+  redo: action("general", "重做", "Redo", "Ctrl+Shift+Z"),
+  advance: action("task", "主按钮：领取、锁定、提交、接受、下一个", "Main button: take, lock, submit, accept, next", "Ctrl+Enter", "always"),
+  acceptField: action("task", "采纳当前项的草稿，转到下一项", "Accept the draft of this field and go to the next", "Alt+A", "always"),
+  safe: action("task", "合法且安全", "Legal and safe", "Y"),
+  reject: action("task", "剔除…", "Reject…", "D"),
+  sendBack: action("task", "退回…（质检、抽检）", "Return for rework… (check, audit)", "B"),
+  play: action("playback", "播放 / 暂停", "Play / pause", "Space"),
+  back: action("playback", "上一帧", "Previous frame", "ArrowLeft"),
+  forward: action("playback", "下一帧", "Next frame", "ArrowRight"),
+  back1: action("playback", "后退 1 秒", "Back 1 s", "Shift+ArrowLeft"),
+  forward1: action("playback", "前进 1 秒", "Forward 1 s", "Shift+ArrowRight"),
+  first: action("playback", "到开头", "To the start", "Home"),
+  last: action("playback", "到末尾", "To the end", "End"),
+  toKeyframe: action("playback", "到关键帧", "To the keyframe", "0"),
+  slower: action("playback", "放慢", "Slower", "["),
+  faster: action("playback", "加快", "Faster", "]"),
+  loop: action("playback", "循环区间", "Loop the range", "L"),
+  follow: action("view", "跟随自车 / 自由视角", "Follow the ego / free view", "F"),
+  zoomIn: action("view", "放大", "Zoom in", "="),
+  zoomOut: action("view", "缩小", "Zoom out", "-"),
+  zoomToTarget: action("view", "缩放到目标", "Zoom to the target", "Z"),
+  ruler: action("view", "测距", "Ruler", "R"),
+  velocities: action("view", "显示速度箭头", "Show velocity arrows", "W"),
+  nextObject: action("view", "选下一个目标", "Select the next object", "N"),
+  previousObject: action("view", "选上一个目标", "Select the previous object", "P"),
+  targetObject: action("view", "选规则目标", "Select the rule's target", "T"),
+  names: action("view", "显示目标编号", "Show object names", "M"),
+  nextCamera: action("view", "下一个相机", "Next camera", "V"),
+  previousCamera: action("view", "上一个相机", "Previous camera", "Shift+V"),
+  occlusion: action("view", "显示遮挡区", "Show occlusion", "H"),
+  addComponent: action("components", "把选中的目标加为要素", "Add the selected object as a component", "C"),
+  linkObject: action("components", "把选中的目标关联到当前要素", "Link the selected object to the component", "O"),
+  evidence: action("components", "把当前时刻记为证据时刻", "Add the current time as evidence", "E"),
+  uncertain: action("components", "当前要素的不确定性：低 / 高", "Uncertainty of the component: low / high", "X"),
+  keyframe: action("times", "关键帧设在此刻", "Set keyframe here", "K"),
+  keyframe2: action("times", "第二关键帧设在此刻", "Set second keyframe here", "Shift+K"),
+  keyStart: action("times", "关键帧范围起点设在此刻", "Start keyframe range here", "Shift+I"),
+  keyEnd: action("times", "关键帧范围终点设在此刻", "End keyframe range here", "Shift+U"),
+  rangeStart: action("times", "时间范围起点设在此刻", "Start time range here", "I"),
+  rangeEnd: action("times", "时间范围终点设在此刻", "End time range here", "U"),
+  toComponents: action("go", "关键要素", "Critical components", "1"),
+  toLongitudinal: action("go", "纵向决策", "Longitudinal decision", "2"),
+  toLateral: action("go", "横向决策", "Lateral decision", "3"),
+  toCauses: action("go", "原因", "Causes", "4"),
+  toTrace: action("go", "因果描述", "Causal trace", "5"),
+  toRecords: action("go", "必填记录", "Required records", "6"),
+  toFindings: action("go", "校验结果", "Findings", "7"),
+  toComments: action("go", "意见", "Comments", "8"),
+  spec: action("go", "显示 / 收起标注规范", "Show / hide the labeling specification", "S"),
+} as const satisfies Record<string, Action>;
 
 export type ActionId = keyof typeof actions;
 export const actionIds = Object.keys(actions) as ActionId[];
+export const groupIds = Object.keys(groups) as GroupId[];
+export const actionsOf = (group: GroupId): ActionId[] => actionIds.filter((id) => actions[id].group === group);
 export type Bindings = Partial<Record<ActionId, string>>;
 
 export interface Stroke {
@@ -88,7 +108,7 @@ export function strokeName(e: Stroke): string | null {
   const modifiers = [
     e.ctrlKey || e.metaKey ? "Ctrl+" : "",
     e.altKey ? "Alt+" : "",
-    // Shift makes `?` out of `/` on one keyboard and something else on another: the sign itself is the name.
+    // Which key gives `?` with Shift depends on the keyboard: the character itself is the name.
     e.shiftKey && cased ? "Shift+" : "",
   ];
   return modifiers.join("") + key;
@@ -102,10 +122,10 @@ export function actionOf(stroke: string, own: Bindings): ActionId | null {
   return actionIds.find((a) => keyOf(a, own) === stroke) ?? null;
 }
 
-/** What has the focus: it decides which strokes are its own. */
+/** Kind of the focused element: it decides which strokes belong to it. */
 export type Focus = "text" | "choice" | "button" | "slider" | "page";
 
-/** Does the focused thing need this stroke itself? Text needs all that types; choices, buttons and sliders what works them. */
+/** Does the focused element need this stroke itself? Text needs all that types; the others what operates them. */
 export function fieldKeeps(focus: Focus, stroke: string, action: ActionId): boolean {
   if (focus === "text") return actions[action].reach !== "always";
   const keys: Record<Exclude<Focus, "text">, readonly string[]> = {

@@ -1,4 +1,4 @@
-// The keyboard at work: own bindings (kept in this browser), and which screen answers an action now.
+// Keyboard state: custom bindings (kept in this browser), and the handlers of the current screen.
 import { actionOf, fieldKeeps, type ActionId, type Bindings, type Focus, keyOf, strokeName } from "./keymap.ts";
 
 const KEY = "whyroad.keys";
@@ -31,7 +31,7 @@ export function keyName(action: ActionId): string {
 export type Handlers = Partial<Record<ActionId, () => unknown>>;
 const stack: Handlers[] = [];
 
-/** Lets `handlers` answer until the returned function is called; later ones come first. */
+/** Registers handlers until the returned function is called; later ones have precedence. */
 export function handleKeys(handlers: Handlers): () => void {
   stack.push(handlers);
   return () => {
@@ -56,7 +56,7 @@ function focusOf(element: Element | null): Focus {
 
 /** For `<svelte:window onkeydown>`. */
 export function onKeydown(e: KeyboardEvent): void {
-  // 229 is what some browsers say of the stroke that ends a composition, when they no longer call it composing.
+  // Some browsers report 229 for the stroke that ends a composition, no longer marked as composing.
   if (e.defaultPrevented || e.isComposing || e.keyCode === 229) return;
   const stroke = strokeName(e);
   const action = stroke && actionOf(stroke, keys.own);

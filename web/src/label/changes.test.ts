@@ -1,4 +1,4 @@
-// What an annotator typed is neither lost nor doubled when changes are joined, sent again or put on another's draft.
+// What was typed is neither lost nor doubled when changes are joined, sent again or applied to another draft.
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import { apply, join, needed, rooted } from "./changes.ts";

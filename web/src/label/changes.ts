@@ -1,9 +1,9 @@
-// Changes of a draft that the server has not acknowledged yet: joined, put on top of a draft, undone. Pure.
+// Changes of a draft that the service has not acknowledged: joined and applied to a draft. Pure.
 import { type Json, read, same, write } from "./pointer.ts";
 
 export interface Change {
   path: string;
-  /** Absent: the field goes away. */
+  /** Absent: the field is removed. */
   value?: Json | undefined;
 }
 
@@ -14,7 +14,7 @@ export interface Step extends Change {
 /** Is `path` the field `parent` or in it? */
 export const within = (path: string, parent: string): boolean => path === parent || path.startsWith(`${parent}/`);
 
-/** `changes` with one more. A later write of a field, or of what contains it, makes the earlier one needless. */
+/** `changes` with one more. A later write of a field, or of what contains it, replaces the earlier one. */
 export function join(changes: readonly Change[], next: Change): Change[] {
   return [...changes.filter((c) => !within(c.path, next.path)), next];
 }
@@ -28,7 +28,7 @@ export function needed(doc: Json, changes: readonly Change[]): Change[] {
   return changes.filter((c) => !same(read(doc, c.path), c.value));
 }
 
-/** Where `path` has no parent yet, the change of the nearest one that has to be made: servers do not invent parents. */
+/** Where the parent of `path` is missing, the change that creates it: the service does not create parents. */
 export function rooted(doc: Json, change: Change): Change {
   const keys = change.path.split("/").slice(1);
   for (let n = 1; n < keys.length; n++) {

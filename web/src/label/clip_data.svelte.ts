@@ -3,6 +3,7 @@ import * as api from "../api/calls.generated.ts";
 import { LONG_TIMEOUT_MS, Offline } from "../api/client.ts";
 import type { SceneView } from "../api/types.ts";
 import { buildRoad, type Road } from "../scene/road.ts";
+import { trackNames } from "../scene/objects.ts";
 import { Player } from "../scene/player.svelte.ts";
 import { type Clock, clockOf, frameNear, secondOf } from "./times.ts";
 
@@ -18,6 +19,9 @@ export class ClipData {
   readonly player = new Player();
   #task: string;
   #closed = false;
+
+  /** Short display names of the tracks by id. */
+  trackNames = $derived(trackNames(this.scene?.tracks ?? []));
 
   constructor(task: string) {
     this.#task = task;
@@ -38,7 +42,10 @@ export class ClipData {
     this.player.load(scene.t_s);
   }
 
-  /** As `load`, repeated while the service cannot be reached: a stage is locked only once, so what it opened must arrive. */
+  /**
+   * As `load`, repeated while the service cannot be reached: a stage is locked only once, so what it opened must
+   * arrive.
+   */
   async loadUntilReached(): Promise<void> {
     for (let wait = RETRY_MS.first; !this.#closed; wait = Math.min(RETRY_MS.max, wait * 2)) {
       try {
@@ -58,6 +65,11 @@ export class ClipData {
   /** Seconds from the suggested keyframe of a moment of the label; null for anything else. */
   second(iso: unknown): number | null {
     return this.clock ? secondOf(this.clock, iso) : null;
+  }
+
+  /** The short name of a track; its id where it is not in the scene. */
+  trackName(id: string): string {
+    return this.trackNames.get(id) ?? id;
   }
 
   /** The frame nearest to `t` seconds. */

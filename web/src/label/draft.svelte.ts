@@ -1,4 +1,5 @@
-// The label being edited: its content, its findings, and every change on its way to undo, to the service and to other tabs.
+// The label being edited: its content, its findings, and every change on its way to undo, to the service and to other
+// tabs.
 import * as api from "../api/calls.generated.ts";
 import type { Conflicts, DraftSaved, Finding, Task } from "../api/types.ts";
 import { apply, type Change, rooted } from "./changes.ts";

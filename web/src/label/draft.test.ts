@@ -1,5 +1,5 @@
-// Nothing that an annotator typed is lost: not while offline, not by another's change, not by a lost lease. The server here is a
-// few lines that answer as the OpenAPI document of the service says.
+// Nothing that an annotator typed is lost: not while offline, not by another's change, not by a lost lease. The server
+// here is a few lines that answer as the OpenAPI document of the service says.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "vitest";
 import type { Task } from "../api/types.ts";

@@ -1,4 +1,4 @@
-// What a deed on the label changes, and that a stage keeps its hands off the other's fields. Expected values by hand.
+// What an edit of the label changes, and that a stage does not change the other's fields. Expected values by hand.
 import assert from "node:assert/strict";
 import { afterEach, test } from "vitest";
 import type { SceneView, Task, User } from "../api/types.ts";

@@ -1,5 +1,5 @@
-// What can be done to the label, the same for keyboard and pointer. Each asks `work.open` whether it may, and goes through
-// the draft, so that it is saved and can be undone.
+// Edits of the label, for keyboard and pointer alike. Each checks `isEditable` and goes through the draft, so that it
+// is saved and can be undone.
 import type { Channel } from "./framework.ts";
 import { type KeyframeName, pointers } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
@@ -30,7 +30,7 @@ export function setRange(editor: TaskEditor, end: "start" | "end", frame = edito
   });
 }
 
-/** A new component, of the picked object where one is picked; its number. Null where none may be added. */
+/** Adds a component, of the selected object if any. Returns its number; null where none can be added. */
 export function addComponent(editor: TaskEditor, object: string | null): number | null {
   if (!editor.isEditable(pointers.components)) return null;
   const all = editor.components;
@@ -51,7 +51,7 @@ function objectCategory(editor: TaskEditor): string {
   return (known.find((c) => c.id.includes("object")) ?? known[0])?.id ?? "critical_objects";
 }
 
-/** Takes a component away, and out of the causes that name it. */
+/** Removes a component, also from the causes that refer to it. */
 export function removeComponent(editor: TaskEditor, n: number): void {
   if (!editor.isEditable(pointers.components)) return;
   const gone = editor.components[n]?.["id"];
@@ -66,7 +66,7 @@ export function removeComponent(editor: TaskEditor, n: number): void {
   editor.currentComponent = Math.max(0, Math.min(editor.currentComponent, editor.components.length - 1));
 }
 
-/** Adds to a list of a component, or takes away what is there. */
+/** Adds a value to a list of a component, or removes it when present. */
 export function toggleIn(editor: TaskEditor, n: number, list: "evidence_times" | "linked_objects", value: string): void {
   const path = pointers.componentPart(n, list);
   if (!editor.components[n] || !editor.isEditable(path)) return;
@@ -76,20 +76,20 @@ export function toggleIn(editor: TaskEditor, n: number, list: "evidence_times" |
   editor.draft.set(path, next.length === 0 ? undefined : list === "evidence_times" ? next.sort() : next);
 }
 
-/** Uncertainty of component `n`: high where it was low or not said, else low. */
+/** Uncertainty of component `n`: high where it was low or unset, else low. */
 export function toggleUncertainty(editor: TaskEditor, n: number): void {
   const path = pointers.componentPart(n, "uncertainty");
   if (editor.components[n] && editor.isEditable(path)) editor.draft.set(path, editor.draft.at(path) === "high" ? "low" : "high");
 }
 
-/** Moment of evidence: now, but never after the keyframe. */
+/** Adds the current time as evidence, unless it is after the keyframe. */
 export function evidenceNow(editor: TaskEditor): void {
   const keyframe = editor.second(editor.draft.at(pointers.keyframeTime("keyframe"))) ?? 0;
   const iso = editor.clip.clock?.iso[editor.frame];
   if (iso && editor.player.now <= keyframe + 1e-6) toggleIn(editor, editor.currentComponent, "evidence_times", iso);
 }
 
-/** Chooses a decision; what only went with the one before (causes, direction) goes with it. */
+/** Chooses a decision; causes and direction that belong only to the previous one are removed. */
 export function decide(editor: TaskEditor, channel: Channel, value: string | null): void {
   if (!editor.isEditable(pointers.decision)) return;
   editor.draft.group(() => {

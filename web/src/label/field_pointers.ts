@@ -1,5 +1,6 @@
-// The fields of a label as the page uses them: where they are (JSON pointers, RFC 6901) and what people call them. The only
-// module of the page that spells a pointer or a field's name; everything else refers to `pointers` and `fieldNames`.
+// The fields of a label as the page uses them: where they are (JSON pointers, RFC 6901) and what people call them. The
+// only module of the page that spells a pointer or a field's name; everything else refers to `pointers` and
+// `fieldNames`.
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Channel } from "./framework.ts";
 import { pointer } from "./pointer.ts";

@@ -1,5 +1,5 @@
-// The framework's words as the pickers need them: decisions with their meanings, classes, categories, the leaf's spec. Read
-// from what the server sends as plain JSON; what is missing there is an id shown as it is, never an empty screen.
+// The framework for the form: decisions with their definitions, scenarios, categories, the leaf's specification. Read
+// from untyped JSON; where a name is missing, the id is shown.
 import type { FrameworkView } from "../api/types.ts";
 import type { Bilingual } from "../text/text.svelte.ts";
 
@@ -20,7 +20,7 @@ export interface Leaf extends Named {
   definition: Bilingual | null;
   condition: Bilingual | null;
   typical: { longitudinal: readonly string[]; lateral: readonly string[] };
-  /** What decides between it (or its L2) and another class, where both seem to hold. */
+  /** How to decide between it (or its L2) and another scenario where both seem to hold. */
   decides: readonly { against: string; rule: Bilingual }[];
 }
 
@@ -67,14 +67,14 @@ function typicalOf(o: Dict): Leaf["typical"] {
   return { longitudinal: list(d["longitudinal"]).map(word), lateral: list(d["lateral"]).map(word) };
 }
 
-/** The name of a leaf, an L2 or an L1 by its full id; null when there is none of it. */
+/** The name of a leaf, an L2 or an L1 by its full id; null for an unknown id. */
 export function className(leaves: ReadonlyMap<string, Leaf>, id: string): Bilingual | null {
   const depth = id.split(".").length;
   const leaf = leaves.get(id) ?? [...leaves.values()].find((l) => l.id.startsWith(`${id}.`));
   return leaf?.path[depth - 1] ?? null;
 }
 
-/** The category that a component names by id or by name: drafts write either. */
+/** The category that a component gives by id or by name: drafts use either. */
 export function categoryOf(categories: readonly Named[], text: string): Named | undefined {
   return categories.find((c) => c.id === text || c.name.en === text || c.name.zh === text);
 }

@@ -1,4 +1,5 @@
-// Times keep every nanosecond. Expected values: ISO 8601 and calendar arithmetic (315964800 s is 1980-01-06, the GPS epoch; 1465 s are 24 min 25 s).
+// Times keep every nanosecond. Expected values: ISO 8601 and calendar arithmetic (315964800 s is 1980-01-06, the GPS
+// epoch; 1465 s are 24 min 25 s).
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import { nearestIndex, secondsBetween, toIso, toNs } from "./ns.ts";

@@ -1,8 +1,8 @@
-// Times: nanoseconds since the epoch as bigint, because a double holds only 53 bits of them; ISO 8601 in labels.
+// Times: nanoseconds since the epoch as bigint, because a double holds only 53 bits; ISO 8601 in labels.
 
 export type Ns = bigint;
 
-/** From what the server sends: a number, digits, or ISO 8601 in UTC. */
+/** From the API: a number, digits, or ISO 8601. */
 export function toNs(value: number | string): Ns {
   if (typeof value === "number") return BigInt(Math.round(value));
   if (/^-?\d+$/.test(value)) return BigInt(value);

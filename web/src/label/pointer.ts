@@ -1,4 +1,4 @@
-// JSON pointers (RFC 6901) into a draft: read, write without touching the original, name.
+// JSON pointers (RFC 6901) into a draft: read, write without changing the original, compose.
 
 export type Json = null | boolean | number | string | Json[] | { [key: string]: Json };
 
@@ -11,7 +11,7 @@ export function pointer(...segments: (string | number)[]): string {
   return segments.map((s) => `/${String(s).replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");
 }
 
-/** The value at `at`, `undefined` where there is none. */
+/** The value at `at`; undefined without one. */
 export function read(doc: Json | undefined, at: string): Json | undefined {
   let here: Json | undefined = doc;
   for (const key of parts(at)) {
@@ -22,7 +22,7 @@ export function read(doc: Json | undefined, at: string): Json | undefined {
   return here;
 }
 
-/** A copy of `doc` with `value` at `at`; `undefined` removes the member. Objects on the way are made where missing. */
+/** A copy of `doc` with `value` at `at`; `undefined` removes the member. Missing objects on the path are created. */
 export function write(doc: Json | undefined, at: string, value: Json | undefined): Json {
   return set(doc, parts(at), value) ?? null;
 }

@@ -1,4 +1,4 @@
-// A conflict is read by people: no JSON, no frame numbers, no time stamps.
+// Values for readers: no JSON, no frame numbers, no timestamps.
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import { describeFinding, readable, type LabelContext } from "./readable.ts";

@@ -1,4 +1,4 @@
-// Values of a label in words, for conflicts, comparisons and what a field was before.
+// Values of a label as text, for conflicts, comparisons and earlier values.
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Lang } from "../text/text.svelte.ts";
 import { categoryOf, className, type Framework } from "./framework.ts";
@@ -6,7 +6,7 @@ import { HIDDEN_MEMBERS, memberNames } from "./field_pointers.ts";
 import type { Json } from "./pointer.ts";
 import { signed } from "./times.ts";
 
-/** What turning a value into words needs to know of the task. */
+/** What formatting a value needs to know of the task. */
 export interface LabelContext {
   framework: Framework | null;
   second(iso: unknown): number | null;
@@ -48,7 +48,7 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
 const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
 const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
 
-/** A sentence of the checker with moments in seconds from the keyframe and ids of classes and decisions by their names. */
+/** A message of the validator with times in seconds from the keyframe, and names instead of ids. */
 export function describeFinding(sentence: string, words: LabelContext, lang: Lang): string {
   const f = words.framework;
   const named = (id: string): string => {

@@ -1,5 +1,5 @@
-// What the annotator has confirmed before submitting: drafted fields accepted as they are, and that the driving is legal and
-// safe. Kept in this browser until the label is submitted.
+// What the annotator has confirmed before submitting: drafted fields accepted as they are, and that the driving is
+// legal and safe. Kept in this browser until the label is submitted.
 
 export class ReviewMarks {
   /** Pointers of drafted fields that were accepted unchanged. */

@@ -1,5 +1,5 @@
-// Changes on their way to the service. Each is stored in this browser before it is sent and is removed from there only when
-// the service has acknowledged it. Sends one request at a time; knows nothing of the label's content.
+// Changes on their way to the service. Each is stored in this browser before it is sent and is removed from there only
+// when the service has acknowledged it. Sends one request at a time; knows nothing of the label's content.
 import * as api from "../api/calls.generated.ts";
 import { ApiError, Offline } from "../api/client.ts";
 import type { Conflicts, DraftSaved, Task } from "../api/types.ts";
@@ -66,7 +66,9 @@ export class SaveQueue {
     return this.#pending.length === 0 && !this.#running;
   }
 
-  /** Starts at the service's version of a task. Returns the changes that an earlier visit could not save; they are sent. */
+  /**
+   * Starts at the service's version of a task. Returns the changes that an earlier visit could not save; they are sent.
+   */
   open(task: Task): readonly Change[] {
     this.#task = task.task.id;
     this.#fence = task.fence ?? null;

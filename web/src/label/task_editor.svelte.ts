@@ -1,11 +1,14 @@
-// One task on the labelling screen: the task, its label, its clip and the moment shown. Every part of the screen reads from
-// here. Draws nothing and handles no key.
+// One task on the labeling screen: the task, its label, its clip and the moment shown. Every part of the screen reads
+// from here. Draws nothing and handles no key.
 import * as api from "../api/calls.generated.ts";
 import { ApiError } from "../api/client.ts";
 import type { ActionName, Finding, Task, User } from "../api/types.ts";
 import { loadFramework } from "../class_names.svelte.ts";
 import { RequestState } from "../request_state.svelte.ts";
+import { egoPose } from "../scene/motion.ts";
 import type { Player } from "../scene/player.svelte.ts";
+import { Ruler } from "../scene/ruler.svelte.ts";
+import { SceneCamera } from "../scene/scene_camera.svelte.ts";
 import { within } from "./changes.ts";
 import { ClipData } from "./clip_data.svelte.ts";
 import { CommentList } from "./comment_list.svelte.ts";
@@ -38,6 +41,8 @@ export class TaskEditor {
   readonly review: ReviewMarks;
   readonly comments: CommentList;
   readonly request = new RequestState();
+  readonly camera = new SceneCamera(() => egoPose(this.clip.scene?.ego, this.player.index, this.player.share));
+  readonly ruler = new Ruler();
   #lease: Lease;
 
   constructor(id: string, user: User) {

@@ -1,4 +1,4 @@
-// Moments of labels and frames of scenes meet at the nanosecond, not at what a double keeps of it.
+// Times of labels and frames of scenes are compared in nanoseconds, not in doubles.
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import type { SceneView } from "../api/types.ts";

@@ -1,4 +1,4 @@
-// A label's moments (ISO 8601, exact) against the scene's frames (seconds from the suggested keyframe). Pure.
+// Times of a label (ISO 8601, exact) and frames of the scene (seconds from the suggested keyframe). Pure.
 import type { SceneView } from "../api/types.ts";
 import { nearestIndex, type Ns, secondsBetween, toNs } from "./ns.ts";
 
@@ -23,7 +23,7 @@ export function clockOf(scene: SceneView): Clock {
   };
 }
 
-/** Seconds of a label's moment; null for what is no moment. */
+/** Seconds of a time of the label; null for anything else. */
 export function secondOf(clock: Clock, iso: unknown): number | null {
   if (typeof iso !== "string") return null;
   try {
@@ -38,7 +38,7 @@ export function frameNear(clock: Clock, t: number): number {
   return nearestIndex(clock.ns, clock.zero + BigInt(Math.round(t * 1e9)));
 }
 
-/** `-0.3`, `+1.2`, `0.0`: seconds for people. */
+/** Seconds with their sign: `−0.3`, `+1.2`, `0.0`. */
 export function signed(seconds: number, digits = 1): string {
   const text = Math.abs(seconds).toFixed(digits);
   if (Number(text) === 0) return text;

@@ -1,4 +1,4 @@
-// What a row of the board shows: numbers as a line, words and truth values as strips. Pure.
+// Content of a timeline row: numbers as a line, categories and flags as strips. Pure.
 
 /** Width and height of a row's drawing; the browser stretches it. */
 export const WIDTH = 1000;
@@ -9,12 +9,12 @@ export interface Span {
   to: number;
 }
 
-/** Share of the way from `span.from` to `span.to`, in percent. */
+/** Position of `t` between `span.from` and `span.to`, in percent. */
 export function percent(span: Span, t: number): number {
   return span.to > span.from ? ((t - span.from) / (span.to - span.from)) * 100 : 0;
 }
 
-/** The SVG path of a line; a gap where values are unknown or infinite, a dot where one stands alone. */
+/** The SVG path of a line; a gap where values are unknown or infinite, a dot for an isolated value. */
 export function linePath(t: readonly number[], values: readonly (number | null)[], span: Span, low: number, high: number): string {
   const scale = high > low ? HEIGHT / (high - low) : 0;
   const parts: string[] = [];
@@ -84,7 +84,7 @@ export function runs<T extends string | boolean>(values: readonly (T | null | un
   return out;
 }
 
-/** Where the run with this index begins and ends in seconds: to the next frame, or half a frame past the last. */
+/** Start and end of a run in seconds: to the next frame, or half a frame past the last. */
 export function runSpan(t: readonly number[], run: { from: number; to: number }): Span {
   const from = t[run.from] ?? 0;
   const last = t[run.to - 1] ?? from;
@@ -104,7 +104,7 @@ export type Column =
   | { kind: "words"; values: (string | null)[] }
   | { kind: "flags"; values: (boolean | null)[] };
 
-/** A signal's column by what the server says it is; null when no value is known. Known to be none is `Infinity`. */
+/** A signal's column by its kind; null when no value is known. `none` (known to be absent) is `Infinity`. */
 export function columnOf(values: readonly unknown[], kind: "number" | "flag" | "category"): Column | null {
   if (!values.some((v) => v !== null && v !== undefined)) return null;
   switch (kind) {

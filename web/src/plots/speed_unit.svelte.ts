@@ -1,4 +1,4 @@
-// In which unit the reader wants speeds: kept in this browser.
+// The unit of speeds, kept in this browser.
 import type { SpeedUnit } from "./units.ts";
 
 const KEY = "whyroad.speeds";

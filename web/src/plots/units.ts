@@ -1,12 +1,12 @@
-// Units for people: the wire has base units (m/s, rad), a row shows what annotators think in. Pure.
+// Display units: the API has base units (m/s, rad), rows show km/h and degrees. Pure.
 
 export type SpeedUnit = "km/h" | "m/s";
 
 /** How a quantity is shown. */
 export interface Scale {
-  /** As it stands beside the number; empty for pure numbers. */
+  /** Shown beside the number; empty for pure numbers. */
   unit: string;
-  /** Shown number = number on the wire times this. */
+  /** Shown number = number in the API times this. */
   by: number;
   digits: number;
   /** Least height of an axis, in the shown unit, so that noise does not fill a row. */
@@ -24,7 +24,7 @@ const SCALES: Readonly<Record<string, Scale>> = {
   "1/m": { unit: "1/m", by: 1, digits: 4, least: 0.01 },
 };
 
-/** How numbers that the wire has in `unit` are shown; null is a pure number. A unit nobody here knows is shown as it is. */
+/** How numbers with the API's `unit` are shown; null is a pure number. An unknown unit is shown unchanged. */
 export function scaleOf(unit: string | null | undefined, speeds: SpeedUnit): Scale {
   if (unit === "m/s") return speeds === "km/h" ? { unit: "km/h", by: 3.6, digits: 1, least: 20 } : { unit: "m/s", by: 1, digits: 2, least: 5 };
   return SCALES[unit ?? ""] ?? { unit: unit ?? "", by: 1, digits: 2, least: 1 };

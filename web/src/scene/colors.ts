@@ -1,4 +1,5 @@
-// Colours of the bird's-eye view and the plots, light and dark. Classes differ in lightness too, for those who see no hues.
+// Colors of the bird's-eye view and the plots, light and dark. Classes also differ in lightness, for color-blind
+// readers.
 
 export interface Palette {
   ground: string;
@@ -8,7 +9,7 @@ export interface Palette {
   bike: string;
   mark: string;
   yellowMark: string;
-  centre: string;
+  center: string;
   crosswalk: string;
   stopLine: string;
   building: string;
@@ -22,7 +23,7 @@ export interface Palette {
   linked: string;
   target: string;
   cursor: string;
-  /** Over what the ego cannot see. */
+  /** Over occluded areas. */
   veil: string;
   line: string;
   classes: { vehicle: string; large: string; two: string; person: string; thing: string };
@@ -36,7 +37,7 @@ const light: Palette = {
   bike: "#c0b3ad",
   mark: "#ffffff",
   yellowMark: "#b98300",
-  centre: "#a3abaf",
+  center: "#8d969b",
   crosswalk: "#ffffff",
   stopLine: "#5b6165",
   building: "#a9a39a",
@@ -63,7 +64,7 @@ const dark: Palette = {
   bike: "#3a2f2c",
   mark: "#dfe3e5",
   yellowMark: "#e5b53b",
-  centre: "#454d52",
+  center: "#5f686e",
   crosswalk: "#b9c0c4",
   stopLine: "#dfe3e5",
   building: "#5b564e",
@@ -84,29 +85,20 @@ const dark: Palette = {
 
 export const palettes = { light, dark };
 
-export function classColour(p: Palette, kind: string): string {
-  switch (kind) {
-    case "car":
-      return p.classes.vehicle;
-    case "truck":
-    case "bus":
-    case "large_vehicle":
-      return p.classes.large;
-    case "motorcycle":
-    case "bicycle":
-    case "bicyclist":
-    case "motorcyclist":
-      return p.classes.two;
-    case "pedestrian":
-    case "wheeled_pedestrian":
-    case "animal":
-      return p.classes.person;
-    default:
-      return p.classes.thing;
-  }
+/** Object classes by their color in the view, in the order of the legend. Classes that are not listed are `thing`. */
+export const classGroups: readonly { color: keyof Palette["classes"]; classes: readonly string[] }[] = [
+  { color: "vehicle", classes: ["car"] },
+  { color: "large", classes: ["truck", "bus", "large_vehicle"] },
+  { color: "two", classes: ["motorcycle", "bicycle", "bicyclist", "motorcyclist"] },
+  { color: "person", classes: ["pedestrian", "wheeled_pedestrian", "animal"] },
+  { color: "thing", classes: ["cone", "static_object", "unknown"] },
+];
+
+export function classColor(p: Palette, name: string): string {
+  return p.classes[classGroups.find((group) => group.classes.includes(name))?.color ?? "thing"];
 }
 
-export const lightColours: Record<string, string> = {
+export const lightColors: Record<string, string> = {
   red: "#e53935",
   yellow: "#f9a825",
   red_yellow: "#f57c00",

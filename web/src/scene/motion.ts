@@ -1,4 +1,4 @@
-// Where everything is at a moment between two frames. Pure; null (unknown) stays null and is never drawn as 0.
+// Poses at a time between two frames. Pure; null (unknown) stays null and is never drawn as 0.
 import type { EgoView, LightView, TrackView } from "../api/types.ts";
 
 export interface Pose {
@@ -9,7 +9,7 @@ export interface Pose {
 
 type Column = readonly (number | null)[];
 
-/** Linear between row `i` and the next by `share`; the row itself where the next is unknown. */
+/** Linear between row `i` and the next by the fraction `share`; the row itself where the next is unknown. */
 function between(column: Column, i: number, share: number): number | null {
   const a = column[i];
   if (a === undefined || a === null) return null;

@@ -1,5 +1,5 @@
-// The objects of a moment in words: what the canvas shows, for a list. Pure.
-import type { SceneView } from "../api/types.ts";
+// The objects at a frame as a list: the content of the canvas. Pure.
+import type { SceneView, TrackView } from "../api/types.ts";
 import { egoPose, trackPose, trackValue } from "./motion.ts";
 
 export type Bearing = "ahead" | "ahead_left" | "left" | "behind_left" | "behind" | "behind_right" | "right" | "ahead_right";
@@ -9,7 +9,7 @@ const BEARINGS: readonly Bearing[] = ["ahead", "ahead_left", "left", "behind_lef
 export interface ListedObject {
   id: string;
   class: string;
-  /** From the ego's centre to its centre, m; null without an ego. */
+  /** From the ego's center to its center, m; null without an ego. */
   distance: number | null;
   bearing: Bearing | null;
   /** m/s. */
@@ -18,9 +18,16 @@ export interface ListedObject {
   hidden: boolean;
 }
 
-/** A track id for people: of long ones (UUIDs) the beginning, which tells them apart in a scene. */
-export function shortId(id: string): string {
-  return id.length > 16 ? `${id.slice(0, 8)}…` : id;
+/** Longer ids are replaced by numbers: a UUID says nothing and fills the screen. */
+const LONGEST_NAME = 12;
+
+/**
+ * Display names of tracks: short ids as they are, long ones as `#1`, `#2`, … in the order of their first frame. Tracks that
+ * only Stage II shows appear later and so do not renumber those of Stage I.
+ */
+export function trackNames(tracks: readonly TrackView[]): ReadonlyMap<string, string> {
+  const inOrder = [...tracks].sort((a, b) => a.first - b.first || a.id.localeCompare(b.id));
+  return new Map(inOrder.map((track, n) => [track.id, track.id.length > LONGEST_NAME ? `#${n + 1}` : track.id]));
 }
 
 /** Objects present at frame `i`, the nearest first. */

@@ -1,21 +1,21 @@
-// The one clock of the labelling screen: scene, plots, timeline and camera all show its moment.
+// The clock of the labeling screen: scene, plots, timeline and camera all show its time.
 
 export const RATES = [0.25, 0.5, 1, 2, 4] as const;
 
 export class Player {
-  /** Seconds from the suggested keyframe, ascending: one a frame. */
+  /** Seconds from the suggested keyframe, ascending, one per frame. */
   times = $state.raw<readonly number[]>([]);
   /** Now, s. */
   now = $state(0);
   playing = $state(false);
   rate = $state<number>(1);
-  /** Play goes round in `range` instead of stopping at the end. */
+  /** Playback loops in `range` instead of stopping at the end. */
   loop = $state(false);
   range = $state.raw<readonly [number, number] | null>(null);
 
   /** Last frame at or before now. */
   index = $derived(frameAt(this.times, this.now));
-  /** Share of the way to the next frame. */
+  /** Fraction of the time to the next frame. */
   share = $derived.by(() => {
     const a = this.times[this.index];
     const b = this.times[this.index + 1];
@@ -33,7 +33,7 @@ export class Player {
     return this.times.at(-1) ?? 0;
   }
 
-  /** Shows `times`, keeping the moment where it can be kept. */
+  /** Shows `times`, at the current time where it is among them. */
   load(times: readonly number[]): void {
     this.times = times;
     this.seek(this.now);
@@ -43,10 +43,10 @@ export class Player {
     this.now = Math.min(this.end, Math.max(this.first, t));
   }
 
-  /** Goes by whole frames and stops playing. */
+  /** Moves by whole frames and stops playback. */
   step(frames: number): void {
     this.pause();
-    // From between two frames, one step back goes to the frame before now and not past it.
+    // Between two frames, one step back goes to the earlier one of them.
     const from = this.share > 1e-6 && frames < 0 ? this.index + 1 : this.index;
     const to = Math.min(this.times.length - 1, Math.max(0, from + frames));
     this.now = this.times[to] ?? 0;
@@ -106,10 +106,10 @@ export function frameAt(times: readonly number[], t: number): number {
   return Math.max(0, low);
 }
 
-/** A picture is no longer what is seen now when it is older than this, s. */
+/** An image older than this does not show the current time, s. */
 export const IMAGE_LIFETIME_S = 1;
 
-/** The picture that a camera shows at `t`: its last one at or before, unless that is too old; `null` when it shows none. */
+/** The image of a camera at `t`: its last one at or before, unless that is too old; null without one. */
 export function imageAt(times: readonly number[], t: number): number | null {
   const at = frameAt(times, t);
   const age = t - (times[at] ?? Infinity);

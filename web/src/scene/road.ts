@@ -1,8 +1,19 @@
-// The map as a few paths, made once a task: the road does not move, so a frame only strokes what is here.
+// The map as a few paths, built once per task: a frame only strokes them.
 import type { LaneView, MapView } from "../api/types.ts";
 
 type Points = readonly (readonly number[])[];
 type Point = readonly [number, number];
+
+export interface LaneEnd {
+  x: number;
+  y: number;
+  heading: number;
+  /** Of the lane at its end, m. */
+  width: number;
+}
+
+/** Width of a lane without boundaries, m. */
+const USUAL_WIDTH = 3.2;
 
 export interface Road {
   lanes: Path2D;
@@ -14,13 +25,13 @@ export interface Road {
   stopLines: Path2D;
   buildings: Path2D;
   facilities: Path2D;
-  centres: Path2D;
+  centers: Path2D;
   solid: Path2D;
   dashed: Path2D;
   unknown: Path2D;
-  /** Where a lane ends and which way it points: where its light is drawn. */
-  ends: Map<string, { x: number; y: number; heading: number }>;
-  /** Walls of buildings, in world metres: what hides and does not move. */
+  /** End and direction of each lane, where its light is drawn. */
+  ends: Map<string, LaneEnd>;
+  /** Walls of buildings, in world meters: static occluders. */
   walls: [Point, Point][];
 }
 
@@ -45,7 +56,7 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
     stopLines: new Path2D(),
     buildings: new Path2D(),
     facilities: new Path2D(),
-    centres: new Path2D(),
+    centers: new Path2D(),
     solid: new Path2D(),
     dashed: new Path2D(),
     unknown: new Path2D(),
@@ -72,7 +83,7 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
     }
     edge(lane.left, lane.left_mark);
     edge(lane.right, lane.right_mark);
-    line(road.centres, lane.centre);
+    line(road.centers, lane.centre);
     const end = laneEnd(lane);
     if (end) road.ends.set(lane.id, end);
   }
@@ -92,11 +103,18 @@ export function buildRoad(map: MapView, origin: readonly [number, number]): Road
   return road;
 }
 
-function laneEnd(lane: LaneView): { x: number; y: number; heading: number } | null {
+function laneEnd(lane: LaneView): LaneEnd | null {
   const a = lane.centre.at(-2);
   const b = lane.centre.at(-1);
   if (!a || !b) return null;
-  return { x: b[0] ?? 0, y: b[1] ?? 0, heading: Math.atan2((b[1] ?? 0) - (a[1] ?? 0), (b[0] ?? 0) - (a[0] ?? 0)) };
+  const [left, right] = [lane.left.at(-1), lane.right.at(-1)];
+  const width = left && right ? Math.hypot((left[0] ?? 0) - (right[0] ?? 0), (left[1] ?? 0) - (right[1] ?? 0)) : 0;
+  return {
+    x: b[0] ?? 0,
+    y: b[1] ?? 0,
+    heading: Math.atan2((b[1] ?? 0) - (a[1] ?? 0), (b[0] ?? 0) - (a[0] ?? 0)),
+    width: width > 1 ? Math.min(width, 6) : USUAL_WIDTH,
+  };
 }
 
 function normal(points: Points, i: number): [number, number] {

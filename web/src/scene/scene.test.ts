@@ -4,7 +4,9 @@ import { test } from "vitest";
 import { hits, lightsAt, trackPose } from "./motion.ts";
 import { frameAt, imageAt } from "./player.svelte.ts";
 import { corners, REACH, shadows, wedge } from "./shadow.ts";
-import { fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
+import { trackNames } from "./objects.ts";
+import { Ruler } from "./ruler.svelte.ts";
+import { edgePoint, fitting, toScreen, toWorld, type View, zoomed } from "./view.ts";
 import type { LightView, TrackView } from "../api/types.ts";
 
 const near = (a: number, b: number, eps = 1e-9): void => assert.ok(Math.abs(a - b) < eps, `${a} is not ${b}`);
@@ -84,4 +86,34 @@ test("the frame shown is the last one at or before now", () => {
   // No picture before the camera's first one: it would be of a later moment; none long after its last.
   assert.deepEqual([-0.1, 0, 0.15, 1.2, 1.3].map((s) => imageAt([0, 0.1, 0.2], s)), [null, 0, 1, 2, null]);
   assert.equal(imageAt([], 0), null);
+});
+
+test("a target outside of the view has a pointer at the edge, in its direction", () => {
+  const size = { width: 800, height: 600 };
+  assert.equal(edgePoint(size, 700, 500, 20), null, "inside");
+  assert.deepEqual(edgePoint(size, 400, -900, 20), [400, 20], "straight ahead");
+  assert.deepEqual(edgePoint(size, 1920, 300, 20), [780, 300], "to the right");
+  const corner = edgePoint(size, 400 + 2000, 300 + 2000, 20);
+  assert.deepEqual(corner, [680, 580], "45 degrees: the lower edge comes first");
+});
+
+test("long ids become numbers by first frame, and keep them when later tracks are added", () => {
+  const track = (id: string, first: number): TrackView => ({ id, first }) as TrackView;
+  const a = track("7f9c24e8-3b12-4d3a-8b1e-0f5d5e5c9a11", 3);
+  const b = track("0a000000-0000-4000-8000-000000000000", 0);
+  const stageOne = trackNames([a, b, track("cutter", 0)]);
+  assert.deepEqual([stageOne.get(b.id), stageOne.get("cutter"), stageOne.get(a.id)], ["#1", "cutter", "#3"]);
+  const stageTwo = trackNames([track("00000000-0000-4000-8000-00000000000f", 40), a, b, track("cutter", 0)]);
+  assert.equal(stageTwo.get(a.id), "#3");
+});
+
+test("the ruler measures between two world points", () => {
+  const ruler = new Ruler();
+  ruler.start();
+  assert.equal(ruler.distance, null);
+  ruler.press(10, 20);
+  ruler.moveTo(13, 24);
+  assert.equal(ruler.distance, 5);
+  ruler.stop();
+  assert.equal(ruler.distance, null);
 });

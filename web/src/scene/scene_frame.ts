@@ -4,6 +4,8 @@ import type { Palette } from "./colors.ts";
 import type { Road } from "./road.ts";
 import type { Size, View } from "./view.ts";
 
+type Point = readonly [x: number, y: number];
+
 export interface SceneFrame {
   scene: SceneView;
   road: Road | null;
@@ -12,7 +14,7 @@ export interface SceneFrame {
   size: Size;
   ratio: number;
   palette: Palette;
-  /** Frame, and the share of the way to the next one. */
+  /** Frame, and the fraction of the time to the next one. */
   index: number;
   share: number;
   picked: string | null;
@@ -20,5 +22,11 @@ export interface SceneFrame {
   target: string | null;
   history: boolean;
   names: boolean;
+  /** Arrows of the way that each object covers in one second. */
+  velocities: boolean;
+  /** Display names by track id. */
+  trackNames: ReadonlyMap<string, string>;
+  /** The measured line in world points, m; null without one. */
+  ruler: { from: Point; to: Point; distance: number } | null;
   occlusion: boolean;
 }

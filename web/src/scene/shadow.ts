@@ -1,13 +1,13 @@
-// What the ego cannot see, over the ground plan: behind each thing that hides, a wedge away from the ego. Pure.
+// Occlusion in the ground plane: behind each occluding object a wedge away from the ego. Pure.
 import type { TrackView } from "../api/types.ts";
 import { type Pose, trackPose } from "./motion.ts";
 
-/** How far wedges reach from the ego, m: farther away nobody looks for what is hidden. */
+/** How far wedges reach from the ego, m. */
 export const REACH = 90;
 
 type Point = readonly [number, number];
 
-/** Classes that hide what is behind them; people, cones and two-wheelers hide too little to be drawn. */
+/** Classes that occlude; people, cones and two-wheelers occlude too little to be drawn. */
 const HIDING = new Set(["car", "truck", "bus", "large_vehicle"]);
 
 export function hides(track: TrackView): boolean {
@@ -23,7 +23,9 @@ export function corners(pose: Pose, length: number, width: number): Point[] {
   ]);
 }
 
-/** How a convex shape looks from an eye: its two outermost corners, their angles (`from` before `to`), how near it comes. */
+/**
+ * A convex shape seen from an eye: its two outermost corners, their angles (`from` before `to`), its nearest distance.
+ */
 interface Outline {
   from: Point;
   to: Point;
@@ -59,31 +61,31 @@ function outline(eye: Point, shape: readonly Point[]): Outline | null {
 }
 
 /**
- * What lies behind an outline, as near corner, far, far, near: the same way round for all, so that a non-zero fill of many
+ * The area behind an outline, as near corner, far, far, near: the same orientation for all, so that a non-zero fill of many
  * is their union.
  */
 function behind(eye: Point, o: Outline): Point[] {
   const far = (p: Point): Point => {
     const d = Math.hypot(p[0] - eye[0], p[1] - eye[1]) || 1;
-    // The chord between two far points comes nearer than REACH: reach farther by as much.
+    // The chord between two far points comes nearer than REACH: the points are moved out by that factor.
     const r = REACH / Math.cos(Math.min(1.4, (o.angleTo - o.angleFrom) / 2));
     return [eye[0] + ((p[0] - eye[0]) / d) * r, eye[1] + ((p[1] - eye[1]) / d) * r];
   };
   return [o.from, far(o.from), far(o.to), o.to];
 }
 
-/** The wedge behind a convex shape; null when the eye is in the shape or it is out of reach. */
+/** The wedge behind a convex shape; null when the eye is in the shape or the shape is out of reach. */
 export function wedge(eye: Point, shape: readonly Point[]): Point[] | null {
   const o = outline(eye, shape);
   return o && behind(eye, o);
 }
 
-/** Directions are counted in this many parts of the circle. */
+/** Number of parts of the circle in which directions are counted. */
 const PARTS = 1440;
 
 /**
- * Wedges of all that hides: tracks at frame `i`, and the walls of buildings. What stands wholly behind nearer things hides
- * nothing more and has none: in dense traffic that leaves a dozen of a hundred.
+ * Wedges of all occluding tracks at frame `i` and of the walls of buildings. An object wholly behind nearer ones occludes
+ * nothing more and has no wedge: in dense traffic a dozen of a hundred remain.
  */
 export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonly (readonly Point[])[], i: number, share: number): Point[][] {
   const outlines: Outline[] = [];
@@ -105,7 +107,7 @@ export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonl
   return outlines.filter((o) => !covered(taken, part(o.angleFrom), part(o.angleTo))).map((o) => behind(eye, o));
 }
 
-/** Is the whole of `from` to `to` taken? Takes it, in whole parts only, so that nothing counts as taken that is not. */
+/** Is all of `from` to `to` covered already? Marks the whole parts in it as covered. */
 function covered(taken: Uint8Array, from: number, to: number): boolean {
   let all = true;
   for (let n = Math.floor(from); n < Math.ceil(to); n++) all &&= taken[((n % PARTS) + PARTS) % PARTS] === 1;

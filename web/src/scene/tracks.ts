@@ -1,52 +1,52 @@
-// Objects of the bird's-eye view: boxes with their heading and class colour, tails, rings. One fill a colour, not one an object.
+// Objects of the bird's-eye view: boxes with heading and class color, tails, rings. One fill per color, not per object.
 import type { TrackView } from "../api/types.ts";
-import { classColour } from "./colors.ts";
+import { classColor } from "./colors.ts";
 import type { SceneFrame } from "./scene_frame.ts";
 import { type Pose, trackPose, trackValue } from "./motion.ts";
 
 /** Under this share the ego does not see an object (docs/reference/signals.md, `target.emerges`). */
 const HIDDEN_BELOW = 0.1;
-/** Length of the tracks' tails, and the distance of their points, s: at most speeds that is as smooth as every frame. */
+/** Duration of the tracks' tails, and of their steps, s. */
 const TAIL_S = 3;
 const TAIL_STEP_S = 0.4;
 
-interface Placed {
+export interface Placed {
   track: TrackView;
   pose: Pose;
-  colour: string;
+  color: string;
 }
 
-/** Objects of the moment that can be on the screen: what lies outside costs nothing. */
+/** Objects of the frame that can be on the screen: others cost nothing. */
 export function inView(p: SceneFrame): Placed[] {
   const reach = Math.hypot(p.size.width, p.size.height) / p.view.scale + 15;
   const out: Placed[] = [];
   for (const track of p.scene.tracks) {
     const pose = trackPose(track, p.index, p.share);
     if (!pose || Math.abs(pose.x - p.view.x) > reach || Math.abs(pose.y - p.view.y) > reach) continue;
-    out.push({ track, pose, colour: classColour(p.palette, track.class) });
+    out.push({ track, pose, color: classColor(p.palette, track.class) });
   }
   return out;
 }
 
-/** Tails, then boxes; one stroke or fill a colour, since each costs the browser far more than its points do. */
+/** Tails, then boxes; one stroke or fill per color, since each call costs far more than its points. */
 export function drawTracks(ctx: CanvasRenderingContext2D, p: SceneFrame, placed: readonly Placed[]): void {
-  const colours = [...new Set(placed.map((o) => o.colour))];
+  const colors = [...new Set(placed.map((o) => o.color))];
   if (p.history) {
     ctx.globalAlpha = 0.55;
     ctx.lineWidth = 1.5 / p.view.scale;
-    for (const colour of colours) {
+    for (const color of colors) {
       ctx.beginPath();
-      for (const o of placed) if (o.colour === colour) tail(ctx, p, o.track);
-      ctx.strokeStyle = colour;
+      for (const o of placed) if (o.color === color) tail(ctx, p, o.track);
+      ctx.strokeStyle = color;
       ctx.stroke();
     }
     ctx.globalAlpha = 1;
   }
   const special = placed.filter((o) => isHidden(o.track, p.index) || ring(p, o.track.id) !== null);
-  for (const colour of colours) {
+  for (const color of colors) {
     ctx.beginPath();
-    for (const o of placed) if (o.colour === colour && !special.includes(o)) box(ctx, p, o.pose, ...drawn(p, o.track));
-    ctx.fillStyle = colour;
+    for (const o of placed) if (o.color === color && !special.includes(o)) box(ctx, p, o.pose, ...drawn(p, o.track));
+    ctx.fillStyle = color;
     ctx.fill();
   }
   for (const o of special) drawSpecial(ctx, p, o);
@@ -99,32 +99,32 @@ function isHidden(track: TrackView, index: number): boolean {
   return visible !== null && visible < HIDDEN_BELOW;
 }
 
-/** Colour of the ring around an object that stands out; null for the others. */
+/** Color of the ring around a marked object; null for the others. */
 function ring(p: SceneFrame, id: string): string | null {
   if (id === p.picked) return p.palette.picked;
   if (p.linked.has(id)) return p.palette.linked;
   return id === p.target ? p.palette.target : null;
 }
 
-/** An object with a ring, or one that the ego does not see: a dashed outline. */
+/** An object with a ring, or an occluded one with a dashed outline. */
 function drawSpecial(ctx: CanvasRenderingContext2D, p: SceneFrame, o: Placed): void {
   const hidden = isHidden(o.track, p.index);
   const around = ring(p, o.track.id);
   const px = 1 / p.view.scale;
   ctx.beginPath();
   box(ctx, p, o.pose, ...drawn(p, o.track));
-  ctx.fillStyle = o.colour;
+  ctx.fillStyle = o.color;
   ctx.globalAlpha = hidden ? 0.18 : 1;
   ctx.fill();
   ctx.globalAlpha = 1;
-  ctx.strokeStyle = around ?? o.colour;
+  ctx.strokeStyle = around ?? o.color;
   ctx.lineWidth = (around ? 3 : 1.5) * px;
   ctx.setLineDash(hidden ? [4 * px, 3 * px] : []);
   ctx.stroke();
   ctx.setLineDash([]);
 }
 
-/** Least length and width on the screen, px: a person far away is still to be seen and pressed. */
+/** Minimum length and width on the screen, px: a distant person can still be seen and selected. */
 const LEAST_PX = 6;
 
 /** Box of a track as it is drawn. */

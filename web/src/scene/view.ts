@@ -1,10 +1,10 @@
-// The camera over the bird's-eye view: world metres to screen pixels and back. Pure.
+// The view of the bird's-eye scene: world meters to screen pixels and back. Pure.
 
 export interface View {
-  /** World point in the middle, m. */
+  /** World point at the anchor of the screen, m. */
   x: number;
   y: number;
-  /** Pixels a metre. */
+  /** Pixels per meter. */
   scale: number;
   /** Turn of the world, rad; pi/2 - heading puts that heading upwards. */
   turn: number;
@@ -15,14 +15,17 @@ export interface Size {
   height: number;
 }
 
-/** Scales between which one may zoom, px a metre: a whole district, and one person. */
+/** Limits of zooming, px per meter: a whole district, and one person. */
 const LEAST_SCALE = 0.8;
 const MOST_SCALE = 60;
 
-/** Where the view's centre is on the screen, as a share of its height: the ego sees more ahead than behind. */
+/** Height of the anchor on the screen, as a fraction: more is shown ahead of the ego than behind it. */
 const ANCHOR = 0.68;
 
-/** Coefficients for `setTransform`, for points relative to `origin`: a canvas computes in 32 bits, maps may be far from 0. */
+/**
+ * Coefficients for `setTransform`, for points relative to `origin`: canvases compute in 32 bits, maps may be far from
+ * 0.
+ */
 export function matrix(v: View, s: Size, origin: readonly [number, number]): DOMMatrix2DInit {
   const cos = Math.cos(v.turn) * v.scale;
   const sin = Math.sin(v.turn) * v.scale;
@@ -55,7 +58,7 @@ export function toWorld(v: View, s: Size, px: number, py: number): [number, numb
   return [v.x + cos * u + sin * w, v.y - sin * u + cos * w];
 }
 
-/** The view after zooming by `factor` about a point of the screen, which stays where it is. */
+/** The view after zooming by `factor` about a point of the screen, which keeps its world point. */
 export function zoomed(v: View, s: Size, factor: number, px: number, py: number): View {
   const before = toWorld(v, s, px, py);
   const scale = Math.min(MOST_SCALE, Math.max(LEAST_SCALE, v.scale * factor));
@@ -63,10 +66,10 @@ export function zoomed(v: View, s: Size, factor: number, px: number, py: number)
   return { ...v, scale, x: v.x + before[0] - after[0], y: v.y + before[1] - after[1] };
 }
 
-/** Room at the edges for the tools above, names beside and the scale below, px. */
+/** Room at the edges for the tools at the top, names at the sides and the scale at the bottom, px. */
 const MARGIN = { top: 64, side: 48, bottom: 40 };
 
-/** The greatest scale up to `most` at which a point `ahead` and `left` of the followed ego, m, is still in sight. */
+/** The largest scale up to `most` at which a point `ahead` and `left` of the followed ego, m, is in sight. */
 export function fitting(s: Size, ahead: number, left: number, most: number): number {
   const up = s.height * ANCHOR - MARGIN.top;
   const down = s.height * (1 - ANCHOR) - MARGIN.bottom;
@@ -75,4 +78,15 @@ export function fitting(s: Size, ahead: number, left: number, most: number): num
     left === 0 ? most : (s.width / 2 - MARGIN.side) / Math.abs(left),
   ];
   return Math.max(LEAST_SCALE, Math.min(most, ...limits));
+}
+
+/** Where the line from the middle of the canvas to (`x`, `y`) px leaves it, `inset` px from the edge; null for a point inside. */
+export function edgePoint(s: Size, x: number, y: number, inset: number): [number, number] | null {
+  const [cx, cy] = [s.width / 2, s.height / 2];
+  const [dx, dy] = [x - cx, y - cy];
+  const share = Math.min(
+    dx === 0 ? Infinity : (cx - inset) / Math.abs(dx),
+    dy === 0 ? Infinity : (cy - inset) / Math.abs(dy),
+  );
+  return share >= 1 ? null : [cx + dx * share, cy + dy * share];
 }

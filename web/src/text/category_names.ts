@@ -1,8 +1,8 @@
-// Words of the closed sets that scenes are full of: object classes, meta actions, turn signals, lights. [Chinese, English].
+// Names of category values in scenes: object classes, meta actions, turn signals, lights. [Chinese, English].
 import type { Lang } from "./text.svelte.ts";
 import type { TextPair } from "./screen_texts.ts";
 
-const closed: Record<string, TextPair> = {
+const names: Record<string, TextPair> = {
   car: ["轿车", "car"],
   truck: ["卡车", "truck"],
   bus: ["客车", "bus"],
@@ -15,21 +15,21 @@ const closed: Record<string, TextPair> = {
   wheeled_pedestrian: ["推车或轮椅", "person on wheels"],
   animal: ["动物", "animal"],
   cone: ["锥桶", "cone"],
-  static_object: ["静物", "fixed object"],
+  static_object: ["静态障碍物", "static object"],
   unknown: ["未知", "unknown"],
 
   stop: ["停住", "stop"],
   reverse: ["倒车", "reverse"],
   strong_decelerate: ["急减速", "strong decelerate"],
-  gentle_decelerate: ["缓减速", "gentle decelerate"],
+  gentle_decelerate: ["轻减速", "gentle decelerate"],
   maintain_speed: ["匀速", "maintain speed"],
-  gentle_accelerate: ["缓加速", "gentle accelerate"],
+  gentle_accelerate: ["轻加速", "gentle accelerate"],
   strong_accelerate: ["急加速", "strong accelerate"],
   go_straight: ["直行", "go straight"],
-  steer_left: ["左转向", "steer left"],
-  steer_right: ["右转向", "steer right"],
-  sharp_steer_left: ["急左转向", "sharp steer left"],
-  sharp_steer_right: ["急右转向", "sharp steer right"],
+  steer_left: ["向左打方向", "steer left"],
+  steer_right: ["向右打方向", "steer right"],
+  sharp_steer_left: ["向左急打方向", "sharp steer left"],
+  sharp_steer_right: ["向右急打方向", "sharp steer right"],
   reverse_left: ["向左倒车", "reverse left"],
   reverse_right: ["向右倒车", "reverse right"],
 
@@ -45,8 +45,8 @@ const closed: Record<string, TextPair> = {
   green: ["绿", "green"],
 };
 
-/** The reader's word; what is not in the list stays as it is. */
+/** The name of a value in a language; unknown values keep their id. */
 export function categoryName(value: string | boolean, lang: Lang): string {
   if (typeof value === "boolean") return lang === "zh" ? (value ? "是" : "否") : value ? "yes" : "no";
-  return closed[value]?.[lang === "zh" ? 0 : 1] ?? value.replaceAll("_", " ");
+  return names[value]?.[lang === "zh" ? 0 : 1] ?? value.replaceAll("_", " ");
 }

@@ -1,4 +1,4 @@
-// Moments as people read them, in the language spoken now.
+// Dates and durations in the current language.
 import type { Lang } from "./text.svelte.ts";
 
 const locale = (lang: Lang): string => (lang === "zh" ? "zh-CN" : "en-GB");
@@ -8,7 +8,7 @@ export function formatDateTime(ms: number, lang: Lang): string {
   return new Date(ms).toLocaleString(locale(lang), { dateStyle: "medium", timeStyle: "short" });
 }
 
-/** Hours as hours below two days, as days above. */
+/** A duration in hours below two days, in days above. */
 export function formatDuration(hours: number, lang: Lang): string {
   const [n, unit] = hours < 48 ? [hours, "hour"] : [hours / 24, "day"];
   const style = { style: "unit", unit, maximumFractionDigits: n < 10 ? 1 : 0 } as const;

@@ -1,4 +1,4 @@
-// Every text of the page, Chinese first. One list, so that no text can exist in one language only.
+// Every text of the page, Chinese first. One list, so that no text exists in one language only.
 import { labelTexts } from "./label_texts.ts";
 import { screenTexts } from "./screen_texts.ts";
 

@@ -1,4 +1,5 @@
-// Names of the label's fields for people: `/critical_components/0/description` is "Critical components c1, description".
+// Names of the label's fields for people: `/critical_components/0/description` is "Critical components c1,
+// description".
 import { fieldNames, memberNames } from "../../label/field_pointers.ts";
 import { parts } from "../../label/pointer.ts";
 import type { TaskEditor } from "../../label/task_editor.svelte.ts";

@@ -1,23 +1,32 @@
-// What each action of the keyboard does on the labelling screen.
+// What each keyboard action does on the labeling screen.
 import type { Handlers } from "../../keys/keys.svelte.ts";
 import { pointers } from "../../label/field_pointers.ts";
 import { addComponent, evidenceNow, setKeyRange, setKeyframe, setRange, toggleIn, toggleUncertainty } from "../../label/edits.ts";
 import type { TaskEditor } from "../../label/task_editor.svelte.ts";
 import { nextCamera } from "../../scene/cameras.ts";
+import { trackPose } from "../../scene/motion.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
 import { toField, toSection } from "./focus.ts";
 import { saveViewSettings, viewSettings } from "./view_settings.svelte.ts";
 import { undo, redo } from "./undo_actions.ts";
 
-/** What the screen itself answers for. */
-interface Deeds {
+/** Actions that the screen itself implements. */
+interface ScreenActions {
   advance: () => void;
   reject: () => void;
   sendBack: () => void;
 }
 
-export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
+/** Shows the selected object, or the rule's target, together with the ego. */
+export function zoomToTarget(editor: TaskEditor): void {
+  const id = editor.selected ?? editor.target;
+  const track = editor.clip.scene?.tracks.find((candidate) => candidate.id === id);
+  const pose = track && trackPose(track, editor.player.index, editor.player.share);
+  if (pose) editor.camera.showTarget(pose, 20);
+}
+
+export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
   const player = editor.player;
 
   function pickNext(by: 1 | -1): void {
@@ -36,7 +45,7 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
     document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
   }
 
-  function flip(layer: "names" | "occlusion" | "spec"): void {
+  function flip(layer: "names" | "occlusion" | "velocities" | "spec"): void {
     viewSettings[layer] = !viewSettings[layer];
     saveViewSettings();
   }
@@ -46,7 +55,10 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
     saveViewSettings();
   }
 
-  /** What is in the focused field is good; on to the next that nobody has looked at, then to what has to be mended, at last to the safety filter. */
+  /**
+   * Accepts the focused field, then goes to the next unaccepted one, then to the first error, then to the safety
+   * filter.
+   */
   async function acceptField(): Promise<void> {
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = editor.unaccepted;
@@ -59,7 +71,7 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
       const wrong = editor.draft.findings.find((f) => f.severity === "error");
       if (wrong) toField(wrong.pointer);
       else toSection("safety");
-      // Words that have to be written anew: the first letter replaces them.
+      // Text that has to be rewritten is selected: typing replaces it.
       if (wrong && editor.mustRewrite(wrong.pointer) && document.activeElement instanceof HTMLTextAreaElement) document.activeElement.select();
     }
   }
@@ -70,7 +82,7 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
     undo: () => undo(editor),
     redo: () => redo(editor),
     acceptField: () => void acceptField(),
-    advance: deeds.advance,
+    advance: actions.advance,
     play: () => player.toggle(),
     back: () => player.step(-1),
     forward: () => player.step(1),
@@ -82,9 +94,12 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
     slower: () => player.faster(-1),
     faster: () => player.faster(1),
     loop: () => (player.loop = !player.loop),
-    follow: () => (viewSettings.follow = !viewSettings.follow),
-    zoomIn: () => viewSettings.zoom?.(1.3),
-    zoomOut: () => viewSettings.zoom?.(1 / 1.3),
+    follow: () => editor.camera.toggleFollowing(),
+    zoomIn: () => editor.camera.zoom(1.3),
+    zoomOut: () => editor.camera.zoom(1 / 1.3),
+    zoomToTarget: () => zoomToTarget(editor),
+    velocities: () => flip("velocities"),
+    ruler: () => (editor.ruler.active ? editor.ruler.stop() : editor.ruler.start()),
     nextObject: () => pickNext(1),
     previousObject: () => pickNext(-1),
     targetObject: () => (editor.selected = editor.target),
@@ -103,8 +118,8 @@ export function handlers(editor: TaskEditor, deeds: Deeds): Handlers {
     rangeStart: () => setRange(editor, "start"),
     rangeEnd: () => setRange(editor, "end"),
     safe: () => editor.canEdit && editor.stage === "stage2" && editor.review.setSafe(!editor.review.safe),
-    reject: deeds.reject,
-    sendBack: deeds.sendBack,
+    reject: actions.reject,
+    sendBack: actions.sendBack,
     toComponents: () => toSection("components"),
     toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),
     toLateral: () => toSection("decisions", "[data-choices=lateral]"),

@@ -1,4 +1,4 @@
-// What a text field hands on: every change, but nothing while an input method is still composing (half a pinyin is no text).
+// Events of a text field: every change, but none while an input method is composing (half a pinyin is not text).
 
 type Box = HTMLInputElement | HTMLTextAreaElement;
 

@@ -1,4 +1,4 @@
-// Undo and redo as the reader sees them: the field that changed comes into sight and is named for those who do not see it.
+// Undo and redo on the screen: the field that changed is scrolled into view and announced to screen readers.
 import type { TaskEditor } from "../../label/task_editor.svelte.ts";
 import { lang, t } from "../../text/text.svelte.ts";
 import { fieldName } from "./field_name.ts";
@@ -19,7 +19,7 @@ function tell(editor: TaskEditor, path: string | null, what: "app.undone" | "app
   field?.animate([{ backgroundColor: "var(--accent-soft)" }, { backgroundColor: "transparent" }], 1200);
 }
 
-/** The field of the form that the pointer means: its own, else the nearest one around it. */
+/** The field of the form at a pointer, or the nearest field around it. */
 function fieldAt(pointer: string): Element | null {
   for (let at = pointer; at !== ""; at = at.slice(0, at.lastIndexOf("/"))) {
     const found = document.querySelector(`[data-field="${CSS.escape(at)}"]`);

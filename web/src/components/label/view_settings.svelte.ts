@@ -1,18 +1,18 @@
-// What the labelling screen shows and how its panes are divided: kept in this browser, because people set it once and not for each task.
+// View settings and pane sizes of the labeling screen, kept in this browser.
 
 const KEY = "whyroad.layers";
 
 interface Layers {
-  follow: boolean;
   history: boolean;
   names: boolean;
   occlusion: boolean;
-  /** Name of the camera that was looked at last; empty for a drive's first. */
+  /** Name of the camera shown last; empty for a drive's first. */
   camera: string;
-  /** The class's specification is shown above the form. */
+  /** The labeling specification is shown above the form. */
   spec: boolean;
-  /** Zooms the view that is there now, about its middle. */
-  zoom: ((factor: number) => void) | null;
+  /** Arrows of the objects' velocities. */
+  velocities: boolean;
+  legend: boolean;
 }
 
 function stored(): Partial<Layers> {
@@ -27,21 +27,21 @@ function stored(): Partial<Layers> {
 const own = stored();
 
 export const viewSettings = $state<Layers>({
-  follow: true,
   history: own.history !== false,
   names: own.names === true,
   occlusion: own.occlusion !== false,
   camera: typeof own.camera === "string" ? own.camera : "",
   spec: own.spec !== false,
-  zoom: null,
+  velocities: own.velocities === true,
+  legend: own.legend !== false,
 });
 
 export function saveViewSettings(): void {
-  const { history, names, occlusion, camera, spec } = viewSettings;
-  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, camera, spec }));
+  const { history, names, occlusion, velocities, legend, camera, spec } = viewSettings;
+  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, velocities, legend, camera, spec }));
 }
 
-/** Where a splitter stands in this browser, in percent. */
+/** Position of a splitter in this browser, in percent. */
 export function paneShare(name: string, otherwise: number): number {
   const kept = Number(localStorage.getItem(`whyroad.split.${name}`) ?? Number.NaN);
   return Number.isFinite(kept) && kept > 0 ? kept : otherwise;
