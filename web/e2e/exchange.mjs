@@ -113,7 +113,7 @@ async function labelsIn(day) {
   await checkAccessibility(page, "import");
   await shot(day, page, "import");
   await page.getByRole("button", { name: "English" }).click();
-  assert.match(await page.locator(".lost li").first().innerText(), /^Line 1 it is no JSON/);
+  assert.match(await page.locator(".lost li").first().innerText(), /^Line 1 not JSON/);
   await page.getByRole("button", { name: "中文" }).click();
   const { items } = await ask(page, "GET", `/projects/${project.id}/tasks`);
   assert.deepEqual(items.map((t) => [t.state, t.scenario_id]), [["open", "reactive_agent.cutin.urgent"]]);

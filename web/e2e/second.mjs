@@ -119,7 +119,7 @@ async function units(day) {
     assert.ok(Math.abs(now.number * factor - before.number) < 0.1, `${now.number} ${now.unit} for ${before.number} km/h`);
   }
   // What the rule reads has its unit, too; across the lane always m/s.
-  const lateral = page.locator(".strip").filter({ has: page.getByText("target.lane_lateral_speed", { exact: true }) });
+  const lateral = page.locator('.strip:has(.name[title$="target.lane_lateral_speed"])');
   assert.match(await lateral.locator(".value").innerText(), /\d\s*m\/s$/);
 }
 

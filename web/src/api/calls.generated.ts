@@ -166,8 +166,8 @@ export const postTaskValidate = (t: string | number, body: T["Validate"], option
   call<T["Findings"]>("POST", `/tasks/${encodeURIComponent(t)}/validate`, body, options);
 
 /** GET /tokens */
-export const getTokens = (options?: CallOptions): Promise<T["Tokens"]> =>
-  call<T["Tokens"]>("GET", `/tokens`, undefined, options);
+export const getTokens = (query: { user?: QueryValue } = {}, options?: CallOptions): Promise<T["Tokens"]> =>
+  call<T["Tokens"]>("GET", `/tokens${queryString(query)}`, undefined, options);
 
 /** POST /tokens */
 export const postTokens = (body: T["NewToken"], options?: CallOptions): Promise<T["Token"]> =>

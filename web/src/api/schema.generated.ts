@@ -353,7 +353,14 @@ export interface components {
             settings?: components["schemas"]["Settings"];
         };
         NewToken: {
+            /**
+             * Format: uint32
+             * @default null
+             */
+            days?: number | null;
             name: string;
+            /** @default write */
+            scope?: components["schemas"]["TokenScope"];
         };
         NewUser: {
             /** @default false */
@@ -431,7 +438,7 @@ export interface components {
             url: string;
         };
         Purpose: "sign_in" | "link";
-        QueueReason: "role" | "no_tasks" | "finished" | "held" | "assigned" | "language" | "classes" | "future_seen" | "overlap_twice" | "own_work" | "own_check" | "other";
+        QueueReason: "role" | "no_tasks" | "finished" | "held" | "assigned" | "language" | "classes" | "future_seen" | "overlap_twice" | "own_work" | "own_check" | "stage1_first" | "other";
         QueueState: {
             reasons: components["schemas"]["QueueReason"][];
         };
@@ -602,10 +609,14 @@ export interface components {
         Token: {
             /** Format: int64 */
             created: number;
+            /** Format: int64 */
+            expires: number;
             id: string;
             name: string;
+            scope: components["schemas"]["TokenScope"];
             token?: string | null;
         };
+        TokenScope: "read" | "write";
         Tokens: {
             items: components["schemas"]["Token"][];
         };
@@ -763,6 +774,7 @@ export type TaskSummary = components["schemas"]["TaskSummary"];
 export type Tasks = components["schemas"]["Tasks"];
 export type Throughput = components["schemas"]["Throughput"];
 export type Token = components["schemas"]["Token"];
+export type TokenScope = components["schemas"]["TokenScope"];
 export type Tokens = components["schemas"]["Tokens"];
 export type TrackView = components["schemas"]["TrackView"];
 export type User = components["schemas"]["User"];

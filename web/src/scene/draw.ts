@@ -117,7 +117,10 @@ function drawEgoPath(ctx: CanvasRenderingContext2D, p: SceneFrame): void {
 /** Pattern of a light's bar, in parts of its width, so that its state is legible without color; unknown is dotted. */
 const BAR_PATTERNS: Record<string, readonly number[]> = { red: [], red_yellow: [0.3, 0.1], yellow: [0.2, 0.2], green: [0.4, 0.2] };
 
-/** A light is a colored bar across the end of its lane; lights of several movements of one lane are one behind the other. */
+/**
+ * A light is a colored bar across the end of its lane; lights of several movements of one lane are one behind the
+ * other.
+ */
 function drawStopBars(ctx: CanvasRenderingContext2D, p: SceneFrame, road: Road): void {
   const perLane = new Map<string, number>();
   const width = Math.max(0.5, 4 / p.view.scale);

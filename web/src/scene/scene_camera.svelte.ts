@@ -43,7 +43,9 @@ export class SceneCamera {
     this.#free = zoomed(this.view, this.size, factor, px, py);
   }
 
-  /** Moves the world point that was at (`fromX`, `fromY`) px of the view `from` to (`toX`, `toY`) px. Ends following. */
+  /**
+   * Moves the world point that was at (`fromX`, `fromY`) px of the view `from` to (`toX`, `toY`) px. Ends following.
+   */
   drag(from: View, fromX: number, fromY: number, toX: number, toY: number): void {
     const a = toWorld(from, this.size, fromX, fromY);
     const b = toWorld(from, this.size, toX, toY);

@@ -80,7 +80,10 @@ export function fitting(s: Size, ahead: number, left: number, most: number): num
   return Math.max(LEAST_SCALE, Math.min(most, ...limits));
 }
 
-/** Where the line from the middle of the canvas to (`x`, `y`) px leaves it, `inset` px from the edge; null for a point inside. */
+/**
+ * Where the line from the middle of the canvas to (`x`, `y`) px leaves it, `inset` px from the edge; null for a point
+ * inside.
+ */
 export function edgePoint(s: Size, x: number, y: number, inset: number): [number, number] | null {
   const [cx, cy] = [s.width / 2, s.height / 2];
   const [dx, dy] = [x - cx, y - cy];

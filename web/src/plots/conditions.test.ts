@@ -1,0 +1,44 @@
+// Conditions of rules on the timeline. Conditions as `whyroad mine` writes them; factors by definition (1 m/s = 3.6
+// km/h).
+import assert from "node:assert/strict";
+import { test } from "vitest";
+import { comparison, isAbout, noteOf, signalName, thresholdsOf } from "./conditions.ts";
+import { scaleOf } from "./units.ts";
+
+const met = (condition: string, actual_value: unknown = null) => ({ condition, actual_value });
+
+test("one signal compared with one number, also the other way round and as absolute value", () => {
+  assert.deepEqual(comparison("target.ttc < 3s"), { signal: "target.ttc", absolute: false, operator: "<", value: 3, text: "3 s", unit: "s" });
+  assert.equal(comparison("0m < target.path_longitudinal")?.operator, ">");
+  assert.equal(comparison("abs(ego.accel) < 1m/s2")?.absolute, true);
+  assert.equal(comparison("target.crossing_angle > 20deg")?.value, (20 * Math.PI) / 180);
+  assert.equal(comparison("map.curvature_ahead >= 0.011/m")?.value, 0.011);
+});
+
+test("combinations are no comparison", () => {
+  for (const c of ["not target.in_ego_lane", "target.is_lead", "abs(ego.speed - target.speed) < 2m/s", "(a.b < 5s) or (c.d < 2s)", "a.b < 5s within 3s"]) {
+    assert.equal(comparison(c), null, c);
+  }
+});
+
+test("thresholds are in the shown unit, each once", () => {
+  const conditions = [met("ego.speed > 10m/s"), met("ego.speed > 10 m/s"), met("ego.speed < 72km/h"), met("abs(ego.accel) < 1m/s2")];
+  assert.deepEqual(thresholdsOf(["ego.speed"], conditions, scaleOf("m/s", "km/h")), [36, 72]);
+  assert.deepEqual(thresholdsOf(["ego.accel"], conditions, scaleOf("m/s2", "km/h")), [-1, 1]);
+});
+
+test("a condition goes to the row of its signal, whatever the target is called in messages", () => {
+  const conditions = [met("target_vehicle.gap < 30m", 12), met("ego.speed > 5m/s", 9), met("0m < target.gap", 12.3456)];
+  assert.equal(noteOf(["target.gap"], conditions), "< 30 m (12 m); > 0 m (12.346 m)");
+  assert.equal(noteOf(["ego.speed", "ego.forward_speed"], conditions), "> 5 m/s (9 m/s)");
+  assert.equal(noteOf(["target.ttc"], conditions), undefined);
+  assert.equal(noteOf(["target.ttc"], [met("target.ttc < 5s", null)]), "< 5 s (?)", "an unknown measurement is not 0");
+  assert.ok(!isAbout("lead.gap", "target.gap"));
+});
+
+test("a signal is named by the first clause of its meaning", () => {
+  assert.equal(signalName("target.ttc", "沿路径的碰撞时间：target.gap / 接近速度。仅对路径内"), "沿路径的碰撞时间");
+  assert.equal(signalName("x", "Velocity of the target across the ego's lane, towards its line positive."), "Velocity of the target across the ego's lane");
+  assert.equal(signalName("x", "More than 0.1 m inside."), "More than 0.1 m inside");
+  assert.equal(signalName("target.x", ""), "target.x");
+});

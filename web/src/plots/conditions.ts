@@ -1,0 +1,89 @@
+// Conditions of a rule as the timeline shows them: thresholds on axes, comparisons with the measured value. Pure.
+import type { MatchedCondition } from "../api/types.ts";
+import type { Scale } from "./units.ts";
+
+/** `target.gap < 30m`, `0m < target.gap`, `abs(ego.accel) < 1m/s2`: one signal compared with one number. */
+export interface Comparison {
+  signal: string;
+  /** The absolute value of the signal is compared. */
+  absolute: boolean;
+  operator: "<" | "<=" | ">" | ">=" | "==" | "!=";
+  /** The number in the API's base unit. */
+  value: number;
+  /** The number and its unit as the rule writes them. */
+  text: string;
+  /** The unit as the rule writes it; empty for pure numbers. */
+  unit: string;
+}
+
+/** Base units per unit of the rule language (docs: rules). */
+const IN_BASE: Record<string, number> = {
+  "": 1, m: 1, cm: 0.01, km: 1000, s: 1, ms: 0.001, min: 60, "m/s": 1, "km/h": 1 / 3.6, mph: 0.44704,
+  "m/s2": 1, "m/s3": 1, rad: 1, deg: Math.PI / 180, "rad/s": 1, "deg/s": Math.PI / 180, "1/m": 1, "/m": 1, "%": 0.01,
+};
+const FLIPPED = { "<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!=" } as const;
+
+const NUMBER = String.raw`(-?\d+(?:\.\d+)?)\s*([a-z/%\d]*)`;
+const SIGNAL = String.raw`(abs\()?([a-z_][a-z0-9_]*(?:\.[a-z0-9_]+)*)\)?`;
+const OPERATOR = "(<=|>=|==|!=|<|>)";
+const SIGNAL_FIRST = new RegExp(`^${SIGNAL}\\s*${OPERATOR}\\s*${NUMBER}$`, "i");
+const NUMBER_FIRST = new RegExp(`^${NUMBER}\\s*${OPERATOR}\\s*${SIGNAL}$`, "i");
+
+/** The comparison that a condition is; null for anything else, such as a combination of several. */
+export function comparison(condition: string): Comparison | null {
+  const a = SIGNAL_FIRST.exec(condition);
+  const b = a ? null : NUMBER_FIRST.exec(condition);
+  const [abs, signal, operator, digits, unit] = a ? [a[1], a[2], a[3], a[4], a[5]] : b ? [b[4], b[5], b[3], b[1], b[2]] : [];
+  const factor = IN_BASE[unit ?? ""];
+  if (!signal || !operator || !digits || factor === undefined) return null;
+  const op = operator as Comparison["operator"];
+  return {
+    signal,
+    absolute: abs !== undefined,
+    operator: a ? op : FLIPPED[op],
+    value: Number(digits) * factor,
+    text: `${digits} ${unit ?? ""}`.trim(),
+    unit: unit ?? "",
+  };
+}
+
+/** `target_vehicle.gap` in messages is the signal `target.gap`. */
+export function isAbout(subject: string, signal: string): boolean {
+  const last = (name: string): string => name.slice(name.lastIndexOf(".") + 1);
+  return subject === signal || (last(subject) === last(signal) && subject.split("_")[0] === signal.split(".")[0]);
+}
+
+/** The comparisons of a rule with any of these signals, with the measured values. */
+function comparisonsOf(signals: readonly string[], conditions: readonly MatchedCondition[]): { c: Comparison; actual: unknown }[] {
+  return conditions.flatMap(({ condition, actual_value }) => {
+    const c = comparison(condition);
+    return c && signals.some((signal) => isAbout(c.signal, signal)) ? [{ c, actual: actual_value }] : [];
+  });
+}
+
+/** Thresholds of these signals in the shown unit, ascending, each once; both signs for absolute values. */
+export function thresholdsOf(signals: readonly string[], conditions: readonly MatchedCondition[], scale: Scale): number[] {
+  const values = comparisonsOf(signals, conditions).flatMap(({ c }) => {
+    const shown = Math.round(c.value * scale.by * 1e6) / 1e6;
+    return c.absolute ? [-shown, shown] : [shown];
+  });
+  return [...new Set(values)].sort((a, b) => a - b);
+}
+
+/** A comparison without its signal, and the measured value: `< 30 m (12 m)`. */
+export function comparisonText(c: Comparison, actual: unknown): string {
+  const subject = c.absolute ? "|·| " : "";
+  const measured = typeof actual === "number" ? `${Math.round(actual * 1000) / 1000} ${c.unit}`.trim() : "?";
+  return `${subject}${c.operator.replace("<=", "≤").replace(">=", "≥").replace("==", "=").replace("!=", "≠")} ${c.text} (${measured})`;
+}
+
+/** What the rule compared these signals with; undefined without any comparison. */
+export function noteOf(signals: readonly string[], conditions: readonly MatchedCondition[]): string | undefined {
+  const notes = comparisonsOf(signals, conditions).map(({ c, actual }) => comparisonText(c, actual));
+  return notes.length > 0 ? notes.join("; ") : undefined;
+}
+
+/** A short name of a signal: its meaning up to the first clause; its id without a meaning. */
+export function signalName(id: string, meaning: string | undefined): string {
+  return /^(.*?)(?:[，。；：（,;:(]|\.(?=\s|$)|$)/.exec(meaning ?? "")?.[1]?.trim() || id;
+}
