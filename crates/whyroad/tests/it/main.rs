@@ -7,6 +7,7 @@ mod session;
 
 mod demo;
 mod docs;
+mod duckdb;
 mod evaluate;
 mod faults;
 mod import_cycles;

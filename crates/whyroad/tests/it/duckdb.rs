@@ -1,0 +1,58 @@
+//! The SQL of the documentation, run by DuckDB (its Python package) on a lake of different logs. Where DuckDB is not
+//! installed the test says so, and fails when `WHYROAD_REQUIRE` names it.
+#![allow(clippy::unwrap_used)]
+
+use crate::session::{root, whyroad_in};
+use std::process::Command;
+
+const RUN: &str = "
+import duckdb, sys
+for query in sys.stdin.read().split('\\0'):
+    print(len(duckdb.sql(query).fetchall()))
+";
+
+fn is_installed() -> bool {
+    let import = Command::new("python3").args(["-c", "import duckdb"]).output();
+    import.is_ok_and(|o| o.status.success())
+}
+
+#[test]
+fn the_documented_queries_run_on_a_lake_of_different_logs() {
+    if !is_installed() {
+        let required = std::env::var("WHYROAD_REQUIRE").unwrap_or_default();
+        assert!(!required.split(',').any(|what| what == "duckdb"), "WHYROAD_REQUIRE names duckdb");
+        eprintln!("skipped: no duckdb");
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    // With and without a map, lights, bus signals and objects' visibility.
+    for source in ["examples/drives/back_street", "crates/whyroad-ingest/tests/fixtures/crossroads.fcd.xml"] {
+        let source = root().join(source);
+        let ingest = whyroad_in(dir.path(), &["ingest", "sumo", source.to_str().unwrap(), "--lake", "lake"]);
+        assert_eq!(ingest.code, 0, "{}", ingest.err);
+    }
+    let lake = whyroad_lake::Lake::open(dir.path().join("lake")).unwrap();
+    let ids = lake.drive_ids();
+    for id in &ids {
+        whyroad_engine::drives::signals_of(&lake, id).unwrap();
+    }
+    let page = std::fs::read_to_string(root().join("docs/reference/lake.md")).unwrap();
+    let queries: Vec<&str> =
+        page.split("```sql\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
+    assert!(queries.len() >= 2, "{page}");
+    let mut python = Command::new("python3")
+        .args(["-c", RUN])
+        .current_dir(dir.path())
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::io::Write::write_all(&mut python.stdin.take().unwrap(), queries.join("\0").as_bytes()).unwrap();
+    let run = python.wait_with_output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let rows: Vec<usize> =
+        String::from_utf8(run.stdout).unwrap().lines().map(|l| l.parse().unwrap()).collect();
+    assert!(rows.iter().all(|n| *n > 0), "{rows:?}");
+    assert_eq!(rows[1], ids.len(), "a row for each drive");
+}
