@@ -6,6 +6,7 @@ use crate::{DecisionSets, Lexicon, ResolvedSpec, Taxonomy};
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
+use whyroad_model::yaml::{Mark, Node};
 use whyroad_model::{Diagnostic, ScenarioId};
 
 /// Classes, decisions, labelling specs, rule sources, and the texts that other crates parse.
@@ -36,35 +37,38 @@ pub struct Framework {
 }
 
 /// A mining rule as written, of a leaf or of an L2. whyroad-mining gives it meaning.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RuleSource {
     /// Which leaf, or which L2.
     pub leaf: ScenarioId,
     /// `scenarios/<l1>/<l2>.yaml`.
     pub file: String,
-    /// The `mining:` block.
-    pub rule: serde_yaml_ng::Value,
-    /// Line of the block in the file, from 1.
-    pub line: usize,
-    /// The whole file, so that a fault in an expression can be shown where it stands.
+    /// The `mining:` block; every part of it knows its position.
+    pub rule: Node,
+    /// Position of the block's key.
+    pub mark: Mark,
+    /// The whole file, from which faults are shown.
     pub text: Arc<str>,
 }
 
 /// An `expr` of a labelling spec as written: a moment of the rule language. whyroad-mining gives it meaning.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ExpressionSource {
     /// The class whose labelling it belongs to: an L1, an L2 or a leaf.
     pub class: ScenarioId,
     /// `scenarios/<l1>.yaml` or `scenarios/<l1>/<l2>.yaml`.
     pub file: String,
-    /// The expression.
-    pub expression: String,
-    /// Line of the expression, from 1.
-    pub line: usize,
-    /// JSON pointer (RFC 6901) of the expression.
-    pub pointer: String,
-    /// The whole file.
-    pub text: Arc<str>,
+    /// The expression: a scalar that knows its position and pointer.
+    pub expression: Node,
+    /// The whole file, from which faults are shown.
+    pub source: Arc<str>,
+}
+
+impl ExpressionSource {
+    /// The expression's text.
+    pub fn text(&self) -> &str {
+        self.expression.text().unwrap_or_default().trim()
+    }
 }
 
 static SCHEMA: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../schema");

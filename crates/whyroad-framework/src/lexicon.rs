@@ -10,7 +10,7 @@ pub use compile::{Hit, Role};
 
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Location};
+use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
 
 /// Words for decisions, for negation, and for who does what.
 #[derive(Clone, Debug, Default)]
@@ -125,17 +125,19 @@ impl Lexicon {
     /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. An unreadable file
     /// gives an empty lexicon, with which traces are checked for form only.
     pub fn parse(file: &str, text: &str) -> (Lexicon, Vec<Diagnostic>) {
-        let raw: File = match serde_yaml_ng::from_str(text) {
+        let raw: File = match yaml::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
                 let place = Location {
                     file: Some(file.to_owned()),
-                    line: e.location().map(|l| l.line()),
-                    column: e.location().map(|l| l.column()),
+                    line: e.mark.map(|m| m.line),
+                    column: e.mark.map(|m| m.column),
                     ..Location::default()
                 };
-                let message =
-                    Bilingual::new(format!("词表无法读取：{e}"), format!("the lexicon cannot be read: {e}"));
+                let message = Bilingual::new(
+                    format!("词表无法读取：{}", e.message),
+                    format!("the lexicon cannot be read: {}", e.message),
+                );
                 return (Lexicon::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)]);
             }
         };

@@ -146,7 +146,7 @@ pub fn detail(framework: &Framework, id: &ScenarioId) -> Option<Detail> {
         decides: boundaries(framework, id),
         children,
         labeling: framework.specs.get(id).cloned(),
-        mining_rule: framework.rule(id).map(|r| RulePlace { file: r.file.clone(), line: r.line }),
+        mining_rule: framework.rule(id).map(|r| RulePlace { file: r.file.clone(), line: r.mark.line }),
     })
 }
 

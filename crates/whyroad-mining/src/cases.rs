@@ -13,6 +13,7 @@ use crate::rule::{OTHER, RuleSet};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use table::table;
+use whyroad_model::yaml::{self, DecodeError};
 use whyroad_model::{Bilingual, Diagnostic, Location, ObjectClass, ScenarioId};
 use whyroad_signals::Catalogue;
 
@@ -99,27 +100,44 @@ pub struct Tally {
 /// Runs all cases of one file against `rules`.
 pub fn run_cases(file: &str, text: &str, rules: &RuleSet, catalogue: &Catalogue) -> Tally {
     let mut tally = Tally::default();
-    let parsed: CaseFile = match serde_yaml_ng::from_str(text) {
-        Ok(f) => f,
-        Err(e) => {
-            let line = e.location().map(|l| l.line());
-            let words =
-                Bilingual::new(format!("用例文件无法读取：{e}"), format!("the cases cannot be read: {e}"));
-            tally.failures.push(said(file, line, words));
+    let tree = yaml::parse(text).map_err(DecodeError::from);
+    let read = tree.and_then(|root| Ok((yaml::from_node::<CaseFile>(&root)?, root)));
+    let (parsed, root) = match read {
+        Ok(read) => read,
+        Err(DecodeError { message, mark }) => {
+            let words = Bilingual::new(
+                format!("用例文件无法读取：{message}"),
+                format!("the cases cannot be read: {message}"),
+            );
+            tally.failures.push(said(file, mark.map(|m| m.line), words));
             return tally;
         }
     };
-    for case in &parsed.cases {
+    let nodes = root.get("cases").map_or(&[][..], |n| n.items());
+    for (case, node) in parsed.cases.iter().zip(nodes) {
         let l1 = parsed.l1.clone().unwrap_or_else(|| OTHER.to_owned());
         let scenario = ScenarioId { l1, l2: parsed.l2.clone(), l3: case.leaf.clone() };
-        let line =
-            text.lines().position(|l| l.trim_end().ends_with(&format!("name: {}", case.name))).map(|i| i + 1);
+        let line = Some(node.get("name").unwrap_or(node).mark.line);
         if let Err(reason) = run(case, &parsed.base, &scenario, rules, catalogue) {
             tally.failures.push(failure(file, line, &case.name, &reason));
         }
         *tally.cases.entry((scenario, case.kind)).or_default() += 1;
     }
     tally
+}
+
+/// Runs the cases of every `scenarios/**/*.cases.yaml` among the texts of a framework, by relative path.
+pub fn run_all_cases(files: &BTreeMap<String, String>, rules: &RuleSet, catalogue: &Catalogue) -> Tally {
+    let mut all = Tally::default();
+    let beside = files.iter().filter(|(p, _)| p.starts_with("scenarios/") && p.ends_with(".cases.yaml"));
+    for (path, text) in beside {
+        let tally = run_cases(path, text, rules, catalogue);
+        all.failures.extend(tally.failures);
+        for (key, n) in tally.cases {
+            *all.cases.entry(key).or_default() += n;
+        }
+    }
+    all
 }
 
 /// Why a case does not hold.

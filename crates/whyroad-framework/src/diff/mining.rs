@@ -4,7 +4,7 @@
 use super::{Change, ChangeKind};
 use crate::Framework;
 use crate::version::Step;
-use serde_yaml_ng::{Mapping, Value};
+use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Bilingual, ScenarioId};
 
 /// All changes in tree order of B, rules that are gone last.
@@ -28,54 +28,60 @@ pub(super) fn changes(a: &Framework, b: &Framework) -> Vec<Change> {
 }
 
 /// What differs, parameter by parameter and definition by definition, else key by key.
-fn blocks(x: &Value, y: &Value) -> Vec<(&'static str, Bilingual, Bilingual)> {
-    let empty = Mapping::new();
-    let (x, y) = (x.as_mapping().unwrap_or(&empty), y.as_mapping().unwrap_or(&empty));
+fn blocks(x: &Node, y: &Node) -> Vec<(&'static str, Bilingual, Bilingual)> {
     let mut out = Vec::new();
-    for key in keys(x, y) {
-        let (before, after) = (x.get(&key), y.get(&key));
-        let field = match key.as_str() {
-            Some("parameters") => "mining.parameters",
-            Some("define") => "mining.define",
-            Some("target") => "mining.target",
-            Some("when") => "mining.when",
-            Some("require") => "mining.require",
-            Some("min_duration") => "mining.min_duration",
-            Some("max_duration") => "mining.max_duration",
-            Some("merge_gap") => "mining.merge_gap",
+    for key in keys(x.entries(), y.entries()) {
+        let (before, after) = (x.get(key), y.get(key));
+        let field = match key {
+            "parameters" => "mining.parameters",
+            "define" => "mining.define",
+            "target" => "mining.target",
+            "when" => "mining.when",
+            "require" => "mining.require",
+            "min_duration" => "mining.min_duration",
+            "max_duration" => "mining.max_duration",
+            "merge_gap" => "mining.merge_gap",
             _ => "mining",
         };
-        if before == after {
+        if same(before, after) {
             continue;
         }
         if matches!(field, "mining.parameters" | "mining.define") {
-            let (before, after) = (before.and_then(Value::as_mapping), after.and_then(Value::as_mapping));
-            let (before, after) = (before.unwrap_or(&empty), after.unwrap_or(&empty));
-            for name in keys(before, after) {
-                let (x, y) = (before.get(&name), after.get(&name));
-                if x != y {
-                    let text = |v: Option<&Value>| v.map_or_else(none, |v| named(&name, v, x, y));
+            let (old, new) = (before.map_or(&[][..], Node::entries), after.map_or(&[][..], Node::entries));
+            for name in keys(old, new) {
+                let (x, y) = (before.and_then(|n| n.get(name)), after.and_then(|n| n.get(name)));
+                if !same(x, y) {
+                    let text = |v: Option<&Node>| v.map_or_else(none, |v| named(name, v, x, y));
                     out.push((field, text(x), text(y)));
                 }
             }
         } else {
-            let text = |v: Option<&Value>| v.map_or_else(none, |v| Bilingual::same(plain(v)));
+            let text = |v: Option<&Node>| v.map_or_else(none, |v| Bilingual::same(plain(v)));
             out.push((field, text(before), text(after)));
         }
     }
     out
 }
 
-/// Keys of both in the order of B, those that B has no more last.
-fn keys(x: &Mapping, y: &Mapping) -> Vec<Value> {
-    let gone = x.keys().filter(|k| !y.contains_key(*k));
-    y.keys().chain(gone).cloned().collect()
+/// The same content, wherever it is written.
+fn same(x: Option<&Node>, y: Option<&Node>) -> bool {
+    match (x, y) {
+        (Some(x), Some(y)) => x.same_content(y),
+        _ => x.is_none() && y.is_none(),
+    }
+}
+
+/// Keys of both in the order of B, those that B no longer has last.
+fn keys<'n>(x: &'n [Entry], y: &'n [Entry]) -> Vec<&'n str> {
+    let gone = x.iter().filter(|e| y.iter().all(|o| o.key != e.key));
+    y.iter().chain(gone).map(|e| e.key.as_str()).collect()
 }
 
 /// `name: value`. The reason of a parameter is shown where it is all that changed.
-fn named(name: &Value, value: &Value, x: Option<&Value>, y: Option<&Value>) -> Bilingual {
-    let part = |v: Option<&Value>, key: &str| v.and_then(|v| v.get(key)).cloned();
-    let only_reason = x.is_some() && y.is_some() && part(x, "value") == part(y, "value");
+fn named(name: &str, value: &Node, x: Option<&Node>, y: Option<&Node>) -> Bilingual {
+    let part = |v: Option<&'_ Node>, key: &str| v.and_then(|v| v.get(key)).cloned();
+    let (before, after) = (part(x, "value"), part(y, "value"));
+    let only_reason = x.is_some() && y.is_some() && same(before.as_ref(), after.as_ref());
     let shown = match value.get("value") {
         Some(v) if only_reason => {
             format!("{} ({})", plain(v), value.get("reason").map(plain).unwrap_or_default())
@@ -83,14 +89,17 @@ fn named(name: &Value, value: &Value, x: Option<&Value>, y: Option<&Value>) -> B
         Some(v) => plain(v),
         None => plain(value),
     };
-    Bilingual::same(format!("{}: {shown}", plain(name)))
+    Bilingual::same(format!("{name}: {shown}"))
 }
 
-fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.trim().to_owned(),
-        Value::Sequence(items) => items.iter().map(plain).collect::<Vec<_>>().join("; "),
-        other => serde_yaml_ng::to_string(other).unwrap_or_default().trim().to_owned(),
+fn plain(node: &Node) -> String {
+    match &node.value {
+        Value::Null => "null".to_owned(),
+        Value::Scalar(scalar) => scalar.text.trim().to_owned(),
+        Value::List(items) => items.iter().map(plain).collect::<Vec<_>>().join("; "),
+        Value::Map(entries) => {
+            entries.iter().map(|e| format!("{}: {}", e.key, plain(&e.node))).collect::<Vec<_>>().join("\n")
+        }
     }
 }
 

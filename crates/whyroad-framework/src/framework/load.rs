@@ -8,6 +8,7 @@ use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use whyroad_model::yaml::Entry;
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
@@ -98,10 +99,14 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
             if let Ok(resolved) = finish(l2_id.clone(), &l2_layer) {
                 framework.l2_specs.insert(l2_id.clone(), resolved);
             }
-            if let (Some(rule), Some(mark)) = (&spec.spec.mining, spec.l2_mining_mark) {
-                let (rule, file, text) = (rule.clone(), file.clone(), text.clone());
-                framework.rules.push(RuleSource { leaf: l2_id, file, rule, line: mark.line, text });
-            }
+            let source = |leaf: ScenarioId, entry: &Entry| RuleSource {
+                leaf,
+                file: file.clone(),
+                rule: entry.node.clone(),
+                mark: entry.mark,
+                text: text.clone(),
+            };
+            framework.rules.extend(spec.l2_mining.as_ref().map(|entry| source(l2_id, entry)));
             for l3 in &l2.l3 {
                 let Some(leaf) = spec.spec.leaves.as_ref().and_then(|l| l.get(&l3.id)) else { continue };
                 let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
@@ -115,10 +120,7 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
                         out.push(incomplete(&id, &missing, &file, mark.map(|m| (m.line, m.column))))
                     }
                 }
-                if let (Some(rule), Some(mark)) = (&leaf.mining, spec.mining_marks.get(&l3.id)) {
-                    let (rule, file, text) = (rule.clone(), file.clone(), text.clone());
-                    framework.rules.push(RuleSource { leaf: id, file, rule, line: mark.line, text });
-                }
+                framework.rules.extend(spec.mining.get(&l3.id).map(|entry| source(id, entry)));
             }
         }
     }
@@ -129,10 +131,8 @@ fn expressions(file: &str, text: &str, read: &ReadSpec) -> Vec<ExpressionSource>
     let source = |w: &Written| ExpressionSource {
         class: ScenarioId { l1: read.spec.l1.clone(), l2: read.spec.l2.clone(), l3: w.leaf.clone() },
         file: file.to_owned(),
-        expression: w.text.clone(),
-        line: w.mark.line,
-        pointer: w.pointer.clone(),
-        text: text.clone(),
+        expression: w.node.clone(),
+        source: text.clone(),
     };
     read.expressions.iter().map(source).collect()
 }

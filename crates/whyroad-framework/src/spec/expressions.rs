@@ -1,17 +1,15 @@
 //! The rule-language expressions of a labelling file with their places, so that whoever knows the language can check
 //! each one where it is written. Nothing is interpreted here.
 
-use whyroad_model::yaml::{Mark, Node, Value};
+use whyroad_model::yaml::{Node, Value};
 
 /// An `expr` as written.
 #[derive(Clone, Debug)]
 pub(crate) struct Written {
     /// The leaf whose block it is in; `None` in the block of the L2 or L1.
     pub leaf: Option<String>,
-    pub text: String,
-    pub mark: Mark,
-    /// RFC 6901.
-    pub pointer: String,
+    /// The scalar.
+    pub node: Node,
 }
 
 /// All expressions of the `labeling` blocks of a file, in file order.
@@ -39,12 +37,9 @@ fn collect(node: &Node, leaf: Option<&String>, out: &mut Vec<Written>) {
     let Value::Map(entries) = &node.value else { return };
     for e in entries {
         match &e.node.value {
-            Value::Scalar(scalar) if e.key == "expr" => out.push(Written {
-                leaf: leaf.cloned(),
-                text: scalar.text.trim().to_owned(),
-                mark: e.node.mark,
-                pointer: e.node.pointer.clone(),
-            }),
+            Value::Scalar(_) if e.key == "expr" => {
+                out.push(Written { leaf: leaf.cloned(), node: e.node.clone() })
+            }
             _ => collect(&e.node, leaf, out),
         }
     }

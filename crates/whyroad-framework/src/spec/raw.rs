@@ -25,8 +25,7 @@ pub struct SpecFile {
     pub labeling: Option<LabelingLayer>,
     /// The mining rule of the L2, which its leaves' rules inherit from (docs/reference/rules.md).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
-    pub mining: Option<serde_yaml_ng::Value>,
+    pub mining: Option<serde_json::Map<String, serde_json::Value>>,
     /// Every leaf of the L2, in taxonomy order; `{}` where nothing differs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaves: Option<IndexMap<String, LeafLayer>>,
@@ -41,8 +40,7 @@ pub struct LeafLayer {
     pub labeling: Option<LabelingLayer>,
     /// Its mining rule (docs/reference/rules.md); absent while there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
-    pub mining: Option<serde_yaml_ng::Value>,
+    pub mining: Option<serde_json::Map<String, serde_json::Value>>,
 }
 
 /// One level's labelling rules.

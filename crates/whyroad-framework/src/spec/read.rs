@@ -8,7 +8,7 @@ use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
 use indexmap::IndexMap;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{KeyframeType, Uncertainty};
-use whyroad_model::yaml::{Entry, Fields, FileReport, FormCodes, Mark, Node, Value};
+use whyroad_model::yaml::{Entry, Fields, FileReport, FormCodes, Mark, Node, Value, from_node};
 use whyroad_model::{Bilingual, Diagnostic};
 
 static FAMILY: FormCodes = FormCodes {
@@ -26,10 +26,10 @@ pub(crate) struct ReadSpec {
     pub spec: SpecFile,
     /// Place of each leaf's key.
     pub leaf_marks: IndexMap<String, Mark>,
-    /// Place of each leaf's `mining:` block.
-    pub mining_marks: IndexMap<String, Mark>,
-    /// Place of the L2's own `mining:` block.
-    pub l2_mining_mark: Option<Mark>,
+    /// Each leaf's `mining:` block.
+    pub mining: IndexMap<String, Entry>,
+    /// The L2's own `mining:` block.
+    pub l2_mining: Option<Entry>,
     /// Every expression of the labelling blocks.
     pub expressions: Vec<Written>,
 }
@@ -37,11 +37,11 @@ pub(crate) struct ReadSpec {
 /// Reads one file and checks it against the classes.
 pub(crate) fn read_spec(file: &str, text: &str, taxonomy: &Taxonomy) -> (Option<ReadSpec>, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
-    let read = report.parse(text).and_then(|root| document(&root, text, taxonomy, &mut report));
+    let read = report.parse(text).and_then(|root| document(&root, taxonomy, &mut report));
     (read, report.diagnostics)
 }
 
-fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<ReadSpec> {
+fn document(root: &Node, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<ReadSpec> {
     let mut f = Fields::open(root, r)?;
     let version = read_version(&mut f, "spec.version", r);
     let l1_node = f.need("l1", r);
@@ -77,30 +77,19 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut FileReport) ->
         let (zh, en) = ("L1 的文件不能含有 leaves", "the file of an L1 has no leaves");
         r.error("spec.field.unknown", node, zh.into(), en.into());
     }
-    // Rules are handed on as serde_yaml_ng values, so that whyroad-mining needs no YAML reader of ours.
-    let values: serde_yaml_ng::Value = serde_yaml_ng::from_str(text).unwrap_or_default();
     let mut out = ReadSpec {
-        spec: SpecFile {
-            version,
-            l1,
-            l2,
-            labeling,
-            mining: l2_mining.and_then(|_| values.get("mining").cloned()),
-            leaves: None,
-        },
-        l2_mining_mark: l2_mining.map(|e| e.mark),
+        spec: SpecFile { version, l1, l2, labeling, mining: l2_mining.and_then(as_map), leaves: None },
+        l2_mining: l2_mining.cloned(),
         leaf_marks: IndexMap::new(),
-        mining_marks: IndexMap::new(),
+        mining: IndexMap::new(),
         expressions: expressions(root),
     };
     if let (Some(l2), Some(node)) = (&out.spec.l2, leaves_node) {
         let mut leaves = IndexMap::new();
         for entry in r.entries(node).unwrap_or_default() {
             let leaf = leaf(entry, r);
-            let mining = leaf.1.and_then(|mark| {
-                out.mining_marks.insert(entry.key.clone(), mark);
-                values.get("leaves")?.get(entry.key.as_str())?.get("mining").cloned()
-            });
+            let mining = leaf.1.and_then(as_map);
+            out.mining.extend(leaf.1.map(|mining| (entry.key.clone(), mining.clone())));
             out.leaf_marks.insert(entry.key.clone(), entry.mark);
             leaves.insert(entry.key.clone(), LeafLayer { labeling: leaf.0, mining });
         }
@@ -110,6 +99,11 @@ fn document(root: &Node, text: &str, taxonomy: &Taxonomy, r: &mut FileReport) ->
         out.spec.leaves = Some(leaves);
     }
     usable.then_some(out)
+}
+
+/// A `mining:` block as its schema describes it; what is wrong in it is found by whyroad-mining.
+fn as_map(entry: &Entry) -> Option<serde_json::Map<String, serde_json::Value>> {
+    from_node(&entry.node).ok()
 }
 
 /// The folder and file name must say the same as the fields: people look files up by name.
@@ -177,7 +171,7 @@ fn check_leaves(
     }
 }
 
-fn leaf(entry: &Entry, r: &mut FileReport) -> (Option<LabelingLayer>, Option<Mark>) {
+fn leaf<'n>(entry: &'n Entry, r: &mut FileReport) -> (Option<LabelingLayer>, Option<&'n Entry>) {
     if matches!(entry.node.value, Value::Null) {
         return (None, None);
     }
@@ -188,7 +182,7 @@ fn leaf(entry: &Entry, r: &mut FileReport) -> (Option<LabelingLayer>, Option<Mar
     if let Some(e) = mining {
         r.entries(&e.node);
     }
-    (labeling, mining.map(|e| e.mark))
+    (labeling, mining)
 }
 
 fn layer(node: &Node, r: &mut FileReport) -> Option<LabelingLayer> {

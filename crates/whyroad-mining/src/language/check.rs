@@ -5,6 +5,7 @@ mod atoms;
 mod calls;
 mod compare;
 mod define;
+mod every;
 mod moments;
 mod names;
 mod tell;

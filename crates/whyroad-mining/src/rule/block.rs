@@ -1,11 +1,11 @@
-//! A `mining:` block as it is written, read field by field: what is missing, unknown or of the wrong kind is reported
-//! where it stands, and the rest is read. What the texts in it say is for [`super::source`].
+//! A `mining:` block as it is written, read field by field: what is missing, unknown, written twice or of the wrong type
+//! is reported at its position, and the rest is read. What the texts in it say is for [`super::source`].
 
-use super::origin::Origin;
+use super::origin::{Origin, SourceFile};
 use crate::language::check::nearest;
 use crate::language::{Fault, Span};
-use serde_yaml_ng::{Mapping, Value};
 use whyroad_model::Diagnostic;
+use whyroad_model::yaml::{Entry, Mark, Node, Value};
 
 /// The fields of a block, in the order of `docs/reference/rules.md`.
 const FIELDS: &[&str] = &[
@@ -23,157 +23,182 @@ const FIELDS: &[&str] = &[
 /// The fields of a parameter.
 const OF_PARAMETER: &[&str] = &["value", "reason"];
 
-/// The block: texts as written.
+/// The block: scalars as written.
 #[derive(Debug, Default)]
-pub(super) struct Block {
-    pub target: Option<String>,
-    pub roles: Mapping,
-    /// Name and value.
-    pub parameters: Vec<(String, String)>,
-    /// Name and text.
-    pub define: Vec<(String, String)>,
-    pub when: Vec<String>,
-    pub require: Vec<String>,
-    pub min_duration: Option<String>,
-    pub max_duration: Option<String>,
-    pub merge_gap: Option<String>,
+pub(super) struct Block<'n> {
+    pub target: Option<&'n Node>,
+    pub roles: Vec<&'n Entry>,
+    /// Entry and value.
+    pub parameters: Vec<(&'n Entry, &'n Node)>,
+    pub define: Vec<&'n Entry>,
+    pub when: Vec<&'n Node>,
+    pub require: Vec<&'n Node>,
+    pub min_duration: Option<&'n Node>,
+    pub max_duration: Option<&'n Node>,
+    pub merge_gap: Option<&'n Node>,
     /// Parameters and definitions that could not be read.
     pub broken: Vec<String>,
 }
 
-/// Reads a block. Without a `when` (there, or null) nothing can match; that too is a fault.
-pub(super) fn read(block: &Value, origin: &Origin<'_>, found: &mut Vec<Diagnostic>) -> Block {
-    let mut reader = Reader { origin, found };
-    let Value::Mapping(fields) = block else {
-        reader.fault("/mining", "", &format!("mining 块应为映射，实为{}", kind(block).0), &{
-            format!("a mining block is a mapping, not {}", kind(block).1)
-        });
-        return Block::default();
-    };
+/// Reads a block. Without a `when` (there, and not null) nothing can match; that too is a fault.
+pub(super) fn read<'n>(block: &'n Node, origin: &Origin<'_>, found: &mut Vec<Diagnostic>) -> Block<'n> {
+    let mut reader = Reader { file: origin.file, found };
     let mut out = Block::default();
-    reader.unknown("/mining", fields, FIELDS);
-    let of = |key: &str| fields.get(key).filter(|v| !v.is_null());
-    let mut text = |key: &str| of(key).and_then(|v| reader.text(&format!("/mining/{key}"), v));
+    let Value::Map(_) = block.value else {
+        let (zh, en) = description(block);
+        reader.fault(
+            origin.mark,
+            &block.pointer,
+            &format!("mining 块应为映射，实为{zh}"),
+            &format!("a mining block is a mapping, not {en}"),
+        );
+        return out;
+    };
+    reader.unknown(block.entries(), FIELDS);
+    let of = |key: &str| block.entries().iter().find(|e| e.key == key && !is_null(&e.node));
+    let mut text = |key: &str| of(key).and_then(|e| reader.text(e));
     out.target = text("target");
     out.min_duration = text("min_duration");
     out.max_duration = text("max_duration");
     out.merge_gap = text("merge_gap");
-    let mut texts = |key: &str| match of(key) {
-        Some(Value::Sequence(items)) => {
-            items.iter().filter_map(|v| reader.text(&format!("/mining/{key}"), v)).collect()
-        }
-        Some(one) => reader.text(&format!("/mining/{key}"), one).into_iter().collect(),
-        None => Vec::new(),
-    };
-    out.when = texts("when");
-    out.require = texts("require");
-    if of("when").is_none_or(|v| v.as_sequence().is_some_and(Vec::is_empty)) {
+    out.when = of("when").map(|e| reader.texts(e)).unwrap_or_default();
+    out.require = of("require").map(|e| reader.texts(e)).unwrap_or_default();
+    if of("when").is_none_or(|e| matches!(&e.node.value, Value::List(items) if items.is_empty())) {
         reader.fault(
-            "/mining",
-            "",
+            origin.mark,
+            &block.pointer,
             "缺少 when：何时匹配",
-            "there is no `when`: the condition that makes a match",
+            "`when`, the condition that makes a match, is missing",
         );
     }
-    let mut mapping = |key: &str| of(key).and_then(|v| reader.mapping(&format!("/mining/{key}"), v));
-    out.roles = mapping("roles").cloned().unwrap_or_default();
-    let (parameters, define) = (mapping("parameters"), mapping("define"));
-    for (name, value) in parameters.into_iter().flatten() {
-        let name = scalar(name).unwrap_or_default();
-        match reader.parameter(&name, value) {
-            Some(value) => out.parameters.push((name, value)),
-            None => out.broken.push(name),
+    out.roles = of("roles").map(|e| reader.mapping(e)).unwrap_or_default();
+    for entry in of("parameters").map(|e| reader.mapping(e)).unwrap_or_default() {
+        match reader.parameter(entry) {
+            Some(value) => out.parameters.push((entry, value)),
+            None => out.broken.push(entry.key.clone()),
         }
     }
-    for (name, value) in define.into_iter().flatten() {
-        let name = scalar(name).unwrap_or_default();
-        match reader.text(&format!("/mining/define/{name}"), value) {
-            Some(text) => out.define.push((name, text)),
-            None => out.broken.push(name),
+    for entry in of("define").map(|e| reader.mapping(e)).unwrap_or_default() {
+        match reader.text(entry) {
+            Some(_) => out.define.push(entry),
+            None => out.broken.push(entry.key.clone()),
         }
     }
     out
 }
 
+/// Reports every key of a mapping that is written twice; whoever reads the mapping takes the first.
+pub(super) fn duplicates(entries: &[Entry], file: SourceFile<'_>, found: &mut Vec<Diagnostic>) {
+    for (i, e) in entries.iter().enumerate() {
+        if let Some(first) = entries[..i].iter().find(|o| o.key == e.key) {
+            let (key, line) = (&e.key, first.mark.line);
+            let fault = Fault::new(
+                "rule.block",
+                Span::default(),
+                format!("键 '{key}' 重复，首次出现在第 {line} 行"),
+                format!("key '{key}' is written twice, first on line {line}"),
+            );
+            found.push(file.at(e.mark, &e.node.pointer, fault));
+        }
+    }
+}
+
 struct Reader<'a> {
-    origin: &'a Origin<'a>,
+    file: SourceFile<'a>,
     found: &'a mut Vec<Diagnostic>,
 }
 
 impl Reader<'_> {
-    /// Reports something about the key at the end of `pointer`; with no `name`, about the block.
-    fn fault(&mut self, pointer: &str, name: &str, zh: &str, en: &str) {
-        let fault = Fault::new("rule.block", Span { start: 0, end: name.len() }, zh, en);
-        self.found.push(self.origin.diagnose(pointer, name, fault));
+    fn fault(&mut self, mark: Mark, pointer: &str, zh: &str, en: &str) {
+        self.found.push(self.file.at(mark, pointer, Fault::new("rule.block", Span::default(), zh, en)));
     }
 
-    fn unknown(&mut self, pointer: &str, fields: &Mapping, known: &[&str]) {
-        for name in fields.keys().map(|k| scalar(k).unwrap_or_default()) {
-            if known.contains(&name.as_str()) {
-                continue;
-            }
+    fn unknown(&mut self, entries: &[Entry], known: &[&str]) {
+        for e in entries.iter().filter(|e| !known.contains(&e.key.as_str())) {
+            let name = &e.key;
             let fault = Fault::new(
                 "rule.block",
-                Span { start: 0, end: name.len() },
+                Span::default(),
                 format!("未知字段 '{name}'"),
                 format!("unknown field '{name}'"),
             );
-            let fault = match nearest(&name, known.iter().copied()) {
+            let fault = match nearest(name, known.iter().copied()) {
                 Some(near) => fault.hint(format!("是否想写 '{near}'？"), format!("did you mean '{near}'?")),
                 None => {
                     let all = known.join(", ");
-                    fault.hint(format!("可用字段：{all}"), format!("there are: {all}"))
+                    fault.hint(format!("可用字段：{all}"), format!("known fields: {all}"))
                 }
             };
-            self.found.push(self.origin.diagnose(&format!("{pointer}/{name}"), &name, fault));
+            self.found.push(self.file.at(e.mark, &e.node.pointer, fault));
         }
     }
 
-    /// The text of a scalar. A number is one too: YAML makes numbers of `3` and `0.1`.
-    fn text(&mut self, pointer: &str, value: &Value) -> Option<String> {
-        let text = scalar(value);
-        if text.is_none() {
-            self.wrong_kind(pointer, value, "文本", "text");
+    /// The value, where it is a scalar.
+    fn text<'n>(&mut self, entry: &'n Entry) -> Option<&'n Node> {
+        if entry.node.text().is_none() {
+            self.wrong_type(entry, "文本", "text");
+            return None;
         }
-        text
+        Some(&entry.node)
     }
 
-    fn mapping<'v>(&mut self, pointer: &str, value: &'v Value) -> Option<&'v Mapping> {
-        let mapping = value.as_mapping();
-        if mapping.is_none() {
-            self.wrong_kind(pointer, value, "映射（名称: 内容）", "a mapping (name: content)");
+    /// A list of scalars, or a single one as a list of one.
+    fn texts<'n>(&mut self, entry: &'n Entry) -> Vec<&'n Node> {
+        let Value::List(items) = &entry.node.value else { return self.text(entry).into_iter().collect() };
+        let (good, bad): (Vec<&Node>, Vec<&Node>) = items.iter().partition(|n| n.text().is_some());
+        for node in bad {
+            let (zh, en) = description(node);
+            self.fault(
+                node.mark,
+                &node.pointer,
+                &format!("{} 的每一项应为文本，实为{zh}", entry.key),
+                &format!("each item of {} is text, not {en}", entry.key),
+            );
         }
-        mapping
+        good
     }
 
-    fn wrong_kind(&mut self, pointer: &str, value: &Value, zh: &str, en: &str) {
-        let (found_zh, found_en) = kind(value);
-        let name = pointer.rsplit('/').next().unwrap_or_default();
-        let message = (format!("{name} 应为{zh}，实为{found_zh}"), format!("{name} is {en}, not {found_en}"));
-        self.fault(pointer, name, &message.0, &message.1);
+    /// The entries of a mapping, each key once.
+    fn mapping<'n>(&mut self, entry: &'n Entry) -> Vec<&'n Entry> {
+        let Value::Map(entries) = &entry.node.value else {
+            self.wrong_type(entry, "映射（名称: 内容）", "a mapping (name: content)");
+            return Vec::new();
+        };
+        duplicates(entries, self.file, self.found);
+        let first = |i: usize, e: &Entry| entries[..i].iter().all(|o| o.key != e.key);
+        entries.iter().enumerate().filter(|(i, e)| first(*i, e)).map(|(_, e)| e).collect()
+    }
+
+    fn wrong_type(&mut self, entry: &Entry, zh: &str, en: &str) {
+        let (found_zh, found_en) = description(&entry.node);
+        let name = &entry.key;
+        let (zh, en) =
+            (format!("{name} 应为{zh}，实为{found_zh}"), format!("{name} is {en}, not {found_en}"));
+        self.fault(entry.mark, &entry.node.pointer, &zh, &en);
     }
 
     /// The value of a parameter; one without a reason is reported, and used to find what else is wrong.
-    fn parameter(&mut self, name: &str, value: &Value) -> Option<String> {
-        let pointer = format!("/mining/parameters/{name}");
-        let Value::Mapping(fields) = value else {
+    fn parameter<'n>(&mut self, entry: &'n Entry) -> Option<&'n Node> {
+        let pointer = &entry.node.pointer;
+        let Value::Map(fields) = &entry.node.value else {
             self.fault(
-                &pointer,
-                name,
+                entry.mark,
+                pointer,
                 "参数须写明 value 与 reason，例如 { value: 3 m, reason: \"…\" }",
                 "a parameter has a value and a reason, as in { value: 3 m, reason: \"...\" }",
             );
             return None;
         };
-        self.unknown(&pointer, fields, OF_PARAMETER);
+        self.unknown(fields, OF_PARAMETER);
+        duplicates(fields, self.file, self.found);
         let mut field = |key: &str| {
-            let text = fields.get(key).and_then(scalar).filter(|t| !t.trim().is_empty());
+            let text = entry.node.get(key).filter(|n| n.text().is_some_and(|t| !t.trim().is_empty()));
             if text.is_none() {
                 let (zh, en) = match key {
                     "reason" => ("参数缺少理由（reason）", "the parameter has no reason"),
                     _ => ("参数缺少数值（value）", "the parameter has no value"),
                 };
-                self.fault(&pointer, name, zh, en);
+                self.fault(entry.mark, pointer, zh, en);
             }
             text
         };
@@ -182,22 +207,16 @@ impl Reader<'_> {
     }
 }
 
-/// The text of a value; a number is written as one.
-pub(super) fn scalar(value: &Value) -> Option<String> {
-    match value {
-        Value::String(text) => Some(text.clone()),
-        Value::Number(number) => Some(number.to_string()),
-        Value::Bool(flag) => Some(flag.to_string()),
-        _ => None,
-    }
+fn is_null(node: &Node) -> bool {
+    matches!(node.value, Value::Null)
 }
 
 /// What a value is, in Chinese and English.
-fn kind(value: &Value) -> (&'static str, &'static str) {
-    match value {
+fn description(node: &Node) -> (&'static str, &'static str) {
+    match node.value {
         Value::Null => ("空值", "nothing"),
-        Value::Sequence(_) => ("列表", "a list"),
-        Value::Mapping(_) => ("映射", "a mapping"),
-        _ => ("单个值", "a single value"),
+        Value::List(_) => ("列表", "a list"),
+        Value::Map(_) => ("映射", "a mapping"),
+        Value::Scalar(_) => ("单个值", "a single value"),
     }
 }

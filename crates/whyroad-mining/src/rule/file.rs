@@ -1,26 +1,19 @@
 //! One file of rules, checked as it is being written: a `scenarios/<l1>/<l2>.yaml` in the place of the framework's
 //! own, with the cases beside it, or a bare rule (a `mining:` block and nothing else).
 
+use super::block::duplicates;
 use super::lint::lint;
-use super::origin::Origin;
+use super::origin::{Origin, SourceFile};
 use super::{OTHER, Rule, RuleSet, source};
 use crate::cases::run_cases;
-use serde_yaml_ng::Value;
+use crate::language::{Fault, Span};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
-use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
+use whyroad_model::yaml::{self, Node, SyntaxError};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
 
-/// A text with the name that diagnostics give it.
-#[derive(Clone, Copy, Debug)]
-pub struct Named<'a> {
-    /// Name of the file.
-    pub name: &'a str,
-    /// Its text.
-    pub text: &'a str,
-}
-
-/// What was looked at, and what is wrong with it.
+/// What was checked, and what is wrong with it.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
     /// Rules that could be made of the file.
@@ -31,55 +24,53 @@ pub struct Checked {
     pub found: Vec<Diagnostic>,
 }
 
-/// Checks `file`, and runs `cases` where there are some. `framework` holds the texts of the framework in force.
+/// Checks `file`, and runs `cases` if there are any. `framework` holds the texts of the framework in force.
 pub fn check_file(
-    file: Named<'_>,
-    cases: Option<Named<'_>>,
+    file: SourceFile<'_>,
+    cases: Option<SourceFile<'_>>,
     framework: &BTreeMap<String, String>,
     catalogue: &Catalogue,
 ) -> Checked {
-    let yaml: Value = match serde_yaml_ng::from_str(file.text) {
+    let yaml = match yaml::parse(file.text) {
         Ok(yaml) => yaml,
         Err(e) => return Checked { found: vec![unreadable(file, &e)], ..Checked::default() },
     };
-    let word = |key: &str| yaml.get(key).and_then(Value::as_str);
-    if let (Some(l1), Some(l2)) = (word("l1"), word("l2")) {
-        return scenarios(
-            file,
-            cases,
-            &ScenarioId { l1: l1.to_owned(), l2: Some(l2.to_owned()), l3: None },
-            framework,
-            catalogue,
-        );
+    let word = |key: &str| yaml.get(key).and_then(Node::text).map(str::to_owned);
+    match (word("l1"), word("l2")) {
+        (Some(l1), l2) if l2.is_some() || yaml.get("labeling").is_some() => {
+            scenarios(file, cases, &ScenarioId { l1, l2, l3: None }, framework, catalogue)
+        }
+        _ => bare(file, cases, &yaml, catalogue),
     }
-    bare(file, cases, &yaml, catalogue)
 }
 
-fn unreadable(file: Named<'_>, e: &serde_yaml_ng::Error) -> Diagnostic {
-    let message = Bilingual::new(format!("文件无法读取：{e}"), format!("the file cannot be read: {e}"));
-    let at = e.location();
-    Diagnostic::error("rule.block", message).at(Location {
-        file: Some(file.name.to_owned()),
-        line: at.as_ref().map(serde_yaml_ng::Location::line),
-        column: at.as_ref().map(serde_yaml_ng::Location::column),
-        snippet: at.and_then(|l| file.text.lines().nth(l.line().saturating_sub(1)).map(str::to_owned)),
-        span: 1,
-        ..Location::default()
-    })
+fn unreadable(file: SourceFile<'_>, e: &SyntaxError) -> Diagnostic {
+    let Bilingual { zh, en } = e.message();
+    let fault = Fault::new(
+        "rule.block",
+        Span::default(),
+        format!("文件无法读取：{zh}"),
+        format!("the file cannot be read: {en}"),
+    );
+    file.at(e.mark, "", fault)
 }
 
 fn scenarios(
-    file: Named<'_>,
-    cases: Option<Named<'_>>,
+    file: SourceFile<'_>,
+    cases: Option<SourceFile<'_>>,
     class: &ScenarioId,
     framework: &BTreeMap<String, String>,
     catalogue: &Catalogue,
 ) -> Checked {
-    let own = format!("scenarios/{}/{}.yaml", class.l1, class.l2.as_deref().unwrap_or_default());
+    let own = match &class.l2 {
+        Some(l2) => format!("scenarios/{}/{l2}.yaml", class.l1),
+        None => format!("scenarios/{}.yaml", class.l1),
+    };
     let mut files = framework.clone();
     files.insert(own.clone(), file.text.to_owned());
     let (framework, mut found) = Framework::from_files(&files);
     let mut checked = Checked::default();
+    let usable = framework.is_some();
     if let Some(framework) = framework {
         found.extend(lint(&framework, catalogue));
         let (rules, _) = RuleSet::of_framework(&framework, catalogue);
@@ -91,9 +82,9 @@ fn scenarios(
             checked.found = tally.failures;
         }
     }
-    // What is wrong elsewhere in the framework is not this file's business.
-    found.retain(|d| d.location.file.as_deref() == Some(own.as_str()));
-    for d in &mut found {
+    // Faults elsewhere in the framework are not this file's, unless they keep it from being checked at all.
+    found.retain(|d| !usable || d.location.file.as_deref() == Some(own.as_str()));
+    for d in found.iter_mut().filter(|d| d.location.file.as_deref() == Some(own.as_str())) {
         d.location.file = Some(file.name.to_owned());
     }
     found.append(&mut checked.found);
@@ -102,18 +93,32 @@ fn scenarios(
 
 /// The rule of a file that holds a `mining:` block, or only what stands in one: it belongs to no class, and its moments
 /// are those of the match.
-pub fn bare_rule(file: Named<'_>, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
-    let yaml = serde_yaml_ng::from_str(file.text).map_err(|e| vec![unreadable(file, &e)])?;
+pub fn bare_rule(file: SourceFile<'_>, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+    let yaml = yaml::parse(file.text).map_err(|e| vec![unreadable(file, &e)])?;
     rule_of(file, &yaml, catalogue)
 }
 
-fn rule_of(file: Named<'_>, yaml: &Value, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
-    let origin = Origin { file: file.name, text: file.text, line: 1, owner: String::new() };
+fn rule_of(file: SourceFile<'_>, yaml: &Node, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
+    let mining = yaml.entries().iter().find(|e| e.key == "mining");
+    let (block, mark) = mining.map_or((yaml, yaml.mark), |e| (&e.node, e.mark));
     let nameless = ScenarioId { l1: OTHER.to_owned(), l2: None, l3: None };
-    source::compile(&nameless, yaml.get("mining").unwrap_or(yaml), None, catalogue, &origin)
+    let mut found = Vec::new();
+    duplicates(yaml.entries(), file, &mut found);
+    if mining.is_some() {
+        duplicates(block.entries(), file, &mut found);
+    }
+    let rule = source::compile(&nameless, block, None, catalogue, &Origin { file, mark, expressions: &[] });
+    match rule {
+        Ok(rule) if found.is_empty() => Ok(rule),
+        Ok(_) => Err(found),
+        Err(faults) => {
+            found.extend(faults);
+            Err(found)
+        }
+    }
 }
 
-fn bare(file: Named<'_>, cases: Option<Named<'_>>, yaml: &Value, catalogue: &Catalogue) -> Checked {
+fn bare(file: SourceFile<'_>, cases: Option<SourceFile<'_>>, yaml: &Node, catalogue: &Catalogue) -> Checked {
     let rule = match rule_of(file, yaml, catalogue) {
         Ok(rule) => rule,
         Err(found) => return Checked { found, ..Checked::default() },

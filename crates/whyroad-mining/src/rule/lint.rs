@@ -2,13 +2,11 @@
 //! moments of labelling specs, also of classes that have no rule yet. Mining needs only the rules ([`RuleSet`]).
 
 use super::RuleSet;
-use super::block::scalar;
-use super::origin::Origin;
+use super::origin::SourceFile;
 use super::source::inherit;
 use crate::language::Checker;
 use crate::language::parse::parse;
 use crate::language::syntax::{ExprKind, Quantity};
-use serde_yaml_ng::{Mapping, Value};
 use whyroad_framework::{ExpressionSource, Framework};
 use whyroad_model::{Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
@@ -28,13 +26,19 @@ pub fn lint(framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
     found
 }
 
-fn moment(source: &ExpressionSource, framework: &Framework, catalogue: &Catalogue) -> Option<Diagnostic> {
+fn moment(source: &ExpressionSource, framework: &Framework, catalogue: &Catalogue) -> Vec<Diagnostic> {
     let mut checker = Checker::new(catalogue);
     names_of_the_rule(&source.class, framework, &mut checker);
-    let fault = parse(&source.expression).and_then(|expr| checker.moment(&expr)).err()?;
-    let origin =
-        Origin { file: &source.file, text: &source.text, line: source.line, owner: source.pointer.clone() };
-    Some(origin.diagnose("", &source.expression, fault))
+    let text = source.expression.text().unwrap_or_default();
+    let faults = match parse(text) {
+        Ok(expr) => match checker.moment(&expr) {
+            Ok(_) => vec![],
+            Err(first) => checker.every_fault_of_moment(&expr, first),
+        },
+        Err(fault) => vec![fault],
+    };
+    let file = SourceFile { name: &source.file, text: &source.source };
+    faults.into_iter().map(|fault| file.diagnose(&source.expression, fault)).collect()
 }
 
 /// A moment may use the parameters and definitions of the rule that it times. What is wrong with these is said of the rule.
@@ -42,25 +46,24 @@ fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Ch
     let l2 = ScenarioId { l3: None, ..class.clone() };
     let upper = framework.rule(&l2).map(|r| &r.rule);
     let own = framework.rule(class).map(|r| &r.rule);
-    let Some(block) = own.map(|own| inherit(upper.filter(|_| class.l3.is_some()), own)).or(upper.cloned())
+    let Some(block) =
+        own.map(|own| inherit(upper.filter(|_| class.l3.is_some()), own)).or_else(|| upper.cloned())
     else {
         return;
     };
-    let roles = block.get("roles").and_then(Value::as_mapping).cloned().unwrap_or_default();
-    checker.roles = super::roles::names(block.get("target").and_then(Value::as_str), &roles);
-    let names = |key: &str| block.get(key).and_then(Value::as_mapping).cloned().unwrap_or_default();
-    let text = |value: &Value| scalar(value).and_then(|t| parse(&t).ok());
-    let (parameters, definitions): (Mapping, Mapping) = (names("parameters"), names("define"));
-    for (name, parameter) in &parameters {
-        let value = parameter.get("value").and_then(text).and_then(|e| quantity(e.kind));
-        if let (Some(name), Some(q)) = (name.as_str(), value) {
-            checker.parameters.insert(name.to_owned(), q);
+    let of = |key: &str| block.get(key).map_or(&[][..], |n| n.entries());
+    let target = block.get("target").is_some_and(|n| n.text().is_some());
+    checker.roles = super::roles::names(target, of("roles"));
+    for parameter in of("parameters") {
+        let value = parameter.node.get("value").and_then(|n| n.text()).and_then(|t| parse(t).ok());
+        if let Some(q) = value.and_then(|e| quantity(e.kind)) {
+            checker.parameters.insert(parameter.key.clone(), q);
         }
     }
-    for (name, definition) in &definitions {
-        if let (Some(name), Some(text)) = (name.as_str(), scalar(definition)) {
-            // What is wrong with it is said where the rule is read.
-            let _ = checker.define(name, &text);
+    for definition in of("define") {
+        if let Some(text) = definition.node.text() {
+            // Faults in it are reported where the rule is read.
+            let _ = checker.define(&definition.key, text);
         }
     }
 }

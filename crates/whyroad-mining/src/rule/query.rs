@@ -1,6 +1,7 @@
 //! A JSON `mining_query` (DATA_FORMAT.md 5.1) to a [`Rule`]: the same program that a rule file makes.
 
 mod clause;
+mod source;
 
 use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::parse::too_large;
@@ -8,6 +9,7 @@ use crate::language::program::{Kind, Op};
 use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
 use clause::Reader;
+use source::QueryText;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{ClassIndex, MessageKind, check_message};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
@@ -32,8 +34,8 @@ pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<Mini
             class_not_found(&written, &near)
         }
     };
-    let place = locate(text, file, "/mining_query/scenario_id", &format!("\"{written}\""), 0);
-    Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(place)])
+    let location = QueryText::new(text, file).location("/mining_query/scenario_id");
+    Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(location)])
 }
 
 /// All that is wrong with the form of a query, as the checker of messages tells it.
@@ -63,21 +65,6 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     found
 }
 
-/// Location of a JSON value: its pointer, and line and column of the `nth` occurrence of its text.
-fn locate(text: &str, file: &str, pointer: &str, value: &str, nth: usize) -> Location {
-    let place =
-        Location { file: Some(file.to_owned()), pointer: Some(pointer.to_owned()), ..Location::default() };
-    let Some((at, _)) = text.match_indices(value).nth(nth) else { return place };
-    let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
-    Location {
-        line: Some(text[..at].matches('\n').count() + 1),
-        column: Some(text[line_start..at].chars().count() + 1),
-        snippet: text[line_start..].lines().next().map(str::to_owned),
-        span: value.chars().count(),
-        ..place
-    }
-}
-
 /// The rule that a query means. All conditions hold at once; how long is bounded by its time constraints; a
 /// break of a single frame ends a match.
 pub fn compile_query(
@@ -90,8 +77,8 @@ pub fn compile_query(
     let mut found = Vec::new();
     let mut conditions = Vec::new();
     let mut told = Told::default();
-    let mut reader =
-        Reader { checker: &mut checker, catalogue, text, file, seen: Vec::new(), found: Vec::new() };
+    let source = QueryText::new(text, file);
+    let mut reader = Reader { checker: &mut checker, catalogue, source: &source, found: Vec::new() };
     for (i, clause) in query.conditions.iter().enumerate() {
         let pointer = format!("/mining_query/conditions/{i}");
         let Some(expr) = reader.clause(clause, &pointer) else { continue };
@@ -103,26 +90,21 @@ pub fn compile_query(
         match whole {
             Ok(id) => conditions.push(id),
             // Each part is sound by itself: what is wrong is how they go together.
-            Err(fault) => reader.found.push(fault.at(Location {
-                file: Some(file.to_owned()),
-                pointer: Some(pointer),
-                ..Location::default()
-            })),
+            Err(fault) => reader.found.push(fault.at(source.location(&pointer))),
         }
     }
     found.append(&mut reader.found);
     if query.conditions.is_empty() {
         let fault =
             Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
-        let pointer = Some("/mining_query/conditions".to_owned());
-        found.push(fault.at(Location { file: Some(file.to_owned()), pointer, ..Location::default() }));
+        found.push(fault.at(source.location("/mining_query/conditions")));
     }
     let bounds = query.time_constraints.clone().unwrap_or_default();
     let (least, most) = (bounds.condition_duration_min, bounds.condition_duration_max);
     let mut refuse = |name: &str, zh: String, en: String| {
         let pointer = format!("/mining_query/time_constraints/{name}");
         let fault = Fault::new("mine.query.syntax", Span::default(), zh, en);
-        found.push(fault.at(locate(text, file, &pointer, &format!("\"{name}\""), 0)));
+        found.push(fault.at(source.location(&pointer)));
     };
     for (name, bound) in [("condition_duration_min", least), ("condition_duration_max", most)] {
         if bound.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {

@@ -5,7 +5,7 @@ use super::source::Compiler;
 use crate::language::check::RoleNames;
 use crate::language::program::Subject;
 use crate::language::{Fault, Span};
-use serde_yaml_ng::{Mapping, Value};
+use whyroad_model::yaml::{Entry, Node};
 
 /// The objects of a rule.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,71 +21,69 @@ const TAKEN: &[&str] =
     &["ego", "target", "target_vehicle", "target_vru", "map", "light", "match", "keyframe", "context"];
 
 /// Names of the roles in a block: with `target:`, all roles beside it; else the first is the target.
-pub(super) fn names(target_is_given: Option<&str>, roles: &Mapping) -> RoleNames {
-    let mut names = roles.keys().filter_map(Value::as_str).map(str::to_owned);
-    let first = if target_is_given.is_some() { None } else { names.next() };
+pub(super) fn names<'n>(target_is_given: bool, roles: impl IntoIterator<Item = &'n Entry>) -> RoleNames {
+    let mut names = roles.into_iter().map(|e| e.key.clone());
+    let first = if target_is_given { None } else { names.next() };
     RoleNames { first, second: names.next() }
 }
 
 impl Compiler<'_> {
-    /// The roles of a block; what the checker must know of them is told to it.
-    pub(super) fn roles(&mut self, target: Option<&str>, roles: &Mapping) -> Bound {
-        self.checker.roles = names(target, roles);
+    /// The roles of a block, which the checker is given too.
+    pub(super) fn roles(&mut self, target: Option<&Node>, roles: &[&Entry]) -> Bound {
+        self.checker.roles = names(target.is_some(), roles.iter().copied());
         let mut kinds = Vec::new();
-        for (name, kind) in roles {
-            let (Some(name), Some(kind)) = (name.as_str(), kind.as_str()) else {
+        for entry in roles {
+            let (name, kind) = (&entry.key, &entry.node);
+            if TAKEN.contains(&name.as_str()) || name.contains('.') {
+                let fault = Fault::new(
+                    "rule.target",
+                    Span::default(),
+                    format!("角色不能叫 '{name}'"),
+                    format!("a role cannot be called '{name}'"),
+                )
+                .hint("例如 obstacle", "call it `obstacle`, for instance");
+                self.report_key(entry, fault);
+            }
+            if kind.text().is_none() {
                 let fault = Fault::new(
                     "rule.target",
                     Span::default(),
                     "角色写作 名称: 种类",
                     "a role is written name: kind, as in `obstacle: any`",
                 );
-                self.report("/mining/roles", "", fault);
-                continue;
-            };
-            if TAKEN.contains(&name) || name.contains('.') {
-                let span = Span { start: 0, end: name.len() };
-                let fault = Fault::new(
-                    "rule.target",
-                    span,
-                    format!("角色不能叫 '{name}'"),
-                    format!("a role cannot be called '{name}'"),
-                )
-                .hint("例如 obstacle", "call it `obstacle`, for instance");
-                self.report(&format!("/mining/roles/{name}"), name, fault);
-            }
-            if let Some(subject) = self.kind(kind, &format!("/mining/roles/{name}")) {
-                kinds.push((name.to_owned(), subject));
+                self.report_key(entry, fault);
+            } else if let Some(subject) = self.subject(kind) {
+                kinds.push((name.clone(), subject));
             }
         }
         let most = if target.is_some() { 1 } else { 2 };
-        if roles.len() > most {
+        if let Some(surplus) = roles.get(most) {
             let fault = Fault::new(
                 "rule.target",
                 Span::default(),
                 "一条规则最多两个角色：目标与另一个对象",
                 "a rule has two roles at most: its target and one other object",
             );
-            self.report("/mining/roles", "", fault);
+            self.report_key(surplus, fault);
         }
-        let stated = target.and_then(|word| self.kind(word, "/mining/target"));
+        let stated = target.and_then(|node| self.subject(node));
         let mut kinds = kinds.into_iter();
         let target = if target.is_some() { stated } else { kinds.next().map(|(_, subject)| subject) };
         Bound { target, second: kinds.next().map(|(name, subject)| SecondRole { name, subject }) }
     }
 
-    fn kind(&mut self, word: &str, key: &str) -> Option<Subject> {
+    fn subject(&mut self, node: &Node) -> Option<Subject> {
+        let word = node.text().unwrap_or_default().trim();
         let subject = Subject::from_word(word);
         if subject.is_none() {
-            let span = Span { start: 0, end: word.len() };
             let fault = Fault::new(
                 "rule.target",
-                span,
+                Span::default(),
                 format!("没有名为 '{word}' 的目标种类"),
                 format!("'{word}' is not a kind of target"),
             )
-            .hint("可用：vehicle, large_vehicle, vru, any", "there are vehicle, large_vehicle, vru, any");
-            self.report(key, word, fault);
+            .hint("可用：vehicle, large_vehicle, vru, any", "use one of vehicle, large_vehicle, vru, any");
+            self.report(node, fault);
         }
         subject
     }

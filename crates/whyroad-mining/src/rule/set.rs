@@ -1,13 +1,15 @@
 //! All rules of a framework, and the order in which their classes take precedence.
 
 use super::Rule;
-use super::origin::Origin;
+use super::origin::{Origin, SourceFile};
 use super::source::{compile, inherit};
+use crate::language::{Fault, Span};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::units::{Dimension, Unit};
-use whyroad_model::{Bilingual, Diagnostic, Location, Nanos, ScenarioId};
+use whyroad_model::yaml::{self, DecodeError, Mark};
+use whyroad_model::{Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// Rules, in taxonomy order, an L2 before its leaves.
@@ -27,16 +29,17 @@ impl RuleSet {
         let blocks: BTreeMap<_, _> = framework.rules.iter().map(|r| (&r.leaf, &r.rule)).collect();
         for source in &framework.rules {
             let l2 = ScenarioId { l3: None, ..source.leaf.clone() };
-            let (block, owner, spec) = match &source.leaf.l3 {
-                Some(l3) => {
+            let (block, spec) = match &source.leaf.l3 {
+                Some(_) => {
                     let block = inherit(blocks.get(&l2).copied(), &source.rule);
-                    (block, format!("/leaves/{l3}"), framework.specs.get(&source.leaf))
+                    (block, framework.specs.get(&source.leaf))
                 }
                 // A block without `when` only holds what the leaves share.
                 None if source.rule.get("when").is_none() => continue,
-                None => (source.rule.clone(), String::new(), framework.l2_specs.get(&l2)),
+                None => (source.rule.clone(), framework.l2_specs.get(&l2)),
             };
-            let origin = Origin { file: &source.file, text: &source.text, line: source.line, owner };
+            let file = SourceFile { name: &source.file, text: &source.text };
+            let origin = Origin { file, mark: source.mark, expressions: &framework.expressions };
             match compile(&source.leaf, &block, spec, catalogue, &origin) {
                 Ok(rule) => rules.push(rule),
                 Err(faults) => found.extend(faults),
@@ -88,23 +91,27 @@ struct PrecedenceFile {
     order: Vec<String>,
 }
 
+/// Name of the file in a framework.
+const PRECEDENCE_FILE: &str = "schema/precedence.yaml";
+
 impl Precedence {
     /// Reads the file; a class that does not exist, or is named twice, is reported.
     pub fn parse(text: &str, taxonomy: &Taxonomy) -> (Precedence, Vec<Diagnostic>) {
+        let source = SourceFile { name: PRECEDENCE_FILE, text };
         let mut found = Vec::new();
-        let mut report = |line: Option<usize>, zh: String, en: String| {
-            let place =
-                Location { file: Some("schema/precedence.yaml".to_owned()), line, ..Location::default() };
-            found.push(Diagnostic::error("rule.precedence", Bilingual::new(zh, en)).at(place));
+        let mut report = |mark: Mark, pointer: &str, zh: String, en: String| {
+            found.push(source.at(mark, pointer, Fault::new("rule.precedence", Span::default(), zh, en)));
         };
-        let file: PrecedenceFile = match serde_yaml_ng::from_str(text) {
-            Ok(file) => file,
-            Err(e) => {
-                let line = e.location().map(|l| l.line());
+        let tree = yaml::parse(text).map_err(DecodeError::from);
+        let read = tree.and_then(|root| Ok((yaml::from_node::<PrecedenceFile>(&root)?, root)));
+        let (file, root) = match read {
+            Ok(read) => read,
+            Err(DecodeError { message, mark }) => {
                 report(
-                    line,
-                    format!("优先级文件有误：{e}"),
-                    format!("the order of precedence cannot be read: {e}"),
+                    mark.unwrap_or(Mark { line: 1, column: 1, span: 1 }),
+                    "",
+                    format!("优先级文件有误：{message}"),
+                    format!("the order of precedence cannot be read: {message}"),
                 );
                 return (Precedence::default(), found);
             }
@@ -113,19 +120,24 @@ impl Precedence {
         match seconds(&file.neighbourhood) {
             Some(n) => out.neighbourhood = n,
             None => report(
-                None,
+                root.get("neighbourhood").map(|n| n.mark).unwrap_or_default(),
+                "/neighbourhood",
                 format!("neighbourhood '{}' 不是时长", file.neighbourhood),
                 format!("neighbourhood '{}' is not a time", file.neighbourhood),
             ),
         }
-        for word in &file.order {
-            let line = text.lines().position(|l| l.trim() == format!("- {word}")).map(|i| i + 1);
+        let entries = root.get("order").map_or(&[][..], |n| n.items());
+        for (word, node) in file.order.iter().zip(entries) {
             match word.parse::<ScenarioId>() {
                 Ok(id) if taxonomy.contains(&id) && !out.order.contains(&id) => out.order.push(id),
                 Ok(id) if out.order.contains(&id) => {
-                    report(line, format!("'{word}' 出现了两次"), format!("'{word}' is named twice"));
+                    let (zh, en) = (format!("'{word}' 出现了两次"), format!("'{word}' is listed twice"));
+                    report(node.mark, &node.pointer, zh, en);
                 }
-                _ => report(line, format!("没有名为 '{word}' 的类别"), format!("there is no class '{word}'")),
+                _ => {
+                    let (zh, en) = (format!("没有名为 '{word}' 的类别"), format!("class '{word}' not found"));
+                    report(node.mark, &node.pointer, zh, en);
+                }
             }
         }
         (out, found)

@@ -6,11 +6,11 @@ use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
 use crate::language::program::{Kind, Moment, NodeId, Op, Subject};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
-use serde_yaml_ng::Value;
 use std::collections::BTreeSet;
 use whyroad_framework::ResolvedSpec;
 use whyroad_framework::spec::MomentSpec;
 use whyroad_model::units::Dimension;
+use whyroad_model::yaml::{Entry, Node, Value};
 use whyroad_model::{Diagnostic, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
@@ -19,60 +19,76 @@ use whyroad_signals::Catalogue;
 pub(super) const DEFAULT_MERGE_GAP: Nanos = Nanos(500_000_000);
 
 /// A leaf's block over that of its L2: `parameters` and `define` add up, `require` is appended, the rest of
-/// the L2's is replaced by what the leaf says.
-pub fn inherit(l2: Option<&Value>, leaf: &Value) -> Value {
-    let (Some(Value::Mapping(l2)), Value::Mapping(leaf)) = (l2, leaf) else { return leaf.clone() };
-    let mut out = l2.clone();
-    for (key, value) in leaf {
-        let merged = match (key.as_str(), out.get(key), value) {
-            (Some("parameters" | "define"), Some(Value::Mapping(a)), Value::Mapping(b)) => {
-                let mut both = a.clone();
-                both.extend(b.clone());
-                Value::Mapping(both)
-            }
-            (Some("require"), Some(a), b) => Value::Sequence(items(a).chain(items(b)).cloned().collect()),
-            _ => value.clone(),
-        };
-        out.insert(key.clone(), merged);
+/// the L2's is replaced by what the leaf says. Every part keeps its position.
+pub fn inherit(l2: Option<&Node>, leaf: &Node) -> Node {
+    let (Some(l2), Value::Map(own)) = (l2, &leaf.value) else { return leaf.clone() };
+    if !matches!(l2.value, Value::Map(_)) {
+        return leaf.clone();
     }
-    Value::Mapping(out)
+    let mut out = l2.entries().to_vec();
+    for entry in own {
+        match out.iter_mut().find(|e| e.key == entry.key) {
+            Some(upper) => {
+                let node = merged(&entry.key, &upper.node, &entry.node);
+                *upper = Entry { node, ..entry.clone() };
+            }
+            None => out.push(entry.clone()),
+        }
+    }
+    Node { value: Value::Map(out), ..leaf.clone() }
+}
+
+fn merged(key: &str, upper: &Node, own: &Node) -> Node {
+    let value = match (key, &upper.value, &own.value) {
+        ("parameters" | "define", Value::Map(a), Value::Map(b)) => {
+            let kept = a.iter().filter(|e| b.iter().all(|o| o.key != e.key));
+            Value::Map(kept.chain(b).cloned().collect())
+        }
+        ("require", _, _) => Value::List(items(upper).iter().chain(items(own)).cloned().collect()),
+        _ => return own.clone(),
+    };
+    Node { value, ..own.clone() }
 }
 
 /// A list, or a single text as a list of one.
-fn items(value: &Value) -> impl Iterator<Item = &Value> {
-    let list = value.as_sequence();
-    list.into_iter().flatten().chain(list.is_none().then_some(value))
+fn items(node: &Node) -> &[Node] {
+    match &node.value {
+        Value::List(items) => items,
+        _ => std::slice::from_ref(node),
+    }
 }
 
 /// The rule of a block, or everything that is wrong with it.
 pub fn compile(
     scenario: &ScenarioId,
-    block: &Value,
+    block: &Node,
     spec: Option<&ResolvedSpec>,
     catalogue: &Catalogue,
     origin: &Origin<'_>,
 ) -> Result<Rule, Vec<Diagnostic>> {
     let mut found = Vec::new();
+    let pointer = &block.pointer;
     let block = block::read(block, origin, &mut found);
     let mut c = Compiler {
         checker: Checker::new(catalogue),
+        scenario,
         origin,
         found,
-        broken: block.broken.into_iter().collect(),
+        broken: block.broken.iter().cloned().collect(),
     };
-    let roles = c.roles(block.target.as_deref(), &block.roles);
+    let roles = c.roles(block.target, &block.roles);
     c.parameters(&block.parameters);
     c.define(&block.define);
     let subject = roles.target;
     let mut told = Told::default();
     let when: Vec<NodeId> =
-        block.when.iter().filter_map(|t| c.condition(t, PartPlace::When, &mut told)).collect();
+        block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut told)).collect();
     let require: Vec<NodeId> =
-        block.require.iter().filter_map(|t| c.condition(t, PartPlace::Require, &mut told)).collect();
-    let mut time = |text: &Option<String>, key: &str| text.as_ref().and_then(|t| c.time(t, key));
-    let min_duration = time(&block.min_duration, "/mining/min_duration").unwrap_or_default();
-    let max_duration = time(&block.max_duration, "/mining/max_duration");
-    let merge_gap = time(&block.merge_gap, "/mining/merge_gap").unwrap_or(DEFAULT_MERGE_GAP);
+        block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut told)).collect();
+    let mut time = |node: Option<&Node>| node.and_then(|n| c.time(n));
+    let min_duration = time(block.min_duration).unwrap_or_default();
+    let max_duration = time(block.max_duration);
+    let merge_gap = time(block.merge_gap).unwrap_or(DEFAULT_MERGE_GAP);
     let of_target = when.iter().chain(&require).any(|id| c.checker.is_of_target(*id));
     let subject = subject.or(c.checker.subject);
     if of_target && subject.is_none() {
@@ -82,7 +98,8 @@ pub fn compile(
             "规则用到 target.* 信号，但没有写 target",
             "the rule speaks of target.* but does not say what its target is",
         );
-        c.report("/mining", "", fault.hint("例如 target: vehicle", "as in `target: vehicle`"));
+        let fault = fault.hint("例如 target: vehicle", "as in `target: vehicle`");
+        c.found.push(origin.file.at(origin.mark, pointer, fault));
     }
     let timing = spec.map_or_else(Timing::of_match, |s| c.timing(s, subject));
     let when = match when.as_slice() {
@@ -112,6 +129,7 @@ pub fn compile(
 
 pub(super) struct Compiler<'a> {
     pub(super) checker: Checker<'a>,
+    scenario: &'a ScenarioId,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
     /// Parameters and definitions that have been reported: that they are missing elsewhere is not news.
@@ -119,37 +137,44 @@ pub(super) struct Compiler<'a> {
 }
 
 impl Compiler<'_> {
-    pub(super) fn report(&mut self, key: &str, text: &str, fault: Fault) {
+    /// Reports a fault in the text of `node`.
+    pub(super) fn report(&mut self, node: &Node, fault: Fault) {
+        let text = node.text().unwrap_or_default();
         let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
         if fault.code == "rule.signal.unknown" && self.broken.contains(marked) {
             return;
         }
-        self.found.push(self.origin.diagnose(key, text, fault));
+        self.found.push(self.origin.file.diagnose(node, fault));
     }
 
-    fn condition(&mut self, text: &str, place: PartPlace, told: &mut Told) -> Option<NodeId> {
-        let key = match place {
-            PartPlace::When => "/mining/when",
-            PartPlace::Require => "/mining/require",
-        };
-        let checked = parse::parse(text).and_then(|expr| {
-            let id = self.checker.condition(&expr)?;
+    /// Reports a fault of a key.
+    pub(super) fn report_key(&mut self, entry: &Entry, fault: Fault) {
+        self.found.push(self.origin.file.at(entry.mark, &entry.node.pointer, fault));
+    }
+
+    fn condition(&mut self, node: &Node, place: PartPlace, told: &mut Told) -> Option<NodeId> {
+        let text = node.text().unwrap_or_default();
+        let expr = parse::parse(text).map_err(|fault| self.report(node, fault)).ok()?;
+        let checked = self.checker.condition(&expr).and_then(|id| {
             if place == PartPlace::When && self.checker.program.node(id).needs_episode {
                 return Err(needs_a_match(text));
             }
             told.add(&mut self.checker, &expr, place)?;
             Ok(id)
         });
-        checked.map_err(|fault| self.report(key, text, fault)).ok()
+        match checked {
+            Ok(id) => Some(id),
+            Err(first) => {
+                for fault in self.checker.every_fault(&expr, first) {
+                    self.report(node, fault);
+                }
+                None
+            }
+        }
     }
 
-    fn moment(&mut self, text: &str, key: &str) -> Option<Moment> {
-        let checked = parse::parse(text).and_then(|expr| self.checker.moment(&expr));
-        checked.map_err(|fault| self.report(key, text, fault)).ok()
-    }
-
-    fn quantity(&mut self, text: &str, key: &str) -> Option<Quantity> {
-        let checked = parse::parse(text).and_then(|expr| match expr.kind {
+    fn quantity(&mut self, node: &Node) -> Option<Quantity> {
+        let checked = parse::parse(node.text().unwrap_or_default()).and_then(|expr| match expr.kind {
             ExprKind::Number(q) => Ok(q),
             ExprKind::Negate(of) => match of.kind {
                 ExprKind::Number(q) => Ok(Quantity { value: -q.value, ..q }),
@@ -157,61 +182,65 @@ impl Compiler<'_> {
             },
             _ => Err(not_a_quantity(expr.span)),
         });
-        checked.map_err(|fault| self.report(key, text, fault)).ok()
+        checked.map_err(|fault| self.report(node, fault)).ok()
     }
 
-    fn time(&mut self, text: &str, key: &str) -> Option<Nanos> {
-        let q = self.quantity(text, key)?;
+    fn time(&mut self, node: &Node) -> Option<Nanos> {
+        let q = self.quantity(node)?;
         if q.unit.dimension == Dimension::Time && q.value >= 0.0 {
             return Some(Nanos::from_secs_f64(q.base()));
         }
-        let span = Span { start: 0, end: text.len() };
+        let span = Span { start: 0, end: node.text().unwrap_or_default().len() };
         self.report(
-            key,
-            text,
+            node,
             Fault::new("rule.unit.mismatch", span, "此处应为时长", "expected a time")
                 .hint("例如 0.5 s", "such as 0.5 s"),
         );
         None
     }
 
-    fn parameters(&mut self, parameters: &[(String, String)]) {
-        for (name, value) in parameters {
-            let key = format!("/mining/parameters/{name}");
-            if !self.claim(&key, name) {
+    fn parameters(&mut self, parameters: &[(&Entry, &Node)]) {
+        for (entry, value) in parameters {
+            if !self.claim(entry) {
                 continue;
             }
-            match self.quantity(value, &key) {
+            match self.quantity(value) {
                 Some(q) => {
-                    self.checker.parameters.insert(name.clone(), q);
+                    self.checker.parameters.insert(entry.key.clone(), q);
                 }
                 None => {
-                    self.broken.insert(name.clone());
+                    self.broken.insert(entry.key.clone());
                 }
             }
         }
     }
 
-    fn define(&mut self, definitions: &[(String, String)]) {
-        for (name, text) in definitions {
-            let key = format!("/mining/define/{name}");
-            if !self.claim(&key, name) {
+    fn define(&mut self, definitions: &[&Entry]) {
+        for entry in definitions {
+            if !self.claim(entry) {
                 continue;
             }
-            if let Err(fault) = self.checker.define(name, text) {
-                self.report(&key, text, fault);
-                self.broken.insert(name.clone());
+            let text = entry.node.text().unwrap_or_default();
+            if let Err(first) = self.checker.define(&entry.key, text) {
+                let all = match parse::parse(text) {
+                    Ok(expr) if first.code != "rule.name" => self.checker.every_fault(&expr, first),
+                    _ => vec![first],
+                };
+                for fault in all {
+                    self.report(&entry.node, fault);
+                }
+                self.broken.insert(entry.key.clone());
             }
         }
     }
 
-    /// False, and said, where the name is not free.
-    fn claim(&mut self, key: &str, name: &str) -> bool {
-        let claimed = self.checker.claim(name);
+    /// False, and reported, where the name is not free.
+    fn claim(&mut self, entry: &Entry) -> bool {
+        let claimed = self.checker.claim(&entry.key);
         let free = claimed.is_ok();
         if let Err(fault) = claimed {
-            self.report(key, name, fault);
-            self.broken.insert(name.to_owned());
+            self.report_key(entry, fault);
+            self.broken.insert(entry.key.clone());
         }
         free
     }
@@ -224,34 +253,41 @@ impl Compiler<'_> {
         let ways = std::iter::once((&spec.keyframe.expr, &spec.keyframe.rule))
             .chain(fallback.map(|f: &MomentSpec| (&f.expr, &f.rule)));
         for (expr, words) in ways {
-            let moment = expr.as_ref().and_then(|e| self.moment_for(e, "/labeling/keyframe", subject));
+            let moment = expr.as_ref().and_then(|e| self.moment(e, subject));
             timing.keyframe.extend(moment.map(|m| (m, words.clone())));
         }
-        for (bound, out, key) in [
-            (&spec.start, &mut timing.start, "/labeling/start"),
-            (&spec.end, &mut timing.end, "/labeling/end"),
-        ] {
+        for (bound, out) in [(&spec.start, &mut timing.start), (&spec.end, &mut timing.end)] {
             let fallback = bound.fallback.as_ref().and_then(|f| f.expr.as_ref());
             for expr in bound.expr.iter().chain(fallback) {
-                out.extend(self.moment_for(expr, key, subject));
+                out.extend(self.moment(expr, subject));
             }
         }
         let second = spec.second_keyframe.as_ref();
         let ways =
             second.into_iter().flat_map(|k| k.expr.iter().chain(k.fallback.iter().flat_map(|f| &f.expr)));
         for expr in ways {
-            timing.second_keyframe.extend(self.moment_for(expr, "/labeling/second_keyframe", subject));
+            timing.second_keyframe.extend(self.moment(expr, subject));
         }
         timing.before = Nanos::from_secs_f64(spec.pack.before_s);
         timing.after = Nanos::from_secs_f64(spec.pack.after_s);
         let until = spec.pack.after_until.as_ref().and_then(|m| m.expr.as_ref());
-        timing.after_until = until.and_then(|e| self.moment_for(e, "/labeling/pack/after_until", subject));
+        timing.after_until = until.and_then(|e| self.moment(e, subject));
         timing
     }
 
     /// A moment of a spec. The default of an L1 speaks of the target; it has no meaning for a rule without one.
-    fn moment_for(&mut self, text: &str, key: &str, subject: Option<Subject>) -> Option<Moment> {
-        let moment = self.moment(text, key)?;
+    fn moment(&mut self, text: &str, subject: Option<Subject>) -> Option<Moment> {
+        let checked = parse::parse(text).and_then(|expr| self.checker.moment(&expr));
+        let moment = match checked {
+            Ok(moment) => moment,
+            Err(fault) => {
+                let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
+                if fault.code != "rule.signal.unknown" || !self.broken.contains(marked) {
+                    self.found.push(self.origin.diagnose_moment(self.scenario, text, fault));
+                }
+                return None;
+            }
+        };
         let of_target = moment.conditions().iter().any(|id| self.checker.is_of_target(*id));
         (subject.is_some() || !of_target).then_some(moment)
     }

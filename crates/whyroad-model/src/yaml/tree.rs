@@ -111,6 +111,22 @@ impl Node {
         self.entries().iter().find(|e| e.key == key).map(|e| &e.node)
     }
 
+    /// The same value, wherever and in whatever notation it is written.
+    pub fn same_content(&self, other: &Node) -> bool {
+        match (&self.value, &other.value) {
+            (Value::Null, Value::Null) => true,
+            (Value::Scalar(a), Value::Scalar(b)) => a.text == b.text,
+            (Value::List(a), Value::List(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.same_content(b))
+            }
+            (Value::Map(a), Value::Map(b)) => {
+                let found = |e: &Entry| b.iter().find(|o| o.key == e.key);
+                a.len() == b.len() && a.iter().all(|e| found(e).is_some_and(|o| e.node.same_content(&o.node)))
+            }
+            _ => false,
+        }
+    }
+
     /// The items of a list; empty for anything else.
     pub fn items(&self) -> &[Node] {
         match &self.value {

@@ -7,7 +7,8 @@ use clap::Subcommand;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_framework::Framework;
-use whyroad_mining::rule::file::{Checked, Named, check_file};
+use whyroad_mining::rule::file::{Checked, check_file};
+use whyroad_mining::rule::origin::SourceFile;
 use whyroad_model::Lang;
 use whyroad_signals::Catalogue;
 
@@ -49,9 +50,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let beside = file.with_extension("cases.yaml");
         let cases =
             if beside.is_file() { Some((beside.display().to_string(), read(&beside)?)) } else { None };
-        let cases = cases.as_ref().map(|(name, text)| Named { name, text });
+        let cases = cases.as_ref().map(|(name, text)| SourceFile { name, text });
         let name = file.display().to_string();
-        let checked = check_file(Named { name: &name, text: &text }, cases, &framework, &catalogue);
+        let checked = check_file(SourceFile { name: &name, text: &text }, cases, &framework, &catalogue);
         tallies.push(tally(&name, &checked, global.lang));
         found.extend(checked.found);
     }

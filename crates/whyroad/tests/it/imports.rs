@@ -89,7 +89,6 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("clap", &["whyroad"]),
     ("anyhow", &["whyroad"]),
     ("indicatif", &["whyroad"]),
-    ("serde_yaml_ng", &["whyroad-framework", "whyroad-mining"]),
 ];
 
 /// Query engines stay out of the build (DESIGN.md "Why not a query engine inside").

@@ -49,6 +49,20 @@ impl<'t> Node<'t> {
         }
     }
 
+    /// The value at a JSON pointer (RFC 6901); of a key written twice the first.
+    pub fn pointer(&self, pointer: &str) -> Option<&Node<'t>> {
+        let mut node = self;
+        for step in pointer.split('/').skip(1) {
+            let step = step.replace("~1", "/").replace("~0", "~");
+            node = match &node.kind {
+                JsonKind::Map(entries) => &entries.iter().find(|e| e.key == step)?.node,
+                JsonKind::List(items) => items.get(step.parse::<usize>().ok()?)?,
+                _ => return None,
+            };
+        }
+        Some(node)
+    }
+
     /// True for JSON's `null`.
     pub fn is_null(&self) -> bool {
         matches!(self.kind, JsonKind::Null)

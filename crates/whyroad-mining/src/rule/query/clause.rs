@@ -1,7 +1,7 @@
 //! A clause of a query to an expression of the rule language. Each comparison and each rule text is checked by itself,
 //! so that a fault is shown at the value that has to be changed.
 
-use super::locate;
+use super::source::QueryText;
 use crate::language::syntax::{CompareOp, Expr, ExprKind, Quantity, Span};
 use crate::language::token::unknown_unit;
 use crate::language::{Checker, Fault, parse};
@@ -18,10 +18,7 @@ pub(super) struct Reader<'a, 'c> {
     pub checker: &'a mut Checker<'c>,
     pub catalogue: &'c Catalogue,
     /// The query's JSON.
-    pub text: &'a str,
-    pub file: &'a str,
-    /// JSON texts of the values looked at so far: an equal one further on is another one.
-    pub seen: Vec<String>,
+    pub source: &'a QueryText<'a>,
     pub found: Vec<Diagnostic>,
 }
 
@@ -51,7 +48,7 @@ impl Reader<'_, '_> {
         if all.is_empty() {
             let fault =
                 Fault::new("mine.query.syntax", Span::default(), "没有条件", "there are no conditions");
-            self.found.push(fault.at(locate(self.text, self.file, pointer, "[]", 0)));
+            self.found.push(fault.at(self.source.location(pointer)));
             return None;
         }
         each.into_iter().collect()
@@ -87,61 +84,44 @@ impl Reader<'_, '_> {
     }
 
     fn rule(&mut self, rule: &str, pointer: &str) -> Option<Expr> {
-        let written = serde_json::to_string(rule).unwrap_or_default();
-        let nth = self.occurrence(&written);
-        let checked = parse::parse(rule).and_then(|expr| {
-            self.checker.condition(&expr)?;
-            Ok(expr)
-        });
-        let fault = match checked {
-            Ok(expr) => return Some(expr),
-            Err(fault) => fault,
+        let expr = match parse::parse(rule) {
+            Ok(expr) => expr,
+            Err(fault) => return self.faulty(pointer, vec![fault]),
         };
-        let mut place = locate(self.text, self.file, pointer, &written, nth);
-        // Where nothing is escaped, the part that is meant can be shown.
-        if written.len() == rule.len() + 2
-            && let (Some(column), Some(marked)) = (place.column, rule.get(fault.span.start..fault.span.end))
-        {
-            place.column = Some(column + 1 + rule[..fault.span.start].chars().count());
-            place.span = marked.chars().count().max(1);
+        match self.checker.condition(&expr) {
+            Ok(_) => Some(expr),
+            Err(first) => {
+                let all = self.checker.every_fault(&expr, first);
+                self.faulty(pointer, all)
+            }
         }
-        self.found.push(fault.at(place));
+    }
+
+    fn faulty(&mut self, pointer: &str, faults: Vec<Fault>) -> Option<Expr> {
+        for fault in faults {
+            let part = fault.span.start..fault.span.end;
+            self.found.push(fault.at(self.source.part(pointer, part)));
+        }
         None
     }
 
     fn comparison(&mut self, c: &QueryCondition, pointer: &str) -> Option<Expr> {
-        let written = |part: Part| {
-            let text = match part {
-                Part::Field | Part::Whole => serde_json::to_string(&c.field),
-                Part::Value => serde_json::to_string(&c.value),
-                Part::Unit => serde_json::to_string(&c.unit),
-            };
-            text.unwrap_or_default()
-        };
         let checked = expression(c, self.catalogue).and_then(|expr| {
             self.checker.condition(&expr).map_err(|f| (Part::of(&f), f))?;
             Ok(expr)
         });
         let (part, fault) = match checked {
-            Ok(expr) => {
-                self.seen.extend([Part::Field, Part::Value, Part::Unit].map(written));
-                return Some(expr);
-            }
+            Ok(expr) => return Some(expr),
             Err(at) => at,
         };
-        let value = written(part);
-        let nth = self.seen.iter().filter(|s| **s == value).count();
-        self.seen.extend([Part::Field, Part::Value, Part::Unit].map(written));
-        let pointer = format!("{pointer}{}", part.pointer());
-        self.found.push(fault.at(locate(self.text, self.file, &pointer, &value, nth)));
+        let location = match part {
+            Part::Whole => self.source.comparison(pointer),
+            Part::Field => self.source.location(&format!("{pointer}/field")),
+            Part::Value => self.source.location(&format!("{pointer}/value")),
+            Part::Unit => self.source.location(&format!("{pointer}/unit")),
+        };
+        self.found.push(fault.at(location));
         None
-    }
-
-    /// How many equal values came before; this one is then one of them.
-    fn occurrence(&mut self, written: &str) -> usize {
-        let nth = self.seen.iter().filter(|s| *s == written).count();
-        self.seen.push(written.to_owned());
-        nth
     }
 }
 
@@ -163,15 +143,6 @@ const FIELD: Span = Span { start: 1, end: 1 };
 const VALUE: Span = Span { start: 2, end: 2 };
 
 impl Part {
-    fn pointer(self) -> &'static str {
-        match self {
-            Part::Whole => "",
-            Part::Field => "/field",
-            Part::Value => "/value",
-            Part::Unit => "/unit",
-        }
-    }
-
     /// The parts of the expression below are told apart by their spans.
     fn of(fault: &Fault) -> Part {
         match fault.span {

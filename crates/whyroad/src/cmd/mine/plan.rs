@@ -9,7 +9,8 @@ use whyroad_lake::mined::MiningQuestion;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
 use whyroad_mining::rule::Rule;
-use whyroad_mining::rule::file::{Named, bare_rule};
+use whyroad_mining::rule::file::bare_rule;
+use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
@@ -119,7 +120,7 @@ impl CustomRule<'_> {
         }
         let content =
             std::fs::read_to_string(self.rule).with_context(|| format!("cannot read {}", self.rule))?;
-        let rule = bare_rule(Named { name: self.rule, text: &content }, catalogue);
+        let rule = bare_rule(SourceFile { name: self.rule, text: &content }, catalogue);
         Ok(rule.map(|rule| (Rule { scenario, ..rule }, content)))
     }
 }

@@ -8,7 +8,8 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
-use whyroad_mining::rule;
+use whyroad_mining::cases::run_all_cases;
+use whyroad_mining::{RuleSet, rule};
 use whyroad_model::diagnostic::{self, Severity};
 use whyroad_model::{Diagnostic, Lang};
 use whyroad_signals::Catalogue;
@@ -34,15 +35,21 @@ pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -
 
 fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
     let dir = global.framework.as_deref();
-    let (framework, mut found) = match dir {
-        Some(dir) => framework_folder::read(dir)?,
-        None => Framework::from_files(&Framework::bundled_files()),
+    let files = match dir {
+        Some(dir) => framework_folder::read_folder(dir)?,
+        None => Framework::bundled_files(),
     };
+    let (framework, mut found) = Framework::from_files(&files);
+    let mut cases = 0;
     if let Some(f) = &framework {
         let (catalogue, of_signals) = Catalogue::parse(&f.signals_yaml);
-        found.extend(framework_folder::placed(dir, of_signals));
-        found.extend(framework_folder::placed(dir, rule::lint::lint(f, &catalogue)));
+        found.extend(of_signals);
+        found.extend(rule::lint::lint(f, &catalogue));
+        let tally = run_all_cases(&files, &RuleSet::of_framework(f, &catalogue).0, &catalogue);
+        cases = tally.cases.values().sum();
+        found.extend(tally.failures);
     }
+    let found = framework_folder::placed(dir, found);
     if found.is_empty()
         && let Some(f) = framework
     {
@@ -50,10 +57,10 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (version, specs, rules) = (&f.taxonomy.version, f.specs.len(), f.rules.len());
         match global.lang {
             Lang::En => say!(
-                "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labelling specs, {rules} mining rules"
+                "taxonomy {version}: {l1} L1, {l2} L2, {l3} L3; {specs} labelling specs, {rules} mining rules, {cases} cases"
             ),
             Lang::Zh => say!(
-                "分类体系 {version}：{l1} 个 L1，{l2} 个 L2，{l3} 个 L3；{specs} 份标注规格，{rules} 条挖掘规则"
+                "分类体系 {version}：{l1} 个 L1，{l2} 个 L2，{l3} 个 L3；{specs} 份标注规格，{rules} 条挖掘规则，{cases} 个用例"
             ),
         }
     }

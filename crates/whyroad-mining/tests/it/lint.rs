@@ -1,5 +1,4 @@
 //! What is wrong in rules, precedence and labelling expressions is found and shown where it is written.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use whyroad_framework::Framework;
 use whyroad_mining::rule::lint::lint;

@@ -3,12 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;
-use whyroad_mining::rule::file::{Checked, Named, check_file};
+use whyroad_mining::rule::file::{Checked, check_file};
+use whyroad_mining::rule::origin::SourceFile;
 use whyroad_signals::Catalogue;
 
 fn check(text: &str, cases: Option<&str>) -> Checked {
-    let cases = cases.map(|text| Named { name: "mine.cases.yaml", text });
-    check_file(Named { name: "mine.yaml", text }, cases, &BTreeMap::new(), Catalogue::bundled())
+    let cases = cases.map(|text| SourceFile { name: "mine.cases.yaml", text });
+    check_file(SourceFile { name: "mine.yaml", text }, cases, &BTreeMap::new(), Catalogue::bundled())
 }
 
 const FAULTY: &str = r#"mining:
@@ -69,8 +70,8 @@ fn every_fault_of_a_block_is_told_where_it_stands() {
 fn a_block_is_a_mapping_with_a_condition() {
     for (text, said) in [
         ("mining: [1]\n", "a mining block is a mapping, not a list"),
-        ("mining:\n  target: any\n", "there is no `when`: the condition that makes a match"),
-        ("mining:\n  target: any\n  when: []\n", "there is no `when`: the condition that makes a match"),
+        ("mining:\n  target: any\n", "`when`, the condition that makes a match, is missing"),
+        ("mining:\n  target: any\n  when: []\n", "`when`, the condition that makes a match, is missing"),
     ] {
         let found = check(text, None).found;
         let told: Vec<&str> = found.iter().map(|d| d.message.en.as_str()).collect();

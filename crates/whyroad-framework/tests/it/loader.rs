@@ -1,5 +1,4 @@
 //! What the loader says of broken frameworks: every mistake, each with its code and line, and the rest still read.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
@@ -309,8 +308,8 @@ fn a_leaf_inherits_field_by_field() {
     assert_eq!(urgent.lateral.map(|l| l.id()), Some("lane_keeping"));
 
     assert_eq!(f.rules.len(), 1);
-    assert_eq!((f.rules[0].file.as_str(), f.rules[0].line), (S2, 17));
-    assert_eq!(f.rules[0].rule.get("when").and_then(|w| w.as_str()), Some("ttc < 3 s"));
+    assert_eq!((f.rules[0].file.as_str(), f.rules[0].mark.line), (S2, 17));
+    assert_eq!(f.rules[0].rule.get("when").and_then(|w| w.text()), Some("ttc < 3 s"));
 }
 
 #[test]

@@ -1,5 +1,4 @@
 //! The generated pages: links that resolve, every rule between classes once, and hand-written text left alone.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::collections::BTreeSet;
 use std::path::Path;

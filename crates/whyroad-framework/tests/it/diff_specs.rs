@@ -1,7 +1,6 @@
 //! `diff_frameworks`: which changes of labelling specs and mining rules call for which step. The steps are those of
 //! docs/how-to/edit-the-framework.md "Which version", after DATA_FORMAT.md 1.3 of the specification: what makes an
 //! old label invalid is major, what only adds is minor.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use whyroad_framework::Framework;
 use whyroad_framework::diff::{ChangeKind, TaxonomyDiff, VersionCheck, diff_frameworks};

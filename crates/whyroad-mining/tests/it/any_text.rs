@@ -1,6 +1,5 @@
 //! Whatever the text, readers answer: nobody's typing error ends the program. Texts are random, made of the readers' own
 //! words in random order, or sound ones with a random part replaced.
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -8,7 +7,8 @@ use std::sync::LazyLock;
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::read_taxonomy;
 use whyroad_label::check::Checker;
-use whyroad_mining::rule::file::{Named, check_file};
+use whyroad_mining::rule::file::check_file;
+use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_mining::{Rule, RuleSet, mine_drive};
@@ -123,7 +123,7 @@ const QUERY: &str = r#"{"mining_query": {"scenario_id": "reactive_agent.cutin", 
   {"temporal": "within", "seconds": 3, "condition": {"rule": "target.moves_along in {across}"}}],
   "time_constraints": {"condition_duration_min": 0.5, "condition_duration_max": null}, "output_limit": 1000}}"#;
 
-const LABEL: &str = include_str!("../../../examples/cutin_urgent_example.en.json");
+const LABEL: &str = include_str!("../../../../examples/cutin_urgent_example.en.json");
 
 fn query(text: &str) {
     match parse_query(text, "q.json", Framework::bundled()) {
@@ -167,7 +167,7 @@ proptest! {
 
     #[test]
     fn a_file_of_rules(text in any_text(), (at, len, by) in splice()) {
-        let check = |text: &str| told(&check_file(Named { name: "mine.yaml", text }, None, &FILES, Catalogue::bundled()).found);
+        let check = |text: &str| told(&check_file(SourceFile { name: "mine.yaml", text }, None, &FILES, Catalogue::bundled()).found);
         check(&text);
         check(&format!("target: any\nwhen: {text}\n"));
         check(&spliced(&FILES["scenarios/reactive_agent/cutin.yaml"], at, len, &by));

@@ -6,9 +6,7 @@
 //! `WHYROAD_TRUTH=FOLDER cargo test --release -p whyroad-mining --test fast_truth -- --nocapture`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod equality;
-
-use equality::{assert_equal, part, rules, with_gaps, with_less};
+use crate::equality::{assert_equal, part, rules, with_gaps, with_less};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

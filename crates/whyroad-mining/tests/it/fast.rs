@@ -2,9 +2,7 @@
 //! episodes with the same scores, the same rules not observable for lack of the same signals.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-mod equality;
-
-use equality::{assert_equal, rules, with_gaps, with_less};
+use crate::equality::{assert_equal, rules, with_gaps, with_less};
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{Options, find_sources, read};
 use whyroad_model::SignalTable;

@@ -1,17 +1,17 @@
 //! Names that a rule gives: each means one thing, and reading a rule always ends. And nesting beyond sense is refused,
 //! in a rule's text as in what its definitions add up to. Expected: docs/reference/rules.md, "Names".
-#![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::fmt::Write as _;
 use whyroad_framework::Framework;
-use whyroad_mining::rule::file::{Named, check_file};
+use whyroad_mining::rule::file::check_file;
+use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Diagnostic, ScenarioId};
 use whyroad_signals::Catalogue;
 
 fn check(text: &str) -> Vec<Diagnostic> {
-    let file = Named { name: "mine.yaml", text };
+    let file = SourceFile { name: "mine.yaml", text };
     check_file(file, None, &Framework::bundled_files(), Catalogue::bundled()).found
 }
 
