@@ -7,6 +7,13 @@
 #[path = "src/yaml/tree.rs"]
 mod tree;
 
+#[allow(dead_code)]
+#[path = "build/label_model.rs"]
+mod label_model;
+#[allow(dead_code)]
+#[path = "build/label_table.rs"]
+mod label_table;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -20,7 +27,11 @@ fn main() {
     let signals = read("signals.yaml");
     let signals = signals.get("signals").expect("signals.yaml has 'signals'").items();
     write(&out, "signals.rs", &signals_code(signals));
+    let objects = label_table::read(Path::new("../../schema/label_fields.yaml"));
+    write(&out, "label_types.rs", &label_model::types(&objects));
+    write(&out, "label_fields.rs", &label_model::table(&objects));
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=build");
     println!("cargo:rerun-if-changed=src/yaml/tree.rs");
 }
 

@@ -15,8 +15,11 @@ use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
 /// Words for decisions, for negation, and for who does what.
 #[derive(Clone, Debug, Default)]
 pub struct Lexicon {
+    /// Bounds of length, numbers and reach.
     pub limits: Limits,
+    /// Decisions that a trace may name although the label's channel is null.
     pub null_allows: Says,
+    /// What each phrase says, by its index.
     pub phrases: Vec<Says>,
     trie: trie::Trie,
     /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
@@ -29,8 +32,11 @@ pub struct Lexicon {
 pub struct Limits {
     /// Length of a word of Latin letters, in Chinese characters.
     pub latin_word_counts_as: usize,
+    /// A shorter trace is an error, in characters as they are counted.
     pub too_short_below: usize,
+    /// A longer trace is a warning; 0 switches it off.
     pub too_long_above: usize,
+    /// More numbers than this are a warning.
     pub numbers_above: usize,
     /// Bytes.
     pub negation_reach: usize,
@@ -42,8 +48,10 @@ pub struct Limits {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Says {
+    /// Longitudinal decisions that it can mean.
     #[serde(default)]
     pub longitudinal: Vec<Longitudinal>,
+    /// Lateral decisions that it can mean.
     #[serde(default)]
     pub lateral: Vec<Lateral>,
     /// Too vague to be held against a label.

@@ -12,6 +12,7 @@ pub mod decision;
 pub mod diagnostic;
 pub mod display;
 pub mod ids;
+pub mod label_fields;
 pub mod messages;
 pub mod names;
 mod need;

@@ -11,20 +11,35 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 /// What a word does in a sentence. The lexicon file explains each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
+    /// Ends a sentence.
     SentenceEnd,
+    /// Ends a clause.
     ClauseEnd,
+    /// Introduces the decision, such as "therefore".
     DecisionMarker,
+    /// Says that somebody has to act, such as "must".
     Duty,
+    /// Introduces a reason, such as "because".
     Reason,
+    /// Introduces a condition, such as "if".
     Hypothesis,
+    /// Says what is meant to happen.
     Intention,
+    /// Introduces what comes later, such as "then".
     Sequel,
+    /// Negates a phrase near it.
     Negation,
+    /// Negates only what stands right behind it.
     NegationAdjacent,
+    /// Ends the reach of a negation.
     NegationEnd,
+    /// Names the ego.
     Ego,
+    /// Names somebody else.
     Agent,
+    /// Makes the next noun an object.
     ObjectOf,
+    /// Hides the words inside it.
     Neutral,
     /// The identifier of a decision, which does not belong in a trace.
     DecisionId,
@@ -35,16 +50,22 @@ pub enum Role {
 /// A word with its role, and its side where it has one.
 #[derive(Clone, Copy, Debug)]
 pub struct Pattern {
+    /// Its role.
     pub role: Role,
+    /// Its side, where it has one.
     pub side: Option<LateralDirection>,
 }
 
 /// A word found in a text.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
+    /// Its role.
     pub role: Role,
+    /// Its side, where it has one.
     pub side: Option<LateralDirection>,
+    /// First byte in the text.
     pub start: usize,
+    /// One past its last byte.
     pub end: usize,
 }
 
