@@ -6,7 +6,7 @@ use super::{CaseFile, CaseKind, CaseText, Reason};
 use crate::rule::{OTHER, Rule};
 use std::collections::BTreeMap;
 use whyroad_model::units::Unit;
-use whyroad_model::{Bilingual, Column, FrameRange, ScenarioId};
+use whyroad_model::{Bilingual, Column, FrameRange, ScenarioId, yaml};
 use whyroad_signals::Catalogue;
 
 /// A case, ready to be drawn.
@@ -58,7 +58,7 @@ pub struct DrawnEpisode {
 
 /// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that cannot be read.
 pub fn drawn(text: &str, rules: &[Rule], catalogue: &Catalogue) -> Result<Vec<DrawnCase>, Reason> {
-    let file: CaseFile = serde_yaml_ng::from_str(text).map_err(|e| {
+    let file: CaseFile = yaml::from_str(text).map_err(|e| {
         Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}"))
     })?;
     let l1 = file.l1.clone().unwrap_or_else(|| OTHER.to_owned());

@@ -2,9 +2,9 @@
 //! parameter. Nothing is checked here; what is wrong with a rule, [`super::set`] reports.
 
 use super::source::inherit;
-use serde_yaml_ng::Value;
 use whyroad_framework::Framework;
 use whyroad_model::ScenarioId;
+use whyroad_model::yaml::{Node, Value};
 
 /// A parameter of a rule.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +45,8 @@ impl RuleSheet {
         Some(Self::read(&inherit(above.map(|r| &r.rule), &own.rule)))
     }
 
-    fn read(block: &Value) -> RuleSheet {
-        let parameter = |(name, v): (String, &Value)| Parameter {
+    fn read(block: &Node) -> RuleSheet {
+        let parameter = |(name, v): (String, &Node)| Parameter {
             name,
             value: v.get("value").map(text).unwrap_or_default(),
             reason: v.get("reason").map(text).unwrap_or_default(),
@@ -65,26 +65,21 @@ impl RuleSheet {
     }
 }
 
-fn entries(mapping: Option<&Value>) -> impl Iterator<Item = (String, &Value)> {
-    mapping.and_then(Value::as_mapping).into_iter().flatten().map(|(k, v)| (text(k), v))
+fn entries(mapping: Option<&Node>) -> impl Iterator<Item = (String, &Node)> {
+    mapping.map_or(&[][..], Node::entries).iter().map(|e| (e.key.clone(), &e.node))
 }
 
-fn list(value: Option<&Value>) -> Vec<String> {
-    match value {
-        Some(Value::Sequence(items)) => items.iter().map(text).collect(),
-        Some(one) => vec![text(one)],
+fn list(node: Option<&Node>) -> Vec<String> {
+    match node.map(|n| &n.value) {
+        Some(Value::List(items)) => items.iter().map(text).collect(),
+        Some(_) => node.map(text).into_iter().collect(),
         None => Vec::new(),
     }
 }
 
-/// The text of a scalar on one line; YAML makes numbers of `3` and `0.1`.
-fn text(value: &Value) -> String {
-    match value {
-        Value::String(s) => s.split_whitespace().collect::<Vec<_>>().join(" "),
-        Value::Number(n) => n.to_string(),
-        Value::Bool(b) => b.to_string(),
-        _ => String::new(),
-    }
+/// The text of a scalar on one line, as written.
+fn text(node: &Node) -> String {
+    node.text().unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
