@@ -1,0 +1,257 @@
+//! Views of a release for trainers and other tools: one file of code per format. An export never changes a release; it
+//! reads samples in their order and writes what its consumer's own library reads. `docs/reference/exports.md` describes
+//! every format with its source.
+
+mod alpamayo;
+mod chat;
+mod huggingface;
+mod images;
+mod jsonl;
+mod lerobot;
+mod llama_factory;
+mod ms_swift;
+mod openlabel;
+mod parquet_file;
+mod qwen;
+mod webdataset;
+
+use crate::item::SplitName;
+use crate::sample::Sample;
+use crate::{DatasetError, Release};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// A format that releases are exported to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ExportFormat {
+    /// One JSON object per sample, images beside them.
+    Jsonl,
+    /// ms-swift: SFT, DPO and GRPO files.
+    MsSwift,
+    /// LLaMA-Factory with `dataset_info.json`.
+    LlamaFactory,
+    /// Qwen-VL conversations.
+    Qwen,
+    /// LeRobot v3 with language columns.
+    Lerobot,
+    /// Hugging Face Parquet with a card.
+    HuggingFace,
+    /// WebDataset shards.
+    WebDataset,
+    /// The tree that the Alpamayo recipes read.
+    Alpamayo,
+    /// ASAM OpenLABEL 1.0.
+    OpenLabel,
+}
+
+impl ExportFormat {
+    /// All formats, in the order of the documentation.
+    pub const ALL: [Self; 9] = [
+        Self::Alpamayo,
+        Self::MsSwift,
+        Self::LlamaFactory,
+        Self::Qwen,
+        Self::Lerobot,
+        Self::HuggingFace,
+        Self::WebDataset,
+        Self::OpenLabel,
+        Self::Jsonl,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Jsonl => "jsonl",
+            Self::MsSwift => "ms-swift",
+            Self::LlamaFactory => "llama-factory",
+            Self::Qwen => "qwen",
+            Self::Lerobot => "lerobot",
+            Self::HuggingFace => "huggingface",
+            Self::WebDataset => "webdataset",
+            Self::Alpamayo => "alpamayo",
+            Self::OpenLabel => "openlabel",
+        }
+    }
+
+    /// The format of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|f| f.name() == name)
+    }
+}
+
+/// In which language traces and prompts are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TraceLanguage {
+    /// Chinese; samples without a Chinese trace are left out and counted.
+    Chinese,
+    /// English; samples without an English trace are left out and counted.
+    English,
+    /// One record per language that a sample has.
+    #[default]
+    Both,
+}
+
+/// How to export.
+#[derive(Clone, Debug, Default)]
+pub struct ExportOptions {
+    /// Language of traces and prompts.
+    pub language: TraceLanguage,
+    /// Only this split.
+    pub split: Option<SplitName>,
+    /// The `ffmpeg` program, where it is installed: formats that need videos encode them with it.
+    pub ffmpeg: Option<PathBuf>,
+}
+
+/// What an export wrote and what it left out.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Exported {
+    /// Samples that were read.
+    pub samples: usize,
+    /// Records that were written (a sample may give several: one per language, one per rejected version).
+    pub records: usize,
+    /// Files that were written.
+    pub files: usize,
+    /// Samples that are not in the export, or that the consumer's loader would drop, by reason.
+    pub left_out: BTreeMap<String, Vec<String>>,
+    /// What the consumer's user should know: options to set, what the format cannot hold.
+    pub notes: Vec<String>,
+}
+
+impl Exported {
+    fn leave_out(&mut self, sample: &Sample, reason: &str) {
+        self.left_out.entry(reason.to_owned()).or_default().push(sample.sample_id.clone());
+    }
+}
+
+/// Writes `release` in `format` into the new folder `out`. `progress` is called after each sample.
+///
+/// # Errors
+/// When `out` exists and is not empty, when a file cannot be written, or when the release is damaged.
+pub fn export(
+    release: &Release,
+    format: ExportFormat,
+    out: &Path,
+    options: &ExportOptions,
+    progress: &mut dyn FnMut(),
+) -> Result<Exported, DatasetError> {
+    if out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
+        return Err(DatasetError::Exists(out.to_owned()));
+    }
+    fs::create_dir_all(out).map_err(DatasetError::io(out))?;
+    let mut exported = Exported::default();
+    let mut writer: Box<dyn SampleWriter> = match format {
+        ExportFormat::Jsonl => Box::new(jsonl::Writer::default()),
+        ExportFormat::MsSwift => Box::new(ms_swift::Writer::default()),
+        ExportFormat::LlamaFactory => Box::new(llama_factory::Writer::new(release)),
+        ExportFormat::Qwen => Box::new(qwen::Writer::default()),
+        ExportFormat::Lerobot => Box::new(lerobot::Writer::default()),
+        ExportFormat::HuggingFace => Box::new(huggingface::Writer::new(release)),
+        ExportFormat::WebDataset => Box::new(webdataset::Writer::default()),
+        ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
+        ExportFormat::OpenLabel => Box::new(openlabel::Writer::default()),
+    };
+    let mut folder = Folder { root: out.to_owned(), lines: BTreeMap::new(), files: 0 };
+    let splits = match options.split {
+        Some(split) => vec![split],
+        None => SplitName::ALL.to_vec(),
+    };
+    for split in splits {
+        for sample in release.samples(Some(split)) {
+            let sample = sample?;
+            exported.samples += 1;
+            writer.add(&sample, split, options, &mut folder, &mut exported)?;
+            progress();
+        }
+    }
+    writer.finish(options, &mut folder, &mut exported)?;
+    folder.finish()?;
+    exported.files = folder.files;
+    let summary = serde_json::to_string_pretty(&exported).map_err(|e| DatasetError::broken(out, e))?;
+    fs::write(out.join("export.json"), summary + "\n").map_err(DatasetError::io(out))?;
+    Ok(exported)
+}
+
+/// A format: takes the samples one by one.
+trait SampleWriter {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        options: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError>;
+
+    /// Writes what needs all samples.
+    fn finish(
+        &mut self,
+        options: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let _ = (options, folder, exported);
+        Ok(())
+    }
+}
+
+/// The folder of an export: files of JSON lines stay open, others are written at once.
+struct Folder {
+    root: PathBuf,
+    lines: BTreeMap<String, BufWriter<File>>,
+    files: usize,
+}
+
+impl Folder {
+    /// The path of a file of the export; its folder is created.
+    fn path(&self, name: &str) -> Result<PathBuf, DatasetError> {
+        let path = self.root.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(DatasetError::io(parent))?;
+        }
+        Ok(path)
+    }
+
+    /// Creates a file that the caller writes.
+    fn create(&mut self, name: &str) -> Result<File, DatasetError> {
+        let path = self.path(name)?;
+        self.files += 1;
+        File::create(&path).map_err(DatasetError::io(&path))
+    }
+
+    /// Appends one JSON line.
+    fn line(&mut self, name: &str, record: &impl Serialize) -> Result<(), DatasetError> {
+        let path = self.root.join(name);
+        if !self.lines.contains_key(name) {
+            let file = self.create(name)?;
+            self.lines.insert(name.to_owned(), BufWriter::new(file));
+        }
+        let text = serde_json::to_string(record).map_err(|e| DatasetError::broken(&path, e))?;
+        match self.lines.get_mut(name) {
+            Some(file) => writeln!(file, "{text}").map_err(DatasetError::io(&path)),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes a whole file.
+    fn write(&mut self, name: &str, content: &[u8]) -> Result<(), DatasetError> {
+        let path = self.path(name)?;
+        self.files += 1;
+        fs::write(&path, content).map_err(DatasetError::io(&path))
+    }
+
+    /// Writes a whole file as indented JSON.
+    fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), DatasetError> {
+        let text = serde_json::to_string_pretty(value).map_err(|e| DatasetError::broken(&self.root.join(name), e))?;
+        self.write(name, (text + "\n").as_bytes())
+    }
+
+    fn finish(&mut self) -> Result<(), DatasetError> {
+        for (name, file) in &mut self.lines {
+            file.flush().map_err(DatasetError::io(&self.root.join(name)))?;
+        }
+        Ok(())
+    }
+}

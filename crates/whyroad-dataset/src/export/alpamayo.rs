@@ -1,0 +1,443 @@
+//! The tree that the Alpamayo recipes read (`PhysicalAIAVDatasetLocalInterface`). Each sample and language is a pseudo-clip
+//! of its own, because the loader takes only the first event of a clip; the event lies at 2.0 s of the clip's 20 s time
+//! line. Reasoning is written under `cot` (which the recipe reads) and `coc` (which the released files have). Samples that
+//! the loader would drop are listed in `preflight.json`, with the reason.
+
+use super::chat::trace;
+use super::parquet_file::{Columns, bytes};
+use super::{ExportOptions, Exported, Folder, SampleWriter, TraceLanguage};
+use crate::DatasetError;
+use crate::item::SplitName;
+use crate::sample::{Sample, Trajectory};
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, StringArray};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use whyroad_model::Lang;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+/// Where t0 lies in the pseudo-clip: after the 1.6 s of history that the loader needs, microseconds.
+const T0_US: i64 = 2_000_000;
+/// What the loader needs before and after t0, s.
+const HISTORY_S: f32 = 1.5;
+const FUTURE_S: f32 = 6.4;
+/// Clips of a chunk.
+const PER_CHUNK: usize = 100;
+/// Cameras that the loader takes by default.
+const CAMERAS: [&str; 4] =
+    ["camera_cross_left_120fov", "camera_front_wide_120fov", "camera_cross_right_120fov", "camera_front_tele_30fov"];
+/// Frames per second of a pseudo-clip's video.
+const VIDEO_HZ: u32 = 10;
+
+#[derive(Default)]
+pub(super) struct Writer {
+    clips: Vec<Clip>,
+    chunk: Option<Chunk>,
+    preflight: BTreeMap<String, Vec<String>>,
+}
+
+/// What the indexes need of a clip.
+struct Clip {
+    id: String,
+    chunk: usize,
+    split: &'static str,
+    cluster: String,
+    trace: String,
+    route: Option<String>,
+    meta_action: String,
+    cameras: Vec<String>,
+}
+
+/// Archives that are open.
+struct Chunk {
+    number: usize,
+    count: usize,
+    egomotion: ZipWriter<File>,
+    cameras: BTreeMap<String, ZipWriter<File>>,
+}
+
+impl SampleWriter for Writer {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        options: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let Some(egomotion) = egomotion(sample) else {
+            exported.leave_out(sample, "a pose of the ego is unknown");
+            return Ok(());
+        };
+        let languages: &[(Lang, &str)] = match options.language {
+            TraceLanguage::Chinese => &[(Lang::Zh, "zh")],
+            TraceLanguage::English => &[(Lang::En, "en")],
+            TraceLanguage::Both => &[(Lang::Zh, "zh"), (Lang::En, "en")],
+        };
+        let texts: Vec<_> = languages.iter().filter_map(|(l, n)| Some((trace(sample, *l)?, *l, *n))).collect();
+        if texts.is_empty() {
+            exported.leave_out(sample, "no trace in this language");
+            return Ok(());
+        }
+        for (text, lang, suffix) in texts {
+            let id = format!("{}-{suffix}", sample.sample_id);
+            let chunk = self.chunk(folder)?;
+            let number = chunk.number;
+            zip_file(&mut chunk.egomotion, &format!("{id}.egomotion.parquet"), &egomotion, folder)?;
+            let cameras = cameras(sample, &id, chunk, options, folder, exported)?;
+            chunk.count += 1;
+            for reason in faults(sample, &cameras) {
+                self.preflight.entry(reason).or_default().push(id.clone());
+            }
+            folder.write(&format!("meta_actions/{id}.txt"), meta_actions(sample).as_bytes())?;
+            self.clips.push(Clip {
+                id,
+                chunk: number,
+                split: split.name(),
+                cluster: sample.scenario_id.clone(),
+                trace: text.to_owned(),
+                route: if lang == Lang::Zh { sample.route_text_zh.clone() } else { sample.route_text_en.clone() },
+                meta_action: meta_action_at_t0(sample),
+                cameras,
+            });
+            exported.records += 1;
+        }
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        self.close(folder)?;
+        folder.write("features.csv", features_csv().as_bytes())?;
+        folder.write("clip_index.parquet", &bytes(self.clip_index(), Some("clip_id"))?)?;
+        folder.write("metadata/feature_presence.parquet", &bytes(self.presence(), Some("clip_id"))?)?;
+        folder.write("reasoning/ood_reasoning.parquet", &bytes(self.reasoning(), Some("clip_id"))?)?;
+        folder.json("navigation.json", &self.navigation())?;
+        let chunks = self.clips.last().map_or(0, |c| c.chunk + 1);
+        folder.write("training.yaml", training(chunks, self.clips.iter().any(|c| c.route.is_some())).as_bytes())?;
+        for (reason, clips) in &self.preflight {
+            exported.notes.push(format!("{} of {} clips: {reason} (preflight.json)", clips.len(), self.clips.len()));
+        }
+        folder.json("preflight.json", &json!({ "clips": self.clips.len(), "dropped_by_the_loader": self.preflight }))
+    }
+}
+
+impl Writer {
+    /// The chunk that takes the next clip.
+    fn chunk(&mut self, folder: &mut Folder) -> Result<&mut Chunk, DatasetError> {
+        if self.chunk.as_ref().is_some_and(|c| c.count >= PER_CHUNK) {
+            self.close(folder)?;
+        }
+        let number = self.clips.last().map_or(0, |c| c.chunk + usize::from(self.chunk.is_none()));
+        match &mut self.chunk {
+            Some(chunk) => Ok(chunk),
+            none => {
+                let file = folder.create(&format!("labels/egomotion/egomotion.chunk_{number:04}.zip"))?;
+                let egomotion = ZipWriter::new(file);
+                Ok(none.insert(Chunk { number, count: 0, egomotion, cameras: BTreeMap::new() }))
+            }
+        }
+    }
+
+    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+        let Some(chunk) = self.chunk.take() else { return Ok(()) };
+        for archive in std::iter::once(chunk.egomotion).chain(chunk.cameras.into_values()) {
+            archive.finish().map_err(|e| DatasetError::broken(&folder.root, e))?;
+        }
+        Ok(())
+    }
+
+    fn ids(&self) -> (String, ArrayRef) {
+        ("clip_id".to_owned(), Arc::new(StringArray::from_iter_values(self.clips.iter().map(|c| &c.id))))
+    }
+
+    fn clip_index(&self) -> Columns {
+        let chunks = self.clips.iter().map(|c| c.chunk as i64);
+        vec![
+            ("clip_is_valid".to_owned(), Arc::new(BooleanArray::from(vec![true; self.clips.len()]))),
+            ("chunk".to_owned(), Arc::new(Int64Array::from_iter_values(chunks))),
+            ("split".to_owned(), Arc::new(StringArray::from_iter_values(self.clips.iter().map(|c| c.split)))),
+            self.ids(),
+        ]
+    }
+
+    fn presence(&self) -> Columns {
+        let mut out: Columns =
+            vec![("egomotion".to_owned(), Arc::new(BooleanArray::from(vec![true; self.clips.len()])))];
+        for camera in CAMERAS {
+            let there: Vec<bool> = self.clips.iter().map(|c| c.cameras.iter().any(|n| n == camera)).collect();
+            out.push((camera.to_owned(), Arc::new(BooleanArray::from(there))));
+        }
+        out.push(self.ids());
+        out
+    }
+
+    fn reasoning(&self) -> Columns {
+        let events = self.clips.iter().map(|c| {
+            json!([{ "event_start_timestamp": T0_US, "cot": c.trace, "coc": c.trace }]).to_string()
+        });
+        let texts = |of: &dyn Fn(&Clip) -> String| -> ArrayRef {
+            Arc::new(StringArray::from_iter_values(self.clips.iter().map(of)))
+        };
+        vec![
+            ("event_cluster".to_owned(), texts(&|c| c.cluster.clone())),
+            ("events".to_owned(), Arc::new(StringArray::from_iter_values(events))),
+            ("split".to_owned(), texts(&|c| c.split.to_owned())),
+            self.ids(),
+        ]
+    }
+
+    /// `t0_relative` is what the code of the loader reads, `t0` what its documentation says.
+    fn navigation(&self) -> Vec<Value> {
+        let entry = |c: &Clip| {
+            json!({
+                "clip_id": c.id,
+                "t0": T0_US,
+                "t0_relative": T0_US,
+                "nav_text": c.route,
+                "cot": c.trace,
+                "meta_action": c.meta_action,
+            })
+        };
+        self.clips.iter().filter(|c| c.route.is_some()).map(entry).collect()
+    }
+}
+
+/// Why the loader drops a clip, or reads other than what it needs.
+fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
+    let mut out = Vec::new();
+    if sample.history.t_s.first().is_none_or(|t| *t > -HISTORY_S + 0.01) {
+        out.push(format!("less than {HISTORY_S} s of history"));
+    }
+    if sample.future.t_s.last().is_none_or(|t| *t < FUTURE_S - 0.01) {
+        out.push(format!("less than {FUTURE_S} s of future"));
+    }
+    let missing: Vec<&str> = CAMERAS.into_iter().filter(|c| !cameras.iter().any(|have| have == c)).collect();
+    if !missing.is_empty() {
+        out.push(format!("cameras are missing: {}", missing.join(", ")));
+    }
+    if sample.ego.reference != "rear_axle" {
+        out.push("poses are of the box center, not of the rear axle (sample.reference in the spec)".to_owned());
+    }
+    out
+}
+
+fn zip_file(
+    archive: &mut ZipWriter<File>,
+    name: &str,
+    content: &[u8],
+    folder: &Folder,
+) -> Result<(), DatasetError> {
+    // Stored, without a clock: as the released archives, and equal for equal releases.
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    archive.start_file(name, options).map_err(|e| DatasetError::broken(&folder.root, e))?;
+    archive.write_all(content).map_err(DatasetError::io(&folder.root))
+}
+
+/// `egomotion.parquet` of a clip: pose in the rig at t0, velocity and acceleration along the same axes.
+fn egomotion(sample: &Sample) -> Option<Vec<u8>> {
+    let names = ["qx", "qy", "qz", "qw", "x", "y", "z", "vx", "vy", "vz", "ax", "ay", "az", "curvature"];
+    let mut time = Vec::new();
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    for part in [&sample.history, &sample.future] {
+        for i in 0..part.t_s.len() {
+            time.push(T0_US + (f64::from(part.t_s[i]) * 1e6).round() as i64);
+            for (column, value) in columns.iter_mut().zip(state(part, i)?) {
+                column.push(value);
+            }
+        }
+    }
+    let mut all: Columns = vec![("timestamp".to_owned(), Arc::new(Int64Array::from(time)))];
+    for (name, column) in names.into_iter().zip(columns) {
+        // What is unknown stays unknown: null, not zero.
+        let known = column.into_iter().map(|v| v.is_finite().then_some(v));
+        all.push((name.to_owned(), Arc::new(known.collect::<Float64Array>())));
+    }
+    bytes(all, None).ok()
+}
+
+fn state(t: &Trajectory, i: usize) -> Option<[f64; 14]> {
+    let at = |column: &[Option<f32>]| column.get(i).copied().flatten().map_or(f64::NAN, f64::from);
+    let (x, y, heading) = (at(&t.x), at(&t.y), at(&t.heading));
+    if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
+        return None;
+    }
+    // Heights are relative to t0; a log without heights is flat.
+    let z = at(&t.z);
+    let z = if z.is_finite() { z } else { 0.0 };
+    let (speed, accel, rate) = (at(&t.speed), at(&t.accel), at(&t.yaw_rate));
+    let (sin, cos) = heading.sin_cos();
+    let half = heading / 2.0;
+    let curvature = if speed.abs() > 0.5 { rate / speed } else { f64::NAN };
+    Some([
+        0.0,
+        0.0,
+        half.sin(),
+        half.cos(),
+        x,
+        y,
+        z,
+        speed * cos,
+        speed * sin,
+        0.0,
+        accel * cos - speed * rate * sin,
+        accel * sin + speed * rate * cos,
+        0.0,
+        curvature,
+    ])
+}
+
+/// Videos of the sample's cameras; gives the names of those that were written.
+fn cameras(
+    sample: &Sample,
+    id: &str,
+    chunk: &mut Chunk,
+    options: &ExportOptions,
+    folder: &mut Folder,
+    exported: &mut Exported,
+) -> Result<Vec<String>, DatasetError> {
+    let mut by_camera: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (i, image) in sample.images.iter().enumerate().filter(|(_, i)| i.camera != "bev") {
+        by_camera.entry(&image.camera).or_default().push(i);
+    }
+    let Some(ffmpeg) = &options.ffmpeg else {
+        if !by_camera.is_empty() {
+            exported.leave_out(sample, "images: ffmpeg is not installed");
+        }
+        return Ok(Vec::new());
+    };
+    let mut written = Vec::new();
+    for (camera, images) in by_camera {
+        let Some(name) = CAMERAS.into_iter().find(|c| *c == camera || c.strip_prefix("camera_") == Some(camera)) else {
+            continue;
+        };
+        let Some(video) = encode(sample, &images, ffmpeg, &folder.root)? else {
+            exported.leave_out(sample, "images: ffmpeg could not encode them");
+            continue;
+        };
+        let times = images.iter().map(|i| T0_US + (f64::from(sample.images[*i].t_s) * 1e6).round() as i64);
+        let times: Columns =
+            vec![("timestamp".to_owned(), Arc::new(Int64Array::from_iter_values(times)) as ArrayRef)];
+        if !chunk.cameras.contains_key(name) {
+            let file = folder.create(&format!("camera/{name}/{name}.chunk_{:04}.zip", chunk.number))?;
+            chunk.cameras.insert(name.to_owned(), ZipWriter::new(file));
+        }
+        if let Some(archive) = chunk.cameras.get_mut(name) {
+            zip_file(archive, &format!("{id}.{name}.mp4"), &video, folder)?;
+            zip_file(archive, &format!("{id}.{name}.timestamps.parquet"), &bytes(times, None)?, folder)?;
+            written.push(name.to_owned());
+        }
+    }
+    Ok(written)
+}
+
+/// The images as a video with a key frame per image; `None` when ffmpeg refuses them.
+fn encode(sample: &Sample, images: &[usize], ffmpeg: &Path, root: &Path) -> Result<Option<Vec<u8>>, DatasetError> {
+    let work = root.join(".frames");
+    std::fs::create_dir_all(&work).map_err(DatasetError::io(&work))?;
+    let format = &sample.images[images[0]].format;
+    for (n, i) in images.iter().enumerate() {
+        let path = work.join(format!("{n:04}.{format}"));
+        std::fs::write(&path, &sample.images[*i].bytes).map_err(DatasetError::io(&path))?;
+    }
+    let video = work.join("video.mp4");
+    let status = Command::new(ffmpeg)
+        .args(["-y", "-loglevel", "error", "-framerate", &VIDEO_HZ.to_string(), "-i"])
+        .arg(work.join(format!("%04d.{format}")))
+        .args(["-c:v", "libx264", "-pix_fmt", "yuv420p", "-g", "1"])
+        .arg(&video)
+        .status()
+        .map_err(DatasetError::io(ffmpeg))?;
+    let content = status.success().then(|| std::fs::read(&video)).and_then(Result::ok);
+    std::fs::remove_dir_all(&work).map_err(DatasetError::io(&work))?;
+    Ok(content)
+}
+
+/// `gentle_accelerate` as the auto-labeler writes it.
+fn action_name(id: &str) -> String {
+    let name = match id {
+        "gentle_accelerate" => "GentleAcceleration",
+        "strong_accelerate" => "StrongAcceleration",
+        "gentle_decelerate" => "GentleDeceleration",
+        "strong_decelerate" => "StrongDeceleration",
+        "maintain_speed" => "MaintainSpeed",
+        "stop" => "Stop",
+        "reverse" => "Reverse",
+        "steer_left" => "SteerLeft",
+        "steer_right" => "SteerRight",
+        "sharp_steer_left" => "SharpSteerLeft",
+        "sharp_steer_right" => "SharpSteerRight",
+        "reverse_left" => "ReverseLeft",
+        "reverse_right" => "ReverseRight",
+        "go_straight" => "GoStraight",
+        other => other,
+    };
+    name.to_owned()
+}
+
+/// Lines of the auto-labeler's files: spans of equal meta actions, frames at the sample's rate from its start.
+fn meta_actions(sample: &Sample) -> String {
+    let mut out = String::new();
+    type Of = fn(&Trajectory) -> &[Option<String>];
+    let channels: [Of; 2] = [|t| &t.meta_longitudinal, |t| &t.meta_lateral];
+    for of in channels {
+        let all: Vec<Option<&str>> =
+            of(&sample.history).iter().chain(of(&sample.future)).map(Option::as_deref).collect();
+        let mut start = 0;
+        for i in 1..=all.len() {
+            if i == all.len() || all[i] != all[start] {
+                if let Some(action) = all[start] {
+                    let _ = writeln!(out, "{} - Agent:<ego>, Start:{start}, End:{i}", action_name(action));
+                }
+                start = i;
+            }
+        }
+    }
+    out
+}
+
+/// The meta action at t0 as the chat template writes it; empty where it is unknown.
+fn meta_action_at_t0(sample: &Sample) -> String {
+    let last = |column: &[Option<String>]| column.last().cloned().flatten();
+    match (last(&sample.history.meta_longitudinal), last(&sample.history.meta_lateral)) {
+        (Some(long), Some(lat)) => format!("Longitudinal: {}.\nLateral: {}.", action_name(&long), action_name(&lat)),
+        _ => String::new(),
+    }
+}
+
+fn features_csv() -> String {
+    let quoted = |value: Value| format!("\"{}\"", value.to_string().replace('"', "\"\""));
+    let mut out = "feature,directory,chunk_path,clip_files_in_zip\n".to_owned();
+    let egomotion = quoted(json!({ "egomotion": "{clip_id}.egomotion.parquet" }));
+    let _ = writeln!(out, "egomotion,labels,labels/egomotion/egomotion.chunk_{{chunk_id:04d}}.zip,{egomotion}");
+    for camera in CAMERAS {
+        let files = quoted(json!({
+            "video": format!("{{clip_id}}.{camera}.mp4"),
+            "frame_timestamps": format!("{{clip_id}}.{camera}.timestamps.parquet"),
+        }));
+        let _ = writeln!(out, "{camera},camera,camera/{camera}/{camera}.chunk_{{chunk_id:04d}}.zip,{files}");
+    }
+    out
+}
+
+/// Settings for the recipe: without `cot` in both lists the reasoning is not trained.
+fn training(chunks: usize, routes: bool) -> String {
+    let route = if routes { "\"route\", " } else { "" };
+    format!(
+        "# Overrides for the SFT recipe. chunk_ids is half open. Without `cot` in both lists only the trajectory is trained.\n\
+         train_dataset:\n  _target_: alpamayo.data.pai.PAIDataset\n  local_dir: .\n  chunk_ids: \"0-{chunks}\"\n  \
+         reasoning_metadata: reasoning/ood_reasoning.parquet\n\
+         vla_processor:\n  components_order: [\"image\", \"traj_history\", {route}\"prompt\", \"cot\", \"traj_future\"]\n  \
+         label_components: [\"cot\", \"traj_future\"]\n"
+    )
+}

@@ -1,0 +1,240 @@
+//! Hugging Face: Parquet files per split whose `images` decode as images, a card with front matter, and Croissant
+//! metadata. The columns are those of the release; an image's camera and time are in `image_cameras` and `image_t_s`.
+
+use super::{ExportOptions, Exported, Folder, SampleWriter};
+use crate::freeze::croissant::croissant;
+use crate::freeze::manifest::{FileEntry, Manifest};
+use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES, shards};
+use crate::freeze::tables::properties;
+use crate::freeze::{CROISSANT, checksums};
+use crate::item::SplitName;
+use crate::sample::Sample;
+use crate::sample::schema::{schema, to_batch};
+use crate::{DatasetError, Release};
+use arrow_array::cast::AsArray as _;
+use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray, StructArray};
+use arrow_schema::{DataType, Field, Fields, Schema, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::sync::Arc;
+
+/// Samples of a file.
+const PER_FILE: usize = 5_000;
+
+pub(super) struct Writer {
+    manifest: Manifest,
+    schema: SchemaRef,
+    open: Option<(SplitName, ArrowWriter<File>)>,
+    waiting: Vec<Sample>,
+    written: BTreeMap<&'static str, usize>,
+    files: Vec<(String, usize)>,
+}
+
+impl Writer {
+    pub(super) fn new(release: &Release) -> Self {
+        Self {
+            manifest: release.manifest.clone(),
+            schema: hf_schema(),
+            open: None,
+            waiting: Vec::new(),
+            written: BTreeMap::new(),
+            files: Vec::new(),
+        }
+    }
+
+    fn flush(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+        let broken = |e: &dyn std::fmt::Display| DatasetError::broken(&folder.root, e);
+        if let (Some((_, writer)), false) = (&mut self.open, self.waiting.is_empty()) {
+            let batch = to_batch(&self.waiting).map_err(|e| broken(&e))?;
+            let batch = with_images(&batch, &self.schema).map_err(|e| broken(&e))?;
+            writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
+        }
+        self.waiting.clear();
+        Ok(())
+    }
+
+    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+        self.flush(folder)?;
+        if let Some((_, writer)) = self.open.take() {
+            writer.close().map_err(|e| DatasetError::broken(&folder.root, e))?;
+        }
+        Ok(())
+    }
+}
+
+impl SampleWriter for Writer {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let total = self.manifest.counts.by_split.get(split.name()).copied().unwrap_or(0);
+        let done = self.written.get(split.name()).copied().unwrap_or(0);
+        // Equal files: the release knows how many samples the split has.
+        let plan = shards(split.name(), total, PER_FILE);
+        let Some(shard) = plan.iter().find(|s| s.range.contains(&done)) else {
+            return Err(DatasetError::broken(&folder.root, "the release has more samples than its manifest says"));
+        };
+        if shard.range.start == done {
+            self.close(folder)?;
+            let name = format!("data/{}", shard.name);
+            let file = folder.create(&name)?;
+            let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
+            let writer = ArrowWriter::try_new(file, self.schema.clone(), Some(properties(rows)))
+                .map_err(|e| DatasetError::broken(&folder.root, e))?;
+            self.open = Some((split, writer));
+            self.files.push((name, shard.range.len()));
+        }
+        self.waiting.push(sample.clone());
+        *self.written.entry(split.name()).or_default() += 1;
+        exported.records += 1;
+        let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
+        if self.waiting.len() >= rows {
+            self.flush(folder)?;
+        }
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        _: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        self.close(folder)?;
+        let mut files = Vec::new();
+        for (path, samples) in &self.files {
+            let (bytes, sha256) = checksums::sum(&folder.root.join(path))?;
+            files.push(FileEntry { path: path.clone(), bytes, sha256, samples: Some(*samples) });
+        }
+        let manifest = Manifest { files, ..self.manifest.clone() };
+        folder.write(CROISSANT, croissant(&manifest).as_bytes())?;
+        folder.write("README.md", card(&manifest).as_bytes())
+    }
+}
+
+/// The release's columns with `images` as Hugging Face stores images, and the features in its metadata.
+fn hf_schema() -> SchemaRef {
+    let mut fields: Vec<Field> = Vec::new();
+    let mut features = Map::new();
+    for field in schema().fields() {
+        if field.name() == "images" {
+            for (name, kind, feature) in image_columns() {
+                features.insert(name.to_owned(), feature);
+                fields.push(Field::new(name, kind, true));
+            }
+        } else {
+            features.insert(field.name().clone(), feature(field.data_type()));
+            fields.push(field.as_ref().clone());
+        }
+    }
+    let info = json!({ "info": { "features": features } }).to_string();
+    Arc::new(Schema::new_with_metadata(fields, [("huggingface".to_owned(), info)].into()))
+}
+
+fn image_fields() -> Fields {
+    vec![Field::new("bytes", DataType::Binary, true), Field::new("path", DataType::Utf8, true)].into()
+}
+
+fn item(kind: DataType) -> Arc<Field> {
+    Arc::new(Field::new("item", kind, true))
+}
+
+fn image_columns() -> [(&'static str, DataType, Value); 3] {
+    let list = |feature: Value| json!({ "feature": feature, "_type": "List" });
+    [
+        ("images", DataType::List(item(DataType::Struct(image_fields()))), list(json!({ "_type": "Image" }))),
+        ("image_cameras", DataType::List(item(DataType::Utf8)), list(value("string"))),
+        ("image_t_s", DataType::List(item(DataType::Float32)), list(value("float32"))),
+    ]
+}
+
+fn value(dtype: &str) -> Value {
+    json!({ "dtype": dtype, "_type": "Value" })
+}
+
+/// The feature of a column, as `datasets` writes it.
+fn feature(kind: &DataType) -> Value {
+    match kind {
+        DataType::Utf8 => value("string"),
+        DataType::Boolean => value("bool"),
+        DataType::Binary => value("binary"),
+        DataType::Float32 => value("float32"),
+        DataType::Float64 => value("float64"),
+        DataType::Int64 => value("int64"),
+        DataType::UInt32 => value("uint32"),
+        DataType::List(item) => json!({ "feature": feature(item.data_type()), "_type": "List" }),
+        DataType::Struct(fields) => {
+            Value::Object(fields.iter().map(|f| (f.name().clone(), feature(f.data_type()))).collect())
+        }
+        _ => value("string"),
+    }
+}
+
+/// The batch with `images` split into the three columns; buffers are shared.
+fn with_images(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, arrow_schema::ArrowError> {
+    let mut columns: Vec<ArrayRef> = Vec::new();
+    for (field, column) in batch.schema().fields().iter().zip(batch.columns()) {
+        if field.name() != "images" {
+            columns.push(column.clone());
+            continue;
+        }
+        let list = column.as_list::<i32>();
+        let images = list.values().as_struct();
+        let part = |name: &str| {
+            images.column_by_name(name).cloned().ok_or_else(|| {
+                arrow_schema::ArrowError::SchemaError(format!("images have no column '{name}'"))
+            })
+        };
+        let types = part("format")?;
+        let hashes = part("sha256")?;
+        let paths: StringArray = types
+            .as_string::<i32>()
+            .iter()
+            .zip(hashes.as_string::<i32>().iter())
+            .map(|(kind, hash)| Some(format!("{}.{}", hash?, kind?)))
+            .collect();
+        let pair = StructArray::try_new(image_fields(), vec![part("bytes")?, Arc::new(paths)], images.nulls().cloned())?;
+        let of = |kind: DataType, values: ArrayRef| -> Result<ArrayRef, arrow_schema::ArrowError> {
+            Ok(Arc::new(ListArray::try_new(item(kind), list.offsets().clone(), values, list.nulls().cloned())?))
+        };
+        columns.push(of(DataType::Struct(image_fields()), Arc::new(pair))?);
+        columns.push(of(DataType::Utf8, part("camera")?)?);
+        columns.push(of(DataType::Float32, part("t_s")?)?);
+    }
+    RecordBatch::try_new(schema.clone(), columns)
+}
+
+/// The card: front matter that `load_dataset` reads, then what is in it.
+fn card(m: &Manifest) -> String {
+    let mut out = String::from("---\n");
+    let title = m.title.as_deref().unwrap_or(&m.name);
+    let _ = writeln!(out, "pretty_name: {}", json!(title));
+    let _ = writeln!(out, "license: other\nlicense_name: {}", json!(m.licence));
+    out += "language:\n- zh\n- en\ntask_categories:\n- image-text-to-text\ntags:\n- autonomous-driving\n- chain-of-causation\n";
+    out += "configs:\n- config_name: default\n  data_files:\n";
+    for (split, name) in [("train", "train"), ("val", "validation"), ("test", "test")] {
+        if m.counts.by_split.get(split).is_some_and(|n| *n > 0) {
+            let _ = writeln!(out, "  - split: {name}\n    path: data/{split}-*.parquet");
+        }
+    }
+    let _ = writeln!(out, "---\n\n# {title}\n\nVersion {}, {} samples.\n", m.version, m.counts.samples);
+    out += "| licence of the drives | drives | samples | attribution |\n|---|---|---|---|\n";
+    for l in &m.licences {
+        let _ = writeln!(out, "| {} | {} | {} | {} |", l.id, l.drives, l.samples, l.attribution.as_deref().unwrap_or(""));
+    }
+    out += "\n| scenario | train | val | test |\n|---|---|---|---|\n";
+    for (class, by_split) in &m.counts.by_class {
+        let n = |split: &str| by_split.get(split).copied().unwrap_or(0);
+        let _ = writeln!(out, "| {class} | {} | {} | {} |", n("train"), n("val"), n("test"));
+    }
+    out += "\nPositions, headings and velocities are in the ego frame at the keyframe (x forward, y left, m, rad); times are \
+            seconds from the keyframe; null is unknown.\n";
+    out
+}

@@ -1,0 +1,88 @@
+//! LLaMA-Factory (0.9) in its "sharegpt" form with OpenAI-style messages, and the entries of `dataset_info.json`.
+
+use super::chat::conversations;
+use super::{ExportOptions, Exported, Folder, SampleWriter, images};
+use crate::item::SplitName;
+use crate::sample::Sample;
+use crate::{DatasetError, Release};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+
+pub(super) struct Writer {
+    name: String,
+    /// Files by the name of their data set, and whether their records have images.
+    sets: BTreeMap<String, (String, bool)>,
+}
+
+impl Writer {
+    pub(super) fn new(release: &Release) -> Self {
+        Self { name: release.manifest.name.clone(), sets: BTreeMap::new() }
+    }
+}
+
+impl SampleWriter for Writer {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        options: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let all = conversations(sample, options, exported);
+        if all.is_empty() {
+            return Ok(());
+        }
+        let paths = images::write(sample, folder)?;
+        for conversation in all {
+            // One file per column layout: the loader takes the columns of the first record for all.
+            let with_images = !paths.is_empty();
+            let suffix = if with_images { "" } else { "_text" };
+            let file = format!("{}{suffix}.jsonl", split.name());
+            let question = format!("{}{}", "<image>".repeat(paths.len()), conversation.question);
+            let mut record = json!({ "messages": [
+                { "role": "user", "content": question },
+                { "role": "assistant", "content": conversation.answer },
+            ]});
+            if with_images {
+                record["images"] = json!(paths);
+            }
+            folder.line(&file, &record)?;
+            self.sets.insert(format!("{}_{}{suffix}", self.name, split.name()), (file, with_images));
+            exported.records += 1;
+        }
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let mut info = Map::new();
+        for (name, (file, with_images)) in &self.sets {
+            let mut columns = json!({ "messages": "messages" });
+            if *with_images {
+                columns["images"] = Value::from("images");
+            }
+            let entry = json!({
+                "file_name": file,
+                "formatting": "sharegpt",
+                "columns": columns,
+                "tags": {
+                    "role_tag": "role",
+                    "content_tag": "content",
+                    "user_tag": "user",
+                    "assistant_tag": "assistant",
+                },
+            });
+            info.insert(name.clone(), entry);
+        }
+        exported.notes.push(
+            "llamafactory-cli train: dataset_dir and media_dir are this folder; dataset is a name of dataset_info.json"
+                .to_owned(),
+        );
+        folder.json("dataset_info.json", &info)
+    }
+}

@@ -1,0 +1,87 @@
+//! WebDataset shards: `<split>-000000.tar`, files of one sample share their basename up to the first dot. Samples are
+//! already shuffled in the release; shards of a split have equal sizes, give or take one, but for the last.
+
+use super::{ExportOptions, Exported, Folder, SampleWriter, images};
+use crate::DatasetError;
+use crate::item::SplitName;
+use crate::sample::{Image, Sample};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+
+/// Samples of a shard.
+const PER_SHARD: usize = 1000;
+
+#[derive(Default)]
+pub(super) struct Writer {
+    open: Option<(SplitName, tar::Builder<BufWriter<File>>, usize)>,
+    shards: BTreeMap<&'static str, Vec<usize>>,
+}
+
+fn put(tar: &mut tar::Builder<BufWriter<File>>, name: &str, content: &[u8]) -> std::io::Result<()> {
+    let mut header = tar::Header::new_ustar();
+    header.set_size(content.len() as u64);
+    header.set_mode(0o644);
+    // No clock: equal releases give equal shards.
+    header.set_mtime(0);
+    tar.append_data(&mut header, name, content)
+}
+
+impl Writer {
+    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+        if let Some((split, tar, count)) = self.open.take() {
+            tar.into_inner()
+                .and_then(|file| file.into_inner().map_err(std::io::IntoInnerError::into_error))
+                .map_err(DatasetError::io(&folder.root))?;
+            self.shards.entry(split.name()).or_default().push(count);
+        }
+        Ok(())
+    }
+}
+
+impl SampleWriter for Writer {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        if self.open.as_ref().is_some_and(|(of, _, count)| *of != split || *count >= PER_SHARD) {
+            self.close(folder)?;
+        }
+        if self.open.is_none() {
+            let number = self.shards.get(split.name()).map_or(0, Vec::len);
+            let file = folder.create(&format!("{}-{number:06}.tar", split.name()))?;
+            self.open = Some((split, tar::Builder::new(BufWriter::new(file)), 0));
+        }
+        let Some((_, tar, count)) = &mut self.open else { return Ok(()) };
+        let without_bytes = Sample {
+            images: sample.images.iter().map(|i| Image { bytes: vec![], ..i.clone() }).collect(),
+            ..sample.clone()
+        };
+        let text = serde_json::to_vec(&without_bytes).map_err(|e| DatasetError::broken(&folder.root, e))?;
+        let mut write = || -> std::io::Result<()> {
+            put(tar, &format!("{}.json", sample.sample_id), &text)?;
+            for (name, image) in images::names(sample).iter().zip(&sample.images) {
+                put(tar, &format!("{}.{name}", sample.sample_id), &image.bytes)?;
+            }
+            Ok(())
+        };
+        write().map_err(DatasetError::io(&folder.root))?;
+        *count += 1;
+        exported.records += 1;
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        _: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        self.close(folder)?;
+        folder.json("shards.json", &self.shards)
+    }
+}
