@@ -10,7 +10,7 @@ mod lines;
 mod question;
 mod write;
 
-pub use columns::EPISODES_VERSION;
+pub use columns::{EPISODES_VERSION, episode_table};
 pub use index::EpisodeIndex;
 pub use lines::{EpisodeLines, LineSpan};
 pub use question::MiningQuestion;

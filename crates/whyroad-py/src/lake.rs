@@ -8,14 +8,14 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use whyroad_engine::mine::{Options, mine_lake_with, signals_of};
-use whyroad_engine::output::episode_table::episode_batch;
 use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{DriveId, Lang, ScenarioId};
 use whyroad_signals::Catalogue;
-use whyroad_signals::catalogue::SignalScope;
+use whyroad_lake::mined::episode_table;
+use whyroad_model::catalogue::SignalScope;
 
 /// Opens a lake, as `whyroad ingest --lake DIR` made it.
 #[pyfunction]
@@ -75,7 +75,7 @@ impl Lake {
                 let near = catalogue.similar(name).join(", ");
                 return Err(PyKeyError::new_err(format!("there is no signal '{name}'; similar: {near}")));
             };
-            let of = if def.scope == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
+            let of = if def.id.scope() == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
             if *rows.get_or_insert(of) != of {
                 return Err(PyValueError::new_err("signals per frame and signals per target need two calls"));
             }
@@ -150,9 +150,10 @@ impl Lake {
                 .drives
                 .iter()
                 .flat_map(|d| &d.episodes)
-                .filter(|e| wanted(&e.record.scenario_id))
+                .map(|e| &e.record)
+                .filter(|r| wanted(&r.scenario_id))
                 .collect();
-            let batch = episode_batch(&episodes).map_err(of_arrow)?;
+            let batch = episode_table(&episodes).map_err(of_arrow)?;
             Ok(Table::new(batch.schema(), vec![batch]))
         })
     }

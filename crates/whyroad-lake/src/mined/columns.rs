@@ -34,30 +34,49 @@ pub(super) const IS_PRIMARY: &str = "is_primary";
 pub(super) const LINE_START: &str = "line_start";
 pub(super) const LINE_BYTES: &str = "line_bytes";
 
-/// The table of these episodes.
+/// A column: name, type, nullable, values.
+type EpisodeColumn = (&'static str, DataType, bool, ArrayRef);
+
+/// The table of these episodes, with the places of their lines.
 pub(super) fn episode_batch(rows: &[(EpisodeRecord, LineSpan)]) -> Result<RecordBatch, ArrowError> {
-    use DataType::{Boolean, Float64, Int32, Int64, Utf8};
-    let texts = |of: &dyn Fn(&EpisodeRecord) -> String| -> ArrayRef {
-        Arc::new(StringArray::from_iter_values(rows.iter().map(|(r, _)| of(r))))
-    };
-    let maybe = |of: &dyn Fn(&EpisodeRecord) -> Option<String>| -> ArrayRef {
-        Arc::new(rows.iter().map(|(r, _)| of(r)).collect::<StringArray>())
-    };
-    let times = |of: &dyn Fn(&EpisodeRecord) -> i64| -> ArrayRef {
-        Arc::new(Int64Array::from_iter_values(rows.iter().map(|(r, _)| of(r))))
-    };
-    let frames = |of: &dyn Fn(&EpisodeRecord) -> u32| -> ArrayRef {
-        let value = |r| i32::try_from(of(r)).unwrap_or(i32::MAX);
-        Arc::new(Int32Array::from_iter_values(rows.iter().map(|(r, _)| value(r))))
-    };
+    let records: Vec<&EpisodeRecord> = rows.iter().map(|(r, _)| r).collect();
     let lines = |of: &dyn Fn(&LineSpan) -> Option<i64>| -> ArrayRef {
         Arc::new(Int64Array::from_iter_values(rows.iter().map(|(_, l)| of(l).unwrap_or(i64::MAX))))
     };
-    let scores: ArrayRef = Arc::new(Float64Array::from_iter_values(rows.iter().map(|(r, _)| r.score)));
-    let primary: ArrayRef = Arc::new(rows.iter().map(|(r, _)| Some(r.is_primary)).collect::<BooleanArray>());
+    let mut columns = record_columns(&records);
+    columns.push((LINE_START, DataType::Int64, false, lines(&|l| i64::try_from(l.start).ok())));
+    columns.push((LINE_BYTES, DataType::Int64, false, lines(&|l| i64::try_from(l.len).ok())));
+    batch(columns)
+}
+
+/// The table of these episodes, as `episodes.parquet` has it but for the places of lines: what is in memory has none.
+///
+/// # Errors
+/// Never for records whose columns fit into memory.
+pub fn episode_table(records: &[&EpisodeRecord]) -> Result<RecordBatch, ArrowError> {
+    batch(record_columns(records))
+}
+
+fn record_columns(rows: &[&EpisodeRecord]) -> Vec<EpisodeColumn> {
+    use DataType::{Boolean, Float64, Int32, Int64, Utf8};
+    let texts = |of: &dyn Fn(&EpisodeRecord) -> String| -> ArrayRef {
+        Arc::new(StringArray::from_iter_values(rows.iter().map(|r| of(r))))
+    };
+    let maybe = |of: &dyn Fn(&EpisodeRecord) -> Option<String>| -> ArrayRef {
+        Arc::new(rows.iter().map(|r| of(r)).collect::<StringArray>())
+    };
+    let times = |of: &dyn Fn(&EpisodeRecord) -> i64| -> ArrayRef {
+        Arc::new(Int64Array::from_iter_values(rows.iter().map(|r| of(r))))
+    };
+    let frames = |of: &dyn Fn(&EpisodeRecord) -> u32| -> ArrayRef {
+        let value = |r: &EpisodeRecord| i32::try_from(of(r)).unwrap_or(i32::MAX);
+        Arc::new(Int32Array::from_iter_values(rows.iter().map(|r| value(r))))
+    };
+    let scores: ArrayRef = Arc::new(Float64Array::from_iter_values(rows.iter().map(|r| r.score)));
+    let primary: ArrayRef = Arc::new(rows.iter().map(|r| Some(r.is_primary)).collect::<BooleanArray>());
     let start_frame = |r: &EpisodeRecord| r.time_range.start_frame_idx.unwrap_or_default();
     let end_frame = |r: &EpisodeRecord| r.time_range.end_frame_idx.unwrap_or_default();
-    let columns: Vec<(&str, DataType, bool, ArrayRef)> = vec![
+    vec![
         (EPISODE_ID, Utf8, false, texts(&|r| r.episode_id.clone())),
         (SCENARIO_ID, Utf8, false, texts(&|r| r.scenario_id.to_string())),
         (DRIVE_ID, Utf8, false, texts(&|r| r.drive_id.to_string())),
@@ -72,9 +91,10 @@ pub(super) fn episode_batch(rows: &[(EpisodeRecord, LineSpan)]) -> Result<Record
         (SCORE, Float64, false, scores),
         (IS_PRIMARY, Boolean, false, primary),
         ("primary_episode_id", Utf8, true, maybe(&|r| r.primary_episode_id.clone())),
-        (LINE_START, Int64, false, lines(&|l| i64::try_from(l.start).ok())),
-        (LINE_BYTES, Int64, false, lines(&|l| i64::try_from(l.len).ok())),
-    ];
+    ]
+}
+
+fn batch(columns: Vec<EpisodeColumn>) -> Result<RecordBatch, ArrowError> {
     let fields: Vec<Field> = columns.iter().map(|(n, t, null, _)| Field::new(*n, t.clone(), *null)).collect();
     let arrays = columns.into_iter().map(|(.., a)| a).collect();
     RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
