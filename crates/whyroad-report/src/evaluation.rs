@@ -8,7 +8,7 @@
 //! keyframes first. Nothing here knows how an episode was found.
 
 mod figures;
-mod matching;
+pub(crate) mod matching;
 pub mod scenario_mining;
 mod text;
 pub mod truth;

@@ -85,6 +85,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         )],
     ),
     (
+        "compare",
+        &[("Before and after a change of a rule", "whyroad compare mined mined-new --labels accepted.jsonl --examples")],
+    ),
+    (
         "serve",
         &[
             ("Bundled drives, nothing to prepare", "whyroad serve"),

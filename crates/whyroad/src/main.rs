@@ -64,6 +64,8 @@ enum Command {
     Rules(cmd::rules::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
+    /// Compare two mined folders: gained, lost, reclassified, moved
+    Compare(cmd::compare::Args),
     /// Run the labelling service: the page and its API
     Serve(cmd::serve::Args),
     /// Make, list, export and import labelling tasks
@@ -106,6 +108,7 @@ fn main() -> ExitCode {
         Command::Explain(a) => cmd::explain::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
+        Command::Compare(a) => cmd::compare::run(&cli.global, a),
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
         Command::Accounts(a) => cmd::accounts::run(&cli.global, a),

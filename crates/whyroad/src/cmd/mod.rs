@@ -2,6 +2,7 @@
 
 pub(crate) mod accounts;
 pub(crate) mod backup;
+pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod explain;

@@ -1,0 +1,261 @@
+//! Two mined folders compared: what was gained, lost, reclassified, moved in time, or changed its primary class. Used for
+//! a changed rule, another version, or another signal derivation over the same drives.
+//!
+//! An episode of one side and an episode of the other are the same moment when they are on one drive and target and
+//! [`Moment::match_error`] says so. Pairs of one class are made first; what is left is paired across classes.
+
+mod text;
+
+pub use text::render;
+
+use crate::evaluation::matching::{Moment, pairs};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::{DriveId, ScenarioId};
+
+/// Keyframes that differ by more than this are moved, s: half a frame at 10 Hz.
+pub const MOVED_S: f64 = 0.05;
+/// Examples that are named per class and change.
+pub const EXAMPLES: usize = 5;
+
+/// A change of an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// Only in the second folder.
+    Gained,
+    /// Only in the first folder.
+    Lost,
+    /// The same moment has another class in the second folder.
+    Reclassified,
+    /// The same moment and class, another keyframe.
+    Moved,
+    /// The same moment and class, primary in one folder and secondary in the other.
+    Primary,
+}
+
+impl Change {
+    /// All changes, in the order of their columns.
+    pub const ALL: [Self; 5] = [Self::Gained, Self::Lost, Self::Reclassified, Self::Moved, Self::Primary];
+}
+
+/// One changed episode.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChangedEpisode {
+    /// What changed.
+    pub change: Change,
+    /// The episode's id in the first folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub before: Option<String>,
+    /// The episode's id in the second folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// The class in the second folder, where it is another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub class_after: Option<ScenarioId>,
+    /// Keyframe of the second minus keyframe of the first, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub keyframe_shift_s: Option<f64>,
+    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for what is lost
+    /// or reclassified, a label of the class before. `None` where no labels were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<bool>,
+}
+
+/// Counts of one class.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ClassComparison {
+    /// Episodes in the first folder.
+    pub before: usize,
+    /// Episodes in the second folder.
+    pub after: usize,
+    /// Episodes by change.
+    pub changes: BTreeMap<Change, usize>,
+    /// Of these, moments that people accepted with this class; `None` where no labels were given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accepted: Option<BTreeMap<Change, usize>>,
+    /// The first of each change, by id.
+    pub examples: Vec<ChangedEpisode>,
+}
+
+/// The comparison of two folders.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Comparison {
+    /// Drives that both searched.
+    pub drives: usize,
+    /// Drives that only the first searched; their episodes are not compared.
+    pub only_before: Vec<DriveId>,
+    /// Drives that only the second searched.
+    pub only_after: Vec<DriveId>,
+    /// Episodes that are the same in both.
+    pub unchanged: usize,
+    /// By class; a reclassified episode counts with its class before.
+    pub classes: BTreeMap<ScenarioId, ClassComparison>,
+}
+
+/// A moment that a person accepted as being of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AcceptedMoment {
+    /// The drive.
+    pub drive: DriveId,
+    /// The class.
+    pub scenario: ScenarioId,
+    /// The keyframe, nanoseconds since 1970.
+    pub keyframe: whyroad_model::Nanos,
+}
+
+/// An accepted label belongs to an episode whose keyframe is no further away, s.
+const ACCEPTED_WITHIN_S: f64 = 1.0;
+
+/// Compares the episodes of two folders. `drives_*` are the drives that each searched; `accepted`, where it is given,
+/// judges the changes.
+pub fn compare(
+    (drives_before, before): (&[DriveId], &[EpisodeRecord]),
+    (drives_after, after): (&[DriveId], &[EpisodeRecord]),
+    accepted: Option<&[AcceptedMoment]>,
+) -> Comparison {
+    let first: BTreeSet<&DriveId> = drives_before.iter().collect();
+    let second: BTreeSet<&DriveId> = drives_after.iter().collect();
+    let mut out = Comparison {
+        drives: first.intersection(&second).count(),
+        only_before: first.difference(&second).map(|d| (*d).clone()).collect(),
+        only_after: second.difference(&first).map(|d| (*d).clone()).collect(),
+        ..Comparison::default()
+    };
+    let (before, after) = (by_subject(before), by_subject(after));
+    let none = Vec::new();
+    let subjects: BTreeSet<&Subject<'_>> = before.keys().chain(after.keys()).collect();
+    for subject in subjects {
+        if !(first.contains(subject.0) && second.contains(subject.0)) {
+            continue;
+        }
+        let a = before.get(subject).unwrap_or(&none);
+        let b = after.get(subject).unwrap_or(&none);
+        out.add(a, b, accepted);
+    }
+    out
+}
+
+/// Drive and target.
+type Subject<'e> = (&'e DriveId, Option<&'e str>);
+
+fn by_subject(episodes: &[EpisodeRecord]) -> BTreeMap<Subject<'_>, Vec<&EpisodeRecord>> {
+    let mut out: BTreeMap<Subject<'_>, Vec<&EpisodeRecord>> = BTreeMap::new();
+    for e in episodes {
+        out.entry((&e.drive_id, e.target_id.as_ref().map(|t| t.as_str()))).or_default().push(e);
+    }
+    out
+}
+
+impl Comparison {
+    /// Compares the episodes of one drive and target.
+    fn add(&mut self, before: &[&EpisodeRecord], after: &[&EpisodeRecord], accepted: Option<&[AcceptedMoment]>) {
+        for e in before {
+            self.class(&e.scenario_id, accepted).before += 1;
+        }
+        for e in after {
+            self.class(&e.scenario_id, accepted).after += 1;
+        }
+        let close = |a: &EpisodeRecord, b: &EpisodeRecord| {
+            Moment::of_episode(a).match_error(&Moment::of_episode(b))
+        };
+        let same_class = pairs(before.len(), after.len(), |i, j| {
+            (before[i].scenario_id == after[j].scenario_id).then(|| close(before[i], after[j])).flatten()
+        });
+        let (mut paired_a, mut paired_b): (BTreeSet<usize>, BTreeSet<usize>) = (BTreeSet::new(), BTreeSet::new());
+        for (i, j) in same_class {
+            paired_a.insert(i);
+            paired_b.insert(j);
+            self.same(before[i], after[j], accepted);
+        }
+        let left: Vec<usize> = (0..before.len()).filter(|i| !paired_a.contains(i)).collect();
+        let right: Vec<usize> = (0..after.len()).filter(|j| !paired_b.contains(j)).collect();
+        for (i, j) in pairs(left.len(), right.len(), |i, j| close(before[left[i]], after[right[j]])) {
+            let (a, b) = (before[left[i]], after[right[j]]);
+            paired_a.insert(left[i]);
+            paired_b.insert(right[j]);
+            self.change(a, Some(a), Some(b), Change::Reclassified, accepted);
+        }
+        for i in (0..before.len()).filter(|i| !paired_a.contains(i)) {
+            self.change(before[i], Some(before[i]), None, Change::Lost, accepted);
+        }
+        for j in (0..after.len()).filter(|j| !paired_b.contains(j)) {
+            self.change(after[j], None, Some(after[j]), Change::Gained, accepted);
+        }
+    }
+
+    /// A moment that has one class in both folders.
+    fn same(&mut self, a: &EpisodeRecord, b: &EpisodeRecord, accepted: Option<&[AcceptedMoment]>) {
+        let moved = Moment::of_episode(a).lateness(&Moment::of_episode(b)).abs() > MOVED_S;
+        if moved {
+            self.change(a, Some(a), Some(b), Change::Moved, accepted);
+        }
+        if a.is_primary != b.is_primary {
+            self.change(a, Some(a), Some(b), Change::Primary, accepted);
+        }
+        if !moved && a.is_primary == b.is_primary {
+            self.unchanged += 1;
+        }
+    }
+
+    fn change(
+        &mut self,
+        of: &EpisodeRecord,
+        a: Option<&EpisodeRecord>,
+        b: Option<&EpisodeRecord>,
+        change: Change,
+        accepted: Option<&[AcceptedMoment]>,
+    ) {
+        let judged = accepted.map(|labels| {
+            labels.iter().any(|l| {
+                l.drive == of.drive_id
+                    && l.scenario == of.scenario_id
+                    && l.keyframe.seconds_since(of.keyframe.timestamp).abs() <= ACCEPTED_WITHIN_S
+            })
+        });
+        let both = a.zip(b);
+        let shift = both.map(|(a, b)| Moment::of_episode(a).lateness(&Moment::of_episode(b)));
+        let changed = ChangedEpisode {
+            change,
+            before: a.map(|e| e.episode_id.clone()),
+            after: b.map(|e| e.episode_id.clone()),
+            class_after: both.filter(|(a, b)| a.scenario_id != b.scenario_id).map(|(_, b)| b.scenario_id.clone()),
+            keyframe_shift_s: shift,
+            accepted: judged,
+        };
+        let class = self.class(&of.scenario_id, accepted);
+        *class.changes.entry(change).or_default() += 1;
+        if let (Some(counts), Some(true)) = (&mut class.accepted, judged) {
+            *counts.entry(change).or_default() += 1;
+        }
+        if class.examples.iter().filter(|e| e.change == change).count() < EXAMPLES {
+            class.examples.push(changed);
+        }
+    }
+
+    fn class(&mut self, id: &ScenarioId, accepted: Option<&[AcceptedMoment]>) -> &mut ClassComparison {
+        self.classes.entry(id.clone()).or_insert_with(|| ClassComparison {
+            accepted: accepted.map(|_| BTreeMap::new()),
+            ..ClassComparison::default()
+        })
+    }
+
+    /// Episodes of all classes with this change.
+    pub fn total(&self, change: Change) -> usize {
+        self.classes.values().filter_map(|c| c.changes.get(&change)).sum()
+    }
+
+    /// Moments that people accepted, of those with this change; `None` where no labels were given.
+    pub fn total_accepted(&self, change: Change) -> Option<usize> {
+        let all: Option<Vec<usize>> = self
+            .classes
+            .values()
+            .map(|c| c.accepted.as_ref().map(|a| a.get(&change).copied().unwrap_or(0)))
+            .collect();
+        all.map(|n| n.into_iter().sum())
+    }
+}
+
+#[cfg(test)]
+mod tests;

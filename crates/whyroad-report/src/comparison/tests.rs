@@ -1,0 +1,86 @@
+//! Comparisons of episodes made by hand; expected counts follow from the definitions in the module's documentation.
+
+use super::*;
+use crate::fixture;
+use whyroad_model::Nanos;
+
+/// An episode of a class with its keyframe at `s` seconds.
+fn episode(class: &str, s: f64) -> EpisodeRecord {
+    let drive = fixture::drive("d");
+    let mut e = fixture::episode(&drive);
+    let at = |t: f64| Nanos((t * 1e9) as i64);
+    e.scenario_id = class.parse().unwrap();
+    e.episode_id = format!("{class}_{s}");
+    e.keyframe.timestamp = at(s);
+    e.time_range.start_timestamp = at(s - 1.0);
+    e.time_range.end_timestamp = at(s + 1.0);
+    e
+}
+
+const URGENT: &str = "reactive_agent.cutin.urgent";
+const SLOW: &str = "reactive_agent.cutin.slow";
+
+fn compared(before: &[EpisodeRecord], after: &[EpisodeRecord]) -> Comparison {
+    let drives: Vec<DriveId> = vec!["d".into()];
+    compare((&drives, before), (&drives, after), None)
+}
+
+#[test]
+fn a_folder_against_itself_has_no_change() {
+    let all = [episode(URGENT, 10.0), episode(SLOW, 30.0)];
+    let c = compared(&all, &all);
+    assert_eq!(c.unchanged, 2);
+    assert!(Change::ALL.iter().all(|ch| c.total(*ch) == 0));
+}
+
+#[test]
+fn each_kind_of_change_is_counted_once() {
+    let mut secondary = episode(SLOW, 70.0);
+    secondary.is_primary = false;
+    let before = [episode(URGENT, 10.0), episode(URGENT, 30.0), episode(SLOW, 50.0), episode(SLOW, 70.0)];
+    let after = [episode(SLOW, 10.1), episode(URGENT, 30.4), secondary, episode(URGENT, 90.0)];
+    let c = compared(&before, &after);
+    let counts: Vec<usize> = Change::ALL.iter().map(|ch| c.total(*ch)).collect();
+    // Gained at 90 s, lost at 50 s, reclassified at 10 s, moved at 30 s, another primary at 70 s.
+    assert_eq!(counts, [1, 1, 1, 1, 1]);
+    let moved = &c.classes[&URGENT.parse().unwrap()].examples;
+    let shift = moved.iter().find(|e| e.change == Change::Moved).and_then(|e| e.keyframe_shift_s).unwrap();
+    assert!((shift - 0.4).abs() < 1e-9);
+}
+
+#[test]
+fn exchanging_the_sides_exchanges_gained_and_lost() {
+    let before = [episode(URGENT, 10.0), episode(SLOW, 50.0)];
+    let after = [episode(URGENT, 10.0), episode(URGENT, 90.0), episode(SLOW, 120.0)];
+    let (one, other) = (compared(&before, &after), compared(&after, &before));
+    assert_eq!(one.total(Change::Gained), other.total(Change::Lost));
+    assert_eq!(one.total(Change::Lost), other.total(Change::Gained));
+    assert_eq!(one.unchanged, other.unchanged);
+}
+
+#[test]
+fn drives_that_one_side_did_not_search_are_named_and_not_lost() {
+    let before = [episode(URGENT, 10.0)];
+    let c = compare((&["d".into()], &before), (&["e".into()], &[]), None);
+    assert_eq!((c.drives, c.total(Change::Lost)), (0, 0));
+    assert_eq!((c.only_before, c.only_after), (vec!["d".into()], vec!["e".into()]));
+}
+
+#[test]
+fn changes_are_judged_by_accepted_labels() {
+    let before = [episode(URGENT, 10.0), episode(URGENT, 30.0)];
+    let after = [episode(SLOW, 50.0), episode(SLOW, 70.0)];
+    let accepted = |class: &str, s: f64| AcceptedMoment {
+        drive: "d".into(),
+        scenario: class.parse().unwrap(),
+        keyframe: Nanos((s * 1e9) as i64),
+    };
+    let labels = [accepted(URGENT, 10.4), accepted(SLOW, 50.0), accepted(SLOW, 70.9), accepted(URGENT, 50.0)];
+    let drives: Vec<DriveId> = vec!["d".into()];
+    let c = compare((&drives, &before), (&drives, &after), Some(&labels));
+    assert_eq!(c.total_accepted(Change::Gained), Some(2));
+    assert_eq!(c.total_accepted(Change::Lost), Some(1));
+    let text = render(&c, whyroad_model::Lang::En, true);
+    assert!(text.contains("gains 2, loses 1 that people accepted"), "{text}");
+    assert!(text.lines().all(|l| l.chars().count() <= 120), "{text}");
+}
