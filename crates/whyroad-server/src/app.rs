@@ -7,7 +7,7 @@ use crate::recordings::Recordings;
 use crate::service::scene::cache::SceneCache;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
-use crate::store::Store;
+use crate::store::{Store, Tx};
 use crate::{secret, values};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -32,6 +32,8 @@ pub struct App {
     pub recordings: Arc<dyn Recordings>,
     /// The time.
     pub clock: Clock,
+    /// By whose clock leases expire.
+    pub lease_clock: LeaseClock,
     /// Failed sign-ins.
     pub limits: Limits,
     /// Scenes that were asked for last.
@@ -52,6 +54,15 @@ pub struct App {
     pub setup_token: Option<String>,
     /// Where people can sign in beside here.
     pub oidc: Option<Provider>,
+}
+
+/// By whose clock leases expire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeaseClock {
+    /// The database's, where it is another machine's; else the service's.
+    Store,
+    /// The service's own: for tests, which turn it.
+    Service,
 }
 
 /// Whether cookies are for HTTPS only.
@@ -90,6 +101,7 @@ impl App {
             checker: Checker::new(framework),
             recordings,
             clock: Arc::new(wall_clock),
+            lease_clock: LeaseClock::Store,
             limits: Limits::default(),
             scenes: SceneCache::default(),
             csrf_key,
@@ -101,6 +113,14 @@ impl App {
             setup_token: None,
             oidc: None,
         })
+    }
+
+    /// Now as leases have it, ms since 1970: services on several machines go by one clock, that of their store.
+    pub fn lease_now(&self, tx: &mut dyn Tx) -> Answer<i64> {
+        match self.lease_clock {
+            LeaseClock::Service => Ok(self.now()),
+            LeaseClock::Store => Ok(tx.clock()?.unwrap_or_else(|| self.now())),
+        }
     }
 
     /// Now, ms since 1970.

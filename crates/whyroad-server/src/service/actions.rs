@@ -3,7 +3,7 @@
 
 use crate::app::App;
 use crate::domain::project::Project;
-use crate::domain::task::{ActionName, NewComment, TaskAction};
+use crate::domain::task::{ActionName, Finding, NewComment, TaskAction};
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
@@ -19,17 +19,57 @@ use whyroad_model::{FORMAT_VERSION, Nanos};
 /// Maximum length of a comment or reason, characters.
 const TEXT: usize = 4000;
 
-/// Does `request` to the task `id`. `name` is the actor's name to sign in with: it goes into the label.
+/// What the checker said of a draft before the transaction that acts on it: checking may take long, and a transaction that
+/// writes keeps everybody waiting.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// Version of the draft that was checked.
+    version: i64,
+    /// The draft as it will be.
+    draft: Value,
+    /// What was changed in it.
+    changes: Vec<FieldChange>,
+    /// What was found.
+    found: Vec<Finding>,
+}
+
+/// Checks the draft of `t` where `request` asks for it. `name` goes into the label.
+pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64) -> Answer<Option<Checked>> {
+    let mut draft = t.draft.clone();
+    let (changes, found) = match request.action.in_workflow() {
+        Some(Action::LockStage1) => (vec![], findings::of(app, &draft, Stage::Stage1)),
+        Some(Action::Submit) => {
+            let changes = made_by(app, name, now)?;
+            changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
+            let found = findings::of(app, &draft, Stage::Stage2);
+            (changes, found)
+        }
+        _ => return Ok(None),
+    };
+    Ok(Some(Checked { version: t.version, draft, changes, found }))
+}
+
+/// Code of the refusal to act on a draft that has changed since it was checked: to be checked again.
+pub const CHANGED_SINCE: &str = "draft.changed";
+
+fn current(checked: Option<&Checked>, t: &TaskRow) -> Answer<Checked> {
+    checked.filter(|c| c.version == t.version).cloned().ok_or_else(|| {
+        Problem::new(409, CHANGED_SINCE, "草稿刚被修改，请重试", "the draft was changed just now: try again")
+    })
+}
+
+/// Does `request` to the task `id`; `checked` is what [`check`] gave for it.
 pub fn act(
     app: &App,
     tx: &mut dyn Tx,
     id: &str,
-    (actor, name): (&Actor, &str),
+    actor: &Actor,
     project: &Project,
     request: &TaskAction,
+    checked: Option<&Checked>,
 ) -> Answer<TaskRow> {
     let mut t = tasks::get_for_change(tx, id)?;
-    let now = app.now();
+    let now = app.lease_now(tx)?;
     let reason = reason(request.reason.as_deref())?;
     check_texts(&request.comments)?;
     let Some(action) = request.action.in_workflow() else {
@@ -54,9 +94,12 @@ pub fn act(
     let mut changes = Vec::new();
     let mut snapshot = None;
     match action {
-        Action::LockStage1 => lockable(app, &t)?,
+        Action::LockStage1 => lockable(&t, current(checked, &t)?.found)?,
         Action::Submit => {
-            changes = finish(app, &mut t, name, now)?;
+            let checked = current(checked, &t)?;
+            refuse_errors(checked.found)?;
+            (t.draft, changes) = (checked.draft, checked.changes);
+            t.version += 1;
             // Whole, so that what was handed in can be compared without putting it together.
             snapshot = Some(t.draft.clone());
         }
@@ -150,7 +193,7 @@ fn need_reason(action: Action, reason: Option<&str>, comments: &[NewComment]) ->
 }
 
 /// Stage I locks only with a component and without errors in what will stay as it is.
-fn lockable(app: &App, t: &TaskRow) -> Answer<()> {
+fn lockable(t: &TaskRow, found: Vec<Finding>) -> Answer<()> {
     let described = |c: &Value| c["description"].as_str().is_some_and(|d| !d.trim().is_empty());
     let any = t.draft.get("critical_components").and_then(Value::as_array);
     if !any.is_some_and(|list| list.iter().any(described)) {
@@ -161,10 +204,10 @@ fn lockable(app: &App, t: &TaskRow) -> Answer<()> {
             "Stage I needs at least one critical component",
         ));
     }
-    refuse_errors(findings::of(app, &t.draft, Stage::Stage1))
+    refuse_errors(found)
 }
 
-fn refuse_errors(found: Vec<crate::domain::task::Finding>) -> Answer<()> {
+fn refuse_errors(found: Vec<Finding>) -> Answer<()> {
     if !findings::has_error(&found) {
         return Ok(());
     }
@@ -172,8 +215,8 @@ fn refuse_errors(found: Vec<crate::domain::task::Finding>) -> Answer<()> {
         .with(json!({ "findings": found })))
 }
 
-/// Notes who made the label, and refuses one with errors. What was changed.
-fn finish(app: &App, t: &mut TaskRow, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
+/// Who made the label, as changes of it.
+fn made_by(app: &App, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
     let made = Provenance {
         source: ProvenanceSource::Person,
         by: Some(name.to_owned()),
@@ -183,13 +226,7 @@ fn finish(app: &App, t: &mut TaskRow, name: &str, now: i64) -> Answer<Vec<FieldC
     };
     let set = |path: &str, value: Value| FieldChange { path: path.to_owned(), value, remove: false };
     let made = serde_json::to_value(made).map_err(Problem::store)?;
-    let changes = vec![set("/provenance", made), set("/version", json!(FORMAT_VERSION))];
-    for c in &changes {
-        merge::apply(&mut t.draft, c)?;
-    }
-    refuse_errors(findings::of(app, &t.draft, Stage::Stage2))?;
-    t.version += 1;
-    Ok(changes)
+    Ok(vec![set("/provenance", made), set("/version", json!(FORMAT_VERSION))])
 }
 
 fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {

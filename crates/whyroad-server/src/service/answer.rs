@@ -1,12 +1,12 @@
 //! The whole answer about one task: what may be seen of it, what may be done with it, what the checker finds.
 
 use crate::app::App;
-use crate::domain::task::{Suggestion, Task};
+use crate::domain::task::{Finding, Suggestion, Task};
 use crate::domain::workflow::{Actor, Stage};
 use crate::problem::Answer;
+use crate::service::permissions;
 use crate::service::tasks::{self, TaskRow};
 use crate::service::visible::{comments, label};
-use crate::service::{findings, permissions};
 use crate::store::Tx;
 use crate::values;
 
@@ -22,8 +22,9 @@ fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
     row.map_or(Ok(0), |r| r.int("n"))
 }
 
-/// The whole answer about one task.
-pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Task> {
+/// The whole answer about one task. `found` is what the checker finds in its draft; checking takes long, and so is done
+/// outside of transactions.
+pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<Finding>) -> Answer<Task> {
     let names = tasks::names(tx)?;
     let stage = t.at.state.stage();
     let shown = label(&t.draft, stage);
@@ -41,7 +42,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Ta
         suggestion: suggestion(t),
         comments: comments(tx, t, &actor.id, &names)?,
         history_count,
-        findings: findings::of(app, &t.draft, stage),
+        findings: found,
         permissions: permissions::of(tx, t, actor)?,
         changed_from_suggestion: changed(t, stage),
         task: tasks::summary(t, &names),

@@ -19,7 +19,7 @@ pub fn lease(t: &TaskRow) -> Lease {
 /// Takes `t`: refused while another has a live lease. A new author of Stage I starts from the suggestion, not from
 /// somebody else's text.
 pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings, now: i64) -> Answer<()> {
-    let next = may_take(tx, t, actor, now)?;
+    let next = may_take(tx, t, actor, settings, now)?;
     let others = matches!(t.at.state, State::Open | State::Stage1)
         && t.at.author().is_some_and(|a| a != actor.id)
         && t.draft != t.initial;
@@ -44,10 +44,26 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     tasks::update(tx, t)
 }
 
+/// True while a lease lasts. One that would last longer than any lease was given by a clock that has since been set back:
+/// a jump must not lengthen it.
+fn is_live(t: &TaskRow, settings: &Settings, now: i64) -> bool {
+    t.lease_until.is_some_and(|until| until > now && until - now <= lease_ms(settings))
+}
+
+/// Length of a lease, ms.
+pub(super) fn lease_ms(settings: &Settings) -> i64 {
+    i64::from(settings.lease_s) * 1000
+}
+
 /// Where `t` would stand in the hands of `actor`, or why they may not have it. Changes nothing.
-pub(super) fn may_take(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, now: i64) -> Answer<Position> {
-    let live = t.lease_until.is_some_and(|until| until > now);
-    if live && t.at.holder.as_deref().is_some_and(|h| h != actor.id) {
+pub(super) fn may_take(
+    tx: &mut dyn Tx,
+    t: &TaskRow,
+    actor: &Actor,
+    settings: &Settings,
+    now: i64,
+) -> Answer<Position> {
+    if is_live(t, settings, now) && t.at.holder.as_deref().is_some_and(|h| h != actor.id) {
         return Err(Problem::new(409, "lease.held", "该任务已由他人领取", "somebody else holds this task")
             .with(json!({ "lease_until": t.lease_until })));
     }
@@ -91,7 +107,7 @@ fn only_one_of_a_group(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
 }
 
 fn renew(t: &mut TaskRow, settings: &Settings, now: i64) {
-    t.lease_until = Some(now + i64::from(settings.lease_s) * 1000);
+    t.lease_until = Some(now + lease_ms(settings));
 }
 
 /// Lets only the holder with the newest token through.

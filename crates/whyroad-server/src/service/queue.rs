@@ -58,10 +58,14 @@ pub fn next(
     now: i64,
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
+    // One that would last longer than any lease is from before a clock was set back.
+    let lease = leases::lease_ms(&project.settings);
+    let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
     for condition in queue(kind) {
+        let condition = condition.replace("EXPIRED", &expired);
         let mut from = 0;
         loop {
-            let found = candidates(tx, condition, &project.id, &worker, now, from)?;
+            let found = candidates(tx, &condition, &project.id, &worker, now, from)?;
             for (id, scenario) in &found {
                 let own = condition.contains("holder = $2") || condition.contains("assigned = $2");
                 if !own && !worker.labels(scenario) {
@@ -144,7 +148,7 @@ fn why_not(
         return Ok(Some(QueueReason::Classes));
     }
     let actor = seen::actor(tx, t, &user.id, roles, project.settings.history)?;
-    match leases::may_take(tx, t, &actor, now) {
+    match leases::may_take(tx, t, &actor, &project.settings, now) {
         Ok(_) => Ok(None),
         Err(p) if p.status >= 500 => Err(p),
         Err(p) => Ok(Some(match p.code {
@@ -160,7 +164,7 @@ fn why_not(
 }
 
 /// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
-/// order. `$2` is the user, `$3` now, `$4` the worker's languages
+/// order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages
 /// (`zh,en`), of which a task's is one or none; all are in each, as PostgreSQL wants it.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
@@ -169,20 +173,20 @@ fn queue(kind: WorkKind) -> &'static [&'static str] {
             "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'open' AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
-            "state = 'stage1' AND lease_until < $3 AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> ''",
+            "state = 'stage1' AND EXPIRED AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> ''",
         ],
         WorkKind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'submitted' AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
              AND $4 LIKE '%' || lang || '%' AND CAST($3 AS BIGINT) >= 0",
-            "state = 'in_check' AND lease_until < $3 AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
+            "state = 'in_check' AND EXPIRED AND author <> $2 AND (adjudication IS NULL OR adjudication = 'chosen')
              AND $4 LIKE '%' || lang || '%'",
         ],
         WorkKind::Audit => &[
             "holder = $2 AND state = 'in_audit' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "state = 'checked' AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'
              AND CAST($3 AS BIGINT) >= 0",
-            "state = 'in_audit' AND lease_until < $3 AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'",
+            "state = 'in_audit' AND EXPIRED AND author <> $2 AND checker <> $2 AND $4 LIKE '%' || lang || '%'",
         ],
     }
 }

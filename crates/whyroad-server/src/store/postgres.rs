@@ -262,6 +262,11 @@ impl Tx for Running<'_> {
         self.rows(sql, crate::values![table])?.iter().map(|r| r.text("name")).collect()
     }
 
+    fn clock(&mut self) -> Answer<Option<i64>> {
+        let sql = "SELECT CAST(extract(epoch FROM clock_timestamp()) * 1000 AS BIGINT) AS now";
+        self.row(sql, &[])?.map(|r| r.int("now")).transpose()
+    }
+
     fn lock(&self) -> &'static str {
         " FOR UPDATE"
     }

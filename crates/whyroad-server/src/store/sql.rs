@@ -117,6 +117,11 @@ pub trait Tx {
     /// What makes a SELECT keep its rows from other writers: ` FOR UPDATE`, or nothing where there is one writer.
     fn lock(&self) -> &'static str;
 
+    /// The database's own clock, ms since 1970, where it has one that services on several machines share.
+    fn clock(&mut self) -> Answer<Option<i64>> {
+        Ok(None)
+    }
+
     /// The only row, where there is one.
     fn row(&mut self, sql: &str, values: &[Value]) -> Answer<Option<Row>> {
         Ok(self.rows(sql, values)?.into_iter().next())

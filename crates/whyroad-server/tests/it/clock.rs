@@ -31,10 +31,23 @@ pub fn a_clock_that_jumps_gives_no_task_twice(world: &World) {
     // Whom a Stage I no longer concerns, to them it is not there.
     assert_eq!(late.refusal(), (404, "not_found".to_owned()));
 
-    // Back again, to before the second lease began: it still stands, and the first does not come to life.
+    // Back again, to before the second lease began: whoever works renews it, and the first does not come to life.
     world.wait(-2 * DAY);
     assert_eq!(first.set(&[("/critical_components", component("later"))]).refusal().0, 404);
-    assert_ne!(take(&one).status, 200);
     assert_eq!(second.set(&[("/critical_components", component("second"))]).status, 200);
+    assert_ne!(take(&one).status, 200);
     assert_eq!(second.view()["draft"]["critical_components"][0]["description"], "second");
+}
+
+pub fn a_clock_that_jumps_makes_no_lease_longer(world: &World) {
+    let admin = world.admin();
+    let p = world.project(&admin, "p", &json!({}));
+    let task = world.tasks(&admin, &p, &["drive1"], 1).remove(0);
+    let one = world.person(&admin, &p, "one", &["annotator"]);
+    let two = world.person(&admin, &p, "two", &["annotator"]);
+    // Taken while the clock was two hours ahead, and left alone: a lease is five minutes.
+    world.wait(7200);
+    Work::take(&one, &task);
+    world.wait(-7200 + 301);
+    assert_eq!(Work::next(&two, &p, "label").map(|w| w.task), Some(task));
 }

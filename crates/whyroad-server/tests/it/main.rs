@@ -78,6 +78,7 @@ suite! {
     drafts::an_older_token_writes_nothing,
     drafts::a_task_is_never_held_twice,
     clock::a_clock_that_jumps_gives_no_task_twice,
+    clock::a_clock_that_jumps_makes_no_lease_longer,
     drafts::an_earlier_draft_comes_back,
     drafts::in_stage_one_the_end_of_the_keyframes_range_survives_unseen,
     group::overlaps_are_blind_until_all_are_in_then_one_is_chosen,

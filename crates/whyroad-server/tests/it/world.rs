@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::time::Duration;
 use whyroad_framework::Framework;
 use whyroad_server::App;
+use whyroad_server::app::LeaseClock;
 use whyroad_server::store::{Store, StoreLocation};
 
 /// 2026-11-21T16:00:00Z in ms.
@@ -60,6 +61,7 @@ impl World {
         let mut app = App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap();
         let hands = Arc::clone(&clock);
         app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
+        app.lease_clock = LeaseClock::Service;
         set_up(&mut app);
         let app = Arc::new(app);
         let runtime =

@@ -6,16 +6,18 @@ use crate::api::reply::Reply;
 use crate::domain::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
+use crate::service::tasks::TaskRow;
 use crate::service::{actions, drafts, findings, projects, tasks, visible};
 use whyroad_label::merge::MAX_DRAFT;
 
 /// `PATCH /tasks/{t}/draft`
 pub fn save(call: &Call<'_>) -> Answer<Reply> {
     let change: DraftChange = call.body()?;
-    let (id, user, now) = (call.param("t").to_owned(), call.user()?.id.clone(), call.app.now());
+    let (id, user, app) = (call.param("t").to_owned(), call.user()?.id.clone(), call.app.clone());
     let project = call.grant.project()?.to_owned();
     let saved = call.app.store.write(move |tx| {
         let settings = projects::get(tx, &project)?.settings;
+        let now = app.lease_now(tx)?;
         drafts::save(tx, &id, &user, &settings, &change, now)
     })?;
     let t = saved.task;
@@ -24,23 +26,37 @@ pub fn save(call: &Call<'_>) -> Answer<Reply> {
         version: t.version,
         findings: findings::of(call.app, &t.draft, stage),
         merged: (saved.merged == Merged::Yes).then(|| visible::label(&t.draft, stage)),
-        lease_until: t.lease_until.unwrap_or(now),
+        lease_until: t.lease_until.unwrap_or_default(),
     })
 }
+
+/// Times that a draft is checked again because it changed meanwhile.
+const CHECKS: usize = 5;
 
 /// `POST /tasks/{t}/actions`
 pub fn act(call: &Call<'_>) -> Answer<Reply> {
     let request: TaskAction = call.body()?;
+    let mut tries = 1;
+    loop {
+        match act_once(call, &request) {
+            Err(p) if p.code == actions::CHANGED_SINCE && tries < CHECKS => tries += 1,
+            Ok(t) => return answer(call, &t),
+            Err(p) => return Err(p),
+        }
+    }
+}
+
+fn act_once(call: &Call<'_>, request: &TaskAction) -> Answer<TaskRow> {
     let (id, user, app) = (call.param("t").to_owned(), call.user()?.clone(), call.app.clone());
-    let project = call.grant.project()?.to_owned();
-    let task = call.app.store.write(move |tx| {
+    let before = app.store.read(|tx| tasks::get(tx, &id))?;
+    let checked = actions::check(&app, &before, &user.name, request, app.now())?;
+    let (project, request) = (call.grant.project()?.to_owned(), request.clone());
+    call.app.store.write(move |tx| {
         let project = projects::get(tx, &project)?;
         let before = tasks::get_for_change(tx, &id)?;
         let actor = actor(tx, &before, &user)?;
-        let t = actions::act(&app, tx, &id, (&actor, &user.name), &project, &request)?;
-        answer(&app, tx, &t, &user)
-    })?;
-    Reply::json(&task)
+        actions::act(&app, tx, &id, &actor, &project, &request, checked.as_ref())
+    })
 }
 
 /// `POST /tasks/{t}/validate`

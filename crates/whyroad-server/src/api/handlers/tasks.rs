@@ -3,17 +3,15 @@
 use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::app::App;
 use crate::domain::people::User;
 use crate::domain::task::{
-    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState, Task,
-    WorkKind,
+    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState, WorkKind,
 };
 use crate::domain::workflow::{Actor, Role, Seen};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::service::{
-    actions, answer, create, history, leases, list as listing, people, projects, queue, seen, tasks,
+    actions, answer, create, findings, history, leases, list as listing, people, projects, queue, seen, tasks,
 };
 use crate::store::Tx;
 use whyroad_model::messages::EpisodeFilter;
@@ -59,13 +57,13 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
 pub fn next(call: &Call<'_>) -> Answer<Reply> {
     let NextTask { kind } = call.body()?;
     let (app, user, roles) = (call.app.clone(), call.user()?.clone(), call.grant.roles.clone());
-    let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
+    let project = call.grant.project()?.to_owned();
     let found = call.app.store.write(move |tx| {
         let project = projects::get(tx, &project)?;
-        let Some(t) = queue::next(tx, &project, &user, &roles, kind, now)? else { return Ok(None) };
-        answer(&app, tx, &t, &user).map(Some)
+        let now = app.lease_now(tx)?;
+        queue::next(tx, &project, &user, &roles, kind, now)
     })?;
-    found.map_or_else(|| Ok(Reply::nothing()), |task| Reply::json(&task))
+    found.map_or_else(|| Ok(Reply::nothing()), |t| answer(call, &t))
 }
 
 /// `GET /projects/{p}/queue`
@@ -81,9 +79,10 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
             ));
         }
     };
-    let (user, now) = (call.user()?, call.app.now());
+    let user = call.user()?;
     let reasons = call.app.store.read(|tx| {
         let project = projects::get(tx, call.grant.project()?)?;
+        let now = call.app.lease_now(tx)?;
         queue::why_nothing(tx, &project, user, &call.grant.roles, kind, now)
     })?;
     Reply::json(&QueueState { reasons: reasons.into_iter().collect() })
@@ -100,10 +99,15 @@ pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     Ok(t)
 }
 
-/// The answer about a task, to `user`.
-pub fn answer(app: &App, tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Task> {
-    let actor = actor(tx, t, user)?;
-    answer::task(app, tx, t, &actor)
+/// The answer about a task as it is in `t`.
+pub fn answer(call: &Call<'_>, t: &TaskRow) -> Answer<Reply> {
+    let user = call.user()?;
+    let found = findings::of(call.app, &t.draft, t.at.state.stage());
+    let task = call.app.store.read(|tx| {
+        let actor = actor(tx, t, user)?;
+        answer::task(call.app, tx, t, &actor, found.clone())
+    })?;
+    Reply::json(&task)
 }
 
 /// The user as an actor on the task.
@@ -115,16 +119,15 @@ pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &User) -> Answer<Actor> {
 
 /// `GET /tasks/{t}`
 pub fn show(call: &Call<'_>) -> Answer<Reply> {
-    let t = look(call)?;
-    let user = call.user()?;
-    Reply::json(&call.app.store.read(|tx| answer(call.app, tx, &t, user))?)
+    answer(call, &look(call)?)
 }
 
 /// `POST /tasks/{t}/lease`
 pub fn lease(call: &Call<'_>) -> Answer<Reply> {
     let request: LeaseRequest = call.body()?;
-    let (id, user, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
+    let (id, user, app) = (call.param("t").to_owned(), call.user()?.clone(), call.app.clone());
     let lease = call.app.store.write(move |tx| {
+        let now = app.lease_now(tx)?;
         let mut t = tasks::get_for_change(tx, &id)?;
         let settings = projects::get(tx, &t.project)?.settings;
         let actor = actor(tx, &t, &user)?;
@@ -153,8 +156,7 @@ pub fn lease(call: &Call<'_>) -> Answer<Reply> {
 pub fn assign(call: &Call<'_>) -> Answer<Reply> {
     let Assign { user: wanted } = call.body()?;
     let (id, caller, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
-    let app = call.app.clone();
-    let task = call.app.store.write(move |tx| {
+    let t = call.app.store.write(move |tx| {
         let mut t = tasks::get_for_change(tx, &id)?;
         t.assigned = match &wanted {
             None => None,
@@ -183,9 +185,9 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
         history::record(tx, &mut t, &entry, now)?;
         tasks::update(tx, &t)?;
         seen::show(tx, &t, &caller.id)?;
-        answer(&app, tx, &t, &caller)
+        Ok(t)
     })?;
-    Reply::json(&task)
+    answer(call, &t)
 }
 
 /// Nobody is given a task to begin whose future they know.
