@@ -3,8 +3,6 @@
 //! What a step computes is in the crate of that step (ingest, signals, mining); this crate reads what the step needs
 //! from the lake, runs it on all cores, keeps what can be used again, and gives results in the order of drive ids.
 
-pub mod drives;
-pub mod inspect;
 pub mod media;
 pub mod mine;
 pub mod output;
@@ -12,7 +10,7 @@ pub mod recordings;
 mod states;
 
 pub use states::{ObjectStates, States, states};
-pub use whyroad_signals::{MetaActions, meta_actions};
+pub use whyroad_signals::{MetaActions, VERSION as SIGNALS_VERSION, meta_actions};
 
 #[cfg(test)]
 use whyroad_mining::{language, rule};

@@ -1,9 +1,11 @@
-//! Scenes and charts as markup: the bird's-eye view of one moment and the plot of one signal.
+//! Scenes and charts: the bird's-eye view of one moment as markup or PNG, the plot of one signal, bar charts.
 //!
 //! Nothing here decides what is shown: callers choose the frame, the target and the signals.
 
+pub mod bars;
 pub mod birds_eye;
 pub mod markup;
 pub mod plot;
+pub mod raster;
 pub mod traces;
 mod view;

@@ -38,6 +38,23 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ("Options of a format", "whyroad ingest comma2k19 --dbc car.dbc --lake lake logs/"),
         ],
     ),
+    ("dataset init", &[("A commented spec", "whyroad dataset init dataset.yaml")]),
+    (
+        "dataset build",
+        &[
+            (
+                "From the accepted labels of the service",
+                "whyroad dataset build --spec dataset.yaml --labels whyroad-data --lake lake --out release",
+            ),
+            (
+                "From mined episodes, drafted by rule and marked as drafts",
+                "whyroad dataset build --spec dataset.yaml --labels mined --drafts --lake lake --out release",
+            ),
+        ],
+    ),
+    ("dataset verify", &[("Everything", "whyroad dataset verify release")]),
+    ("dataset diff", &[("What changed", "whyroad dataset diff release-1 release-2")]),
+    ("dataset show", &[("By the beginning of its id", "whyroad dataset show release 3f2a")]),
     (
         "inspect",
         &[

@@ -76,6 +76,8 @@ enum Command {
     Backup(cmd::backup::BackupArgs),
     /// Read a backup into an empty store
     Restore(cmd::backup::RestoreArgs),
+    /// Build, check, compare and show data sets
+    Dataset(cmd::dataset::Args),
     /// Write the coverage report
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
@@ -114,6 +116,7 @@ fn main() -> ExitCode {
         Command::Accounts(a) => cmd::accounts::run(&cli.global, a),
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),
+        Command::Dataset(a) => cmd::dataset::run(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),
         Command::Completions(a) => cmd::shell::completions(a),

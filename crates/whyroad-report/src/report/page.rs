@@ -20,7 +20,7 @@ pub(super) struct DriveLine {
     licence: Option<String>,
     seconds: f64,
     tracks: usize,
-    pub(super) episodes: usize,
+    episodes: usize,
     missing: Vec<Need>,
 }
 

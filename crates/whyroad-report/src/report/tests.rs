@@ -26,15 +26,14 @@ pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
 fn page(name: &str, max_cards: usize) -> String {
     let (coverage, infos) = (coverage(), infos());
     let drive = drive(name);
-    let context = ReportContext {
+    let mut report = ReportBuilder::new(ReportContext {
         framework: Framework::bundled(),
         coverage: &coverage,
         signals: &infos,
         lang: Lang::En,
-    };
-    let mut report = ReportBuilder::new(context);
-    let chosen = CardChoice::new(max_cards).choose(vec![episode(&drive)]);
-    report.add(DrivePart::new(&context, &drive, &signals(&drive), &chosen));
+        max_cards,
+    });
+    report.add_drive(&drive, &signals(&drive), &[episode(&drive)]);
     report.finish()
 }
 

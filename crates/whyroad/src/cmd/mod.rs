@@ -3,6 +3,7 @@
 pub(crate) mod accounts;
 pub(crate) mod backup;
 pub(crate) mod compare;
+pub(crate) mod dataset;
 pub(crate) mod demo;
 pub(crate) mod evaluate;
 pub(crate) mod explain;

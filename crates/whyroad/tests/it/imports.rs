@@ -77,7 +77,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 /// Crates that only one of ours may depend on: each isolates something heavy or something that must not leak.
 const ONLY_IN: &[(&str, &[&str])] = &[
     // The lake's tables, mining's results, and ingest for other people's Parquet files (AV2 motion, `table`).
-    ("parquet", &["whyroad-fuzz", "whyroad-lake", "whyroad-engine", "whyroad-ingest"]),
+    ("parquet", &["whyroad-fuzz", "whyroad-lake", "whyroad-engine", "whyroad-ingest", "whyroad-dataset"]),
     ("arrow-ipc", &["whyroad-ingest", "whyroad-fuzz"]),
     ("quick-xml", &["whyroad-ingest"]),
     ("axum", &["whyroad-server"]),

@@ -1,0 +1,159 @@
+//! Stage 5: caps and weights for the training split, and what is missing in it. A leaf or L2 that is at or below its floor is
+//! never thinned; what is rare is never repeated, only weighted.
+
+use crate::item::{Dropped, Item, SplitName, Stage};
+use crate::labels::Names;
+use crate::spec::Balance;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use whyroad_framework::Framework;
+use whyroad_model::ScenarioId;
+
+/// What the stage did; part of the manifest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BalanceReport {
+    /// Training samples dropped over a cap.
+    pub capped: usize,
+    /// Cells of leaf x decisions x place in training.
+    pub cells: usize,
+    /// Classes below their floor.
+    pub shortfalls: Vec<Shortfall>,
+}
+
+/// A class with too few training samples.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shortfall {
+    /// L2 or leaf.
+    pub scenario_id: String,
+    /// Its floor.
+    pub wanted: usize,
+    /// What training has.
+    pub present: usize,
+    /// File of the mining query, relative to the release; `None` when the class has no rule that a query can express.
+    pub query: Option<String>,
+}
+
+type Cell = (u32, Option<u8>, Option<u8>, u32);
+
+fn cell(item: &Item) -> Cell {
+    let cut = item.cut.as_deref();
+    (item.class, cut.and_then(|c| c.longitudinal), cut.and_then(|c| c.lateral), item.place_cell)
+}
+
+/// Drops what is over a cap, sets the weights, and lists what is missing.
+pub(crate) fn balance(
+    items: &mut [Item],
+    classes: &Names,
+    framework: &Framework,
+    spec: &Balance,
+    seed: u64,
+) -> BalanceReport {
+    let mut report = BalanceReport { capped: cap(items, classes, spec, seed), ..BalanceReport::default() };
+    let mut cells: BTreeMap<Cell, usize> = BTreeMap::new();
+    for item in training(items) {
+        *cells.entry(cell(item)).or_default() += 1;
+    }
+    report.cells = cells.len();
+    weigh(items, &cells, spec);
+    report.shortfalls = shortfalls(items, classes, framework, spec);
+    report
+}
+
+fn training(items: &[Item]) -> impl Iterator<Item = &Item> {
+    items.iter().filter(|i| i.kept() && i.split == Some(SplitName::Train))
+}
+
+fn cap(items: &mut [Item], classes: &Names, spec: &Balance, seed: u64) -> usize {
+    let mut by_class: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    let mut by_l2: BTreeMap<String, usize> = BTreeMap::new();
+    for (i, item) in items.iter().enumerate() {
+        if item.kept() && item.split == Some(SplitName::Train) {
+            by_class.entry(item.class).or_default().push(i);
+            *by_l2.entry(l2(classes.get(item.class))).or_default() += 1;
+        }
+    }
+    let mut dropped = 0;
+    for (class, mut members) in by_class {
+        let name = l2(classes.get(class));
+        // The order in which samples stay: by a hash, so that neither time nor drive decides.
+        members.sort_by_cached_key(|&i| {
+            let mut hash = blake3::Hasher::new();
+            hash.update(&seed.to_le_bytes());
+            hash.update(&items[i].id);
+            *hash.finalize().as_bytes()
+        });
+        // Cells take turns, so that a cap thins the full cells first.
+        let mut of_cell: BTreeMap<Cell, usize> = BTreeMap::new();
+        let mut turns: Vec<(usize, usize)> = members
+            .iter()
+            .map(|&i| {
+                let turn = of_cell.entry(cell(&items[i])).or_default();
+                *turn += 1;
+                (*turn, i)
+            })
+            .collect();
+        turns.sort_by_key(|t| t.0);
+        let mut left = turns.len();
+        for (turn, i) in turns.iter().rev() {
+            let over_cell = spec.cap_cell.is_some_and(|cap| *turn > cap);
+            let over_leaf = spec.cap_leaf.is_some_and(|cap| left > cap);
+            let l2_left = by_l2.get(&name).copied().unwrap_or(0);
+            if (over_cell || over_leaf) && left > spec.floor_leaf && l2_left > spec.floor_l2 {
+                let reason = if over_cell { "cap_cell" } else { "cap_leaf" };
+                items[*i].dropped = Some(Dropped::with(Stage::Balance, reason, classes.get(class)));
+                left -= 1;
+                by_l2.entry(name.clone()).and_modify(|n| *n -= 1);
+                dropped += 1;
+            }
+        }
+    }
+    dropped
+}
+
+fn l2(class: &str) -> String {
+    class.split('.').take(2).collect::<Vec<_>>().join(".")
+}
+
+/// The weight of a cell falls with its size to the power of the exponent; limited, with mean 1.
+fn weigh(items: &mut [Item], cells: &BTreeMap<Cell, usize>, spec: &Balance) {
+    let n: usize = cells.values().sum();
+    if n == 0 {
+        return;
+    }
+    let raw = |size: usize| (size as f64).powf(-spec.weight_exponent);
+    let mean = cells.values().map(|&size| size as f64 * raw(size)).sum::<f64>() / n as f64;
+    let limited = |size: usize| (raw(size) / mean).min(spec.max_weight);
+    let scale = cells.values().map(|&size| size as f64 * limited(size)).sum::<f64>() / n as f64;
+    for item in items.iter_mut().filter(|i| i.kept()) {
+        item.weight = match (item.split, cells.get(&cell(item))) {
+            (Some(SplitName::Train), Some(&size)) => limited(size) / scale,
+            _ => 1.0,
+        };
+    }
+}
+
+fn shortfalls(items: &[Item], classes: &Names, framework: &Framework, spec: &Balance) -> Vec<Shortfall> {
+    let mut present: BTreeMap<ScenarioId, usize> = BTreeMap::new();
+    for item in training(items) {
+        if let Ok(id) = classes.get(item.class).parse::<ScenarioId>() {
+            let whole = ScenarioId { l3: None, ..id.clone() };
+            if id.is_leaf() {
+                *present.entry(id).or_default() += 1;
+            }
+            *present.entry(whole).or_default() += 1;
+        }
+    }
+    let mut out = Vec::new();
+    for id in framework.taxonomy.ids() {
+        let wanted = match (&id.l2, &id.l3) {
+            (Some(_), None) => spec.floor_l2,
+            (Some(_), Some(_)) => spec.floor_leaf,
+            _ => 0,
+        };
+        let has = present.get(&id).copied().unwrap_or(0);
+        if has < wanted {
+            out.push(Shortfall { scenario_id: id.to_string(), wanted, present: has, query: None });
+        }
+    }
+    out
+}

@@ -1,0 +1,191 @@
+//! Stage 2 over all drives, on all cores: each drive is read once, its samples go to one file, and what the later stages need
+//! stays in memory. Drives that an interrupted build finished are taken from their files.
+
+use super::{State, Step};
+use crate::DatasetError;
+use crate::cut::{Candidate, Cutter};
+use crate::item::{Cut, Dropped, Item, Stage, id_text};
+use crate::labels::LabelRecord;
+use crate::records::{RecordWriter, read_record, read_value, write_value};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use whyroad_engine::mine::signals_of;
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Nanos};
+
+type Outcome = Result<Cut, Dropped>;
+
+/// Cuts every kept item. Gives the number of drives that were there already.
+pub(super) fn cut(
+    state: &mut State<'_>,
+    progress: &(dyn Fn(Step, usize, usize) -> bool + Sync),
+) -> Result<usize, DatasetError> {
+    let mut by_drive: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (i, item) in state.labels.items.iter().enumerate().filter(|(_, i)| i.kept()) {
+        by_drive.entry(item.drive).or_default().push(i);
+    }
+    let jobs: Vec<(u32, Vec<usize>)> = by_drive.into_iter().collect();
+    let (done, resumed, stopped) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
+    let shared = &*state;
+    // One drive after the other on each core: their sizes differ, and each is work enough.
+    let results: Vec<Result<Option<Vec<Outcome>>, DatasetError>> = jobs
+        .par_iter()
+        .with_max_len(1)
+        .map(|(drive, items)| {
+            if stopped.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let facts = shared.work.facts(*drive as usize);
+            let outcomes = match read_value::<Vec<Outcome>>(&facts) {
+                Ok(outcomes) if outcomes.len() == items.len() => {
+                    resumed.fetch_add(1, Ordering::Relaxed);
+                    outcomes
+                }
+                _ => {
+                    let outcomes = cut_drive(shared, *drive, items)?;
+                    write_value(&facts, &outcomes)?;
+                    outcomes
+                }
+            };
+            let n = done.fetch_add(1, Ordering::Relaxed) + 1;
+            if !progress(Step::Cut, n, jobs.len()) {
+                stopped.store(true, Ordering::Relaxed);
+            }
+            Ok(Some(outcomes))
+        })
+        .collect();
+    let mut unreadable = BTreeMap::new();
+    for ((drive, items), result) in jobs.iter().zip(results) {
+        let Some(outcomes) = result? else { return Err(DatasetError::Stopped) };
+        for (i, outcome) in items.iter().zip(outcomes) {
+            match outcome {
+                Ok(cut) => state.labels.items[*i].cut = Some(Box::new(cut)),
+                Err(dropped) => {
+                    if dropped.reason == "drive_unreadable" {
+                        unreadable.insert(*drive, dropped.detail.clone().unwrap_or_default());
+                    }
+                    state.labels.items[*i].dropped = Some(dropped);
+                }
+            }
+        }
+    }
+    for (drive, why) in unreadable {
+        let name = state.labels.drives.get(drive);
+        state.diagnostics.push(Diagnostic::warning(
+            "dataset.drive.unreadable",
+            Bilingual::new(
+                format!("行程 {name} 无法读取，其样本未收入：{why}"),
+                format!("drive {name} cannot be read, its samples are left out: {why}"),
+            ),
+        ));
+    }
+    summary(state);
+    Ok(resumed.into_inner())
+}
+
+/// The samples of one drive, appended to its file as they are made.
+fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outcome>, DatasetError> {
+    let inputs = state.inputs;
+    let id = DriveId::from(state.labels.drives.get(drive));
+    let content = match inputs.lake.read_drive(&id) {
+        Ok(content) => content,
+        Err(e) => {
+            let dropped = Dropped::with(Stage::Sample, "drive_unreadable", e.to_string());
+            return Ok(items.iter().map(|_| Err(dropped.clone())).collect());
+        }
+    };
+    let candidates: Vec<Candidate<'_>> =
+        items.iter().map(|&i| candidate(state, &state.labels.items[i])).collect::<Result<_, _>>()?;
+    // Signals of the whole drive are needed only to draft what nobody has labelled.
+    let signals = if candidates.iter().any(|c| c.label.is_episode) {
+        let version = whyroad_engine::SIGNALS_VERSION;
+        let stored = inputs.lake.signals(&id, version)?.and_then(|file| file.read_table(0).ok());
+        Some(match stored {
+            Some(table) => table,
+            None => signals_of(inputs.lake, &id)?,
+        })
+    } else {
+        None
+    };
+    let licence = state.selected.licences.get(&drive).map_or("", String::as_str);
+    let cutter = Cutter::new(
+        &inputs.spec,
+        (inputs.framework, inputs.lang),
+        (&content, signals),
+        licence,
+        &inputs.media,
+    );
+    let mut out = RecordWriter::create(&state.work.samples(drive as usize))?;
+    let mut outcomes = Vec::with_capacity(candidates.len());
+    for candidate in &candidates {
+        outcomes.push(match cutter.cut(candidate) {
+            Ok((sample, mut cut)) => {
+                cut.at = out.append(&sample)?;
+                Ok(cut)
+            }
+            Err(dropped) => Err(dropped),
+        });
+    }
+    out.finish()?;
+    Ok(outcomes)
+}
+
+fn candidate<'a>(state: &'a State<'_>, item: &Item) -> Result<Candidate<'a>, DatasetError> {
+    let path = state.work.labels();
+    let label: LabelRecord = read_record(&path, item.label)?;
+    let other = item.other.map(|at| read_record(&path, at)).transpose()?;
+    Ok(Candidate {
+        id: id_text(item.id),
+        keyframe: Nanos(item.keyframe_ns),
+        status: state.labels.statuses.get(item.status),
+        checked: item.checked,
+        label,
+        other,
+    })
+}
+
+/// One line for incomplete windows and one for missing images, however many samples there are.
+fn summary(state: &mut State<'_>) {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for item in &state.labels.items {
+        if let Some(d) = &item.dropped {
+            let kind = match &*d.reason {
+                "history" | "future" => "window",
+                "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing" => "image",
+                _ => continue,
+            };
+            *counts.entry(kind).or_default() += 1;
+        }
+    }
+    let (window, image) = (counts.get("window").copied(), counts.get("image").copied());
+    if let Some(n) = window {
+        state.diagnostics.push(
+            Diagnostic::warning(
+                "dataset.window.incomplete",
+                Bilingual::new(
+                    format!("{n} 个样本的窗口超出行程，未收入"),
+                    format!("{n} samples are left out because their window reaches beyond the drive"),
+                ),
+            )
+            .with_hint(Bilingual::new(
+                "缩短 sample.history_s 或 sample.future_s，或设 sample.incomplete: keep",
+                "shorten sample.history_s or sample.future_s, or set sample.incomplete: keep",
+            )),
+        );
+    }
+    if let Some(n) = image {
+        state.diagnostics.push(
+            Diagnostic::warning(
+                "dataset.image.missing",
+                Bilingual::new(
+                    format!("{n} 个样本缺少图像，未收入"),
+                    format!("{n} samples are left out because an image is missing"),
+                ),
+            )
+            .with_hint(Bilingual::new(
+                "用 --media 指定图像文件夹，或设 sample.images: cameras_or_bev",
+                "name the folder of the images with --media, or set sample.images: cameras_or_bev",
+            )),
+        );
+    }
+}

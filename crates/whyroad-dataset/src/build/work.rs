@@ -1,0 +1,79 @@
+//! The work folder `.<name>.partial` beside the output.
+
+use crate::DatasetError;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A work folder.
+pub(super) struct Work {
+    dir: PathBuf,
+}
+
+impl Work {
+    /// Opens or makes the folder.
+    pub fn open(out: &Path) -> Result<Self, DatasetError> {
+        let name = out.file_name().unwrap_or_default().to_string_lossy();
+        let dir = out.with_file_name(format!(".{name}.partial"));
+        fs::create_dir_all(&dir).map_err(DatasetError::io(&dir))?;
+        Ok(Self { dir })
+    }
+
+    /// Makes it the folder of a build with these inputs; what another one left is refused or discarded.
+    pub fn claim(&mut self, key: &str, restart: bool) -> Result<(), DatasetError> {
+        let path = self.dir.join("inputs");
+        match fs::read_to_string(&path) {
+            Ok(found) if found == key => {}
+            Ok(_) if !restart => return Err(DatasetError::OtherWork(self.dir.clone())),
+            _ => {
+                for part in [self.parts(), self.release()] {
+                    remove(&part)?;
+                }
+                fs::write(&path, key).map_err(DatasetError::io(&path))?;
+            }
+        }
+        for dir in [self.parts(), self.release()] {
+            fs::create_dir_all(&dir).map_err(DatasetError::io(&dir))?;
+        }
+        Ok(())
+    }
+
+    /// Labels that were read.
+    pub fn labels(&self) -> PathBuf {
+        self.dir.join("labels.records")
+    }
+
+    fn parts(&self) -> PathBuf {
+        self.dir.join("parts")
+    }
+
+    /// Samples of a drive.
+    pub fn samples(&self, drive: usize) -> PathBuf {
+        self.parts().join(format!("{drive:06}.records"))
+    }
+
+    /// What the later stages need of the samples of a drive; there when all of them are cut.
+    pub fn facts(&self, drive: usize) -> PathBuf {
+        self.parts().join(format!("{drive:06}.facts"))
+    }
+
+    /// The release in the making.
+    pub fn release(&self) -> PathBuf {
+        self.dir.join("release")
+    }
+
+    /// Renames the release into place and removes the rest.
+    pub fn publish(self, out: &Path) -> Result<(), DatasetError> {
+        if out.exists() {
+            return Err(DatasetError::Exists(out.to_owned()));
+        }
+        fs::rename(self.release(), out).map_err(DatasetError::io(out))?;
+        remove(&self.dir)
+    }
+}
+
+fn remove(dir: &Path) -> Result<(), DatasetError> {
+    match fs::remove_dir_all(dir) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(DatasetError::io(dir)(e)),
+        _ => Ok(()),
+    }
+}

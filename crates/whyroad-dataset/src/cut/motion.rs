@@ -1,0 +1,322 @@
+//! The ego around the keyframe: a window of the drive, and its pose at regular steps in the frame of the ego at t0.
+
+use super::known;
+use crate::sample::{EgoBox, Trajectory};
+use crate::spec::{Cut, Reference};
+use whyroad_engine::{MetaActions, States, meta_actions, states};
+use whyroad_model::scene::{Ego, EgoBus, Motion, Track};
+use whyroad_model::{Drive, Nanos};
+
+/// Seconds of the drive before the history that the states may use: an estimator needs some run-up.
+const RUN_UP_S: f64 = 3.0;
+/// Steps are interpolated between frames that are at most this far apart, s.
+const LARGEST_GAP_S: f64 = 0.25;
+/// A frame this near to a step is taken as it is, s.
+const SAME_S: f64 = 0.001;
+
+/// The ego's reference point at t0 in the world.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pose {
+    pub x: f64,
+    pub y: f64,
+    pub z: f64,
+    pub heading: f64,
+}
+
+impl Pose {
+    /// A world point in the frame of this pose.
+    pub fn local(&self, x: f64, y: f64) -> (f64, f64) {
+        let (s, c) = self.heading.sin_cos();
+        let (dx, dy) = (x - self.x, y - self.y);
+        (dx * c + dy * s, -dx * s + dy * c)
+    }
+
+    /// A world vector in the axes of this pose.
+    pub fn turned(&self, vx: f64, vy: f64) -> (f64, f64) {
+        let (s, c) = self.heading.sin_cos();
+        (vx * c + vy * s, -vx * s + vy * c)
+    }
+
+    /// A world heading relative to this pose, in (-pi, pi].
+    pub fn relative(&self, heading: f64) -> f64 {
+        wrap(heading - self.heading)
+    }
+}
+
+pub(crate) fn wrap(a: f64) -> f64 {
+    let t = std::f64::consts::TAU;
+    let w = a.rem_euclid(t);
+    if w > std::f64::consts::PI { w - t } else { w }
+}
+
+/// A stretch of a drive around the keyframe, with what is known of it.
+pub(crate) struct Window {
+    /// The stretch: without map, lights, context and media.
+    pub drive: Drive,
+    /// Frame of t0 in it.
+    pub t0: usize,
+    /// Known at t0.
+    pub past: States,
+    /// Known afterwards.
+    pub whole: States,
+    pub pose: Pose,
+    /// From the reference point forward to the box centre, m.
+    pub to_centre: f64,
+    past_actions: Option<MetaActions>,
+    whole_actions: Option<MetaActions>,
+}
+
+impl Window {
+    /// `None` when the ego has no pose at `frame`.
+    pub fn around(drive: &Drive, frame: usize, cut: &Cut) -> Option<Self> {
+        let time = drive.times[frame];
+        let first = drive.times.partition_point(|t| *t < time.plus_secs(-cut.history_s - RUN_UP_S));
+        let end = drive.times.partition_point(|t| *t <= time.plus_secs(cut.future_s + 0.5));
+        let stretch = stretch(drive, first, end);
+        let t0 = frame - first;
+        let (past, whole) = (states(&stretch, t0 + 1), states(&stretch, stretch.frame_count()));
+        let ego = stretch.ego.as_ref()?;
+        let to_centre = match cut.reference {
+            // Only a point behind the box centre can be a rear axle; a front bumper or the centre itself cannot.
+            Reference::RearAxle if ego.reference_to_centre_m > 0.3 && ego.reference_to_centre_m < 6.0 => {
+                ego.reference_to_centre_m
+            }
+            _ => 0.0,
+        };
+        let motion = past.ego.as_ref()?;
+        let (x, y, z, heading) =
+            (*motion.x.get(t0)?, *motion.y.get(t0)?, *motion.z.get(t0)?, *motion.heading.get(t0)?);
+        if !(x.is_finite() && y.is_finite() && heading.is_finite()) {
+            return None;
+        }
+        let (s, c) = heading.sin_cos();
+        let pose = Pose { x: x - to_centre * c, y: y - to_centre * s, z, heading };
+        let past_actions = meta_actions(&self::stretch(&stretch, 0, t0 + 1));
+        let whole_actions = meta_actions(&stretch);
+        Some(Self { drive: stretch, t0, past, whole, pose, to_centre, past_actions, whole_actions })
+    }
+
+    pub fn time(&self) -> Nanos {
+        self.drive.times[self.t0]
+    }
+
+    /// Steps up to and with t0, from what was known then.
+    pub fn history(&self, cut: &Cut) -> Trajectory {
+        let (before, _) = cut.steps();
+        self.trajectory(-before..=0, cut.rate_hz, self.past.ego.as_ref(), self.past_actions.as_ref())
+    }
+
+    /// Steps after t0.
+    pub fn future(&self, cut: &Cut) -> Trajectory {
+        let (_, after) = cut.steps();
+        self.trajectory(1..=after, cut.rate_hz, self.whole.ego.as_ref(), self.whole_actions.as_ref())
+    }
+
+    fn trajectory(
+        &self,
+        steps: std::ops::RangeInclusive<i32>,
+        rate_hz: f64,
+        motion: Option<&Motion>,
+        actions: Option<&MetaActions>,
+    ) -> Trajectory {
+        let mut out = Trajectory { complete: true, ..Trajectory::default() };
+        let nothing = Motion::default();
+        let motion = motion.unwrap_or(&nothing);
+        for step in steps {
+            let t = f64::from(step) / rate_hz;
+            out.t_s.push(t as f32);
+            let between = self.frames_at(t, motion.len());
+            let at = |v: &[f64]| between.map_or(f64::NAN, |(a, b, w)| mix(v, a, b, w));
+            let heading = between.map_or(f64::NAN, |(a, b, w)| {
+                let (from, to) = (motion.heading[a], motion.heading[b]);
+                from + w * wrap(to - from)
+            });
+            let (s, c) = heading.sin_cos();
+            let (x, y) = self.pose.local(at(&motion.x) - self.to_centre * c, at(&motion.y) - self.to_centre * s);
+            out.complete &= x.is_finite() && y.is_finite() && heading.is_finite();
+            out.x.push(known(x));
+            out.y.push(known(y));
+            out.z.push(known(at(&motion.z) - self.pose.z));
+            out.heading.push(known(self.pose.relative(heading)));
+            out.speed.push(known(at(&motion.vx) * c + at(&motion.vy) * s));
+            out.accel.push(known(at(&motion.accel)));
+            out.yaw_rate.push(known(at(&motion.yaw_rate)));
+            let action = |values: Option<&Vec<Option<String>>>| {
+                let (a, b, w) = between?;
+                values?.get(if w < 0.5 { a } else { b })?.clone()
+            };
+            out.meta_longitudinal.push(action(actions.map(|m| &m.longitudinal)));
+            out.meta_lateral.push(action(actions.map(|m| &m.lateral)));
+        }
+        out
+    }
+
+    /// The two frames around `t_s` from t0 and the weight of the second; `None` outside the frames and in gaps. Only the
+    /// first `frames` frames count, so that a step of the past never leans on a later frame.
+    fn frames_at(&self, t_s: f64, frames: usize) -> Option<(usize, usize, f64)> {
+        let times = &self.drive.times[..frames.min(self.drive.times.len())];
+        let t0 = self.time();
+        let at = |i: usize| times[i].seconds_since(t0);
+        let after = times.partition_point(|t| t.seconds_since(t0) < t_s - SAME_S);
+        if after < times.len() && (at(after) - t_s).abs() <= SAME_S {
+            return Some((after, after, 0.0));
+        }
+        let before = after.checked_sub(1)?;
+        let gap = at(after.min(times.len() - 1)) - at(before);
+        (after < times.len() && gap <= LARGEST_GAP_S).then(|| (before, after, (t_s - at(before)) / gap))
+    }
+
+    pub fn ego_box(&self, cut: &Cut) -> EgoBox {
+        let ego = self.drive.ego.as_ref();
+        let size = |f: fn(&Ego) -> f64| ego.and_then(|e| known(f(e)).filter(|v| *v > 0.0));
+        let axle = cut.reference == Reference::RearAxle && self.to_centre > 0.0;
+        EgoBox {
+            length_m: size(|e| e.length_m),
+            width_m: size(|e| e.width_m),
+            height_m: size(|e| e.height_m),
+            reference: if axle { "rear_axle" } else { "box_centre" }.to_owned(),
+            reference_to_centre_m: self.to_centre as f32,
+        }
+    }
+}
+
+fn mix(v: &[f64], a: usize, b: usize, w: f64) -> f64 {
+    match (v.get(a), v.get(b)) {
+        (Some(p), _) if a == b => *p,
+        (Some(p), Some(q)) => p + w * (q - p),
+        _ => f64::NAN,
+    }
+}
+
+/// Frames `first..end` of a drive: meta data, ego and tracks.
+fn stretch(drive: &Drive, first: usize, end: usize) -> Drive {
+    let part = |v: &Vec<f64>| v.get(first..end.min(v.len())).unwrap_or_default().to_vec();
+    let motion = |m: &Motion| Motion {
+        x: part(&m.x),
+        y: part(&m.y),
+        z: part(&m.z),
+        heading: part(&m.heading),
+        vx: part(&m.vx),
+        vy: part(&m.vy),
+        accel: part(&m.accel),
+        yaw_rate: part(&m.yaw_rate),
+    };
+    Drive {
+        meta: drive.meta.clone(),
+        times: drive.times[first..end].to_vec(),
+        ego: drive.ego.as_ref().map(|e| Ego {
+            motion: motion(&e.motion),
+            // Bus signals are not needed for states; a shorter copy would have to cut each of them.
+            bus: EgoBus::default(),
+            length_m: e.length_m,
+            width_m: e.width_m,
+            height_m: e.height_m,
+            reference_to_centre_m: e.reference_to_centre_m,
+        }),
+        tracks: drive.tracks.iter().filter_map(|t| track(t, first, end)).collect(),
+        ..Drive::default()
+    }
+}
+
+fn track(t: &Track, first: usize, end: usize) -> Option<Track> {
+    let (a, b) = (
+        t.frames.partition_point(|&f| (f as usize) < first),
+        t.frames.partition_point(|&f| (f as usize) < end),
+    );
+    if a == b {
+        return None;
+    }
+    let part = |v: &Vec<f64>| v.get(a..b).unwrap_or_default().to_vec();
+    let m = &t.motion;
+    Some(Track {
+        id: t.id.clone(),
+        class: t.class,
+        source_class: t.source_class.clone(),
+        frames: t.frames[a..b].iter().map(|f| f - first as u32).collect(),
+        motion: Motion {
+            x: part(&m.x),
+            y: part(&m.y),
+            z: part(&m.z),
+            heading: part(&m.heading),
+            vx: part(&m.vx),
+            vy: part(&m.vy),
+            accel: part(&m.accel),
+            yaw_rate: part(&m.yaw_rate),
+        },
+        length_m: part(&t.length_m),
+        width_m: part(&t.width_m),
+        height_m: part(&t.height_m),
+        interior_points: part(&t.interior_points),
+        turn_signal: vec![],
+        visible_share: vec![],
+        occluder: vec![],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// Driving north (heading 90 degrees) at 10 m/s, frames at 10 Hz, a gap of half a second before frame 60.
+    fn drive() -> Drive {
+        let t = |i: usize| if i < 60 { i as f64 / 10.0 } else { i as f64 / 10.0 + 0.5 };
+        let n = 120;
+        let motion = Motion {
+            x: vec![100.0; n],
+            y: (0..n).map(|i| 10.0 * t(i)).collect(),
+            z: vec![0.0; n],
+            heading: vec![FRAC_PI_2; n],
+            vx: vec![0.0; n],
+            vy: vec![10.0; n],
+            accel: vec![0.0; n],
+            yaw_rate: vec![0.0; n],
+        };
+        Drive {
+            times: (0..n).map(|i| Nanos::from_secs_f64(t(i))).collect(),
+            ego: Some(Ego { motion, reference_to_centre_m: 1.4, length_m: 4.8, ..Ego::default() }),
+            ..Drive::default()
+        }
+    }
+
+    #[test]
+    fn the_past_is_behind_and_the_future_ahead_in_the_frame_of_t0() {
+        let cut = Cut::default();
+        let w = Window::around(&drive(), 30, &cut).unwrap();
+        assert_eq!((w.pose.x, w.pose.y), (100.0, 30.0 - 1.4));
+        let h = w.history(&cut);
+        assert_eq!(h.t_s.len(), 21);
+        assert!(h.complete);
+        assert!((h.x[0].unwrap() + 20.0).abs() < 1e-4 && h.y[0].unwrap().abs() < 1e-4);
+        assert_eq!(h.x[20], Some(0.0));
+        assert!((h.speed[3].unwrap() - 10.0).abs() < 1e-5);
+        let f = w.future(&cut);
+        assert_eq!(f.t_s.len(), 60);
+        assert!((f.x[9].unwrap() - 10.0).abs() < 1e-4, "one second ahead");
+        // The gap from 5.9 s to 6.5 s of the drive is 2.9 s to 3.5 s from t0.
+        assert!(!f.complete);
+        assert_eq!((f.x[28].is_some(), f.x[30], f.x[34].is_some()), (true, None, true));
+    }
+
+    #[test]
+    fn a_window_at_the_edge_of_the_drive_is_incomplete_and_never_padded() {
+        let cut = Cut::default();
+        let w = Window::around(&drive(), 10, &cut).unwrap();
+        let h = w.history(&cut);
+        assert!(!h.complete);
+        assert_eq!(h.x.iter().filter(|x| x.is_none()).count(), 10);
+        let w = Window::around(&drive(), 119, &cut).unwrap();
+        assert!(w.future(&cut).x.iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn steps_between_frames_are_interpolated_and_headings_take_the_short_way() {
+        let mut d = drive();
+        for (i, h) in d.ego.as_mut().unwrap().motion.heading.iter_mut().enumerate() {
+            *h = if i % 2 == 0 { PI - 0.01 } else { -PI + 0.01 };
+        }
+        let cut = Cut { rate_hz: 20.0, ..Cut::default() };
+        let h = Window::around(&d, 30, &cut).unwrap().history(&cut);
+        assert!(h.heading.iter().all(|a| a.unwrap().abs() < 0.03), "{:?}", h.heading);
+    }
+}

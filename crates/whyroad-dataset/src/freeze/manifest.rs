@@ -1,0 +1,120 @@
+//! `manifest.json`: what the release is made of, by what, from what, and how much of it there is.
+
+use crate::balance::BalanceReport;
+use crate::dedup::DedupReport;
+use crate::spec::Spec;
+use crate::split::SplitReport;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What `format` says.
+pub const FORMAT: &str = "whyroad-release";
+/// Version of the release's layout.
+pub const FORMAT_VERSION: &str = "1.0.0";
+
+/// The manifest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`FORMAT_VERSION`].
+    pub format_version: String,
+    /// Version of the sample's columns.
+    pub sample_version: String,
+    /// Name of the release.
+    pub name: String,
+    /// Version of the release.
+    pub version: String,
+    /// Title for people.
+    pub title: Option<String>,
+    /// Program and version.
+    pub created_by: String,
+    /// Versions of `taxonomy`, `messages`, `signals`, `licences`, `lake`.
+    pub versions: BTreeMap<String, String>,
+    /// Seed.
+    pub seed: u64,
+    /// The licence that the release declares.
+    pub licence: String,
+    /// Licences of the drives in it.
+    pub licences: Vec<LicenceCount>,
+    /// Inputs.
+    pub inputs: Inputs,
+    /// Counts.
+    pub counts: Counts,
+    /// Distances between splits, groups.
+    pub split: SplitReport,
+    /// Duplicates.
+    pub deduplicate: DedupReport,
+    /// Caps and shortfalls.
+    pub balance: BalanceReport,
+    /// The spec in force.
+    pub spec: Spec,
+    /// Every file but this one and the checksums, by path.
+    pub files: Vec<FileEntry>,
+}
+
+/// A licence and how much comes under it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LicenceCount {
+    /// Id.
+    pub id: String,
+    /// Its text.
+    pub url: Option<String>,
+    /// What it obliges to.
+    pub attribution: Option<String>,
+    /// Drives in the release.
+    pub drives: usize,
+    /// Samples in the release.
+    pub samples: usize,
+}
+
+/// What a release was made from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Names of the label streams, without folders.
+    pub labels: Vec<String>,
+    /// Lines read.
+    pub label_lines: usize,
+    /// BLAKE3 of all lines.
+    pub labels_hash: String,
+    /// Drives that labels were taken of.
+    pub drives: usize,
+    /// BLAKE3 over ids and content hashes of those drives.
+    pub drives_hash: String,
+}
+
+/// How much there is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Samples.
+    pub samples: usize,
+    /// Samples per split.
+    pub by_split: BTreeMap<String, usize>,
+    /// Samples per class and split.
+    pub by_class: BTreeMap<String, BTreeMap<String, usize>>,
+    /// Samples per place (`unknown` where the drive states none).
+    pub by_place: BTreeMap<String, usize>,
+    /// Samples per pair of decisions.
+    pub by_decision: BTreeMap<String, usize>,
+    /// Samples per state of the label.
+    pub by_status: BTreeMap<String, usize>,
+    /// Images.
+    pub images: usize,
+    /// Candidates dropped, per stage and reason.
+    pub dropped: BTreeMap<String, BTreeMap<String, usize>>,
+    /// Groups of traces that say nearly the same, and traces in them.
+    pub alike_traces: [usize; 2],
+}
+
+/// A file of the release.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FileEntry {
+    /// Relative path with `/`.
+    pub path: String,
+    /// Length.
+    pub bytes: u64,
+    /// SHA-256.
+    pub sha256: String,
+    /// Samples in it, for data files.
+    pub samples: Option<usize>,
+}

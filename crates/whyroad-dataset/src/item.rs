@@ -1,0 +1,170 @@
+//! What stays in memory of a candidate sample during a build: about 500 bytes; everything else is in record files.
+
+use crate::records::RecordRef;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+
+/// Most bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test checks the
+/// parts).
+pub const BYTES_PER_SAMPLE: usize = 1024;
+
+/// Numbers in a descriptor.
+pub const DESCRIPTOR: usize = 40;
+/// Values in the sketch of a trace.
+pub const SKETCH: usize = 16;
+
+/// A stage of the build, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// By class, status, quality, place, weather, source, licence.
+    Select,
+    /// Cut from the drive.
+    Sample,
+    /// Assigned to a split.
+    Split,
+    /// Duplicates.
+    Deduplicate,
+    /// Caps.
+    Balance,
+}
+
+impl Stage {
+    /// All stages.
+    pub const ALL: [Self; 5] = [Self::Select, Self::Sample, Self::Split, Self::Deduplicate, Self::Balance];
+
+    /// The name of its table: `stages/<name>.parquet`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Select => "1-select",
+            Self::Sample => "2-sample",
+            Self::Split => "3-split",
+            Self::Deduplicate => "4-deduplicate",
+            Self::Balance => "5-balance",
+        }
+    }
+}
+
+/// Why and where a candidate was dropped.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Dropped {
+    pub stage: Stage,
+    /// A word: `status`, `class`, `history`, `duplicate_exact`, ...
+    pub reason: Cow<'static, str>,
+    /// What exactly, where the reason alone does not say.
+    pub detail: Option<Box<str>>,
+}
+
+impl Dropped {
+    pub fn with(stage: Stage, reason: &'static str, detail: impl Into<Box<str>>) -> Self {
+        Self { stage, reason: Cow::Borrowed(reason), detail: Some(detail.into()) }
+    }
+}
+
+/// Id of a sample as bytes; its text form is hexadecimal.
+pub(crate) type SampleId = [u8; 8];
+
+pub(crate) fn id_text(id: SampleId) -> String {
+    id.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// A candidate.
+#[derive(Clone, Debug)]
+pub(crate) struct Item {
+    pub id: SampleId,
+    /// The label (or episode) in `labels.records`.
+    pub label: RecordRef,
+    /// The same in the other language.
+    pub other: Option<RecordRef>,
+    /// Index into the build's drives.
+    pub drive: u32,
+    pub keyframe_ns: i64,
+    /// Index into the build's classes.
+    pub class: u32,
+    /// Index into the build's statuses.
+    pub status: u32,
+    pub checked: bool,
+    pub score: f32,
+    pub zh: bool,
+    pub dropped: Option<Dropped>,
+    pub cut: Option<Box<Cut>>,
+    pub split: Option<SplitName>,
+    /// Connected component.
+    pub component: u32,
+    /// Index into the build's place cells; `u32::MAX`: none.
+    pub place_cell: u32,
+    pub weight: f64,
+}
+
+impl Item {
+    pub fn kept(&self) -> bool {
+        self.dropped.is_none()
+    }
+}
+
+/// The three splits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SplitName {
+    /// Training.
+    Train,
+    /// Validation.
+    Val,
+    /// Test.
+    Test,
+}
+
+impl SplitName {
+    /// All splits.
+    pub const ALL: [Self; 3] = [Self::Train, Self::Val, Self::Test];
+
+    /// `train`, `val`, `test`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Val => "val",
+            Self::Test => "test",
+        }
+    }
+}
+
+/// What the later stages need of a cut sample.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Cut {
+    /// The sample in its drive's record file.
+    pub at: RecordRef,
+    /// Hash of what a model sees and learns, whatever the drive is called.
+    pub content: [u8; 16],
+    pub descriptor: Vec<f32>,
+    pub sketch: [u32; SKETCH],
+    pub position: Option<Position>,
+    /// Days since 1970.
+    pub day: i32,
+    pub longitudinal: Option<u8>,
+    pub lateral: Option<u8>,
+    pub images: u16,
+}
+
+/// Where a sample is, comparable inside one frame.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Position {
+    /// `geo`, or `map:<place>`.
+    pub frame: String,
+    /// m. Of `geo`: on a sphere around the Earth's centre, so that distances hold everywhere.
+    pub p: [f64; 3],
+    /// For polygons and cells: map x and y in m, or longitude and latitude in degrees.
+    pub plane: [f64; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_candidate_stays_within_the_stated_bound() {
+        // The heap: the descriptor and the frame's name; the detail of a drop replaces the cut's use.
+        let heap = DESCRIPTOR * size_of::<f32>() + 64 + 128;
+        let all = size_of::<Item>() + size_of::<Cut>() + heap;
+        assert!(all <= BYTES_PER_SAMPLE, "{all}");
+    }
+}

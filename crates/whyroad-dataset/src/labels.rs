@@ -1,0 +1,390 @@
+//! Labels in: JSON lines of the service's export (`tasks export --format tasks`), plain labels (DATA_FORMAT.md 4), or episodes
+//! as `whyroad mine` writes them, which are drafted by rule when drafts are asked for. Each line is kept or dropped with a
+//! reason; what is kept goes to a record file, and a short [`Item`] stays in memory.
+
+use crate::DatasetError;
+use crate::item::{Dropped, Item, SampleId, Stage};
+use crate::records::{RecordRef, RecordWriter};
+use crate::sample::Rejected;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::io::BufRead;
+use std::path::Path;
+use whyroad_framework::Framework;
+use whyroad_label::check::Checker;
+use whyroad_model::messages::{CocLabel, EpisodeRecord, ProvenanceSource};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
+
+/// A stream of labels.
+pub struct LabelStream {
+    /// Its name in diagnostics and in the manifest.
+    pub name: String,
+    /// JSON lines.
+    pub lines: Box<dyn BufRead + Send>,
+}
+
+/// State of labels that come from a plain file.
+pub const IMPORTED: &str = "imported";
+/// State of what no person has finished.
+pub const DRAFT: &str = "draft";
+
+/// One label on disk.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct LabelRecord {
+    /// The label, or the episode that is to be drafted.
+    pub json: String,
+    pub is_episode: bool,
+    pub episode_id: Option<String>,
+    pub target_id: Option<String>,
+    pub task_id: Option<String>,
+    pub rule_version: Option<String>,
+    pub score: Option<f64>,
+    pub rejected: Vec<Rejected>,
+}
+
+/// A line that did not become a candidate.
+#[derive(Clone, Debug)]
+pub(crate) struct DroppedLine {
+    pub line: String,
+    pub clip_id: String,
+    pub scenario_id: String,
+    pub dropped: Dropped,
+}
+
+/// Names that items refer to by index.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Names {
+    list: Vec<String>,
+    index: HashMap<String, u32>,
+}
+
+impl Names {
+    pub fn put(&mut self, name: &str) -> u32 {
+        if let Some(&i) = self.index.get(name) {
+            return i;
+        }
+        let i = self.list.len() as u32;
+        self.list.push(name.to_owned());
+        self.index.insert(name.to_owned(), i);
+        i
+    }
+    pub fn get(&self, i: u32) -> &str {
+        self.list.get(i as usize).map_or("", String::as_str)
+    }
+    pub fn all(&self) -> &[String] {
+        &self.list
+    }
+}
+
+/// Everything that was read.
+pub(crate) struct Labels {
+    pub items: Vec<Item>,
+    pub drives: Names,
+    pub classes: Names,
+    pub statuses: Names,
+    pub lines: usize,
+    pub dropped: Vec<DroppedLine>,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Hash of all bytes.
+    pub hash: String,
+}
+
+struct Read {
+    record: LabelRecord,
+    clip_id: String,
+    scenario: ScenarioId,
+    keyframe_ns: i64,
+    status: String,
+    checked: bool,
+    zh: bool,
+    drive: Option<String>,
+}
+
+/// Reads all streams. Labels are written to `records`.
+pub(crate) fn read(
+    streams: Vec<LabelStream>,
+    framework: &Framework,
+    records: &Path,
+) -> Result<Labels, DatasetError> {
+    let checker = Checker::new(framework);
+    let mut out = Labels {
+        items: Vec::new(),
+        drives: Names::default(),
+        classes: Names::default(),
+        statuses: Names::default(),
+        lines: 0,
+        dropped: Vec::new(),
+        diagnostics: Vec::new(),
+        hash: String::new(),
+    };
+    let mut writer = RecordWriter::create(records)?;
+    let mut hash = blake3::Hasher::new();
+    let mut known: HashMap<SampleId, usize> = HashMap::new();
+    for mut stream in streams {
+        let (mut number, mut line) = (0, String::new());
+        loop {
+            line.clear();
+            let path = Path::new(&stream.name).to_owned();
+            if stream.lines.read_line(&mut line).map_err(DatasetError::io(&path))? == 0 {
+                break;
+            }
+            number += 1;
+            hash.update(line.as_bytes());
+            if line.trim().is_empty() {
+                continue;
+            }
+            out.lines += 1;
+            let at = format!("{}:{number}", stream.name);
+            match read_line(&line, &checker) {
+                Ok(read) => {
+                    let at_record = writer.append(&read.record)?;
+                    out.put(read, at_record, &mut known, at);
+                }
+                Err(Fault { reason, message, clip_id, scenario_id }) => {
+                    if reason == "unreadable" {
+                        let d = Diagnostic::warning("dataset.labels.line", message.clone()).in_file(at.clone());
+                        out.diagnostics.push(d);
+                    }
+                    let dropped = Dropped::with(Stage::Select, reason, message.en);
+                    out.dropped.push(DroppedLine { line: at, clip_id, scenario_id, dropped });
+                }
+            }
+        }
+    }
+    writer.finish()?;
+    out.hash = hash.finalize().to_hex().to_string();
+    out.items.sort_by(|a, b| a.id.cmp(&b.id));
+    Ok(out)
+}
+
+impl Labels {
+    fn put(&mut self, read: Read, at: RecordRef, known: &mut HashMap<SampleId, usize>, line: String) {
+        let drive_name = read.drive.clone().unwrap_or_else(|| drive_of(&read.clip_id).to_owned());
+        let scenario = read.scenario.to_string();
+        let id = sample_id(&drive_name, read.keyframe_ns, &scenario);
+        let item = Item {
+            id,
+            label: at,
+            other: None,
+            drive: self.drives.put(&drive_name),
+            keyframe_ns: read.keyframe_ns,
+            class: self.classes.put(&scenario),
+            status: self.statuses.put(&read.status),
+            checked: read.checked,
+            score: read.record.score.map_or(f32::NAN, |s| s as f32),
+            zh: read.zh,
+            dropped: None,
+            cut: None,
+            split: None,
+            component: 0,
+            place_cell: u32::MAX,
+            weight: 1.0,
+        };
+        let Some(&i) = known.get(&id) else {
+            known.insert(id, self.items.len());
+            self.items.push(item);
+            return;
+        };
+        // Two labels of one keyframe and class: one per language, the checked one first.
+        let held = &mut self.items[i];
+        let repeated = |detail: &str| DroppedLine {
+            line: line.clone(),
+            clip_id: read.clip_id.clone(),
+            scenario_id: scenario.clone(),
+            dropped: Dropped::with(Stage::Select, "repeated_label", detail),
+        };
+        if held.zh != item.zh && held.status == item.status && held.other.is_none() {
+            held.other = Some(item.label);
+        } else if item.checked && !held.checked {
+            self.dropped.push(repeated("an earlier label of the same keyframe and class is not checked"));
+            *held = item;
+        } else {
+            self.dropped.push(repeated("a label of the same keyframe and class was read before"));
+        }
+    }
+}
+
+/// Drive of a clip: clips are called `<drive>_<index>`.
+pub(crate) fn drive_of(clip_id: &str) -> &str {
+    clip_id.rsplit_once('_').map_or("", |(drive, _)| drive)
+}
+
+pub(crate) fn sample_id(drive: &str, keyframe_ns: i64, scenario: &str) -> SampleId {
+    let mut hash = blake3::Hasher::new();
+    hash.update(drive.as_bytes());
+    hash.update(&[0]);
+    hash.update(&keyframe_ns.to_le_bytes());
+    hash.update(scenario.as_bytes());
+    let mut id = [0; 8];
+    id.copy_from_slice(&hash.finalize().as_bytes()[..8]);
+    id
+}
+
+struct Fault {
+    reason: &'static str,
+    message: Bilingual,
+    clip_id: String,
+    scenario_id: String,
+}
+
+fn unreadable(zh: String, en: String) -> Fault {
+    Fault { reason: "unreadable", message: Bilingual::new(zh, en), clip_id: String::new(), scenario_id: String::new() }
+}
+
+fn read_line(line: &str, checker: &Checker<'_>) -> Result<Read, Fault> {
+    let value: Value =
+        serde_json::from_str(line).map_err(|e| unreadable(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
+    if let Some(task) = value.get("task") {
+        return of_task(task, checker);
+    }
+    if value.get("episode_id").is_some() && value.get("conditions_matched").is_some() {
+        return of_episode(value);
+    }
+    if value.get("clip_id").is_some() {
+        return of_label(&value, LabelRecord::default(), None, checker);
+    }
+    Err(unreadable("既不是任务、事件，也不是标签".into(), "neither a task, an episode nor a label".into()))
+}
+
+fn of_episode(value: Value) -> Result<Read, Fault> {
+    let json = value.to_string();
+    let episode: EpisodeRecord = serde_json::from_value(value)
+        .map_err(|e| unreadable(format!("不是事件：{e}"), format!("not an episode: {e}")))?;
+    let fault = |reason, zh: &str, en: &str| Fault {
+        reason,
+        message: Bilingual::new(zh, en),
+        clip_id: episode.clip_id.to_string(),
+        scenario_id: episode.scenario_id.to_string(),
+    };
+    if !episode.is_primary {
+        return Err(fault("secondary_episode", "次要事件", "a secondary episode"));
+    }
+    if episode.scenario_id.l2.is_none() {
+        return Err(fault("class_unknown", "没有 L2", "the class is not known to the L2"));
+    }
+    Ok(Read {
+        clip_id: episode.clip_id.to_string(),
+        scenario: episode.scenario_id.clone(),
+        keyframe_ns: episode.keyframe.timestamp.0,
+        status: DRAFT.to_owned(),
+        checked: false,
+        zh: false,
+        drive: Some(episode.drive_id.0.clone()),
+        record: LabelRecord {
+            json,
+            is_episode: true,
+            episode_id: Some(episode.episode_id.clone()),
+            target_id: episode.target_id.as_ref().map(ToString::to_string),
+            score: Some(episode.score),
+            ..LabelRecord::default()
+        },
+    })
+}
+
+fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
+    let episode: Option<EpisodeRecord> = serde_json::from_value(task["episode"].clone()).ok();
+    let text = |v: &Value| v.as_str().map(str::to_owned);
+    let record = LabelRecord {
+        task_id: text(&task["id"]),
+        episode_id: episode.as_ref().map(|e| e.episode_id.clone()),
+        target_id: episode.as_ref().and_then(|e| e.target_id.as_ref()).map(ToString::to_string),
+        rule_version: text(&task["episode"]["rule_version"]),
+        score: episode.as_ref().map(|e| e.score),
+        rejected: rejected(task),
+        ..LabelRecord::default()
+    };
+    if task["adjudication"].as_str() == Some("superseded") {
+        return Err(Fault {
+            reason: "overruled",
+            message: Bilingual::new("被同一事件的另一标签取代", "another label of the same episode was chosen"),
+            clip_id: episode.as_ref().map(|e| e.clip_id.to_string()).unwrap_or_default(),
+            scenario_id: episode.as_ref().map(|e| e.scenario_id.to_string()).unwrap_or_default(),
+        });
+    }
+    let state = text(&task["state"]).unwrap_or_default();
+    let mut read = of_label(&task["draft"], record, Some(state), checker)?;
+    read.drive = episode.map(|e| e.drive_id.0);
+    Ok(read)
+}
+
+/// Label versions that a checker or auditor returned: the last version before each return, with the note.
+fn rejected(task: &Value) -> Vec<Rejected> {
+    let mut out: Vec<Rejected> = Vec::new();
+    let mut last: Option<&Value> = None;
+    for entry in task["history"].as_array().into_iter().flatten() {
+        if entry["draft"].is_object() {
+            last = Some(&entry["draft"]);
+        }
+        let returned = entry["to_state"].as_str() == Some("rework") && entry["from_state"].as_str() != Some("rework");
+        if returned && let Some(draft) = last {
+            out.push(Rejected {
+                label_json: draft.to_string(),
+                trace: draft["coc_trace"].as_str().map(str::to_owned),
+                reason: entry["note"].as_str().filter(|n| !n.is_empty()).map(str::to_owned),
+            });
+        }
+    }
+    out
+}
+
+fn of_label(
+    value: &Value,
+    record: LabelRecord,
+    state: Option<String>,
+    checker: &Checker<'_>,
+) -> Result<Read, Fault> {
+    let json = value.to_string();
+    let clip_id = value["clip_id"].as_str().unwrap_or_default().to_owned();
+    let label: CocLabel = serde_json::from_value(value.clone()).map_err(|e| Fault {
+        reason: "invalid_label",
+        message: Bilingual::new(format!("不是标签：{e}"), format!("not a label: {e}")),
+        clip_id: clip_id.clone(),
+        scenario_id: String::new(),
+    })?;
+    let by_program = label
+        .provenance
+        .as_ref()
+        .is_some_and(|p| matches!(p.source, ProvenanceSource::Rule | ProvenanceSource::Model));
+    let finished = matches!(state.as_deref(), Some("submitted" | "checked" | "accepted" | "rework"));
+    let status = match state {
+        Some(state) if finished => state,
+        Some(_) => DRAFT.to_owned(),
+        None if by_program => DRAFT.to_owned(),
+        None => IMPORTED.to_owned(),
+    };
+    let scenario = ScenarioId {
+        l1: label.scenario.l1.clone(),
+        l2: Some(label.scenario.l2.clone()),
+        l3: label.scenario.l3.clone(),
+    };
+    if status != DRAFT {
+        let found = checker.check_text(&json);
+        let errors: Vec<&str> =
+            found.iter().filter(|d| d.severity == Severity::Error).map(|d| d.code).collect();
+        if !errors.is_empty() {
+            let codes = errors.join(", ");
+            return Err(Fault {
+                reason: "invalid_label",
+                message: Bilingual::same(codes),
+                clip_id,
+                scenario_id: scenario.to_string(),
+            });
+        }
+    }
+    Ok(Read {
+        clip_id,
+        scenario,
+        keyframe_ns: label.keyframe.timestamp.0,
+        checked: status == "accepted",
+        status,
+        zh: is_chinese(&label.coc_trace),
+        drive: None,
+        record: LabelRecord { json, ..record },
+    })
+}
+
+/// True for a text with Chinese characters.
+pub(crate) fn is_chinese(text: &str) -> bool {
+    text.chars().any(|c| ('\u{4e00}'..='\u{9fff}').contains(&c))
+}

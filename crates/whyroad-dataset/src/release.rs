@@ -1,0 +1,118 @@
+//! Reading a release: its manifest, and its samples one row group at a time.
+
+use crate::freeze::manifest::{FORMAT, FORMAT_VERSION, Manifest};
+use crate::freeze::{DATA, MANIFEST};
+use crate::item::SplitName;
+use crate::sample::Sample;
+use crate::sample::schema::{from_batch, schema};
+use crate::DatasetError;
+use arrow_array::RecordBatch;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+/// A release that was opened. Nothing but the manifest is read until it is asked for.
+#[derive(Clone, Debug)]
+pub struct Release {
+    dir: PathBuf,
+    /// The manifest.
+    pub manifest: Manifest,
+}
+
+impl Release {
+    /// Opens the folder.
+    ///
+    /// # Errors
+    /// When there is no manifest, or one of a format that this build does not read.
+    pub fn open(dir: impl AsRef<Path>) -> Result<Self, DatasetError> {
+        let dir = dir.as_ref().to_owned();
+        let path = dir.join(MANIFEST);
+        let text = std::fs::read_to_string(&path).map_err(DatasetError::io(&path))?;
+        let manifest: Manifest = serde_json::from_str(&text).map_err(|e| DatasetError::broken(&path, e))?;
+        let major = |v: &str| v.split('.').next().map(str::to_owned);
+        if manifest.format != FORMAT || major(&manifest.format_version) != major(FORMAT_VERSION) {
+            let found = format!("{} {}", manifest.format, manifest.format_version);
+            return Err(DatasetError::broken(&path, format!("'{found}' is not {FORMAT} {FORMAT_VERSION}")));
+        }
+        Ok(Self { dir, manifest })
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Data files of a split in order; of all splits where none is named.
+    pub fn data_files(&self, split: Option<SplitName>) -> Vec<PathBuf> {
+        let prefix = split.map_or_else(|| format!("{DATA}/"), |s| format!("{DATA}/{}-", s.name()));
+        let paths = self.manifest.files.iter().map(|f| &f.path).filter(|p| p.starts_with(&prefix));
+        paths.map(|p| self.dir.join(p)).collect()
+    }
+
+    /// Record batches of a split as they are on disk, one per row group. `columns` limits the top-level columns.
+    pub fn batches<'a>(
+        &'a self,
+        split: Option<SplitName>,
+        columns: Option<&'a [&'a str]>,
+    ) -> impl Iterator<Item = Result<RecordBatch, DatasetError>> + 'a {
+        self.data_files(split).into_iter().flat_map(move |path| match open(&path, columns) {
+            Ok(batches) => Box::new(batches) as Box<dyn Iterator<Item = Result<RecordBatch, DatasetError>>>,
+            Err(e) => Box::new(std::iter::once(Err(e))),
+        })
+    }
+
+    /// Samples of a split in the order of the files, images included.
+    pub fn samples(&self, split: Option<SplitName>) -> impl Iterator<Item = Result<Sample, DatasetError>> + '_ {
+        self.batches(split, None).flat_map(|batch| {
+            let samples = batch.and_then(|b| from_batch(&b).map_err(|e| DatasetError::broken(&self.dir, e)));
+            match samples {
+                Ok(samples) => samples.into_iter().map(Ok).collect::<Vec<_>>(),
+                Err(e) => vec![Err(e)],
+            }
+        })
+    }
+
+    /// The sample whose id is, or begins with, `id`.
+    pub fn find(&self, id: &str) -> Result<Option<Sample>, DatasetError> {
+        for sample in self.samples(None) {
+            let sample = sample?;
+            if sample.sample_id.starts_with(id) {
+                return Ok(Some(sample));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The row groups of one data file.
+pub(crate) fn open<'a>(
+    path: &Path,
+    columns: Option<&[&str]>,
+) -> Result<impl Iterator<Item = Result<RecordBatch, DatasetError>> + use<'a>, DatasetError> {
+    let broken = |e: &dyn std::fmt::Display| DatasetError::broken(path, e);
+    let file = File::open(path).map_err(DatasetError::io(path))?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
+    let expected = schema();
+    let found = builder.schema();
+    for field in expected.fields() {
+        if found.field_with_name(field.name()).is_err() {
+            return Err(broken(&format!("column '{}' is missing", field.name())));
+        }
+    }
+    let largest = (0..builder.metadata().num_row_groups())
+        .filter_map(|g| usize::try_from(builder.metadata().row_group(g).num_rows()).ok())
+        .max();
+    let mask = columns.map(|names| {
+        let roots = expected.fields().iter().enumerate().filter(|(_, f)| names.contains(&f.name().as_str()));
+        ProjectionMask::roots(builder.parquet_schema(), roots.map(|(i, _)| i))
+    });
+    let builder = builder.with_batch_size(largest.unwrap_or(1).max(1));
+    let builder = match mask {
+        Some(mask) => builder.with_projection(mask),
+        None => builder,
+    };
+    let reader = builder.build().map_err(|e| broken(&e))?;
+    let path = path.to_owned();
+    Ok(reader.map(move |batch| batch.map_err(|e| DatasetError::broken(&path, e))))
+}

@@ -1,0 +1,147 @@
+//! Stage 1: which labels become samples, by status, class, source, place, quality and licence. Weather is checked when the
+//! drive is open (stage 2), and reported here all the same.
+
+use crate::item::{Dropped, Item, Stage};
+use crate::labels::{DRAFT, Labels};
+use crate::licence::LicenceTable;
+use crate::spec::Spec;
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_lake::Lake;
+use whyroad_model::scene::DriveMeta;
+use whyroad_model::{Bilingual, Diagnostic, DriveId, ScenarioId};
+
+/// What selection found out about the drives.
+#[derive(Default)]
+pub(crate) struct Selected {
+    /// Metadata by drive index; only drives with a candidate.
+    pub drives: BTreeMap<u32, DriveMeta>,
+    /// Licence id by drive index.
+    pub licences: BTreeMap<u32, String>,
+    pub diagnostics: Vec<Diagnostic>,
+    /// Reasons to refuse the build.
+    pub refused: Vec<Diagnostic>,
+}
+
+/// Marks what is not taken.
+pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &LicenceTable) -> Selected {
+    let mut out = Selected::default();
+    let present: BTreeSet<DriveId> = lake.drive_ids().into_iter().collect();
+    let mut missing: BTreeSet<String> = BTreeSet::new();
+    let mut unlicensed: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut items = std::mem::take(&mut labels.items);
+    for item in &mut items {
+        let name = labels.drives.get(item.drive);
+        let reason = by_label(item, labels, spec);
+        item.dropped = match reason {
+            Some(dropped) => Some(dropped),
+            None if !present.contains(&DriveId::from(name)) => {
+                missing.insert(name.to_owned());
+                Some(Dropped::with(Stage::Select, "drive_missing", name))
+            }
+            None => {
+                let meta = out.drives.entry(item.drive).or_insert_with(|| {
+                    lake.outline(&DriveId::from(name)).map(|o| o.meta).unwrap_or_default()
+                });
+                let stated = meta.licence.clone().or_else(|| spec.licences.assume.clone());
+                let licence = stated.as_deref().and_then(|s| table.find(s));
+                match (by_drive(meta, spec), licence) {
+                    (Some(dropped), _) => Some(dropped),
+                    (None, Some(l)) if !table.is_allowed(l, &spec.licences) => {
+                        Some(Dropped::with(Stage::Select, "licence", l.id.as_str()))
+                    }
+                    (None, Some(l)) => {
+                        out.licences.insert(item.drive, l.id.clone());
+                        None
+                    }
+                    (None, None) => {
+                        unlicensed.entry(stated.unwrap_or_default()).or_default().insert(name.to_owned());
+                        None
+                    }
+                }
+            }
+        };
+    }
+    labels.items = items;
+    // A drive that no candidate is left of is not asked for its licence.
+    let used: BTreeSet<u32> = labels.items.iter().filter(|i| i.kept()).map(|i| i.drive).collect();
+    out.drives.retain(|d, _| used.contains(d));
+    for name in &missing {
+        let message = Bilingual::new(
+            format!("标签引用的行程 {name} 不在数据湖中"),
+            format!("labels name drive {name}, which is not in the lake"),
+        );
+        out.diagnostics.push(Diagnostic::warning("dataset.labels.drive", message));
+    }
+    for (stated, drives) in unlicensed {
+        out.refused.push(unknown_licence(&stated, &drives));
+    }
+    let ids: BTreeSet<String> = out.licences.values().cloned().collect();
+    for id in &ids {
+        if let Some(licence) = table.find(id)
+            && let Some(d) = table.objection(licence, &spec.licences)
+        {
+            out.refused.push(d);
+        }
+    }
+    if let Err(d) = table.declared(&ids, spec.licences.purpose) {
+        out.refused.push(*d);
+    }
+    out
+}
+
+fn unknown_licence(stated: &str, drives: &BTreeSet<String>) -> Diagnostic {
+    let (first, n) = (drives.first().map_or("", String::as_str), drives.len());
+    let message = if stated.is_empty() {
+        Bilingual::new(
+            format!("{n} 个行程没有许可信息，例如 {first}"),
+            format!("{n} drives state no licence, for example {first}"),
+        )
+    } else {
+        Bilingual::new(
+            format!("{n} 个行程的许可 '{stated}' 未知，例如 {first}"),
+            format!("{n} drives have the unknown licence '{stated}', for example {first}"),
+        )
+    };
+    Diagnostic::error("dataset.licence.unknown", message).with_hint(Bilingual::new(
+        "用 `ingest --meta` 写明许可，在 schema/licences.yaml 中登记，或在 spec 中设 licences.assume",
+        "state it with `ingest --meta`, list it in schema/licences.yaml, or set licences.assume in the spec",
+    ))
+}
+
+fn by_label(item: &Item, labels: &Labels, spec: &Spec) -> Option<Dropped> {
+    let status = labels.statuses.get(item.status);
+    let drop = |reason, detail: &str| Some(Dropped::with(Stage::Select, reason, detail));
+    if status == DRAFT {
+        if !spec.labels.drafts {
+            return drop("draft", "labels.drafts is false");
+        }
+    } else if !spec.labels.statuses.iter().any(|s| s == status) {
+        return drop("status", status);
+    }
+    let class = labels.classes.get(item.class);
+    let id: ScenarioId = match class.parse() {
+        Ok(id) => id,
+        Err(e) => return drop("class", &e),
+    };
+    let select = &spec.select;
+    let inside = |list: &[ScenarioId]| list.iter().any(|c| id.is_within(c));
+    if (!select.classes.is_empty() && !inside(&select.classes)) || inside(&select.exclude_classes) {
+        return drop("class", class);
+    }
+    if select.min_score.is_some_and(|least| f64::from(item.score) < least) {
+        return drop("score", &format!("{:.2}", item.score));
+    }
+    None
+}
+
+fn by_drive(meta: &DriveMeta, spec: &Spec) -> Option<Dropped> {
+    let select = &spec.select;
+    if !select.sources.is_empty() && !select.sources.contains(&meta.source) {
+        return Some(Dropped::with(Stage::Select, "source", meta.source.as_str()));
+    }
+    let place = meta.place.as_deref().unwrap_or("unknown");
+    if !select.places.is_empty() && !select.places.iter().any(|p| p == place) {
+        return Some(Dropped::with(Stage::Select, "place", place));
+    }
+    None
+}

@@ -1,0 +1,176 @@
+//! Stage 3: train, validation and test by groups. Samples that share a group key, directly or through others, are one
+//! connected component and never separated. Nothing has been dropped as a duplicate or over a cap before this.
+
+mod components;
+mod distance;
+
+pub use distance::Distance;
+pub(crate) use distance::distances;
+
+use crate::item::{Item, SplitName};
+use crate::labels::Names;
+use crate::place;
+use crate::spec::{GroupKey, Split};
+use components::Components;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+use whyroad_model::scene::DriveMeta;
+
+/// What the split did; part of the manifest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SplitReport {
+    /// Keys that were asked for.
+    pub by: Vec<GroupKey>,
+    /// Number of connected components.
+    pub components: usize,
+    /// Samples of the largest one.
+    pub largest_component: usize,
+    /// Samples whose group by this key is unknown; they are grouped by their drive.
+    pub unknown: BTreeMap<String, usize>,
+    /// Samples per split before anything else is dropped.
+    pub samples: BTreeMap<String, usize>,
+    /// Shares per split.
+    pub shares: BTreeMap<String, f64>,
+    /// How near the splits are to each other.
+    pub distances: Vec<Distance>,
+}
+
+/// Assigns every kept item to a split; `cells` gets the names of the place cells.
+pub(crate) fn split(
+    items: &mut [Item],
+    drives: &BTreeMap<u32, DriveMeta>,
+    spec: &Split,
+    seed: u64,
+    cells: &mut Names,
+) -> SplitReport {
+    let kept: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
+    let mut unknown: BTreeMap<String, usize> = BTreeMap::new();
+    let mut components = Components::new(kept.len());
+    let mut first: HashMap<(GroupKey, String), usize> = HashMap::new();
+    let with_place = spec.by.contains(&GroupKey::Place);
+    for (k, &i) in kept.iter().enumerate() {
+        if let Some(position) = items[i].cut.as_ref().and_then(|c| c.position.as_ref()) {
+            items[i].place_cell = cells.put(&place::cell(position, spec));
+        }
+        let item = &items[i];
+        let meta = drives.get(&item.drive);
+        for key in spec.by.iter().chain([&GroupKey::Drive]) {
+            let value = match key {
+                GroupKey::Drive => Some(item.drive.to_string()),
+                GroupKey::Session => meta.and_then(|m| m.session.clone()),
+                GroupKey::Vehicle => meta.and_then(|m| m.vehicle.clone()),
+                GroupKey::Place => Some(item.place_cell).filter(|c| *c != u32::MAX).map(|c| c.to_string()),
+                GroupKey::Date => item.cut.as_ref().map(|c| c.day.to_string()),
+            };
+            match value {
+                Some(value) => {
+                    let other = *first.entry((*key, value)).or_insert(k);
+                    components.join(k, other);
+                }
+                None => *unknown.entry(key_name(*key).to_owned()).or_default() += 1,
+            }
+        }
+    }
+    if with_place {
+        let points = kept.iter().map(|&i| items[i].cut.as_ref().and_then(|c| c.position.as_ref())).collect();
+        let grid = place::Grid::new(points, spec.min_distance_m);
+        for (k, &i) in kept.iter().enumerate() {
+            if let Some(position) = items[i].cut.as_ref().and_then(|c| c.position.as_ref()) {
+                grid.near(position, |other| {
+                    components.join(k, other as usize);
+                    true
+                });
+            }
+        }
+    }
+    let groups = components.groups();
+    let chosen = assign(&groups, &kept, items, spec, seed);
+    for (component, (members, split)) in groups.iter().zip(&chosen).enumerate() {
+        for &k in members {
+            let item = &mut items[kept[k]];
+            item.component = component as u32;
+            item.split = Some(*split);
+        }
+    }
+    let count = |s: SplitName| items.iter().filter(|i| i.kept() && i.split == Some(s)).count();
+    let samples: BTreeMap<String, usize> = SplitName::ALL.map(|s| (s.name().to_owned(), count(s))).into();
+    let total = kept.len().max(1) as f64;
+    SplitReport {
+        by: spec.by.clone(),
+        components: groups.len(),
+        largest_component: groups.iter().map(Vec::len).max().unwrap_or(0),
+        unknown,
+        shares: samples.iter().map(|(s, n)| (s.clone(), *n as f64 / total)).collect(),
+        samples,
+        distances: Vec::new(),
+    }
+}
+
+pub(crate) fn key_name(key: GroupKey) -> &'static str {
+    match key {
+        GroupKey::Drive => "drive",
+        GroupKey::Session => "session",
+        GroupKey::Vehicle => "vehicle",
+        GroupKey::Place => "place",
+        GroupKey::Date => "date",
+    }
+}
+
+/// Largest components first; each goes where its classes are needed most and least is overshot.
+fn assign(groups: &[Vec<usize>], kept: &[usize], items: &[Item], spec: &Split, seed: u64) -> Vec<SplitName> {
+    let shares = [spec.train, spec.val, spec.test];
+    let mut of_class: HashMap<u32, f64> = HashMap::new();
+    for &i in kept {
+        *of_class.entry(items[i].class).or_default() += 1.0;
+    }
+    let total = kept.len() as f64;
+    let mut filled = [0.0_f64; 3];
+    let mut filled_class: [HashMap<u32, f64>; 3] = Default::default();
+    let key = |g: usize| {
+        let first = groups[g].first().map(|&k| items[kept[k]].id).unwrap_or_default();
+        let mut hash = blake3::Hasher::new();
+        hash.update(&seed.to_le_bytes());
+        hash.update(&first);
+        *hash.finalize().as_bytes()
+    };
+    let mut order: Vec<usize> = (0..groups.len()).collect();
+    order.sort_by_cached_key(|&g| (std::cmp::Reverse(groups[g].len()), key(g)));
+    let mut out = vec![SplitName::Train; groups.len()];
+    for g in order {
+        let size = groups[g].len() as f64;
+        let mut classes: BTreeMap<u32, f64> = BTreeMap::new();
+        for &k in &groups[g] {
+            *classes.entry(items[kept[k]].class).or_default() += 1.0;
+        }
+        let score = |s: usize| {
+            if shares[s] <= 0.0 {
+                return f64::NEG_INFINITY;
+            }
+            let need: f64 = classes
+                .iter()
+                .map(|(class, n)| {
+                    let target = shares[s] * of_class.get(class).copied().unwrap_or(0.0);
+                    let missing = target - filled_class[s].get(class).copied().unwrap_or(0.0);
+                    n * (missing / target.max(1e-9)).max(-1.0)
+                })
+                .sum();
+            let target = shares[s] * total;
+            let over = (filled[s] + size - target).max(0.0) / target.max(1e-9);
+            let room = (target - filled[s]) / target.max(1e-9);
+            need / size + room - 4.0 * over
+        };
+        // Of equal scores the first: the training split.
+        let mut best = 0;
+        for s in 1..3 {
+            if score(s) > score(best) + 1e-9 {
+                best = s;
+            }
+        }
+        filled[best] += size;
+        for (class, n) in classes {
+            *filled_class[best].entry(class).or_default() += n;
+        }
+        out[g] = SplitName::ALL[best];
+    }
+    out
+}

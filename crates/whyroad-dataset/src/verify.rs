@@ -1,0 +1,354 @@
+//! Checking a release: every file's hash, no file missing or extra, no group or sample in two splits, no sample of one split
+//! near one of another, no near-duplicate across splits, licences, and every label against the framework of today.
+
+use crate::dedup::search::{Neighbours, Projection};
+use crate::freeze::checksums::{files_below, listing, sum};
+use crate::freeze::manifest::FileEntry;
+use crate::freeze::{CHECKSUMS, MANIFEST};
+use crate::item::{Position, SplitName};
+use crate::labels::DRAFT;
+use crate::licence::LicenceTable;
+use crate::place::Grid;
+use crate::spec::GroupKey;
+use crate::{DatasetError, Release, Sample, descriptor};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use whyroad_framework::Framework;
+use whyroad_label::check::Checker;
+use whyroad_model::{Bilingual, Diagnostic, Severity};
+
+/// Columns that the check reads: all but the heavy ones that it does not need.
+const COLUMNS: &[&str] = &[
+    "sample_id", "split", "scenario_id", "l1", "l2", "l3", "lineage", "groups", "history", "future", "objects", "lights",
+    "map", "context", "label_json", "trace_zh", "trace_en",
+];
+/// Findings of one kind that are written out; the rest is counted.
+const TOLD: usize = 10;
+
+/// What a check found.
+#[derive(Debug, Default)]
+pub struct Verified {
+    /// Samples read.
+    pub samples: usize,
+    /// Files whose hash was computed.
+    pub files: usize,
+    /// Labels that were checked again.
+    pub labels: usize,
+    /// What is wrong.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// What is kept of a sample.
+struct Seen {
+    id: String,
+    split: SplitName,
+    position: Option<Position>,
+    descriptor: Vec<f32>,
+}
+
+/// Checks the release in `dir`.
+///
+/// # Errors
+/// When it cannot be read at all.
+pub fn verify(
+    dir: &std::path::Path,
+    framework: &Framework,
+    licences: &LicenceTable,
+) -> Result<Verified, DatasetError> {
+    let release = Release::open(dir)?;
+    let mut out = Verified::default();
+    files(&release, &mut out)?;
+    if out.diagnostics.iter().any(|d| d.code == "dataset.file.missing") {
+        return Ok(out);
+    }
+    let mut groups: BTreeMap<(GroupKey, String), BTreeSet<SplitName>> = BTreeMap::new();
+    let mut ids: HashMap<String, SplitName> = HashMap::new();
+    let mut seen = Vec::new();
+    let mut found = Findings::default();
+    let checker = Checker::new(framework);
+    let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
+    let mut stated: BTreeSet<String> = BTreeSet::new();
+    for split in SplitName::ALL {
+        for batch in release.batches(Some(split), Some(COLUMNS)) {
+            let batch = match batch {
+                Ok(batch) => batch,
+                Err(e) => {
+                    out.diagnostics.extend(e.diagnostics());
+                    continue;
+                }
+            };
+            let samples = crate::sample::schema::from_batch(&batch).map_err(|e| DatasetError::broken(dir, e))?;
+            let stale: Vec<Option<String>> = samples.par_iter().map(|s| stale(s, &checker)).collect();
+            for (sample, stale) in samples.into_iter().zip(stale) {
+                *counts.entry(split.name()).or_default() += 1;
+                out.samples += 1;
+                out.labels += usize::from(sample.lineage.label_status != DRAFT);
+                stated.insert(sample.groups.licence.clone());
+                if let Some(codes) = stale {
+                    found.label(&sample.sample_id, &codes);
+                }
+                if let Some(other) = ids.insert(sample.sample_id.clone(), split) {
+                    found.repeated(&sample.sample_id, other, split);
+                }
+                for key in release.manifest.spec.split.by.iter().chain([&GroupKey::Drive]) {
+                    if let Some(value) = group(&sample, *key) {
+                        groups.entry((*key, value)).or_default().insert(split);
+                    }
+                }
+                seen.push(keep(&sample, split));
+            }
+        }
+    }
+    for ((key, value), splits) in &groups {
+        if splits.len() > 1 {
+            found.leak(*key, value, splits);
+        }
+    }
+    for (split, n) in &release.manifest.counts.by_split {
+        let has = counts.get(split.as_str()).copied().unwrap_or(0);
+        if has != *n {
+            found.count(split, *n, has);
+        }
+    }
+    near(&release, &seen, &mut found);
+    alike(&release, &seen, &mut found);
+    out.diagnostics.extend(found.finish());
+    licence(&release, licences, &stated, &mut out.diagnostics);
+    Ok(out)
+}
+
+/// Hashes and the list of files.
+fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
+    let dir = release.dir();
+    let present = files_below(dir)?;
+    let listed: BTreeSet<String> = release.manifest.files.iter().map(|f| f.path.clone()).collect();
+    for path in present.iter().filter(|p| !listed.contains(*p) && *p != MANIFEST && *p != CHECKSUMS) {
+        let message = Bilingual::new(
+            format!("{path} 不在清单中"),
+            format!("{path} is not listed in the manifest"),
+        );
+        out.diagnostics.push(Diagnostic::error("dataset.file.extra", message).in_file(path.clone()));
+    }
+    let sums: Vec<(&FileEntry, Option<(u64, String)>)> =
+        release.manifest.files.par_iter().map(|f| (f, sum(&dir.join(&f.path)).ok())).collect();
+    for (entry, found) in sums {
+        out.files += 1;
+        let d = match found {
+            None => Diagnostic::error(
+                "dataset.file.missing",
+                Bilingual::new(format!("{} 缺失或无法读取", entry.path), format!("{} is missing or cannot be read", entry.path)),
+            ),
+            Some((bytes, sha256)) if bytes == entry.bytes && sha256 == entry.sha256 => continue,
+            Some(_) => Diagnostic::error(
+                "dataset.file.hash",
+                Bilingual::new(
+                    format!("{} 的内容与清单的哈希不符", entry.path),
+                    format!("the content of {} does not match its hash in the manifest", entry.path),
+                ),
+            ),
+        };
+        out.diagnostics.push(d.in_file(entry.path.clone()));
+    }
+    // The manifest itself: the checksums list it.
+    let mut all = release.manifest.files.clone();
+    let (bytes, sha256) = sum(&dir.join(MANIFEST))?;
+    all.push(FileEntry { path: MANIFEST.into(), bytes, sha256, samples: None });
+    all.sort_by(|a, b| a.path.cmp(&b.path));
+    if std::fs::read_to_string(dir.join(CHECKSUMS)).ok().as_deref() != Some(&listing(&all)) {
+        let message = Bilingual::new(
+            format!("{CHECKSUMS} 与清单不符：清单或校验文件被改动"),
+            format!("{CHECKSUMS} does not match the manifest: one of them was changed"),
+        );
+        out.diagnostics.push(Diagnostic::error("dataset.file.hash", message).in_file(CHECKSUMS));
+    }
+    Ok(())
+}
+
+/// The errors of a label that was valid once; `None` when it still is, or is a draft.
+fn stale(sample: &Sample, checker: &Checker<'_>) -> Option<String> {
+    if sample.lineage.label_status == DRAFT || checker.is_clean_label(&sample.label_json) {
+        return None;
+    }
+    let found = checker.check_text(&sample.label_json);
+    let codes: Vec<&str> = found.iter().filter(|d| d.severity == Severity::Error).map(|d| d.code).collect();
+    (!codes.is_empty()).then(|| codes.join(", "))
+}
+
+fn group(sample: &Sample, key: GroupKey) -> Option<String> {
+    let g = &sample.groups;
+    match key {
+        GroupKey::Drive => Some(sample.lineage.drive_id.clone()),
+        GroupKey::Session => g.session.clone(),
+        GroupKey::Vehicle => g.vehicle.clone(),
+        GroupKey::Place => g.place_cell.clone(),
+        GroupKey::Date => g.date.clone(),
+    }
+}
+
+fn keep(sample: &Sample, split: SplitName) -> Seen {
+    let g = &sample.groups;
+    let position = match (&g.position_frame, g.position.as_deref()) {
+        (Some(frame), Some(&[x, y, z])) => {
+            Some(Position { frame: frame.clone(), p: [x, y, z], plane: [0.0; 2] })
+        }
+        _ => None,
+    };
+    let named = sample.objects.iter().filter(|o| o.named).map(|o| o.id.clone()).collect();
+    Seen { id: sample.sample_id.clone(), split, position, descriptor: descriptor::of(sample, &named) }
+}
+
+/// Samples of one split closer than the spec's distance to one of another.
+fn near(release: &Release, seen: &[Seen], found: &mut Findings) {
+    let spec = &release.manifest.spec.split;
+    if !spec.by.contains(&GroupKey::Place) {
+        return;
+    }
+    let grid = Grid::new(seen.iter().map(|s| s.position.as_ref()).collect(), spec.min_distance_m);
+    for s in seen {
+        let Some(position) = &s.position else { continue };
+        let mut other = None;
+        grid.near(position, |o| {
+            if seen[o as usize].split > s.split {
+                other = Some(o as usize);
+            }
+            other.is_none()
+        });
+        if let Some(o) = other {
+            found.near(s, &seen[o], spec.min_distance_m);
+        }
+    }
+}
+
+/// Near-duplicates across splits.
+fn alike(release: &Release, seen: &[Seen], found: &mut Findings) {
+    let Some(similarity) = release.manifest.spec.deduplicate.near else { return };
+    let vectors: Vec<&[f32]> = seen.iter().map(|s| s.descriptor.as_slice()).collect();
+    let projection = Projection::of(&vectors);
+    // A hair stricter than the build, so that rounding on the way to disk is no finding.
+    let radius = descriptor::distance_of(similarity) * 0.999;
+    let mut index = Neighbours::new(&vectors, &projection, radius);
+    for (i, s) in seen.iter().enumerate() {
+        if s.split != SplitName::Train {
+            index.insert(i as u32);
+        }
+    }
+    let pairs: Vec<(usize, u32)> = (0..seen.len())
+        .into_par_iter()
+        .filter_map(|i| index.find(vectors[i], |o| seen[o as usize].split > seen[i].split).map(|o| (i, o)))
+        .collect();
+    for (i, o) in pairs {
+        found.alike(&seen[i], &seen[o as usize]);
+    }
+}
+
+fn licence(release: &Release, table: &LicenceTable, stated: &BTreeSet<String>, out: &mut Vec<Diagnostic>) {
+    let spec = &release.manifest.spec.licences;
+    for id in stated {
+        match table.find(id) {
+            None => out.push(Diagnostic::error(
+                "dataset.licence.unknown",
+                Bilingual::new(format!("许可 '{id}' 未知"), format!("licence '{id}' is unknown")),
+            )),
+            Some(l) => {
+                out.extend(table.objection(l, spec));
+                if !table.is_allowed(l, spec) {
+                    out.push(Diagnostic::error(
+                        "dataset.licence.forbidden",
+                        Bilingual::new(
+                            format!("许可 {id} 不在 licences.allow 中"),
+                            format!("licence {id} is not in licences.allow"),
+                        ),
+                    ));
+                }
+            }
+        }
+    }
+    match table.declared(stated, spec.purpose) {
+        Ok(id) if id == release.manifest.licence => {}
+        Ok(id) => out.push(Diagnostic::error(
+            "dataset.licence.conflict",
+            Bilingual::new(
+                format!("数据集声明 {}，而其行程要求 {id}", release.manifest.licence),
+                format!("the release declares {}, its drives require {id}", release.manifest.licence),
+            ),
+        )),
+        Err(d) => out.push(*d),
+    }
+}
+
+/// Findings by kind: the first are written out, the rest counted.
+#[derive(Default)]
+struct Findings {
+    by_code: BTreeMap<&'static str, (usize, Vec<Diagnostic>)>,
+}
+
+impl Findings {
+    fn put(&mut self, code: &'static str, zh: String, en: String) {
+        let (n, told) = self.by_code.entry(code).or_default();
+        *n += 1;
+        if told.len() < TOLD {
+            told.push(Diagnostic::error(code, Bilingual::new(zh, en)));
+        }
+    }
+
+    fn label(&mut self, id: &str, codes: &str) {
+        let (zh, en) = (
+            format!("样本 {id} 的标签不再通过校验：{codes}"),
+            format!("the label of sample {id} no longer validates: {codes}"),
+        );
+        self.put("dataset.label.stale", zh, en);
+    }
+
+    fn repeated(&mut self, id: &str, a: SplitName, b: SplitName) {
+        let (a, b) = (a.name(), b.name());
+        let (zh, en) = (format!("样本 {id} 出现两次（{a}、{b}）"), format!("sample {id} occurs twice ({a}, {b})"));
+        self.put("dataset.sample.repeated", zh, en);
+    }
+
+    fn leak(&mut self, key: GroupKey, value: &str, splits: &BTreeSet<SplitName>) {
+        let key = crate::split::key_name(key);
+        let list = splits.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
+        let (zh, en) = (format!("{key} '{value}' 同时出现在 {list}"), format!("{key} '{value}' is in {list}"));
+        self.put("dataset.split.leak", zh, en);
+    }
+
+    fn count(&mut self, split: &str, stated: usize, has: usize) {
+        let (zh, en) = (
+            format!("{split} 有 {has} 个样本，清单写 {stated}"),
+            format!("{split} has {has} samples, the manifest states {stated}"),
+        );
+        self.put("dataset.sample.count", zh, en);
+    }
+
+    fn near(&mut self, a: &Seen, b: &Seen, least: f64) {
+        let ((x, sx), (y, sy)) = ((&a.id, a.split.name()), (&b.id, b.split.name()));
+        let (zh, en) = (
+            format!("样本 {x}（{sx}）与 {y}（{sy}）相距不足 {least} m"),
+            format!("samples {x} ({sx}) and {y} ({sy}) are less than {least} m apart"),
+        );
+        self.put("dataset.split.near", zh, en);
+    }
+
+    fn alike(&mut self, a: &Seen, b: &Seen) {
+        let ((x, sx), (y, sy)) = ((&a.id, a.split.name()), (&b.id, b.split.name()));
+        let s = descriptor::similarity(descriptor::distance(&a.descriptor, &b.descriptor));
+        let (zh, en) = (
+            format!("样本 {x}（{sx}）与 {y}（{sy}）近似重复，相似度 {s:.3}"),
+            format!("samples {x} ({sx}) and {y} ({sy}) are near-duplicates, similarity {s:.3}"),
+        );
+        self.put("dataset.duplicate.across", zh, en);
+    }
+
+    fn finish(self) -> Vec<Diagnostic> {
+        let mut out = Vec::new();
+        for (code, (n, told)) in self.by_code {
+            let more = n - told.len();
+            out.extend(told);
+            if more > 0 {
+                let message = Bilingual::new(format!("另有 {more} 处"), format!("{more} more of these"));
+                out.push(Diagnostic::error(code, message));
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,136 @@
+//! `whyroad dataset show` and `diff`: one sample with its lineage, and what differs between two releases.
+
+use super::refused;
+use crate::output::DataFormat;
+use crate::{Global, output};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use whyroad_dataset::diff::{Difference, diff as compare};
+use whyroad_dataset::{Release, Sample};
+use whyroad_model::{Lang, Nanos};
+
+/// Arguments of `whyroad dataset show`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The release
+    #[arg(value_name = "RELEASE")]
+    release: PathBuf,
+    /// Sample id, or the beginning of one
+    #[arg(value_name = "SAMPLE")]
+    sample: String,
+    /// Text, or the whole sample as JSON (images by their hash)
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: DataFormat,
+}
+
+/// Arguments of `whyroad dataset diff`.
+#[derive(clap::Args)]
+pub(crate) struct DiffArgs {
+    /// The first release
+    #[arg(value_name = "A")]
+    first: PathBuf,
+    /// The second release
+    #[arg(value_name = "B")]
+    second: PathBuf,
+    /// How to print the difference
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: DataFormat,
+}
+
+pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
+    let found = Release::open(&a.release).and_then(|release| release.find(&a.sample));
+    let mut sample = match found {
+        Ok(Some(sample)) => sample,
+        Ok(None) => anyhow::bail!("no sample '{}' in {}", a.sample, a.release.display()),
+        Err(e) => return Ok(refused(global, &e)),
+    };
+    match a.format {
+        DataFormat::Json => {
+            sample.images.iter_mut().for_each(|i| i.bytes.clear());
+            output::put(&format!("{}\n", serde_json::to_string_pretty(&sample)?));
+        }
+        DataFormat::Text => output::put(&text(&sample, global.lang)),
+    }
+    Ok(output::FINE)
+}
+
+fn text(s: &Sample, lang: Lang) -> String {
+    let l = &s.lineage;
+    let unknown = if lang == Lang::Zh { "未知" } else { "unknown" };
+    let or = |v: &Option<String>| v.clone().unwrap_or_else(|| unknown.to_owned());
+    let null = |v: &Option<String>| v.clone().unwrap_or_else(|| "null".to_owned());
+    let state = if l.checked { format!("{} (checked)", l.label_status) } else { l.label_status.clone() };
+    let sizes = |t: &whyroad_dataset::sample::Trajectory| {
+        let known = t.x.iter().filter(|x| x.is_some()).count();
+        format!("{known}/{} steps", t.x.len())
+    };
+    let rows: Vec<(&str, &str, String)> = vec![
+        ("样本", "sample", s.sample_id.clone()),
+        ("划分", "split", format!("{} (weight {:.3})", s.split, s.weight)),
+        ("场景", "class", s.scenario_id.clone()),
+        ("决策", "decision", format!("{} / {}", null(&s.longitudinal), null(&s.lateral))),
+        ("因果描述", "trace", s.trace_zh.clone().or_else(|| s.trace_en.clone()).unwrap_or_default()),
+        ("历史 / 未来", "history / future", format!("{} / {}", sizes(&s.history), sizes(&s.future))),
+        ("目标", "objects", s.objects.len().to_string()),
+        ("图像", "images", s.images.len().to_string()),
+        ("行程", "drive", format!("{} ({})", l.drive_id, l.drive_hash)),
+        ("关键帧", "keyframe", format!("{} (frame {})", Nanos(l.keyframe_time_ns), l.keyframe_frame)),
+        ("片段", "clip", l.clip_id.clone()),
+        ("事件", "episode", or(&l.episode_id)),
+        ("任务", "task", or(&l.task_id)),
+        ("标签", "label", format!("{} · sha256 {}", or(&l.label_version), l.label_sha256)),
+        ("标签状态", "label state", state),
+        ("作者", "author", format!("{} {}", or(&l.label_source), or(&l.label_by))),
+        ("分类版本", "taxonomy version", or(&l.taxonomy_version)),
+        ("规则版本", "rule version", or(&l.rule_version)),
+        ("来源 / 许可", "source / licence", format!("{} / {}", s.groups.source, s.groups.licence)),
+        ("会话 / 车辆", "session / vehicle", format!("{} / {}", or(&s.groups.session), or(&s.groups.vehicle))),
+        ("地点", "place", format!("{} · {}", or(&s.groups.place), or(&s.groups.place_cell))),
+        ("分组", "group", s.groups.component.to_string()),
+    ];
+    let mut out = String::new();
+    for (zh, en, value) in rows {
+        let _ = match lang {
+            Lang::Zh => writeln!(out, "{zh}：{value}"),
+            Lang::En => writeln!(out, "{en:<18}{value}"),
+        };
+    }
+    out
+}
+
+pub(super) fn diff(global: &Global, a: &DiffArgs) -> anyhow::Result<ExitCode> {
+    let both = Release::open(&a.first).and_then(|x| Release::open(&a.second).and_then(|y| compare(&x, &y)));
+    match both {
+        Ok(d) => {
+            output::put(&match a.format {
+                DataFormat::Json => format!("{}\n", serde_json::to_string_pretty(&d)?),
+                DataFormat::Text => difference(&d, global.lang),
+            });
+            Ok(if d == Difference::default() { output::FINE } else { output::FINDINGS })
+        }
+        Err(e) => Ok(refused(global, &e)),
+    }
+}
+
+fn difference(d: &Difference, lang: Lang) -> String {
+    let zh = lang == Lang::Zh;
+    let mut out = String::new();
+    let counts = [
+        ("新增", "added", d.added.len()),
+        ("移除", "removed", d.removed.len()),
+        ("换划分", "moved between splits", d.moved.len()),
+        ("标签改变", "relabelled", d.relabelled.len()),
+        ("行程内容改变", "changed drives", d.changed_drives.len()),
+    ];
+    for (name_zh, name_en, n) in counts {
+        let _ = if zh { writeln!(out, "{name_zh}：{n}") } else { writeln!(out, "{name_en:<22}{n}") };
+    }
+    for (class, (x, y)) in &d.by_class {
+        let _ = writeln!(out, "  {class}: {x} -> {y}");
+    }
+    for (path, x, y) in d.spec.iter().chain(&d.versions) {
+        let _ = writeln!(out, "  {path}: {x} -> {y}");
+    }
+    out
+}

@@ -1,0 +1,49 @@
+//! `whyroad dataset verify`.
+
+use super::{licences, print, refused};
+use crate::output::DataFormat;
+use crate::{Global, framework_folder, output};
+use serde_json::json;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use whyroad_dataset::verify::verify;
+use whyroad_model::Lang;
+use whyroad_model::diagnostic::json_row;
+
+/// Arguments of `whyroad dataset verify`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The release
+    #[arg(value_name = "RELEASE")]
+    release: PathBuf,
+    /// How to print the result
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    format: DataFormat,
+}
+
+pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let found = match verify(&a.release, &framework, &licences(global)?) {
+        Ok(found) => found,
+        Err(e) => return Ok(refused(global, &e)),
+    };
+    let (samples, files, labels, faults) =
+        (found.samples, found.files, found.labels, found.diagnostics.len());
+    match a.format {
+        DataFormat::Json => {
+            let rows: Vec<_> = found.diagnostics.iter().map(|d| json_row(d, global.lang)).collect();
+            let value = json!({ "samples": samples, "files": files, "labels": labels, "diagnostics": rows });
+            output::put(&format!("{value:#}\n"));
+        }
+        DataFormat::Text => {
+            print(global, &found.diagnostics);
+            output::put(&match global.lang {
+                Lang::Zh => format!("{samples} 个样本，{files} 个文件，{labels} 个标签重新校验；{faults} 个问题\n"),
+                Lang::En => {
+                    format!("{samples} samples, {files} files, {labels} labels checked again; {faults} findings\n")
+                }
+            });
+        }
+    }
+    Ok(if faults > 0 { output::FINDINGS } else { output::FINE })
+}
