@@ -106,8 +106,7 @@ pub fn build(
         return Err(DatasetError::Refused(diagnostics));
     }
     work.claim(&key(inputs, &labels, &selected), inputs.restart)?;
-    let mut state =
-        State { inputs, labels, selected, cells: Names::default(), work, diagnostics };
+    let mut state = State { inputs, labels, selected, cells: Names::default(), work, diagnostics };
 
     let resumed = cutting::cut(&mut state, progress)?;
     let spec = &state.inputs.spec;

@@ -76,7 +76,8 @@ impl<'a> Cutter<'a> {
         }
         self.check_weather(frame)?;
         let cut = &self.spec.sample;
-        let window = Window::around(drive, frame, cut).ok_or_else(|| drop("ego_pose", "no pose at the keyframe".into()))?;
+        let window = Window::around(drive, frame, cut)
+            .ok_or_else(|| drop("ego_pose", "no pose at the keyframe".into()))?;
         let (history, future) = (window.history(cut), window.future(cut));
         for (trajectory, reason) in [(&history, "history"), (&future, "future")] {
             if !trajectory.complete && cut.incomplete == Incomplete::Drop {
@@ -127,7 +128,9 @@ impl<'a> Cutter<'a> {
             at: Default::default(),
             content: content_hash(&sample),
             descriptor: descriptor::of(&sample, &named),
-            sketch: crate::dedup::trace::sketch(sample.trace_zh.as_deref().or(sample.trace_en.as_deref()).unwrap_or("")),
+            sketch: crate::dedup::trace::sketch(
+                sample.trace_zh.as_deref().or(sample.trace_en.as_deref()).unwrap_or(""),
+            ),
             position,
             day: (drive.times[frame].0.div_euclid(86_400_000_000_000)) as i32,
             longitudinal,
@@ -144,7 +147,11 @@ impl<'a> Cutter<'a> {
         }
         let stated = self.context(frame).unwrap_or_default();
         let weather = stated.iter().find(|c| c.kind == "weather").map_or("unknown", |c| c.value.as_str());
-        if wanted.iter().any(|w| w == weather) { Ok(()) } else { Err(Dropped::with(Stage::Select, "weather", weather)) }
+        if wanted.iter().any(|w| w == weather) {
+            Ok(())
+        } else {
+            Err(Dropped::with(Stage::Select, "weather", weather))
+        }
     }
 
     fn groups(&self, pose: &Pose, t0: Nanos) -> Groups {
@@ -201,7 +208,10 @@ impl<'a> Cutter<'a> {
                 *held = (s.time, &s.value);
             }
         }
-        let value = |(kind, (_, value)): (&str, (Nanos, &str))| ContextValue { kind: kind.into(), value: value.into() };
+        let value = |(kind, (_, value)): (&str, (Nanos, &str))| ContextValue {
+            kind: kind.into(),
+            value: value.into(),
+        };
         Some(out.into_iter().map(value).collect())
     }
 

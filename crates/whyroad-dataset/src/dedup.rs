@@ -73,7 +73,8 @@ pub(crate) fn deduplicate(items: &mut [Item], classes: &Names, spec: &Deduplicat
         (report.near_within, report.near_across) = (marked.within, marked.across);
         for (k, because) in marked.drops {
             let (item, kept) = (order[k], order[because]);
-            let reason = if items[item].split == items[kept].split { "duplicate_near" } else { "duplicate_across" };
+            let reason =
+                if items[item].split == items[kept].split { "duplicate_near" } else { "duplicate_across" };
             let off = descriptor::distance(vectors_of(items, item), vectors_of(items, kept));
             let detail = format!("{:.4} like {}", descriptor::similarity(off), id_text(items[kept].id));
             items[item].dropped = Some(Dropped::with(Stage::Deduplicate, reason, detail));

@@ -51,15 +51,19 @@ pub(crate) fn of(sample: &Sample, named: &BTreeSet<String>) -> Vec<f32> {
     }
     put(Some(f32::from(target.is_some())), 0.5);
 
-    let here: Vec<(f32, f32)> =
-        sample.objects.iter().filter_map(|o| row_at(o, 0.0).and_then(|(o, r)| Some((o.x[r]?, o.y[r]?)))).collect();
+    let here: Vec<(f32, f32)> = sample
+        .objects
+        .iter()
+        .filter_map(|o| row_at(o, 0.0).and_then(|(o, r)| Some((o.x[r]?, o.y[r]?))))
+        .collect();
     let near = here.iter().filter(|(x, y)| x.hypot(*y) < 30.0).count();
     put(Some(near as f32), 4.0);
     type Sector = fn(f32, f32) -> bool;
     let sectors: [Sector; 4] =
         [|x, y| x > y.abs(), |x, y| -x > y.abs(), |x, y| y >= x.abs(), |x, y| -y >= x.abs()];
     for inside in sectors {
-        let nearest = here.iter().filter(|(x, y)| inside(*x, *y)).map(|(x, y)| x.hypot(*y)).fold(50.0, f32::min);
+        let nearest =
+            here.iter().filter(|(x, y)| inside(*x, *y)).map(|(x, y)| x.hypot(*y)).fold(50.0, f32::min);
         put(Some(nearest), 10.0);
     }
     let lit = |color: &str| sample.lights.as_ref().map(|l| f32::from(l.iter().any(|l| l.color == color)));
@@ -86,7 +90,8 @@ fn value(values: &[Option<f32>], i: usize) -> Option<f32> {
 /// The nearest object ahead in a corridor of the ego's width.
 fn in_path(sample: &Sample) -> Option<&Object> {
     let ahead = |o: &&Object| {
-        row_at(o, 0.0).is_some_and(|(o, r)| matches!((o.x[r], o.y[r]), (Some(x), Some(y)) if x > 0.0 && y.abs() < 2.0))
+        row_at(o, 0.0)
+            .is_some_and(|(o, r)| matches!((o.x[r], o.y[r]), (Some(x), Some(y)) if x > 0.0 && y.abs() < 2.0))
     };
     sample.objects.iter().find(ahead)
 }
@@ -133,7 +138,8 @@ mod tests {
 
     #[test]
     fn a_little_faster_is_similar_and_much_faster_is_not() {
-        let d = |v| similarity(distance(&of(&sample(10.0), &BTreeSet::new()), &of(&sample(v), &BTreeSet::new())));
+        let d =
+            |v| similarity(distance(&of(&sample(10.0), &BTreeSet::new()), &of(&sample(v), &BTreeSet::new())));
         assert_eq!(of(&sample(10.0), &BTreeSet::new()).len(), DESCRIPTOR);
         assert_eq!(d(10.0), 1.0);
         assert!(d(10.1) > 0.9, "{}", d(10.1));

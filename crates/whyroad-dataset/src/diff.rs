@@ -59,7 +59,8 @@ pub fn diff(a: &Release, b: &Release) -> Result<Difference, DatasetError> {
         }
     }
     out.removed = first.keys().filter(|id| !second.contains_key(*id)).cloned().collect();
-    let count = |r: &Release, class: &String| r.manifest.counts.by_class.get(class).map_or(0, |s| s.values().sum());
+    let count =
+        |r: &Release, class: &String| r.manifest.counts.by_class.get(class).map_or(0, |s| s.values().sum());
     let classes: BTreeSet<&String> =
         a.manifest.counts.by_class.keys().chain(b.manifest.counts.by_class.keys()).collect();
     for class in classes {
@@ -91,7 +92,12 @@ fn rows(release: &Release) -> Result<BTreeMap<String, Row>, DatasetError> {
     Ok(out)
 }
 
-fn compare(path: &str, a: &serde_json::Value, b: &serde_json::Value, out: &mut Vec<(String, String, String)>) {
+fn compare(
+    path: &str,
+    a: &serde_json::Value,
+    b: &serde_json::Value,
+    out: &mut Vec<(String, String, String)>,
+) {
     match (a, b) {
         (serde_json::Value::Object(x), serde_json::Value::Object(y)) => {
             let keys: BTreeSet<&String> = x.keys().chain(y.keys()).collect();

@@ -13,7 +13,6 @@ pub const CODES: &[&str] = &[
     "dataset.labels.line",
     "dataset.labels.drive",
     "dataset.labels.none",
-    "dataset.label.invalid",
     "dataset.licence.unknown",
     "dataset.licence.forbidden",
     "dataset.licence.conflict",

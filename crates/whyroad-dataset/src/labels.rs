@@ -143,7 +143,8 @@ pub(crate) fn read(
                 }
                 Err(Fault { reason, message, clip_id, scenario_id }) => {
                     if reason == "unreadable" {
-                        let d = Diagnostic::warning("dataset.labels.line", message.clone()).in_file(at.clone());
+                        let d =
+                            Diagnostic::warning("dataset.labels.line", message.clone()).in_file(at.clone());
                         out.diagnostics.push(d);
                     }
                     let dropped = Dropped::with(Stage::Select, reason, message.en);
@@ -229,12 +230,17 @@ struct Fault {
 }
 
 fn unreadable(zh: String, en: String) -> Fault {
-    Fault { reason: "unreadable", message: Bilingual::new(zh, en), clip_id: String::new(), scenario_id: String::new() }
+    Fault {
+        reason: "unreadable",
+        message: Bilingual::new(zh, en),
+        clip_id: String::new(),
+        scenario_id: String::new(),
+    }
 }
 
 fn read_line(line: &str, checker: &Checker<'_>) -> Result<Read, Fault> {
-    let value: Value =
-        serde_json::from_str(line).map_err(|e| unreadable(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
+    let value: Value = serde_json::from_str(line)
+        .map_err(|e| unreadable(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
     if let Some(task) = value.get("task") {
         return of_task(task, checker);
     }
@@ -297,7 +303,10 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
     if task["adjudication"].as_str() == Some("superseded") {
         return Err(Fault {
             reason: "overruled",
-            message: Bilingual::new("被同一事件的另一标签取代", "another label of the same episode was chosen"),
+            message: Bilingual::new(
+                "被同一事件的另一标签取代",
+                "another label of the same episode was chosen",
+            ),
             clip_id: episode.as_ref().map(|e| e.clip_id.to_string()).unwrap_or_default(),
             scenario_id: episode.as_ref().map(|e| e.scenario_id.to_string()).unwrap_or_default(),
         });
@@ -316,7 +325,8 @@ fn rejected(task: &Value) -> Vec<Rejected> {
         if entry["draft"].is_object() {
             last = Some(&entry["draft"]);
         }
-        let returned = entry["to_state"].as_str() == Some("rework") && entry["from_state"].as_str() != Some("rework");
+        let returned =
+            entry["to_state"].as_str() == Some("rework") && entry["from_state"].as_str() != Some("rework");
         if returned && let Some(draft) = last {
             out.push(Rejected {
                 label_json: draft.to_string(),

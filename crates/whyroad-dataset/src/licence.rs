@@ -13,14 +13,8 @@ pub const BUNDLED: &str = include_str!("../../../schema/licences.yaml");
 const INTERNAL: &str = "LicenseRef-Internal";
 
 const TABLE: &str = "dataset.licence.table";
-static FORM: FormCodes = FormCodes {
-    syntax: TABLE,
-    missing: TABLE,
-    unknown: TABLE,
-    kind: TABLE,
-    duplicate: TABLE,
-    empty: TABLE,
-};
+static FORM: FormCodes =
+    FormCodes { syntax: TABLE, missing: TABLE, unknown: TABLE, kind: TABLE, duplicate: TABLE, empty: TABLE };
 
 /// One licence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +57,11 @@ impl LicenceTable {
             table.licences = f.list("licences", &mut r).iter().filter_map(|n| licence(n, &mut r)).collect();
             f.close(&mut r);
         }
-        if r.diagnostics.iter().any(|d| d.severity == Severity::Error) { Err(r.diagnostics) } else { Ok(table) }
+        if r.diagnostics.iter().any(|d| d.severity == Severity::Error) {
+            Err(r.diagnostics)
+        } else {
+            Ok(table)
+        }
     }
 
     /// The licence that a drive states, by id or by another name.
@@ -111,7 +109,10 @@ impl LicenceTable {
                     "dataset.licence.conflict",
                     Bilingual::new(
                         format!("{}（相同方式共享）不能与 {} 合并后发布", s.id, l.id),
-                        format!("{} (share-alike) cannot be combined with {} in a release that is handed on", s.id, l.id),
+                        format!(
+                            "{} (share-alike) cannot be combined with {} in a release that is handed on",
+                            s.id, l.id
+                        ),
                     ),
                 )
                 .with_hint(Bilingual::new(
@@ -215,6 +216,9 @@ mod tests {
         assert!(table.is_allowed(apache, &spec(Use::Commercial, &[])));
         assert!(!table.is_allowed(apache, &spec(Use::Commercial, &["MIT"])));
         let nc = table.find("CC-BY-NC-SA-4.0").unwrap();
-        assert_eq!(table.objection(nc, &spec(Use::Commercial, &[])).unwrap().code, "dataset.licence.forbidden");
+        assert_eq!(
+            table.objection(nc, &spec(Use::Commercial, &[])).unwrap().code,
+            "dataset.licence.forbidden"
+        );
     }
 }

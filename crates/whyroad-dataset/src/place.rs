@@ -21,11 +21,7 @@ pub(crate) fn position(meta: &DriveMeta, pose: &Pose) -> Option<Position> {
         let parallel = EARTH_M * origin.latitude_deg.to_radians().cos();
         let longitude = origin.longitude_deg + (pose.x / parallel).to_degrees();
         let (lat, lon) = (latitude.to_radians(), longitude.to_radians());
-        let p = [
-            EARTH_M * lat.cos() * lon.cos(),
-            EARTH_M * lat.cos() * lon.sin(),
-            EARTH_M * lat.sin(),
-        ];
+        let p = [EARTH_M * lat.cos() * lon.cos(), EARTH_M * lat.cos() * lon.sin(), EARTH_M * lat.sin()];
         return Some(Position { frame: GEO.to_owned(), p, plane: [longitude, latitude] });
     }
     let place = meta.place.as_ref()?;
@@ -118,7 +114,8 @@ mod tests {
     use whyroad_model::scene::GeoPosition;
 
     fn at(x: f64, y: f64, latitude_deg: f64, longitude_deg: f64) -> Position {
-        let meta = DriveMeta { position: Some(GeoPosition { latitude_deg, longitude_deg }), ..DriveMeta::default() };
+        let meta =
+            DriveMeta { position: Some(GeoPosition { latitude_deg, longitude_deg }), ..DriveMeta::default() };
         position(&meta, &Pose { x, y, ..Pose::default() }).unwrap()
     }
 
@@ -145,6 +142,10 @@ mod tests {
         let cell_at = |x| cell(&position(&meta, &Pose { x, y: 5.0, ..Pose::default() }).unwrap(), &split);
         assert_eq!(cell_at(5.0), "north");
         assert_eq!(cell_at(-5.0), "map:p:-1:0");
-        assert_eq!(position(&DriveMeta::default(), &Pose::default()).map(|p| p.frame), None, "no place is known");
+        assert_eq!(
+            position(&DriveMeta::default(), &Pose::default()).map(|p| p.frame),
+            None,
+            "no place is known"
+        );
     }
 }

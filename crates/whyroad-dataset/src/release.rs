@@ -1,11 +1,11 @@
 //! Reading a release: its manifest, and its samples one row group at a time.
 
+use crate::DatasetError;
 use crate::freeze::manifest::{FORMAT, FORMAT_VERSION, Manifest};
 use crate::freeze::{DATA, MANIFEST};
 use crate::item::SplitName;
 use crate::sample::Sample;
 use crate::sample::schema::{from_batch, schema};
-use crate::DatasetError;
 use arrow_array::RecordBatch;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -63,7 +63,10 @@ impl Release {
     }
 
     /// Samples of a split in the order of the files, images included.
-    pub fn samples(&self, split: Option<SplitName>) -> impl Iterator<Item = Result<Sample, DatasetError>> + '_ {
+    pub fn samples(
+        &self,
+        split: Option<SplitName>,
+    ) -> impl Iterator<Item = Result<Sample, DatasetError>> + '_ {
         self.batches(split, None).flat_map(|batch| {
             let samples = batch.and_then(|b| from_batch(&b).map_err(|e| DatasetError::broken(&self.dir, e)));
             match samples {

@@ -19,8 +19,23 @@ use whyroad_model::{Bilingual, Diagnostic, Severity};
 
 /// Columns that the check reads: all but the heavy ones that it does not need.
 const COLUMNS: &[&str] = &[
-    "sample_id", "split", "scenario_id", "l1", "l2", "l3", "lineage", "groups", "history", "future", "objects", "lights",
-    "map", "context", "label_json", "trace_zh", "trace_en",
+    "sample_id",
+    "split",
+    "scenario_id",
+    "l1",
+    "l2",
+    "l3",
+    "lineage",
+    "groups",
+    "history",
+    "future",
+    "objects",
+    "lights",
+    "map",
+    "context",
+    "label_json",
+    "trace_zh",
+    "trace_en",
 ];
 /// Findings of one kind that are written out; the rest is counted.
 const TOLD: usize = 10;
@@ -77,7 +92,8 @@ pub fn verify(
                     continue;
                 }
             };
-            let samples = crate::sample::schema::from_batch(&batch).map_err(|e| DatasetError::broken(dir, e))?;
+            let samples =
+                crate::sample::schema::from_batch(&batch).map_err(|e| DatasetError::broken(dir, e))?;
             let stale: Vec<Option<String>> = samples.par_iter().map(|s| stale(s, &checker)).collect();
             for (sample, stale) in samples.into_iter().zip(stale) {
                 *counts.entry(split.name()).or_default() += 1;
@@ -123,10 +139,8 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
     let present = files_below(dir)?;
     let listed: BTreeSet<String> = release.manifest.files.iter().map(|f| f.path.clone()).collect();
     for path in present.iter().filter(|p| !listed.contains(*p) && *p != MANIFEST && *p != CHECKSUMS) {
-        let message = Bilingual::new(
-            format!("{path} 不在清单中"),
-            format!("{path} is not listed in the manifest"),
-        );
+        let message =
+            Bilingual::new(format!("{path} 不在清单中"), format!("{path} is not listed in the manifest"));
         out.diagnostics.push(Diagnostic::error("dataset.file.extra", message).in_file(path.clone()));
     }
     let sums: Vec<(&FileEntry, Option<(u64, String)>)> =
@@ -136,7 +150,10 @@ fn files(release: &Release, out: &mut Verified) -> Result<(), DatasetError> {
         let d = match found {
             None => Diagnostic::error(
                 "dataset.file.missing",
-                Bilingual::new(format!("{} 缺失或无法读取", entry.path), format!("{} is missing or cannot be read", entry.path)),
+                Bilingual::new(
+                    format!("{} 缺失或无法读取", entry.path),
+                    format!("{} is missing or cannot be read", entry.path),
+                ),
             ),
             Some((bytes, sha256)) if bytes == entry.bytes && sha256 == entry.sha256 => continue,
             Some(_) => Diagnostic::error(
@@ -301,14 +318,16 @@ impl Findings {
 
     fn repeated(&mut self, id: &str, a: SplitName, b: SplitName) {
         let (a, b) = (a.name(), b.name());
-        let (zh, en) = (format!("样本 {id} 出现两次（{a}、{b}）"), format!("sample {id} occurs twice ({a}, {b})"));
+        let (zh, en) =
+            (format!("样本 {id} 出现两次（{a}、{b}）"), format!("sample {id} occurs twice ({a}, {b})"));
         self.put("dataset.sample.repeated", zh, en);
     }
 
     fn leak(&mut self, key: GroupKey, value: &str, splits: &BTreeSet<SplitName>) {
         let key = crate::split::key_name(key);
         let list = splits.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
-        let (zh, en) = (format!("{key} '{value}' 同时出现在 {list}"), format!("{key} '{value}' is in {list}"));
+        let (zh, en) =
+            (format!("{key} '{value}' 同时出现在 {list}"), format!("{key} '{value}' is in {list}"));
         self.put("dataset.split.leak", zh, en);
     }
 

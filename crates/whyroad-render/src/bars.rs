@@ -14,13 +14,24 @@ pub fn bars(title: &str, rows: &[(String, f64)]) -> String {
     let most = rows.iter().map(|r| r.1).filter(|v| v.is_finite()).fold(0.0, f64::max);
     let (width, height) = (NAMES + BARS + 80.0, 34.0 + ROW * rows.len() as f64);
     let mut m = Markup::new();
-    m.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"").num(width, 0).raw("\" height=\"").num(height, 0);
-    m.raw("\" viewBox=\"0 0 ").num(width, 0).raw(" ").num(height, 0).raw("\" role=\"img\" font-family=\"sans-serif\" ");
+    m.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"")
+        .num(width, 0)
+        .raw("\" height=\"")
+        .num(height, 0);
+    m.raw("\" viewBox=\"0 0 ")
+        .num(width, 0)
+        .raw(" ")
+        .num(height, 0)
+        .raw("\" role=\"img\" font-family=\"sans-serif\" ");
     m.raw("font-size=\"12\"><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/><title>").text(title);
     m.raw("</title><text x=\"8\" y=\"18\" font-weight=\"bold\">").text(title).raw("</text>");
     for (i, (name, value)) in rows.iter().enumerate() {
         let y = 30.0 + ROW * i as f64;
-        m.raw("<text text-anchor=\"end\" x=\"").num(NAMES - 6.0, 0).raw("\" y=\"").num(y + 12.0, 0).raw("\">");
+        m.raw("<text text-anchor=\"end\" x=\"")
+            .num(NAMES - 6.0, 0)
+            .raw("\" y=\"")
+            .num(y + 12.0, 0)
+            .raw("\">");
         m.text(name).raw("</text>");
         let length = if most > 0.0 && value.is_finite() { BARS * value / most } else { 0.0 };
         m.raw("<rect x=\"").num(NAMES, 0).raw("\" y=\"").num(y + 2.0, 0).raw("\" height=\"13\" width=\"");

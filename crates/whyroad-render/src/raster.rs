@@ -75,7 +75,8 @@ pub fn birds_eye(drive: &Drive, frame: usize, raster: &Raster) -> Option<Vec<u8>
             c if c.is_vru() || c == ObjectClass::Animal => VRU,
             _ => FIXED,
         };
-        let size = |v: &[f64], otherwise: f64| v.get(row).copied().filter(|v| v.is_finite()).unwrap_or(otherwise);
+        let size =
+            |v: &[f64], otherwise: f64| v.get(row).copied().filter(|v| v.is_finite()).unwrap_or(otherwise);
         let m = &track.motion;
         let heading = Some(m.heading[row]).filter(|h| h.is_finite()).unwrap_or(0.0);
         let extent = (size(&track.length_m, 0.6), size(&track.width_m, 0.6));

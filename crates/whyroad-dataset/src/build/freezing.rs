@@ -1,20 +1,21 @@
 //! Stage 6: writes everything into the work folder's release.
 
 use super::{State, Step};
+use crate::DatasetError;
 use crate::balance::BalanceReport;
 use crate::cut::hex;
 use crate::dedup::{DedupReport, trace};
 use crate::freeze::manifest::{Counts, FORMAT, FORMAT_VERSION, FileEntry, Inputs, LicenceCount, Manifest};
 use crate::freeze::tables::{self, StageRow, stage_columns};
 use crate::freeze::{
-    CARD, CHARTS, CHECKSUMS, CROISSANT, DATA, MANIFEST, QUERIES, SPEC, STAGES, card, checksums, croissant, shards,
+    CARD, CHARTS, CHECKSUMS, CROISSANT, DATA, MANIFEST, QUERIES, SPEC, STAGES, card, checksums, croissant,
+    shards,
 };
 use crate::item::{Item, SplitName, Stage, id_text};
 use crate::records::read_record;
 use crate::sample::{SAMPLE_VERSION, Sample};
 use crate::spec::Images;
 use crate::split::SplitReport;
-use crate::DatasetError;
 use arrow_schema::DataType;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -114,7 +115,8 @@ fn put(path: &Path, text: &str) -> Result<(), DatasetError> {
 
 /// Items of a split in their shuffled order.
 fn shuffled(items: &[Item], split: SplitName, seed: u64) -> Vec<usize> {
-    let mut out: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept() && items[*i].split == Some(split)).collect();
+    let mut out: Vec<usize> =
+        (0..items.len()).filter(|i| items[*i].kept() && items[*i].split == Some(split)).collect();
     out.sort_by_cached_key(|&i| {
         let mut hash = blake3::Hasher::new();
         hash.update(b"order");
@@ -170,7 +172,8 @@ fn finished(state: &State<'_>, item: &Item) -> Result<Sample, DatasetError> {
     sample.split = item.split.map_or("", SplitName::name).to_owned();
     sample.weight = item.weight;
     sample.groups.component = item.component;
-    sample.groups.place_cell = (item.place_cell != u32::MAX).then(|| state.cells.get(item.place_cell).to_owned());
+    sample.groups.place_cell =
+        (item.place_cell != u32::MAX).then(|| state.cells.get(item.place_cell).to_owned());
     Ok(sample)
 }
 
@@ -324,8 +327,11 @@ fn counts(state: &State<'_>, alike_traces: [usize; 2]) -> Counts {
         *out.by_status.entry(labels.statuses.get(item.status).to_owned()).or_default() += 1;
         if let Some(cut) = &item.cut {
             out.images += usize::from(cut.images);
-            let along = cut.longitudinal.map_or("null", |i| whyroad_model::decision::Longitudinal::ALL[i as usize].id());
-            let across = cut.lateral.map_or("null", |i| whyroad_model::decision::Lateral::ALL[i as usize].id());
+            let along = cut
+                .longitudinal
+                .map_or("null", |i| whyroad_model::decision::Longitudinal::ALL[i as usize].id());
+            let across =
+                cut.lateral.map_or("null", |i| whyroad_model::decision::Lateral::ALL[i as usize].id());
             *out.by_decision.entry(format!("{along} / {across}")).or_default() += 1;
         }
     }
@@ -370,7 +376,9 @@ fn made_from(state: &State<'_>, label_names: &[String]) -> Inputs {
     for (id, content) in &drives {
         hash.update(format!("{id} {content}\n").as_bytes());
     }
-    let file_name = |name: &String| Path::new(name).file_name().map_or(name.clone(), |f| f.to_string_lossy().into_owned());
+    let file_name = |name: &String| {
+        Path::new(name).file_name().map_or(name.clone(), |f| f.to_string_lossy().into_owned())
+    };
     Inputs {
         labels: label_names.iter().map(file_name).collect(),
         label_lines: state.labels.lines,

@@ -62,8 +62,7 @@ fn cameras(cutter: &Cutter<'_>, cut: &Cut, t0: Nanos) -> Result<Vec<Image>, Drop
     let media = cutter.drive.media.as_deref().unwrap_or_default();
     let wanted = |camera: &str| cut.cameras.is_empty() || cut.cameras.iter().any(|c| c == camera);
     let names: BTreeSet<&str> = media.iter().map(|m| m.camera.as_str()).filter(|c| wanted(c)).collect();
-    let missing: Vec<&str> =
-        cut.cameras.iter().map(String::as_str).filter(|c| !names.contains(c)).collect();
+    let missing: Vec<&str> = cut.cameras.iter().map(String::as_str).filter(|c| !names.contains(c)).collect();
     if names.is_empty() || !missing.is_empty() {
         return Err(drop("camera_missing", missing.join(", ")));
     }
@@ -78,7 +77,10 @@ fn cameras(cutter: &Cutter<'_>, cut: &Cut, t0: Nanos) -> Result<Vec<Image>, Drop
             if frame.time.seconds_since(time) < -OLDEST_S {
                 return Err(drop("image_missing", format!("{camera} at {at} s: the last frame is older")));
             }
-            let kind = Path::new(&frame.uri).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+            let kind = Path::new(&frame.uri)
+                .extension()
+                .map(|e| e.to_string_lossy().to_lowercase())
+                .unwrap_or_default();
             if !TYPES.contains(&kind.as_str()) {
                 return Err(drop("image_in_video", frame.uri.clone()));
             }
@@ -103,7 +105,8 @@ fn bev(cutter: &Cutter<'_>, cut: &Cut, frame: usize) -> Result<Vec<Image>, Dropp
     for at in &cut.image_times_s {
         let time = t0.plus_secs(*at);
         let after = times.partition_point(|t| t.seconds_since(time) <= 1e-3);
-        let fault = |why: &str| Dropped::with(Stage::Sample, "image_missing", format!("bev at {at} s: {why}"));
+        let fault =
+            |why: &str| Dropped::with(Stage::Sample, "image_missing", format!("bev at {at} s: {why}"));
         let index = after.checked_sub(1).ok_or_else(|| fault("before the drive"))?;
         if times[index].seconds_since(time) < -OLDEST_S {
             return Err(fault("the last frame is older"));

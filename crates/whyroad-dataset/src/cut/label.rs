@@ -84,7 +84,8 @@ impl Resolved {
                 objects: c.linked_objects,
             })
             .collect();
-        let cause = |c: whyroad_model::messages::Cause| Cause { components: c.components, unobserved: c.unobserved };
+        let cause =
+            |c: whyroad_model::messages::Cause| Cause { components: c.components, unobserved: c.unobserved };
         let causes = label.causes.unwrap_or_default();
         sample.cause_longitudinal = causes.longitudinal.map(cause);
         sample.cause_lateral = causes.lateral.map(cause);
@@ -106,7 +107,8 @@ impl Resolved {
             lineage.label_source = Some(provenance.source.id().to_owned());
             lineage.label_by = provenance.by;
             lineage.taxonomy_version = provenance.versions.get("taxonomy").cloned();
-            lineage.rule_version = lineage.rule_version.take().or_else(|| provenance.versions.get("rules").cloned());
+            lineage.rule_version =
+                lineage.rule_version.take().or_else(|| provenance.versions.get("rules").cloned());
         }
         debug_assert!(!self.draft || !lineage.checked, "a draft is never checked");
         sample.label_json = self.json;

@@ -132,7 +132,8 @@ impl Window {
                 from + w * wrap(to - from)
             });
             let (s, c) = heading.sin_cos();
-            let (x, y) = self.pose.local(at(&motion.x) - self.to_centre * c, at(&motion.y) - self.to_centre * s);
+            let (x, y) =
+                self.pose.local(at(&motion.x) - self.to_centre * c, at(&motion.y) - self.to_centre * s);
             out.complete &= x.is_finite() && y.is_finite() && heading.is_finite();
             out.x.push(known(x));
             out.y.push(known(y));

@@ -37,11 +37,13 @@ impl Road {
             };
             elements.extend(part(element, &lane.centre, false));
         }
-        let named = |id: &str, kind: &str| MapElement { id: id.into(), kind: kind.into(), ..MapElement::default() };
+        let named =
+            |id: &str, kind: &str| MapElement { id: id.into(), kind: kind.into(), ..MapElement::default() };
         for (areas, kind) in [(&map.crosswalks, "crosswalk"), (&map.junctions, "junction")] {
             elements.extend(areas.iter().filter_map(|a| part(named(&a.id, kind), &a.boundary, true)));
         }
-        elements.extend(map.stop_lines.iter().filter_map(|l| part(named(&l.id, "stop_line"), &l.line, false)));
+        elements
+            .extend(map.stop_lines.iter().filter_map(|l| part(named(&l.id, "stop_line"), &l.line, false)));
         Self { elements: Some(elements) }
     }
 
@@ -77,7 +79,8 @@ fn part(element: MapElement, points: &[Point3], is_area: bool) -> Option<Part> {
     if points.len() < 2 {
         return None;
     }
-    let fold = |f: fn(f64, f64) -> f64, from: f64, axis: fn(&Point3) -> f64| points.iter().map(axis).fold(from, f);
+    let fold =
+        |f: fn(f64, f64) -> f64, from: f64, axis: fn(&Point3) -> f64| points.iter().map(axis).fold(from, f);
     let low = (fold(f64::min, f64::INFINITY, |p| p.x), fold(f64::min, f64::INFINITY, |p| p.y));
     let high = (fold(f64::max, f64::NEG_INFINITY, |p| p.x), fold(f64::max, f64::NEG_INFINITY, |p| p.y));
     Some(Part { element, points, low, high, is_area })
@@ -133,7 +136,8 @@ fn at(pair: &[(f64, f64)], t: f64) -> (f64, f64) {
 /// The range of a segment's parameter inside the circle around the origin.
 fn clip(a: (f64, f64), b: (f64, f64), radius: f64) -> Option<(f64, f64)> {
     let d = (b.0 - a.0, b.1 - a.1);
-    let (aa, bb, cc) = (d.0 * d.0 + d.1 * d.1, a.0 * d.0 + a.1 * d.1, a.0 * a.0 + a.1 * a.1 - radius * radius);
+    let (aa, bb, cc) =
+        (d.0 * d.0 + d.1 * d.1, a.0 * d.0 + a.1 * d.1, a.0 * a.0 + a.1 * a.1 - radius * radius);
     if aa == 0.0 {
         return None;
     }

@@ -171,7 +171,9 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f32 / (1 << 24) as f32
         };
-        (0..n).map(|_| (0..dimensions).map(|k| next() * if k % 5 == 0 { 10.0 } else { 1.0 }).collect()).collect()
+        (0..n)
+            .map(|_| (0..dimensions).map(|k| next() * if k % 5 == 0 { 10.0 } else { 1.0 }).collect())
+            .collect()
     }
 
     #[test]
@@ -189,7 +191,8 @@ mod tests {
                     let sum: f32 = v.iter().zip(*q).map(|(a, b)| (a - b) * (a - b)).sum();
                     (f64::from(sum) / 12.0).sqrt() <= radius
                 };
-                let expected: Vec<u32> = (0..views.len()).filter(|i| near(views[*i])).map(|i| i as u32).collect();
+                let expected: Vec<u32> =
+                    (0..views.len()).filter(|i| near(views[*i])).map(|i| i as u32).collect();
                 assert_eq!(index.all(q), expected);
                 pairs += expected.len();
             }

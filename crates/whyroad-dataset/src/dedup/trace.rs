@@ -35,7 +35,8 @@ fn mix(mut x: u64) -> u32 {
 
 /// Hashes of all groups of three letters, digits and characters, without case, spaces and punctuation.
 fn shingles(text: &str) -> BTreeSet<u64> {
-    let letters: Vec<char> = text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
+    let letters: Vec<char> =
+        text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     letters.windows(3.min(letters.len().max(1))).filter(|w| !w.is_empty()).map(hash).collect()
 }
 

@@ -13,7 +13,9 @@ const ROWS: usize = 40;
 /// Charts by file name.
 pub(crate) fn charts(m: &Manifest) -> Vec<(&'static str, String)> {
     let total = |by: &std::collections::BTreeMap<String, usize>| by.values().sum::<usize>() as f64;
-    let of = |by: &std::collections::BTreeMap<String, usize>| by.iter().map(|(k, v)| (k.clone(), *v as f64)).collect();
+    let of = |by: &std::collections::BTreeMap<String, usize>| {
+        by.iter().map(|(k, v)| (k.clone(), *v as f64)).collect()
+    };
     let classes = m.counts.by_class.iter().map(|(class, by)| (class.clone(), total(by))).collect();
     let curve = m.deduplicate.curve.iter();
     let curve = curve.map(|t| (format!(">= {}", t.similarity), (t.within + t.across) as f64)).collect();
@@ -21,7 +23,13 @@ pub(crate) fn charts(m: &Manifest) -> Vec<(&'static str, String)> {
         ("classes.svg", bars("Samples by class / 各场景样本数", &largest(classes))),
         ("decisions.svg", bars("Samples by decision / 各决策样本数", &largest(of(&m.counts.by_decision)))),
         ("places.svg", bars("Samples by place / 各地点样本数", &largest(of(&m.counts.by_place)))),
-        ("similarity.svg", bars("Samples dropped by similarity threshold / 各相似度阈值下去除的样本数", &Vec::from_iter::<Vec<_>>(curve))),
+        (
+            "similarity.svg",
+            bars(
+                "Samples dropped by similarity threshold / 各相似度阈值下去除的样本数",
+                &Vec::from_iter::<Vec<_>>(curve),
+            ),
+        ),
     ]
 }
 
@@ -76,13 +84,23 @@ pub(crate) fn card(m: &Manifest) -> String {
         d.exact, d.near_within, d.near_across
     );
     let [groups, traces] = m.counts.alike_traces;
-    let _ = writeln!(t, "Traces that say nearly the same: {traces} in {groups} groups (`stages/traces.parquet`); kept.\n");
+    let _ = writeln!(
+        t,
+        "Traces that say nearly the same: {traces} in {groups} groups (`stages/traces.parquet`); kept.\n"
+    );
     let b = &m.balance;
-    let _ = writeln!(t, "## Balance · 均衡\n\n{} samples over a cap were dropped; {} cells of class x decisions x place.", b.capped, b.cells);
+    let _ = writeln!(
+        t,
+        "## Balance · 均衡\n\n{} samples over a cap were dropped; {} cells of class x decisions x place.",
+        b.capped, b.cells
+    );
     if b.shortfalls.is_empty() {
         let _ = writeln!(t, "No class is below its floor.\n");
     } else {
-        let _ = writeln!(t, "Classes below their floor (queries for `whyroad mine --query` in `{QUERIES}/`):\n\n| class | present | floor |\n|---|---|---|");
+        let _ = writeln!(
+            t,
+            "Classes below their floor (queries for `whyroad mine --query` in `{QUERIES}/`):\n\n| class | present | floor |\n|---|---|---|"
+        );
         for s in &b.shortfalls {
             let _ = writeln!(t, "| `{}` | {} | {} |", s.scenario_id, s.present, s.wanted);
         }
@@ -107,7 +125,8 @@ fn samples(t: &mut String, m: &Manifest) {
         "\nHistory {} s, future {} s, {} Hz; {} images.\n",
         s.history_s, s.future_s, s.rate_hz, m.counts.images
     );
-    for (name, file) in [("classes", "classes.svg"), ("decisions", "decisions.svg"), ("places", "places.svg")] {
+    for (name, file) in [("classes", "classes.svg"), ("decisions", "decisions.svg"), ("places", "places.svg")]
+    {
         let _ = writeln!(t, "![{name}]({CHARTS}/{file})\n");
     }
 }
@@ -141,16 +160,30 @@ fn splits(t: &mut String, m: &Manifest) {
     }
     let _ = writeln!(t, "\n| samples of | near a sample of | within | share |\n|---|---|---|---|");
     for d in &s.distances {
-        let share = d.share.map_or_else(|| "unknown".to_owned(), |v| format!("{:.1} % ({} of {})", v * 100.0, d.near, d.samples));
+        let share = d.share.map_or_else(
+            || "unknown".to_owned(),
+            |v| format!("{:.1} % ({} of {})", v * 100.0, d.near, d.samples),
+        );
         let _ = writeln!(t, "| {} | {} | {} m | {share} |", d.of.name(), d.to.name(), d.within_m);
     }
     t.push('\n');
 }
 
 fn licences(t: &mut String, m: &Manifest) {
-    let _ = writeln!(t, "## Licence · 许可\n\nDeclared: **{}**.\n\n| licence | drives | samples | obliges to |\n|---|---|---|---|", m.licence);
+    let _ = writeln!(
+        t,
+        "## Licence · 许可\n\nDeclared: **{}**.\n\n| licence | drives | samples | obliges to |\n|---|---|---|---|",
+        m.licence
+    );
     for l in &m.licences {
-        let _ = writeln!(t, "| {} | {} | {} | {} |", l.id, l.drives, l.samples, l.attribution.as_deref().unwrap_or("–"));
+        let _ = writeln!(
+            t,
+            "| {} | {} | {} | {} |",
+            l.id,
+            l.drives,
+            l.samples,
+            l.attribution.as_deref().unwrap_or("–")
+        );
     }
     t.push('\n');
 }

@@ -42,8 +42,8 @@ pub(crate) fn write(
     let broken = |e: &dyn std::fmt::Display| DatasetError::broken(path, e);
     let aside = path.with_extension("writing");
     let file = File::create(&aside).map_err(DatasetError::io(&aside))?;
-    let mut writer =
-        ArrowWriter::try_new(file, Arc::new(schema()), Some(properties(rows_per_group))).map_err(|e| broken(&e))?;
+    let mut writer = ArrowWriter::try_new(file, Arc::new(schema()), Some(properties(rows_per_group)))
+        .map_err(|e| broken(&e))?;
     let mut waiting = Vec::with_capacity(rows_per_group);
     let flush = |waiting: &mut Vec<Sample>, writer: &mut ArrowWriter<File>| -> Result<(), DatasetError> {
         let batch = to_batch(waiting).map_err(|e| broken(&e))?;

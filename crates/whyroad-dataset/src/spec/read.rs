@@ -1,8 +1,8 @@
 //! YAML to [`Spec`], going on after each mistake.
 
 use super::{
-    Balance, Cut, Deduplicate, GroupKey, Images, Incomplete, Labels, Licences, Polygon, Reference, Select, Spec,
-    Split, Use,
+    Balance, Cut, Deduplicate, GroupKey, Images, Incomplete, Labels, Licences, Polygon, Reference, Select,
+    Spec, Split, Use,
 };
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
@@ -103,7 +103,8 @@ fn whole(f: &mut Fields<'_>, spec: &mut Spec, framework: &Framework, r: &mut Fil
         }
     });
     section(f, "balance", r, |s, r| {
-        let Balance { floor_l2, floor_leaf, cap_leaf, cap_cell, weight_exponent, max_weight } = &mut spec.balance;
+        let Balance { floor_l2, floor_leaf, cap_leaf, cap_cell, weight_exponent, max_weight } =
+            &mut spec.balance;
         number(s, "floor_l2", floor_l2, r);
         number(s, "floor_leaf", floor_leaf, r);
         optional(s, "cap_leaf", cap_leaf, r);
@@ -172,7 +173,9 @@ fn split(s: &mut Fields<'_>, split: &mut Split, r: &mut FileReport<'_>) {
         by.dedup();
         split.by = by;
     }
-    for (key, to) in [("place_cell_m", &mut split.place_cell_m), ("min_distance_m", &mut split.min_distance_m)] {
+    for (key, to) in
+        [("place_cell_m", &mut split.place_cell_m), ("min_distance_m", &mut split.min_distance_m)]
+    {
         if let Some(n) = s.get(key) {
             *to = within(n, 0.1, 1e6, r).unwrap_or(*to);
         }
@@ -196,13 +199,23 @@ fn polygon(node: &Node, r: &mut FileReport<'_>) -> Option<Polygon> {
         })
         .collect();
     if points.len() < 3 {
-        refuse(r, list, "多边形至少要有三个 [x, y] 点".into(), "a polygon needs at least three [x, y] points".into());
+        refuse(
+            r,
+            list,
+            "多边形至少要有三个 [x, y] 点".into(),
+            "a polygon needs at least three [x, y] points".into(),
+        );
         return None;
     }
     Some(Polygon { name: name?, place, points })
 }
 
-fn section(f: &mut Fields<'_>, key: &'static str, r: &mut FileReport<'_>, read: impl FnOnce(&mut Fields<'_>, &mut FileReport<'_>)) {
+fn section(
+    f: &mut Fields<'_>,
+    key: &'static str,
+    r: &mut FileReport<'_>,
+    read: impl FnOnce(&mut Fields<'_>, &mut FileReport<'_>),
+) {
     if let Some(n) = f.get(key)
         && let Some(mut s) = Fields::open(n, r)
     {
@@ -243,7 +256,12 @@ fn number<T: std::str::FromStr>(f: &mut Fields<'_>, key: &'static str, to: &mut 
     }
 }
 
-fn optional<T: std::str::FromStr>(f: &mut Fields<'_>, key: &'static str, to: &mut Option<T>, r: &mut FileReport<'_>) {
+fn optional<T: std::str::FromStr>(
+    f: &mut Fields<'_>,
+    key: &'static str,
+    to: &mut Option<T>,
+    r: &mut FileReport<'_>,
+) {
     *to = f.get(key).and_then(|n| parsed(n, r));
 }
 
@@ -257,7 +275,12 @@ fn within(node: &Node, low: f64, high: f64, r: &mut FileReport<'_>) -> Option<f6
 }
 
 /// A member of a closed set, or `true` and `false`.
-fn member<T: for<'de> Deserialize<'de>>(f: &mut Fields<'_>, key: &'static str, to: &mut T, r: &mut FileReport<'_>) {
+fn member<T: for<'de> Deserialize<'de>>(
+    f: &mut Fields<'_>,
+    key: &'static str,
+    to: &mut T,
+    r: &mut FileReport<'_>,
+) {
     if let Some(v) = f.get(key).and_then(|n| word(n, r)) {
         *to = v;
     }
@@ -275,13 +298,24 @@ fn word<T: for<'de> Deserialize<'de>>(node: &Node, r: &mut FileReport<'_>) -> Op
     match read {
         Ok(v) => Some(v),
         Err(why) => {
-            refuse(r, node, format!("'{t}' 不是合法的取值：{why}"), format!("'{t}' is not a valid value: {why}"));
+            refuse(
+                r,
+                node,
+                format!("'{t}' 不是合法的取值：{why}"),
+                format!("'{t}' is not a valid value: {why}"),
+            );
             None
         }
     }
 }
 
-fn ids(f: &mut Fields<'_>, key: &'static str, to: &mut Vec<ScenarioId>, framework: &Framework, r: &mut FileReport<'_>) {
+fn ids(
+    f: &mut Fields<'_>,
+    key: &'static str,
+    to: &mut Vec<ScenarioId>,
+    framework: &Framework,
+    r: &mut FileReport<'_>,
+) {
     let Some(list) = f.get(key) else { return };
     to.clear();
     for node in r.items(list) {
@@ -302,7 +336,9 @@ fn ids(f: &mut Fields<'_>, key: &'static str, to: &mut Vec<ScenarioId>, framewor
 }
 
 fn is_slug(t: &str) -> bool {
-    !t.is_empty() && t.len() <= 100 && t.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || matches!(b, b'-' | b'_'))
+    !t.is_empty()
+        && t.len() <= 100
+        && t.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || matches!(b, b'-' | b'_'))
 }
 
 #[cfg(test)]

@@ -202,7 +202,9 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
     wanted
         .into_iter()
         .map(|(name, id)| {
-            let text = store.read(|tx| transfer::export(tx, id, &ExportFormat::Tasks)).map_err(|p| told(&p, lang))?;
+            let text = store
+                .read(|tx| transfer::export(tx, id, &ExportFormat::Tasks))
+                .map_err(|p| told(&p, lang))?;
             Ok(LabelStream { name: name.to_owned(), lines: Box::new(Cursor::new(text)) })
         })
         .collect()
@@ -229,7 +231,9 @@ fn summary(built: &Built, out: &Path, lang: Lang) -> String {
     if let Some(share) = near.and_then(|d| d.share) {
         let _ = match lang {
             Lang::Zh => writeln!(t, "  距训练样本 5 m 以内的验证样本：{:.1} %", share * 100.0),
-            Lang::En => writeln!(t, "  validation samples within 5 m of a training sample: {:.1} %", share * 100.0),
+            Lang::En => {
+                writeln!(t, "  validation samples within 5 m of a training sample: {:.1} %", share * 100.0)
+            }
         };
     }
     if built.resumed > 0 {

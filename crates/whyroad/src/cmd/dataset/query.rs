@@ -53,7 +53,8 @@ impl Queries {
         let block = self.blocks.get(class).filter(|b| !b.roles && !b.when.is_empty())?;
         let of_class = block.target.as_deref().and_then(members).map(|m| format!("target.class in {{{m}}}"));
         let conditions = block.when.iter().chain(&block.require).chain(&of_class);
-        let conditions = conditions.map(|text| QueryClause::Rule(RuleText { rule: written_out(text, &block.names) }));
+        let conditions =
+            conditions.map(|text| QueryClause::Rule(RuleText { rule: written_out(text, &block.names) }));
         let query = MiningQuery {
             query_id: Some(format!("shortfall_{class}")),
             scenario_id: class.clone(),
@@ -112,7 +113,13 @@ fn read(node: &Node) -> Block {
         }
     }
     let target = texts("target").pop();
-    Block { names, when: texts("when"), require: texts("require"), target, roles: node.get("roles").is_some() }
+    Block {
+        names,
+        when: texts("when"),
+        require: texts("require"),
+        target,
+        roles: node.get("roles").is_some(),
+    }
 }
 
 /// As the rules' own inheritance: names add up, `require` is appended, `when` is replaced.
@@ -162,9 +169,13 @@ mod tests {
 
     #[test]
     fn names_are_replaced_as_whole_words_only() {
-        let names: BTreeMap<String, String> =
-            [("near", "5 m"), ("close", "(target.gap < near)")].map(|(a, b)| (a.to_owned(), b.to_owned())).into();
-        assert_eq!(written_out("close and not target.near", &names), "(target.gap < 5 m) and not target.near");
+        let names: BTreeMap<String, String> = [("near", "5 m"), ("close", "(target.gap < near)")]
+            .map(|(a, b)| (a.to_owned(), b.to_owned()))
+            .into();
+        assert_eq!(
+            written_out("close and not target.near", &names),
+            "(target.gap < 5 m) and not target.near"
+        );
         assert_eq!(written_out("nearer > near", &names), "nearer > 5 m");
     }
 
@@ -172,12 +183,18 @@ mod tests {
     fn most_classes_with_a_rule_have_a_query_that_compiles() {
         let framework = Framework::bundled();
         let queries = Queries::new(framework);
-        let with_rule: Vec<&ScenarioId> = framework.rules.iter().map(|r| &r.leaf).filter(|c| c.is_leaf()).collect();
+        let with_rule: Vec<&ScenarioId> =
+            framework.rules.iter().map(|r| &r.leaf).filter(|c| c.is_leaf()).collect();
         let without: Vec<String> =
             with_rule.iter().filter(|c| queries.query(c, 10).is_none()).map(ToString::to_string).collect();
         assert!(with_rule.len() > 100);
         // Rules that bind two objects have no form as a query.
-        assert!(without.len() * 10 <= with_rule.len(), "{} of {}: {without:?}", without.len(), with_rule.len());
+        assert!(
+            without.len() * 10 <= with_rule.len(),
+            "{} of {}: {without:?}",
+            without.len(),
+            with_rule.len()
+        );
         assert_eq!(queries.query(&"other".parse().unwrap(), 1).map(|_| ()), None);
     }
 }

@@ -85,7 +85,11 @@ fn text(s: &Sample, lang: Lang) -> String {
         ("分类版本", "taxonomy version", or(&l.taxonomy_version)),
         ("规则版本", "rule version", or(&l.rule_version)),
         ("来源 / 许可", "source / licence", format!("{} / {}", s.groups.source, s.groups.licence)),
-        ("会话 / 车辆", "session / vehicle", format!("{} / {}", or(&s.groups.session), or(&s.groups.vehicle))),
+        (
+            "会话 / 车辆",
+            "session / vehicle",
+            format!("{} / {}", or(&s.groups.session), or(&s.groups.vehicle)),
+        ),
         ("地点", "place", format!("{} · {}", or(&s.groups.place), or(&s.groups.place_cell))),
         ("分组", "group", s.groups.component.to_string()),
     ];

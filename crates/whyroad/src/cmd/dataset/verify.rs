@@ -38,9 +38,13 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
         DataFormat::Text => {
             print(global, &found.diagnostics);
             output::put(&match global.lang {
-                Lang::Zh => format!("{samples} 个样本，{files} 个文件，{labels} 个标签重新校验；{faults} 个问题\n"),
+                Lang::Zh => {
+                    format!("{samples} 个样本，{files} 个文件，{labels} 个标签重新校验；{faults} 个问题\n")
+                }
                 Lang::En => {
-                    format!("{samples} samples, {files} files, {labels} labels checked again; {faults} findings\n")
+                    format!(
+                        "{samples} samples, {files} files, {labels} labels checked again; {faults} findings\n"
+                    )
                 }
             });
         }
