@@ -2,12 +2,13 @@
 
 use crate::manifest::{DriveManifest, LakeMarker};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
-use crate::{LAKE_VERSION, LakeError, clip_metadata, file, leftovers, validity};
+use crate::{DriveFacts, LAKE_VERSION, LakeError, clip_metadata, file, leftovers, validity};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use whyroad_model::messages::clip::ClipMetadata;
+use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
 
 const MARKER: &str = "whyroad-lake.json";
@@ -200,7 +201,14 @@ impl Lake {
             remove_dir(leftover)?;
         }
         fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
-        write_tables(&fresh, drive).inspect_err(|_| {
+        // What the log does not have and was stated about the drive stays stated.
+        let mut meta = drive.meta.clone();
+        if let Ok(held) = self.manifest(id) {
+            let own = DriveFacts::of(&meta);
+            DriveFacts::of(&held.meta).state(&mut meta);
+            own.state(&mut meta);
+        }
+        write_tables(&fresh, drive, meta).inspect_err(|_| {
             // The error that made it fail is the one to report.
             let _ = fs::remove_dir_all(&fresh);
         })?;
@@ -214,7 +222,7 @@ impl Lake {
     }
 }
 
-fn write_tables(dir: &Path, drive: &Drive) -> Result<(), LakeError> {
+fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeError> {
     let mut tables = BTreeMap::new();
     let mut write = |name: &str, table, order: &str| -> Result<(), LakeError> {
         let rows = file::write_table(&dir.join(format!("{name}.parquet")), table, order)?;
@@ -241,7 +249,7 @@ fn write_tables(dir: &Path, drive: &Drive) -> Result<(), LakeError> {
     }
     let manifest = DriveManifest {
         lake_version: LAKE_VERSION,
-        meta: drive.meta.clone(),
+        meta,
         frames: drive.times.len(),
         tables,
     };

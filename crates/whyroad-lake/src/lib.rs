@@ -9,6 +9,7 @@
 mod clips;
 mod columns;
 mod error;
+mod facts;
 mod file;
 mod lake;
 mod leftovers;
@@ -23,6 +24,7 @@ mod validity;
 
 pub use clips::clip_metadata;
 pub use error::{CODES, LakeError};
+pub use facts::DriveFacts;
 pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;
 pub use outline::Outline;

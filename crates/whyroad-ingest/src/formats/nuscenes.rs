@@ -186,6 +186,8 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
             drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(&t.scene.name)),
             format: "nuscenes".into(),
             source: t.log.vehicle.clone(),
+            session: Some(t.log.token.clone()).filter(|s| !s.is_empty()),
+            vehicle: Some(t.log.vehicle.clone()).filter(|v| !v.is_empty()),
             place: Some(t.log.location.clone()).filter(|l| !l.is_empty()),
             map_ref: map.as_ref().map(|_| t.log.location.clone()),
             licence: options.licence().or_else(|| Some("CC-BY-NC-SA-4.0".into())),

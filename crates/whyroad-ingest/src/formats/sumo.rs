@@ -278,6 +278,8 @@ impl Simulation {
             place: map_ref.clone(),
             map_ref,
             licence: options.licence(),
+            // Egos of one simulation see the same traffic at the same time.
+            session: Some(self.name.clone()),
             frame_of_reference: FrameOfReference::World,
             content_hash: self.content_hash(id, options::sensing(options)),
             video: Vec::new(),

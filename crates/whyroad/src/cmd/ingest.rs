@@ -1,6 +1,7 @@
 //! `whyroad ingest`: recorded drives into a lake, with a report of what was read, kept and lost.
 
 mod arguments;
+mod meta;
 mod report;
 
 use crate::output::render_text;
@@ -28,6 +29,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if sources.is_empty() {
         return Ok(output::FINDINGS);
     }
+    let facts = args.meta.as_deref().map(meta::read).transpose()?;
     let lake = Lake::create_or_open(&args.lake)?;
 
     let bar = output::progress(sources.len());
@@ -48,6 +50,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     match args.print {
         ReportFormat::Text => output::put(&text_report(&reports, global.lang)),
         ReportFormat::Json => output::put(&format!("{:#}\n", json_report(&reports, global.lang))),
+    }
+    let mut problems = problems;
+    if let Some(facts) = facts {
+        let found = meta::state(&lake, facts)?;
+        for d in &found {
+            tell!("{}", render_text(d, global.lang));
+        }
+        problems.extend(found);
     }
     Ok(exit_code(&reports, &problems))
 }

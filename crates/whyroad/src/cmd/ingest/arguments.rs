@@ -16,6 +16,7 @@ pub(crate) struct Args {
     pub lake: PathBuf,
     pub options: Options,
     pub print: ReportFormat,
+    pub meta: Option<PathBuf>,
 }
 
 /// Options without a format: those whose meaning is the same for every format.
@@ -65,6 +66,14 @@ fn with_common(command: Command) -> Command {
                 .value_name("ID")
                 .global(true)
                 .help("Id of the drive; only with a single source"),
+        )
+        .arg(
+            Arg::new("meta")
+                .long("meta")
+                .value_name("CSV")
+                .value_parser(value_parser!(PathBuf))
+                .global(true)
+                .help("Facts about drives of the lake: drive_id, and any of session, vehicle, latitude, longitude, place, licence"),
         )
         .arg(
             Arg::new("print")
@@ -137,7 +146,8 @@ impl clap::FromArgMatches for Args {
             error
         })?;
         let print = used.get_one::<ReportFormat>("print").copied().unwrap_or(ReportFormat::Text);
-        Ok(Self { format, paths, lake, options, print })
+        let meta = used.get_one::<PathBuf>("meta").cloned();
+        Ok(Self { format, paths, lake, options, print, meta })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

@@ -1,0 +1,195 @@
+//! What a build makes of labels and drives.
+
+use crate::fleet::{Fleet, content, label, plan};
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_dataset::verify::verify;
+use whyroad_dataset::licence::{BUNDLED, LicenceTable};
+use whyroad_dataset::{DatasetError, Release, Sample, SplitName};
+use whyroad_framework::Framework;
+
+fn samples(release: &Release) -> Vec<Sample> {
+    release.samples(None).map(Result::unwrap).collect()
+}
+
+#[test]
+fn samples_are_what_the_drives_say() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    let built = fleet.build(&out).unwrap();
+    assert_eq!(built.manifest.counts.samples, 16);
+    let release = Release::open(&out).unwrap();
+    let all = samples(&release);
+    assert_eq!(all.len(), 16);
+    for s in &all {
+        let i: f32 = s.lineage.drive_id.trim_start_matches("drive").parse().unwrap();
+        let speed = 6.0 + 3.0 * i;
+        // By hand: constant speed along x, so one second ahead is the speed in meters, two seconds back twice that.
+        assert_eq!((s.history.t_s.len(), s.future.t_s.len()), (21, 60));
+        assert!((s.future.x[9].unwrap() - speed).abs() < 1e-3);
+        assert!((s.history.x[0].unwrap() + 2.0 * speed).abs() < 1e-3);
+        assert_eq!(s.ego.reference, "rear_axle");
+        // The lead is 20 m plus one second ahead of the ego's box center, 1.4 m more from the rear axle.
+        let lead = &s.objects[0];
+        let now = lead.t_s.iter().position(|t| *t == 0.0).unwrap();
+        assert!((lead.x[now].unwrap() - (20.0 + speed + 1.4)).abs() < 1e-3);
+        assert_eq!(lead.t_s.len(), 81);
+        assert_eq!(s.map.as_ref().unwrap()[0].kind, "lane");
+        assert_eq!((s.lights.as_ref(), s.route.as_ref(), s.context.as_ref()), (None, None, None));
+        assert_eq!((s.lineage.label_status.as_str(), s.lineage.checked), ("imported", false));
+        assert_eq!(s.groups.date.as_deref(), Some("2026-01-15"));
+        assert!(s.trace_en.is_some() && s.trace_zh.is_none());
+    }
+    let checked = verify(&out, Framework::bundled(), &LicenceTable::read(BUNDLED, "l").unwrap()).unwrap();
+    assert_eq!(checked.diagnostics, [], "a fresh release has no finding");
+    assert_eq!((checked.samples, checked.labels), (16, 16));
+}
+
+#[test]
+fn two_builds_and_an_interrupted_one_have_equal_bytes() {
+    let fleet = Fleet::town();
+    let (a, b, c) = (fleet.out("a"), fleet.out("b"), fleet.out("c"));
+    fleet.build(&a).unwrap();
+    fleet.build(&b).unwrap();
+    let first = content(&a);
+    assert!(first.len() >= 12, "{:?}", first.keys());
+    assert_eq!(first, content(&b));
+    // Stopped after three drives, then after the files had been begun, then done.
+    assert!(matches!(fleet.build_until(&c, 3), Err(DatasetError::Stopped)));
+    assert!(matches!(fleet.build_until(&c, 9), Err(DatasetError::Stopped)));
+    assert!(!c.exists(), "nothing appears before it is whole");
+    let built = fleet.build(&c).unwrap();
+    assert_eq!(built.resumed, 8);
+    assert_eq!(content(&c), first);
+    assert!(!fleet.out(".c.partial").exists());
+    assert!(matches!(fleet.build(&c), Err(DatasetError::Exists(_))));
+}
+
+#[test]
+fn work_of_other_inputs_is_not_mixed_in() {
+    let mut fleet = Fleet::town();
+    let out = fleet.out("release");
+    assert!(fleet.build_until(&out, 3).is_err());
+    fleet.spec_text = "seed: 7\n".into();
+    assert!(matches!(fleet.build(&out), Err(DatasetError::OtherWork(_))));
+}
+
+#[test]
+fn groups_are_never_separated_and_near_places_count_as_one() {
+    // Pairs of drives share a session; streets of drive 6 and 7 are 3 m apart; all others are far apart.
+    let mut plans: Vec<_> =
+        (0..12).map(|i| plan(&format!("d{i}"), f64::from(i) * 200.0, 5.0 + 2.0 * f64::from(i))).collect();
+    plans[7].street_m = plans[6].street_m + 3.0;
+    for (i, p) in plans.iter_mut().enumerate().take(6) {
+        p.session = Some(format!("s{}", i / 2));
+    }
+    let mut fleet = Fleet::new(&plans);
+    // The same spot on both streets: at 5 s drive 6 is at x = 85 m, drive 7 comes there after 85 / 19 s.
+    fleet.labels += &format!("{}\n", label(&plans[7], 4.5, "ramp"));
+    fleet.spec_text = "split: {train: 0.5, val: 0.25, test: 0.25}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let release = Release::open(fleet.out("r")).unwrap();
+    let mut of_drive: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for s in samples(&release) {
+        of_drive.entry(s.lineage.drive_id).or_default().insert(s.split);
+    }
+    for pair in [["d0", "d1"], ["d2", "d3"], ["d4", "d5"], ["d6", "d7"]] {
+        let both: BTreeSet<&String> = pair.iter().flat_map(|d| &of_drive[*d]).collect();
+        assert_eq!(both.len(), 1, "{pair:?}: {both:?}");
+    }
+    let report = built.manifest.split;
+    assert_eq!(report.components, 8);
+    assert_eq!(report.unknown["session"], 13);
+    assert!(report.samples.values().all(|n| *n > 0), "{:?}", report.samples);
+    let near: Vec<_> = report.distances.iter().filter(|d| d.within_m == 5.0).map(|d| d.share).collect();
+    assert_eq!(near, [Some(0.0); 3]);
+}
+
+#[test]
+fn without_place_groups_the_leak_of_places_is_reported() {
+    // Two drives through the same street at speeds that bring them to the same spot at their keyframes.
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0), plan("b", 0.5, 10.5)]);
+    fleet.spec_text =
+        "split: {train: 0.5, val: 0.5, test: 0, by: [drive]}\ndeduplicate: {near: null}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let near = built.manifest.split.distances.iter().find(|d| d.within_m == 5.0).unwrap();
+    // At 5 s they are 2.5 m apart along the street, at 15 s 7.5 m.
+    assert_eq!((near.samples, near.near), (2, 1));
+}
+
+#[test]
+fn windows_beyond_the_drive_are_reported_and_never_padded() {
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0)]);
+    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "ramp"));
+    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 27.0, "congestion"));
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let dropped = &built.manifest.counts.dropped["2-sample"];
+    assert_eq!((dropped["history"], dropped["future"]), (1, 1));
+    assert!(built.diagnostics.iter().any(|d| d.code == "dataset.window.incomplete"));
+    fleet.spec_text = "sample: {incomplete: keep}\ndeduplicate: {near: null}\n".into();
+    fleet.build(&fleet.out("kept")).unwrap();
+    let kept = samples(&Release::open(fleet.out("kept")).unwrap());
+    assert_eq!(kept.len(), 4);
+    let short = kept.iter().find(|s| s.l3.as_deref() == Some("ramp")).unwrap();
+    assert!(!short.history.complete && short.history.x[0].is_none() && short.future.complete);
+}
+
+#[test]
+fn drafts_are_taken_only_when_asked_for_and_marked() {
+    let mut fleet = Fleet::town();
+    let mut draft = label(&plan("drive0", 0.0, 6.0), 10.0, "ramp");
+    draft["provenance"]["source"] = "model".into();
+    fleet.labels += &format!("{draft}\n");
+    let built = fleet.build(&fleet.out("without")).unwrap();
+    assert_eq!(built.manifest.counts.dropped["1-select"]["draft"], 1);
+    fleet.spec_text = "labels: {drafts: true}\n".into();
+    let built = fleet.build(&fleet.out("with")).unwrap();
+    assert_eq!(built.manifest.counts.by_status["draft"], 1);
+    let release = Release::open(fleet.out("with")).unwrap();
+    let marked: Vec<Sample> = samples(&release).into_iter().filter(|s| s.lineage.label_status == "draft").collect();
+    assert_eq!(marked.len(), 1);
+    assert!(!marked[0].lineage.checked);
+}
+
+#[test]
+fn caps_thin_the_training_split_but_not_below_a_floor() {
+    let mut fleet = Fleet::town();
+    fleet.spec_text =
+        "split: {train: 1, val: 0, test: 0}\nbalance: {cap_leaf: 2, floor_leaf: 5, weight_exponent: 1}\n".into();
+    let built = fleet.build(&fleet.out("floor")).unwrap();
+    let by = |class: &str| built.manifest.counts.by_class[&format!("reactive_agent.cutin.{class}")]["train"];
+    assert_eq!((by("urgent"), by("slow")), (5, 5), "the floor holds against the cap");
+    let short = &built.manifest.balance.shortfalls;
+    assert!(short.iter().any(|s| s.scenario_id == "reactive_agent.cutin.ramp" && s.present == 0 && s.wanted == 5));
+    let release = Release::open(fleet.out("floor")).unwrap();
+    let weights: Vec<f64> = samples(&release).iter().map(|s| s.weight).collect();
+    let mean = weights.iter().sum::<f64>() / weights.len() as f64;
+    assert!((mean - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn shards_are_equal_and_bev_images_are_in_them() {
+    let mut fleet = Fleet::town();
+    fleet.spec_text = "samples_per_shard: 5\nsplit: {train: 1, val: 0, test: 0}\n\
+        sample: {images: bev, bev_size_px: 64, bev_m_per_px: 1}\n"
+        .into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let sizes: Vec<usize> = built.manifest.files.iter().filter_map(|f| f.samples).collect();
+    assert_eq!(sizes, [4, 4, 4, 4]);
+    let release = Release::open(fleet.out("r")).unwrap();
+    for s in release.samples(Some(SplitName::Train)) {
+        let s = s.unwrap();
+        assert_eq!(s.images.iter().map(|i| i.t_s).collect::<Vec<_>>(), [-0.3, -0.2, -0.1, 0.0]);
+        assert!(s.images.iter().all(|i| i.camera == "bev" && i.bytes.starts_with(b"\x89PNG")));
+    }
+}
+
+#[test]
+fn every_code_has_a_page() {
+    let pages = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/diagnostics");
+    let codes: Vec<&str> =
+        whyroad_dataset::CODES.iter().chain(whyroad_dataset::spec::CODES).copied().collect();
+    assert!(codes.len() > 30);
+    for code in codes {
+        assert!(pages.join(format!("{code}.md")).is_file(), "{code} has no page");
+    }
+}

@@ -1,0 +1,131 @@
+//! Faults that are put into inputs and finished releases: each must be refused or found.
+
+use crate::fleet::{Fleet, content, plan};
+use std::path::Path;
+use whyroad_dataset::licence::{BUNDLED, LicenceTable};
+use whyroad_dataset::verify::verify;
+use whyroad_dataset::DatasetError;
+use whyroad_framework::Framework;
+
+fn codes(release: &Path) -> Vec<&'static str> {
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let mut codes: Vec<&str> = verify(release, Framework::bundled(), &table)
+        .unwrap()
+        .diagnostics
+        .iter()
+        .map(|d| d.code)
+        .collect();
+    codes.sort_unstable();
+    codes.dedup();
+    codes
+}
+
+fn refusal(fleet: &Fleet) -> Vec<&'static str> {
+    match fleet.build(&fleet.out("refused")) {
+        Err(DatasetError::Refused(found)) => found.iter().map(|d| d.code).collect(),
+        other => panic!("not refused: {other:?}"),
+    }
+}
+
+#[test]
+fn unknown_and_forbidden_licences_are_refused() {
+    let with = |licence: Option<&str>, spec: &str| {
+        let mut plans = vec![plan("a", 0.0, 10.0), plan("b", 500.0, 15.0)];
+        plans[1].licence = licence.map(str::to_owned);
+        let mut fleet = Fleet::new(&plans);
+        fleet.spec_text = spec.into();
+        fleet
+    };
+    assert_eq!(refusal(&with(None, "")), ["dataset.licence.unknown"]);
+    assert_eq!(refusal(&with(Some("Beerware"), "")), ["dataset.licence.unknown"]);
+    let commercial = "licences: {purpose: commercial}\n";
+    assert_eq!(refusal(&with(Some("CC-BY-NC-SA-4.0"), commercial)), ["dataset.licence.forbidden"]);
+    // What allow leaves out is a matter of selection, not of refusal.
+    let fleet = with(Some("CC-BY-NC-SA-4.0"), "licences: {allow: [Apache-2.0]}\n");
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.counts.dropped["1-select"]["licence"], 2);
+    assert_eq!(built.manifest.licence, "Apache-2.0");
+}
+
+#[test]
+fn a_changed_missing_or_extra_file_is_found() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    let data = content(&out).into_keys().find(|name| name.starts_with("data/train")).unwrap();
+    let mut bytes = std::fs::read(out.join(&data)).unwrap();
+    let whole = bytes.clone();
+    // One bit in the middle: the file may still be readable, its hash is another.
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(out.join(&data), &bytes).unwrap();
+    assert!(codes(&out).contains(&"dataset.file.hash"));
+    std::fs::remove_file(out.join(&data)).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.missing"]);
+    std::fs::write(out.join(&data), &whole).unwrap();
+    std::fs::write(out.join("data/train-more.parquet"), &whole).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.extra"]);
+    std::fs::remove_file(out.join("data/train-more.parquet")).unwrap();
+    assert_eq!(codes(&out), [""; 0]);
+    let card = std::fs::read_to_string(out.join("manifest.json")).unwrap();
+    std::fs::write(out.join("manifest.json"), card.replace("\"seed\": 0", "\"seed\": 1")).unwrap();
+    assert_eq!(codes(&out), ["dataset.file.hash"]);
+}
+
+#[test]
+fn a_leak_between_splits_is_found() {
+    // A release whose test file is a copy of its training file, with a manifest that agrees: only reading finds it.
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    let names: Vec<String> = content(&out).into_keys().filter(|n| n.starts_with("data/")).collect();
+    let of = |split: &str| names.iter().find(|n| n.starts_with(&format!("data/{split}-"))).unwrap().clone();
+    std::fs::copy(out.join(of("train")), out.join(of("test"))).unwrap();
+    let found = codes(&out);
+    for code in ["dataset.split.leak", "dataset.sample.repeated", "dataset.split.near", "dataset.duplicate.across"] {
+        assert!(found.contains(&code), "{code} is not in {found:?}");
+    }
+}
+
+#[test]
+fn a_near_duplicate_across_splits_never_reaches_training() {
+    // Two drives alike in all but their street, far apart, with room for each to be in another split.
+    let mut plans: Vec<_> = (0..8).map(|i| plan(&format!("d{i}"), f64::from(i) * 300.0, 12.0)).collect();
+    plans[7].speed_mps = 30.0;
+    let mut fleet = Fleet::new(&plans);
+    fleet.spec_text = "split: {train: 0.5, val: 0.25, test: 0.25}\ndeduplicate: {exact: false}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let dropped = &built.manifest.counts.dropped["4-deduplicate"];
+    assert!(dropped.get("duplicate_across").is_some_and(|n| *n > 0), "{dropped:?}");
+    assert_eq!(codes(&fleet.out("r")), [""; 0]);
+    fleet.spec_text = "split: {train: 0.5, val: 0.25, test: 0.25}\n".into();
+    let built = fleet.build(&fleet.out("exact")).unwrap();
+    assert!(built.manifest.deduplicate.exact >= 10, "{:?}", built.manifest.deduplicate);
+}
+
+#[test]
+fn a_label_that_no_longer_validates_is_found() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    // The framework moves on: the leaf is called something else now.
+    let mut files = Framework::bundled_files();
+    let taxonomy = files.get_mut("schema/scenario_taxonomy.yaml").unwrap();
+    *taxonomy = taxonomy.replace("id: \"urgent\"", "id: \"imminent\"");
+    let (framework, _) = Framework::from_files(&files);
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let found = verify(&out, &framework.unwrap(), &table).unwrap();
+    let codes: Vec<&str> = found.diagnostics.iter().map(|d| d.code).collect();
+    assert!(!codes.is_empty() && codes.iter().all(|c| *c == "dataset.label.stale"), "{codes:?}");
+}
+
+#[test]
+fn invalid_lines_are_dropped_with_their_reason() {
+    let mut fleet = Fleet::town();
+    fleet.labels += "{not json\n{\"foo\": 1}\n";
+    fleet.labels = fleet.labels.replacen("\"yield_to_agent\"", "\"yield\"", 1);
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    let dropped = &built.manifest.counts.dropped["1-select"];
+    assert_eq!((dropped["unreadable"], dropped["invalid_label"]), (2, 1));
+    assert_eq!(built.diagnostics.iter().filter(|d| d.code == "dataset.labels.line").count(), 2);
+}
