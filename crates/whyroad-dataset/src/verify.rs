@@ -92,8 +92,13 @@ pub fn verify(
                     continue;
                 }
             };
-            let samples =
-                crate::sample::schema::from_batch(&batch).map_err(|e| DatasetError::broken(dir, e))?;
+            let samples = match crate::sample::schema::from_batch(&batch) {
+                Ok(samples) => samples,
+                Err(e) => {
+                    out.diagnostics.extend(DatasetError::broken(dir, e).diagnostics());
+                    continue;
+                }
+            };
             let stale: Vec<Option<String>> = samples.par_iter().map(|s| stale(s, &checker)).collect();
             for (sample, stale) in samples.into_iter().zip(stale) {
                 *counts.entry(split.name()).or_default() += 1;

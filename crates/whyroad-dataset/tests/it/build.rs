@@ -22,16 +22,17 @@ fn samples_are_what_the_drives_say() {
     assert_eq!(all.len(), 16);
     for s in &all {
         let i: f32 = s.lineage.drive_id.trim_start_matches("drive").parse().unwrap();
-        let speed = 6.0 + 3.0 * i;
-        // By hand: constant speed along x, so one second ahead is the speed in meters, two seconds back twice that.
+        let start = 6.0 + 3.7 * i;
+        let speed = start + 0.3 * if s.l3.as_deref() == Some("urgent") { 5.0 } else { 15.0 };
+        // By hand: v t + a t^2 / 2 with a = 0.3 m/s2, one second ahead and two seconds back.
         assert_eq!((s.history.t_s.len(), s.future.t_s.len()), (21, 60));
-        assert!((s.future.x[9].unwrap() - speed).abs() < 1e-3);
-        assert!((s.history.x[0].unwrap() + 2.0 * speed).abs() < 1e-3);
+        assert!((s.future.x[9].unwrap() - (speed + 0.15)).abs() < 1e-3);
+        assert!((s.history.x[0].unwrap() - (0.6 - 2.0 * speed)).abs() < 1e-3);
         assert_eq!(s.ego.reference, "rear_axle");
-        // The lead is 20 m plus one second ahead of the ego's box center, 1.4 m more from the rear axle.
+        // The lead is 20 m plus one second at the start ahead of the ego's box center, 1.4 m more from the rear axle.
         let lead = &s.objects[0];
         let now = lead.t_s.iter().position(|t| *t == 0.0).unwrap();
-        assert!((lead.x[now].unwrap() - (20.0 + speed + 1.4)).abs() < 1e-3);
+        assert!((lead.x[now].unwrap() - (20.0 + start + 1.4)).abs() < 1e-3);
         assert_eq!(lead.t_s.len(), 81);
         assert_eq!(s.map.as_ref().unwrap()[0].kind, "lane");
         assert_eq!((s.lights.as_ref(), s.route.as_ref(), s.context.as_ref()), (None, None, None));
@@ -83,8 +84,8 @@ fn groups_are_never_separated_and_near_places_count_as_one() {
         p.session = Some(format!("s{}", i / 2));
     }
     let mut fleet = Fleet::new(&plans);
-    // The same spot on both streets: at 5 s drive 6 is at x = 85 m, drive 7 comes there after 85 / 19 s.
-    fleet.labels += &format!("{}\n", label(&plans[7], 4.5, "ramp"));
+    // The same spot on both streets: at 5 s drive 6 is at x = 88.75 m, drive 7 at 4.5 s at 88.5 m.
+    fleet.labels += &format!("{}\n", label(&plans[7], 4.5, "intersection"));
     fleet.spec_text = "split: {train: 0.5, val: 0.25, test: 0.25}\n".into();
     let built = fleet.build(&fleet.out("r")).unwrap();
     let release = Release::open(fleet.out("r")).unwrap();
@@ -112,14 +113,14 @@ fn without_place_groups_the_leak_of_places_is_reported() {
         "split: {train: 0.5, val: 0.5, test: 0, by: [drive]}\ndeduplicate: {near: null}\n".into();
     let built = fleet.build(&fleet.out("r")).unwrap();
     let near = built.manifest.split.distances.iter().find(|d| d.within_m == 5.0).unwrap();
-    // At 5 s they are 2.5 m apart along the street, at 15 s 7.5 m.
+    // At 5 s they are 2.5 m apart along the street, at 15 s 7.5 m, and always 0.5 m across.
     assert_eq!((near.samples, near.near), (2, 1));
 }
 
 #[test]
 fn windows_beyond_the_drive_are_reported_and_never_padded() {
     let mut fleet = Fleet::new(&[plan("a", 0.0, 10.0)]);
-    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "ramp"));
+    fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 1.0, "intersection"));
     fleet.labels += &format!("{}\n", label(&plan("a", 0.0, 10.0), 27.0, "congestion"));
     let built = fleet.build(&fleet.out("r")).unwrap();
     let dropped = &built.manifest.counts.dropped["2-sample"];
@@ -129,14 +130,14 @@ fn windows_beyond_the_drive_are_reported_and_never_padded() {
     fleet.build(&fleet.out("kept")).unwrap();
     let kept = samples(&Release::open(fleet.out("kept")).unwrap());
     assert_eq!(kept.len(), 4);
-    let short = kept.iter().find(|s| s.l3.as_deref() == Some("ramp")).unwrap();
+    let short = kept.iter().find(|s| s.l3.as_deref() == Some("intersection")).unwrap();
     assert!(!short.history.complete && short.history.x[0].is_none() && short.future.complete);
 }
 
 #[test]
 fn drafts_are_taken_only_when_asked_for_and_marked() {
     let mut fleet = Fleet::town();
-    let mut draft = label(&plan("drive0", 0.0, 6.0), 10.0, "ramp");
+    let mut draft = label(&plan("drive0", 0.0, 6.0), 10.0, "intersection");
     draft["provenance"]["source"] = "model".into();
     fleet.labels += &format!("{draft}\n");
     let built = fleet.build(&fleet.out("without")).unwrap();

@@ -29,15 +29,19 @@ pub fn plan(id: &str, street_m: f64, speed_mps: f64) -> Plan {
     Plan { id: id.into(), street_m, speed_mps, session: None, licence: Some("Apache-2.0".into()) }
 }
 
+/// Everybody gains speed alike, so that no two moments of a drive are the same.
+pub const ACCEL_MPS2: f64 = 0.3;
+
 fn along(x0: f64, y: f64, speed: f64, n: usize) -> Motion {
+    let t = |i: usize| i as f64 / 10.0;
     Motion {
-        x: (0..n).map(|i| x0 + speed * i as f64 / 10.0).collect(),
+        x: (0..n).map(|i| x0 + speed * t(i) + 0.5 * ACCEL_MPS2 * t(i) * t(i)).collect(),
         y: vec![y; n],
         z: vec![0.0; n],
         heading: vec![0.0; n],
-        vx: vec![speed; n],
+        vx: (0..n).map(|i| speed + ACCEL_MPS2 * t(i)).collect(),
         vy: vec![0.0; n],
-        accel: vec![0.0; n],
+        accel: vec![ACCEL_MPS2; n],
         yaw_rate: vec![0.0; n],
     }
 }
@@ -138,7 +142,7 @@ impl Fleet {
     /// Eight drives in streets 100 m apart, each at its own speed.
     pub fn town() -> Self {
         let plans: Vec<Plan> =
-            (0..8).map(|i| plan(&format!("drive{i}"), f64::from(i) * 100.0, 6.0 + 3.0 * f64::from(i))).collect();
+            (0..8).map(|i| plan(&format!("drive{i}"), f64::from(i) * 100.0, 6.0 + 3.7 * f64::from(i))).collect();
         Self::new(&plans)
     }
 

@@ -1,0 +1,36 @@
+"""hnswlib on the descriptors of the bench `dedup`: time to index, time of 10,000 queries, recall within the same radius.
+
+python dedup_peer.py FOLDER N...   (after `cargo bench -p whyroad-dataset --bench dedup -- N... --out FOLDER`)
+"""
+
+import resource
+import sys
+import time
+
+import hnswlib
+import numpy as np
+
+DIMENSIONS, QUERIES, K = 40, 10_000, 64
+RADIUS = 1 / 0.9 - 1
+
+for n in map(int, sys.argv[2:]):
+    data = np.fromfile(f"{sys.argv[1]}/dedup_{n}.f32", dtype="<f4").reshape(-1, DIMENSIONS)
+    started = time.time()
+    index = hnswlib.Index("l2", DIMENSIONS)
+    index.init_index(n, M=16, ef_construction=200, random_seed=0)
+    index.add_items(data)
+    indexed = time.time() - started
+    index.set_ef(K)
+    asked = np.arange(QUERIES) * 7919 % n
+    started = time.time()
+    k = min(K, n)
+    labels, squares = index.knn_query(data[asked], k=k)
+    answered = time.time() - started
+    limit = RADIUS * RADIUS * DIMENSIONS
+    hit = total = 0
+    for q, ids, ds in zip(asked[:200], labels, squares):
+        truth = set(np.flatnonzero(((data - data[q]) ** 2).sum(axis=1) <= limit))
+        hit += len(truth & set(ids[ds <= limit]))
+        total += len(truth)
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"hnswlib/{n:<8} index {indexed:.3f} s, queries {answered:.3f} s, recall {hit / total:.4f}, {megabytes:.0f} MB")
