@@ -35,7 +35,11 @@ fn descriptors(n: usize) -> Vec<Vec<f32>> {
     let mut out: Vec<Vec<f32>> = Vec::with_capacity(n);
     for i in 0..n {
         let repeat = i > 10 && uniform() < 0.1;
-        let base = if repeat { out[(uniform() * i as f32) as usize % i].clone() } else { situations[i % situations.len()].clone() };
+        let base = if repeat {
+            out[(uniform() * i as f32) as usize % i].clone()
+        } else {
+            situations[i % situations.len()].clone()
+        };
         let spread = if repeat { 0.05 } else { 1.0 };
         out.push(base.iter().map(|x| x + spread * (uniform() - 0.5)).collect());
     }
@@ -51,12 +55,16 @@ fn resident_mb() -> f64 {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let out = arguments.iter().position(|a| a == "--out").and_then(|i| arguments.get(i + 1)).map(PathBuf::from);
+    let out =
+        arguments.iter().position(|a| a == "--out").and_then(|i| arguments.get(i + 1)).map(PathBuf::from);
     let mut sizes: Vec<usize> = arguments.iter().filter_map(|a| a.parse().ok()).collect();
     if sizes.is_empty() {
         sizes = vec![1_000, 10_000];
     }
-    println!("{:<16}{:>10}{:>14}{:>10}{:>12}{:>10}", "bench", "index s", "10k queries s", "recall", "neighbours", "MB");
+    println!(
+        "{:<16}{:>10}{:>14}{:>10}{:>12}{:>10}",
+        "bench", "index s", "10k queries s", "recall", "neighbours", "MB"
+    );
     for n in sizes {
         let data = descriptors(n);
         let views: Vec<&[f32]> = data.iter().map(Vec::as_slice).collect();
@@ -75,14 +83,20 @@ fn main() {
             .zip(&found)
             .take(SCANNED)
             .map(|(&q, found)| {
-                let near = |i: &usize| views[*i].iter().zip(views[q]).map(|(a, b)| (a - b) * (a - b)).sum::<f32>() <= square;
+                let near = |i: &usize| {
+                    views[*i].iter().zip(views[q]).map(|(a, b)| (a - b) * (a - b)).sum::<f32>() <= square
+                };
                 let truth: BTreeSet<u32> = (0..n).filter(near).map(|i| i as u32).collect();
                 (found.iter().filter(|i| truth.contains(i)).count(), truth.len())
             })
             .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         let neighbours: usize = found.iter().map(Vec::len).sum();
         let recall = hit as f64 / all.max(1) as f64;
-        println!("{:<16}{indexed:>10.3}{answered:>14.3}{recall:>10.4}{neighbours:>12}{:>10.0}", format!("dedup/{n}"), resident_mb());
+        println!(
+            "{:<16}{indexed:>10.3}{answered:>14.3}{recall:>10.4}{neighbours:>12}{:>10.0}",
+            format!("dedup/{n}"),
+            resident_mb()
+        );
         if let Some(dir) = &out {
             let path = dir.join(format!("dedup_{n}.f32"));
             let bytes: Vec<u8> = data.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();

@@ -247,12 +247,7 @@ fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeEr
     if let Some(m) = &drive.media {
         write("media", states::media_to_table(m), states::MEDIA_ORDER)?;
     }
-    let manifest = DriveManifest {
-        lake_version: LAKE_VERSION,
-        meta,
-        frames: drive.times.len(),
-        tables,
-    };
+    let manifest = DriveManifest { lake_version: LAKE_VERSION, meta, frames: drive.times.len(), tables };
     write_json(&dir.join(MANIFEST), &manifest)
 }
 

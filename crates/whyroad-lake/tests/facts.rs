@@ -30,7 +30,10 @@ fn facts_are_kept_until_others_are_stated_and_survive_another_ingest() {
     let vehicle = DriveFacts { vehicle: Some("v7".into()), ..DriveFacts::default() };
     assert!(lake.state_facts(&"d".into(), vehicle).unwrap());
     let meta = lake.read_drive(&"d".into()).unwrap().meta;
-    assert_eq!((meta.session.as_deref(), meta.vehicle.as_deref(), meta.position), (Some("s1"), Some("v7"), position));
+    assert_eq!(
+        (meta.session.as_deref(), meta.vehicle.as_deref(), meta.position),
+        (Some("s1"), Some("v7"), position)
+    );
     assert_eq!((meta.place.as_deref(), meta.licence.as_deref()), (Some("town"), Some("MIT")));
 
     assert_eq!(lake.write_drive(&drive("one")).unwrap(), WriteOutcome::Unchanged);

@@ -4,6 +4,7 @@ use super::known;
 use crate::sample::{EgoBox, Trajectory};
 use crate::spec::{Cut, Reference};
 use whyroad_engine::{MetaActions, States, meta_actions, states};
+use whyroad_model::catalogue::CategoryValue;
 use whyroad_model::scene::{Ego, EgoBus, Motion, Track};
 use whyroad_model::{Drive, Nanos};
 
@@ -142,12 +143,12 @@ impl Window {
             out.speed.push(known(at(&motion.vx) * c + at(&motion.vy) * s));
             out.accel.push(known(at(&motion.accel)));
             out.yaw_rate.push(known(at(&motion.yaw_rate)));
-            let action = |values: Option<&Vec<Option<String>>>| {
-                let (a, b, w) = between?;
-                values?.get(if w < 0.5 { a } else { b })?.clone()
-            };
-            out.meta_longitudinal.push(action(actions.map(|m| &m.longitudinal)));
-            out.meta_lateral.push(action(actions.map(|m| &m.lateral)));
+            let nearest = between.map(|(a, b, w)| if w < 0.5 { a } else { b });
+            let at_nearest = actions.zip(nearest);
+            let longitudinal = at_nearest.and_then(|(m, i)| *m.longitudinal.get(i)?);
+            let lateral = at_nearest.and_then(|(m, i)| *m.lateral.get(i)?);
+            out.meta_longitudinal.push(longitudinal.map(|v| v.name().to_owned()));
+            out.meta_lateral.push(lateral.map(|v| v.name().to_owned()));
         }
         out
     }

@@ -2,8 +2,8 @@
 
 use crate::fleet::{Fleet, content, label, plan};
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_dataset::verify::verify;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
+use whyroad_dataset::verify::verify;
 use whyroad_dataset::{DatasetError, Release, Sample, SplitName};
 use whyroad_framework::Framework;
 
@@ -146,7 +146,8 @@ fn drafts_are_taken_only_when_asked_for_and_marked() {
     let built = fleet.build(&fleet.out("with")).unwrap();
     assert_eq!(built.manifest.counts.by_status["draft"], 1);
     let release = Release::open(fleet.out("with")).unwrap();
-    let marked: Vec<Sample> = samples(&release).into_iter().filter(|s| s.lineage.label_status == "draft").collect();
+    let marked: Vec<Sample> =
+        samples(&release).into_iter().filter(|s| s.lineage.label_status == "draft").collect();
     assert_eq!(marked.len(), 1);
     assert!(!marked[0].lineage.checked);
 }
@@ -155,12 +156,15 @@ fn drafts_are_taken_only_when_asked_for_and_marked() {
 fn caps_thin_the_training_split_but_not_below_a_floor() {
     let mut fleet = Fleet::town();
     fleet.spec_text =
-        "split: {train: 1, val: 0, test: 0}\nbalance: {cap_leaf: 2, floor_leaf: 5, weight_exponent: 1}\n".into();
+        "split: {train: 1, val: 0, test: 0}\nbalance: {cap_leaf: 2, floor_leaf: 5, weight_exponent: 1}\n"
+            .into();
     let built = fleet.build(&fleet.out("floor")).unwrap();
     let by = |class: &str| built.manifest.counts.by_class[&format!("reactive_agent.cutin.{class}")]["train"];
     assert_eq!((by("urgent"), by("slow")), (5, 5), "the floor holds against the cap");
     let short = &built.manifest.balance.shortfalls;
-    assert!(short.iter().any(|s| s.scenario_id == "reactive_agent.cutin.ramp" && s.present == 0 && s.wanted == 5));
+    assert!(
+        short.iter().any(|s| s.scenario_id == "reactive_agent.cutin.ramp" && s.present == 0 && s.wanted == 5)
+    );
     let release = Release::open(fleet.out("floor")).unwrap();
     let weights: Vec<f64> = samples(&release).iter().map(|s| s.weight).collect();
     let mean = weights.iter().sum::<f64>() / weights.len() as f64;

@@ -2,19 +2,15 @@
 
 use crate::fleet::{Fleet, content, plan};
 use std::path::Path;
+use whyroad_dataset::DatasetError;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::verify::verify;
-use whyroad_dataset::DatasetError;
 use whyroad_framework::Framework;
 
 fn codes(release: &Path) -> Vec<&'static str> {
     let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
-    let mut codes: Vec<&str> = verify(release, Framework::bundled(), &table)
-        .unwrap()
-        .diagnostics
-        .iter()
-        .map(|d| d.code)
-        .collect();
+    let mut codes: Vec<&str> =
+        verify(release, Framework::bundled(), &table).unwrap().diagnostics.iter().map(|d| d.code).collect();
     codes.sort_unstable();
     codes.dedup();
     codes
@@ -82,7 +78,9 @@ fn a_leak_between_splits_is_found() {
     let of = |split: &str| names.iter().find(|n| n.starts_with(&format!("data/{split}-"))).unwrap().clone();
     std::fs::copy(out.join(of("train")), out.join(of("test"))).unwrap();
     let found = codes(&out);
-    for code in ["dataset.split.leak", "dataset.sample.repeated", "dataset.split.near", "dataset.duplicate.across"] {
+    for code in
+        ["dataset.split.leak", "dataset.sample.repeated", "dataset.split.near", "dataset.duplicate.across"]
+    {
         assert!(found.contains(&code), "{code} is not in {found:?}");
     }
 }

@@ -141,8 +141,9 @@ impl Fleet {
 
     /// Eight drives in streets 100 m apart, each at its own speed.
     pub fn town() -> Self {
-        let plans: Vec<Plan> =
-            (0..8).map(|i| plan(&format!("drive{i}"), f64::from(i) * 100.0, 6.0 + 3.7 * f64::from(i))).collect();
+        let plans: Vec<Plan> = (0..8)
+            .map(|i| plan(&format!("drive{i}"), f64::from(i) * 100.0, 6.0 + 3.7 * f64::from(i)))
+            .collect();
         Self::new(&plans)
     }
 
@@ -157,9 +158,8 @@ impl Fleet {
     /// Builds until `steps` steps are done.
     pub fn build_until(&self, out: &Path, steps: usize) -> Result<Built, DatasetError> {
         let done = std::sync::atomic::AtomicUsize::new(0);
-        let progress = |_: Step, _: usize, _: usize| {
-            done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1 < steps
-        };
+        let progress =
+            |_: Step, _: usize, _: usize| done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1 < steps;
         let framework = Framework::bundled();
         let spec: Spec = spec::read(&self.spec_text, "spec.yaml", framework).unwrap();
         let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();

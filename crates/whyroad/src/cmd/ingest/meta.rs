@@ -17,7 +17,8 @@ pub(super) struct Facts {
 
 /// Reads the CSV. A line that cannot be used is reported and does not stop the rest.
 pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
-    let mut reader = csv::Reader::from_path(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let mut reader =
+        csv::Reader::from_path(file).with_context(|| format!("cannot read {}", file.display()))?;
     let headers = reader.headers().with_context(|| format!("cannot read {}", file.display()))?.clone();
     if let Some(unknown) = headers.iter().find(|h| !COLUMNS.contains(&h.trim())) {
         bail!("{} has the unknown column '{unknown}'; known: {}", file.display(), COLUMNS.join(", "));
@@ -68,7 +69,9 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
 fn position(latitude: Option<String>, longitude: Option<String>) -> Result<Option<GeoPosition>, String> {
     let number = |text: &str, most: f64| {
         let value: Option<f64> = text.parse().ok();
-        value.filter(|v| v.abs() <= most).ok_or_else(|| format!("'{text}' is not a number of degrees up to {most}"))
+        value
+            .filter(|v| v.abs() <= most)
+            .ok_or_else(|| format!("'{text}' is not a number of degrees up to {most}"))
     };
     match (latitude, longitude) {
         (None, None) => Ok(None),
@@ -85,10 +88,8 @@ pub(super) fn state(lake: &Lake, facts: Facts) -> anyhow::Result<Vec<Diagnostic>
     let present = lake.drive_ids();
     for (id, facts_of_drive) in facts.drives {
         if present.binary_search(&id).is_err() {
-            let message = Bilingual::new(
-                format!("数据湖中没有行程 {id}"),
-                format!("the lake has no drive {id}"),
-            );
+            let message =
+                Bilingual::new(format!("数据湖中没有行程 {id}"), format!("the lake has no drive {id}"));
             found.push(
                 Diagnostic::warning("ingest.meta.drive", message).in_file(facts.file.display().to_string()),
             );
