@@ -36,7 +36,7 @@ impl Queries {
         let mut blocks: BTreeMap<ScenarioId, Block> = BTreeMap::new();
         for rule in &framework.rules {
             let Ok(root) = yaml::parse(&rule.text) else { continue };
-            let Some(node) = block_at(&root, rule.line) else { continue };
+            let Some(node) = block_at(&root, rule.mark.line) else { continue };
             let own = read(node);
             let whole = ScenarioId { l3: None, ..rule.leaf.clone() };
             let block = match blocks.get(&whole) {
