@@ -31,7 +31,7 @@ pub fn taxonomy_page(f: &Framework) -> String {
         section_l1(f, l1, &overlaps, &mut out);
     }
     tree(f, &mut out);
-    out
+    wrap::wrap_page(&out)
 }
 
 /// The tree with counts, as it stands in TAXONOMY.md.

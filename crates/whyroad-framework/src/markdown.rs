@@ -3,6 +3,7 @@
 
 mod lint;
 
+use crate::docs::wrap::join;
 pub use lint::lint_markdown;
 
 use crate::taxonomy::{L1, L2, L3, Taxonomy};
@@ -85,6 +86,7 @@ pub fn read_markdown(text: &str) -> MarkdownTaxonomy {
     let mut out = MarkdownTaxonomy::default();
     let mut fenced = Fence::Outside;
     let mut columns: Vec<String> = Vec::new();
+    let mut defining = false;
     for (i, raw) in text.lines().enumerate() {
         let line = Line { text: raw, number: i + 1 };
         if raw.trim_start().starts_with("```") {
@@ -103,7 +105,16 @@ pub fn read_markdown(text: &str) -> MarkdownTaxonomy {
         } else if let Some(rest) = raw.strip_prefix("### L2:") {
             heading_l2(&line, rest, &mut out);
         } else if let Some(rest) = raw.strip_prefix('>') {
-            quote(&line, rest, &mut out);
+            let text = rest.trim();
+            if defining && !text.is_empty() && !text.starts_with("**") {
+                // The definition goes on.
+                if let Some(meaning) = meaning(&mut out) {
+                    join(meaning, text);
+                }
+            } else {
+                defining = text.starts_with("**定义**");
+                quote(&line, rest, &mut out);
+            }
         } else if raw.trim_start().starts_with('|') {
             let cells = cells(&line);
             if columns.is_empty() {
@@ -182,6 +193,15 @@ fn heading_l2(line: &Line, rest: &str, out: &mut MarkdownTaxonomy) {
     }
 }
 
+/// The definition of the class that is being read: under an L1's heading the L1's; after an L2's heading, the L2's.
+fn meaning(out: &mut MarkdownTaxonomy) -> Option<&mut String> {
+    let l1 = out.listed.last_mut()?;
+    Some(match l1.children.last_mut() {
+        Some(l2) => &mut l2.meaning,
+        None => &mut l1.meaning,
+    })
+}
+
 /// `> 版本: 2.0.0`, `> 总计: 5个L1 | 30个L2 | 95个L3`, `> **定义**: ...`
 fn quote(line: &Line, rest: &str, out: &mut MarkdownTaxonomy) {
     let base = line.text.len() - rest.len();
@@ -192,13 +212,8 @@ fn quote(line: &Line, rest: &str, out: &mut MarkdownTaxonomy) {
         "版本" | "Version" => out.version = out.version.take().or(Some(line.item(value_at, value))),
         "总计" | "Total" => totals(line, Part::Header, out),
         "定义" => {
-            // Under an L1's heading it is the L1's; after an L2's heading, the L2's.
-            if let Some(l1) = out.listed.last_mut() {
-                let meaning = value.trim().to_owned();
-                match l1.children.last_mut() {
-                    Some(l2) => l2.meaning = meaning,
-                    None => l1.meaning = meaning,
-                }
+            if let Some(meaning) = meaning(out) {
+                *meaning = value.trim().to_owned();
             }
         }
         _ => {}

@@ -24,6 +24,7 @@ pub fn fill_spec_page(f: &Framework, page: &str) -> Result<String, String> {
         let start = out.find(&marker).ok_or_else(|| marker.trim().to_owned())? + marker.len();
         let end = out[start..].find(END).ok_or_else(|| END.to_owned())? + start;
         // Blank lines, or a table or heading would be taken for part of the comment.
+        let text = super::wrap::wrap_page(&text);
         out.replace_range(start..end, &format!("\n{}\n\n", text.trim_end_matches('\n')));
     }
     Ok(out)

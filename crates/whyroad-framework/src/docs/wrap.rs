@@ -38,6 +38,45 @@ pub fn wrap(text: &str, first: &str, rest: &str) -> String {
     lines.join("\n")
 }
 
+/// A page with its paragraphs, list items and quotes wrapped; also after `<br>`. Tables, headings and code stay as they are.
+pub fn wrap_page(text: &str) -> String {
+    let mut out = String::new();
+    let mut fenced = false;
+    for line in text.lines() {
+        fenced ^= line.starts_with("```");
+        let bare = line.trim_start();
+        let indent = &line[..line.len() - bare.len()];
+        if fenced || columns(line) <= WIDTH || bare.starts_with(['|', '#', '<']) {
+            out.push_str(line);
+        } else {
+            let (first, rest, text) = match (bare.strip_prefix("- "), bare.strip_prefix("> ")) {
+                (Some(text), _) => (format!("{indent}- "), format!("{indent}  "), text),
+                (_, Some(text)) => ("> ".to_owned(), "> ".to_owned(), text),
+                _ => (indent.to_owned(), indent.to_owned(), bare),
+            };
+            for (i, part) in text.split_inclusive("<br>").enumerate() {
+                let first = if i == 0 { &first } else { &rest };
+                let end = if i == 0 { "" } else { "\n" };
+                out.push_str(end);
+                out.push_str(&wrap(part, first, &rest));
+            }
+        }
+        out.push('\n');
+    }
+    out
+}
+
+/// Two lines of a wrapped text as one: with a space, unless the first ends a Chinese clause or the break is inside one.
+pub(crate) fn join(first: &mut String, next: &str) {
+    let wide = |c: Option<char>| c.is_some_and(is_wide);
+    let last = first.chars().next_back();
+    let inside = wide(last) && wide(next.chars().next());
+    if !inside && !last.is_some_and(|c| AFTER.contains(c)) {
+        first.push(' ');
+    }
+    first.push_str(next);
+}
+
 /// What a line may be broken between, each with whether a space stands before it.
 fn pieces(text: &str) -> Vec<(bool, String)> {
     let mut out: Vec<(bool, String)> = Vec::new();
@@ -87,6 +126,20 @@ mod tests {
             let bare = |s: &str| s.replace(['\n', ' ', '-'], "");
             assert_eq!(bare(&wrapped), bare(text));
         }
+    }
+
+    #[test]
+    fn a_page_is_wrapped_and_joined_again() {
+        let clause = "关键帧为自车第一次减速的时刻，".repeat(8);
+        let page = format!("# {clause}\n> **定义**: {clause}TTC < 5 s 之后\n- `a`: {clause}<br>x\n| {clause} |\n");
+        let wrapped = wrap_page(&page);
+        let wide: Vec<&str> = wrapped.lines().filter(|l| columns(l) > WIDTH).collect();
+        assert!(wide.iter().all(|l| l.starts_with(['#', '|'])) && wide.len() == 2, "{wrapped}");
+        let mut quote = String::new();
+        for line in wrapped.lines().filter_map(|l| l.strip_prefix("> ")) {
+            if quote.is_empty() { quote.push_str(line) } else { join(&mut quote, line) }
+        }
+        assert_eq!(quote, format!("**定义**: {clause}TTC < 5 s 之后"));
     }
 
     #[test]

@@ -28,3 +28,4 @@ mod traps;
 mod truth;
 mod truth_recorded;
 mod validate;
+mod width;

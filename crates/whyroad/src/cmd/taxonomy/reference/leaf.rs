@@ -17,7 +17,7 @@ pub(super) fn page(s: &Sources<'_>, (l1, l2, l3): (&L1, &L2, &L3), lang: Lang) -
         Lang::En => format!("[中文]({id}.zh.md)"),
         Lang::Zh => format!("[English]({id}.md)"),
     };
-    let _ = write!(p.out, "{GENERATED}\n\n# {}\n\n`{id}` · {other}\n\n", title(&l3.name, lang));
+    let _ = write!(p.out, "{GENERATED}\n\n# {}\n\n`{id}`\n\n{other}\n\n", title(&l3.name, lang));
     let above = format!(
         "{} [{}](../TAXONOMY.md#l2-{}) ({})",
         say(lang, "Variant of", "所属 L2："),
