@@ -1,5 +1,5 @@
-//! Stage 5: caps and weights for the training split, and what is missing in it. A leaf or L2 that is at or below its floor is
-//! never thinned; what is rare is never repeated, only weighted.
+//! Stage 5: caps and weights for the training split, and what is missing in it. A leaf or L2 that is at or below its
+//! floor is never thinned; what is rare is never repeated, only weighted.
 
 use crate::item::{Dropped, Item, SplitName, Stage};
 use crate::labels::Names;

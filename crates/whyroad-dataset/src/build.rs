@@ -1,5 +1,5 @@
-//! The build: stages in order, with everything between them in a work folder beside the output, so that an interrupted build
-//! goes on where it was. The output appears whole or not at all.
+//! The build: stages in order, with everything between them in a work folder beside the output, so that an interrupted
+//! build goes on where it was. The output appears whole or not at all.
 
 mod cutting;
 mod freezing;
@@ -79,8 +79,8 @@ pub(crate) struct State<'a> {
     diagnostics: Vec<Diagnostic>,
 }
 
-/// Builds a release from the labels of `streams`. `progress` is called with a step, what is done and what there is to do; when it returns false the build
-/// stops, and the next one with the same inputs goes on from there.
+/// Builds a release from the labels of `streams`. `progress` is called with a step, what is done and what there is to
+/// do; when it returns false the build stops, and the next one with the same inputs goes on from there.
 ///
 /// # Errors
 /// When the output exists, an input cannot be read, a licence forbids it, or `progress` stopped it.

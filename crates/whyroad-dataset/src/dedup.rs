@@ -1,5 +1,5 @@
-//! Stage 4: exact duplicates by content, near-duplicates by descriptor: inside an L2 of one split, and across splits whatever
-//! the L2. Of samples in different splits the one in training goes, then the one in validation.
+//! Stage 4: exact duplicates by content, near-duplicates by descriptor: inside an L2 of one split, and across splits
+//! whatever the L2. Of samples in different splits the one in training goes, then the one in validation.
 
 pub mod search;
 pub(crate) mod trace;
@@ -43,7 +43,8 @@ pub struct Threshold {
 /// Marks duplicates.
 pub(crate) fn deduplicate(items: &mut [Item], classes: &Names, spec: &Deduplicate) -> DedupReport {
     let mut report = DedupReport::default();
-    // In the order in which samples are kept: test, validation, training; checked first; then the better score; then the id.
+    // In the order in which samples are kept: test, validation, training; checked first; then the better score; then
+    // the id.
     let mut order: Vec<usize> = (0..items.len()).filter(|i| items[*i].kept()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&items[a], &items[b]);
@@ -127,8 +128,8 @@ struct Marked {
 /// Members that are compared with the kept ones at once, on all cores.
 const BATCH: usize = 4096;
 
-/// Greedy in the order of the members: each is kept unless it resembles one that was kept before. Exact, and the same on
-/// any number of cores: a batch is compared with what was kept before it in parallel, then with itself in order.
+/// Greedy in the order of the members: each is kept unless it resembles one that was kept before. Exact, and the same
+/// on any number of cores: a batch is compared with what was kept before it in parallel, then with itself in order.
 fn mark(vectors: &[&[f32]], members: &[Member], projection: &Projection, similarity: f64) -> Marked {
     let radius = descriptor::distance_of(similarity);
     let mut out = Marked::default();

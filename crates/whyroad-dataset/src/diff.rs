@@ -1,4 +1,5 @@
-//! What differs between two releases: samples added, removed, moved between splits, relabelled, and the counts by class.
+//! What differs between two releases: samples added, removed, moved between splits, relabelled, and the counts by
+//! class.
 
 use crate::sample::schema::from_batch;
 use crate::{DatasetError, Release};

@@ -4,8 +4,8 @@ use crate::records::RecordRef;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Most bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test checks the
-/// parts).
+/// Most bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test checks
+/// the parts).
 pub const BYTES_PER_SAMPLE: usize = 1024;
 
 /// Numbers in a descriptor.

@@ -1,6 +1,6 @@
-//! Labels in: JSON lines of the service's export (`tasks export --format tasks`), plain labels (DATA_FORMAT.md 4), or episodes
-//! as `whyroad mine` writes them, which are drafted by rule when drafts are asked for. Each line is kept or dropped with a
-//! reason; what is kept goes to a record file, and a short [`Item`] stays in memory.
+//! Labels in: JSON lines of the service's export (`tasks export --format tasks`), plain labels (DATA_FORMAT.md 4), or
+//! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are asked for. Each line is kept or
+//! dropped with a reason; what is kept goes to a record file, and a short [`Item`] stays in memory.
 
 use crate::DatasetError;
 use crate::item::{Dropped, Item, SampleId, Stage};

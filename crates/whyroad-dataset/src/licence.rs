@@ -1,5 +1,5 @@
-//! Licences: which are known, what a release that contains them may be used for, and which one it declares. The knowledge is
-//! `schema/licences.yaml`.
+//! Licences: which are known, what a release that contains them may be used for, and which one it declares. The
+//! knowledge is `schema/licences.yaml`.
 
 use crate::spec::{Licences, Use};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,5 @@
-//! Where samples are: positions that can be compared between drives, place cells, and which samples are near each other.
+//! Where samples are: positions that can be compared between drives, place cells, and which samples are near each
+//! other.
 
 use crate::cut::Pose;
 use crate::item::Position;

@@ -1,9 +1,9 @@
-//! One sample of a release in memory: a keyframe of a drive with what a model may see (history, images, route) and what it
-//! should learn (trace, decisions, components, future). The same struct is the row of the release's Parquet files; the
-//! columns have the names of its fields (`docs/reference/release.md` lists them).
+//! One sample of a release in memory: a keyframe of a drive with what a model may see (history, images, route) and what
+//! it should learn (trace, decisions, components, future). The same struct is the row of the release's Parquet files;
+//! the columns have the names of its fields (`docs/reference/release.md` lists them).
 //!
-//! Frame of every position, heading and velocity: right-handed, metric, x forward, y left, z up, origin and axes those of
-//! the ego's reference point at t0 (the keyframe's frame). Times are seconds from t0. `None` is unknown, never zero.
+//! Frame of every position, heading and velocity: right-handed, metric, x forward, y left, z up, origin and axes those
+//! of the ego's reference point at t0 (the keyframe's frame). Times are seconds from t0. `None` is unknown, never zero.
 
 pub mod schema;
 
@@ -48,8 +48,8 @@ pub struct Sample {
     pub cause_longitudinal: Option<Cause>,
     /// Causes of the lateral decision.
     pub cause_lateral: Option<Cause>,
-    /// Route instruction at t0 as the log has it: `left`, `right`, `straight`, `uturn`, `exit`, `none`; `None`: no route in
-    /// the log. Never taken from the future.
+    /// Route instruction at t0 as the log has it: `left`, `right`, `straight`, `uturn`, `exit`, `none`; `None`: no
+    /// route in the log. Never taken from the future.
     pub route: Option<String>,
     /// The route instruction as a sentence in Chinese.
     pub route_text_zh: Option<String>,
@@ -143,7 +143,8 @@ pub struct Lineage {
     pub label_sha256: String,
     /// Format version of the label.
     pub label_version: Option<String>,
-    /// State in the labelling service (`accepted`, `submitted`, ...), or `draft`, or `imported` for labels of a plain file.
+    /// State in the labelling service (`accepted`, `submitted`, ...), or `draft`, or `imported` for labels of a plain
+    /// file.
     pub label_status: String,
     /// True when a person other than the author accepted it; false for every draft.
     pub checked: bool,
@@ -178,8 +179,8 @@ pub struct Groups {
     pub source: String,
     /// Licence of the drive: an id of `schema/licences.yaml`.
     pub licence: String,
-    /// Frame of `position`: `geo` (on the Earth) or `map:<place>`; `None`: no position that other drives can be compared
-    /// with.
+    /// Frame of `position`: `geo` (on the Earth) or `map:<place>`; `None`: no position that other drives can be
+    /// compared with.
     pub position_frame: Option<String>,
     /// The reference point at t0, m: x, y, 0 of the map, or a point of the Earth's sphere around its centre, so that
     /// distances of samples can be computed by subtraction.
@@ -272,10 +273,11 @@ pub struct Object {
 pub struct MapElement {
     /// Id in the map.
     pub id: String,
-    /// `lane`, `junction_lane`, `bus_lane`, `bike_lane`, `sidewalk`, `other_lane`, `crosswalk`, `stop_line`, `junction`.
+    /// `lane`, `junction_lane`, `bus_lane`, `bike_lane`, `sidewalk`, `other_lane`, `crosswalk`, `stop_line`,
+    /// `junction`.
     pub kind: String,
-    /// Centre line of a lane in driving direction, the line of a stop line, the outline of an area, m; points of one line
-    /// that is cut by the radius several times follow each other.
+    /// Centre line of a lane in driving direction, the line of a stop line, the outline of an area, m; points of one
+    /// line that is cut by the radius several times follow each other.
     pub x: Vec<f32>,
     /// m.
     pub y: Vec<f32>,

@@ -136,8 +136,8 @@ impl MediaError {
     }
 }
 
-/// Attaches images to a drive. Those that it had of the same camera are replaced, other cameras stay. Images that cannot
-/// be shown are left out and reported; when all are, nothing is changed.
+/// Attaches images to a drive. Those that it had of the same camera are replaced, other cameras stay. Images that
+/// cannot be shown are left out and reported; when all are, nothing is changed.
 pub fn add_images(lake: &Lake, id: &DriveId, request: &AddImages) -> Result<AddedImages, MediaError> {
     let times = lake.outline(id)?.times;
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else {

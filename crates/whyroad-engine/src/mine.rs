@@ -90,8 +90,8 @@ pub fn mine_lake_with(
 /// and a core that is done early waits for the others once in so many drives.
 const DRIVES_A_CORE: usize = 32;
 
-/// Mines every drive of the lake as the options say, and hands what came of each to `each`, in the order of their ids; an
-/// error of `each` ends it. Gives an error a drive that could not be read.
+/// Mines every drive of the lake as the options say, and hands what came of each to `each`, in the order of their ids;
+/// an error of `each` ends it. Gives an error a drive that could not be read.
 pub fn mine_each<E: Send>(
     lake: &Lake,
     rules: &RuleSet,

@@ -1,6 +1,6 @@
-//! Motion and classes of a drive as they could be known at a moment: the one call through which consumers (data sets, Python,
-//! the service) take speeds, accelerations and classes. Today they are what the lake holds, cut; a later estimator replaces
-//! what is behind this call, not the call.
+//! Motion and classes of a drive as they could be known at a moment: the one call through which consumers (data sets,
+//! Python, the service) take speeds, accelerations and classes. Today they are what the lake holds, cut; a later
+//! estimator replaces what is behind this call, not the call.
 
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass, TrackId};
@@ -43,8 +43,8 @@ impl ObjectStates {
     }
 }
 
-/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame has any
-/// influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
+/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame has
+/// any influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
 /// `states(drive, drive.frame_count())` is the whole drive.
 pub fn states(drive: &Drive, until: usize) -> States {
     let frames = until.min(drive.frame_count());

@@ -1,5 +1,5 @@
-//! Checks of every message but the label (DATA_FORMAT.md 2.2, 3 and 5), and what they share with the checks of labels in
-//! whyroad-label: JSON with spans ([`json`]), the tolerant walk over it ([`walk`]), and findings ([`finding`]).
+//! Checks of every message but the label (DATA_FORMAT.md 2.2, 3 and 5), and what they share with the checks of labels
+//! in whyroad-label: JSON with spans ([`json`]), the tolerant walk over it ([`walk`]), and findings ([`finding`]).
 //!
 //! Nothing here opens a file, and nothing here knows what a label means.
 
@@ -35,8 +35,8 @@ pub struct Verdict {
     pub foreign: bool,
 }
 
-/// Parses `text`, checks it as the message it is, and adds the findings, sorted by location, to `out`. Locations have no
-/// file name. What to do with a label is the caller's to say.
+/// Parses `text`, checks it as the message it is, and adds the findings, sorted by location, to `out`. Locations have
+/// no file name. What to do with a label is the caller's to say.
 pub fn check_document<'t>(
     text: &'t str,
     origin: &'t Origin,

@@ -1,5 +1,5 @@
-//! `docs/reference/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with English
-//! beside Chinese and every number counted. `markdown` can read it back.
+//! `docs/reference/TAXONOMY.md`: the classes as a page, in the form of the TAXONOMY.md that the project was given, with
+//! English beside Chinese and every number counted. `markdown` can read it back.
 
 mod overlaps;
 mod spec_page;

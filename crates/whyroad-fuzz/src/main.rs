@@ -1,5 +1,5 @@
-//! `whyroad-fuzz [--seconds N] [--executions N] [--seed N] [--folder DIR] [TARGET...]`: runs fuzz targets, all by default.
-//! `--input FILE TARGET` runs one input again, with the usual panic message.
+//! `whyroad-fuzz [--seconds N] [--executions N] [--seed N] [--folder DIR] [TARGET...]`: runs fuzz targets, all by
+//! default. `--input FILE TARGET` runs one input again, with the usual panic message.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 use std::path::PathBuf;

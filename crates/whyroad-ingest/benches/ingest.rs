@@ -1,7 +1,7 @@
 //! How fast each format becomes a drive, as a ratio to a bare decode of the same files in the same run:
-//! `cargo bench -p whyroad-ingest --bench ingest`. The floor unpacks and parses what the adapter must (Arrow IPC, Parquet, XML
-//! events, CSV records, npy bytes) and does nothing with it. No harness: fastest of interleaved rounds. Recorded logs are
-//! measured where they are.
+//! `cargo bench -p whyroad-ingest --bench ingest`. The floor unpacks and parses what the adapter must (Arrow IPC,
+//! Parquet, XML events, CSV records, npy bytes) and does nothing with it. No harness: fastest of interleaved rounds.
+//! Recorded logs are measured where they are.
 #![allow(clippy::print_stdout)] // printing is what a bench is for
 
 use std::fs::{self, File};
@@ -28,7 +28,8 @@ fn files(path: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Files that an adapter reads; the rest of a folder (what a simulator says of itself, networks' sources) is no work of its.
+/// Files that an adapter reads; the rest of a folder (what a simulator says of itself, networks' sources) is no work of
+/// its.
 fn is_read(path: &Path) -> bool {
     let text = path.to_string_lossy();
     !["ssm.xml", "lanechange.xml", "/source/", "truth.jsonl", "road.csv", ".npz", ".hevc", "calibration"]

@@ -1,5 +1,6 @@
-//! The interface between the ingest and a recorded format. A new format is one implementation of [`Adapter`], registered
-//! in `formats.rs`; the command line, the search for sources and the list of diagnostic codes follow from it.
+//! The interface between the ingest and a recorded format. A new format is one implementation of [`Adapter`],
+//! registered in `formats.rs`; the command line, the search for sources and the list of diagnostic codes follow from
+//! it.
 
 use crate::options::{OptionSpec, Options};
 use crate::report::SourceReport;

@@ -1,5 +1,5 @@
-//! File and message encodings, without any meaning of a data set: bytes in, values out. All of them read untrusted bytes:
-//! sizes that a file declares are limited by the bytes it has.
+//! File and message encodings, without any meaning of a data set: bytes in, values out. All of them read untrusted
+//! bytes: sizes that a file declares are limited by the bytes it has.
 
 pub mod can;
 pub(crate) mod cdr;

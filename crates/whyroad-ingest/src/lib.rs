@@ -1,6 +1,6 @@
-//! Recorded drives into scene tables: `formats/` has one adapter per format, `encodings/` reads file formats, `assemble/`
-//! is what adapters share. Reads files; knows nothing of signals, rules or labels. A log's format ends here: what leaves
-//! this crate is a [`whyroad_model::Drive`].
+//! Recorded drives into scene tables: `formats/` has one adapter per format, `encodings/` reads file formats,
+//! `assemble/` is what adapters share. Reads files; knows nothing of signals, rules or labels. A log's format ends
+//! here: what leaves this crate is a [`whyroad_model::Drive`].
 
 mod adapter;
 mod assemble;

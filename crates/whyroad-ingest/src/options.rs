@@ -1,5 +1,5 @@
-//! Options of an ingest: those that every format understands, and those that an adapter declares. The command line builds
-//! its arguments from the declarations, so an option exists once, beside the code that reads it.
+//! Options of an ingest: those that every format understands, and those that an adapter declares. The command line
+//! builds its arguments from the declarations, so an option exists once, beside the code that reads it.
 
 use std::path::{Path, PathBuf};
 use whyroad_model::{DriveId, Nanos};

@@ -68,9 +68,9 @@ pub fn batches(sources: &[Source]) -> impl Iterator<Item = &[Source]> {
     sources.chunk_by(together).flat_map(|alike| alike.chunks(alike[0].adapter.0.batch_size()))
 }
 
-/// Reads a batch of sources and writes their drives, one at a time; a simulation has one per ego. `each` gets one complete
-/// report per drive; a drive that is not in the lake has no `outcome`. Drives that the lake holds already are not made
-/// again: an interrupted ingest, also one interrupted inside a source, continues where it was.
+/// Reads a batch of sources and writes their drives, one at a time; a simulation has one per ego. `each` gets one
+/// complete report per drive; a drive that is not in the lake has no `outcome`. Drives that the lake holds already are
+/// not made again: an interrupted ingest, also one interrupted inside a source, continues where it was.
 pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut dyn FnMut(SourceReport)) {
     let Some(source) = batch.first() else { return };
     // The source that is being read.

@@ -10,8 +10,8 @@ use whyroad_model::Bilingual;
 pub const MAX_DRAFT: usize = 256 * 1024;
 /// Deepest nesting of a draft. A label needs five; what is nested beyond 128 could be stored but never be read again.
 pub const MAX_DEPTH: usize = 32;
-/// Maximum number of values in a draft, lists and objects included. A label has some hundred; checking takes a time that
-/// grows with them.
+/// Maximum number of values in a draft, lists and objects included. A label has some hundred; checking takes a time
+/// that grows with them.
 pub const MAX_VALUES: usize = 5_000;
 /// Maximum number of changes in one request.
 pub const MAX_CHANGES: usize = 100;
@@ -160,9 +160,9 @@ fn values(value: &Value) -> usize {
     }
 }
 
-/// Refuses a path that is written in another way than the one under which conflicts are looked for: with empty parts, with
-/// numbers such as `00` or `+1`, with a `~` that escapes nothing. For changes that come in; those of an older history stay
-/// readable.
+/// Refuses a path that is written in another way than the one under which conflicts are looked for: with empty parts,
+/// with numbers such as `00` or `+1`, with a `~` that escapes nothing. For changes that come in; those of an older
+/// history stay readable.
 pub fn canonical(path: &str) -> Result<(), DraftError> {
     let number = |p: &str| {
         let digits = p.strip_prefix('+').unwrap_or(p);

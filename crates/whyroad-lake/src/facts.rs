@@ -1,5 +1,5 @@
-//! What is known about a drive beside its log: session, vehicle, position, place, licence, stated later and kept when the
-//! drive is ingested again.
+//! What is known about a drive beside its log: session, vehicle, position, place, licence, stated later and kept when
+//! the drive is ingested again.
 
 use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::clips;

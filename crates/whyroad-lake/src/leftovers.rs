@@ -9,7 +9,8 @@ use std::time::{Duration, SystemTime};
 const QUIET: Duration = Duration::from_secs(600);
 
 /// Removes half-written drives whose process is gone. A drive put away for a replacement that never came is put back.
-/// Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed stays, as it harms no reader.
+/// Where processes cannot be looked up (no `/proc`) nothing is done; what cannot be removed stays, as it harms no
+/// reader.
 pub(crate) fn remove(drives: &Path) {
     if !Path::new("/proc/self").exists() {
         return;

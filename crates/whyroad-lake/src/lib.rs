@@ -1,6 +1,6 @@
 //! Everything on disk between two commands: the lake (scene tables, one folder per drive, one Parquet file per table,
-//! plain enough for DuckDB or pandas; `docs/reference/lake.md` lists tables, columns and units), stored signals, mined folders.
-//! This crate knows how these are *stored*; it knows no input format and derives nothing.
+//! plain enough for DuckDB or pandas; `docs/reference/lake.md` lists tables, columns and units), stored signals, mined
+//! folders. This crate knows how these are *stored*; it knows no input format and derives nothing.
 //!
 //! What holds for every drive in a lake: the folder appears whole or not at all (written aside, then renamed);
 //! rows are ordered by clip, then target, then frame, one row group holds the whole drive, and both are

@@ -1,4 +1,5 @@
-//! Camera pictures of a drive that is in the lake already: what its `media` table names, and another table in its place.
+//! Camera pictures of a drive that is in the lake already: what its `media` table names, and another table in its
+//! place.
 
 use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::states;
@@ -15,7 +16,8 @@ impl Lake {
     /// Camera frames of a drive; none where the table is missing.
     pub fn media(&self, id: &DriveId) -> Result<Vec<MediaFrame>, LakeError> {
         self.manifest(id)?;
-        // By the file and not by what drive.json names: a replacement that was killed leaves the old frames in the file.
+        // By the file and not by what drive.json names: a replacement that was killed leaves the old frames in the
+        // file.
         let path = self.drive_dir(id).join("media.parquet");
         let table = file::read_table(&path, states::MEDIA_ORDER)?;
         table.map_or(Ok(vec![]), |t| states::media_from_table(&t))
@@ -39,7 +41,8 @@ impl Lake {
             let path = self.drive_dir(id).join(MANIFEST);
             fs::rename(&aside, &path).map_err(LakeError::io(&path))
         };
-        // Table and manifest must agree on the number of rows and cannot be renamed as one: in between, no table is named.
+        // Table and manifest must agree on the number of rows and cannot be renamed as one: in between, no table is
+        // named.
         if manifest.tables.remove(TABLE).is_some() {
             state(&manifest)?;
         }

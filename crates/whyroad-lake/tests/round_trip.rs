@@ -289,7 +289,8 @@ fn drive() -> impl Strategy<Value = Drive> {
     })
 }
 
-/// Exact and NaN-proof: Rust's debug form of f64 is the shortest that reads back to the same bits, and NaN prints as itself.
+/// Exact and NaN-proof: Rust's debug form of f64 is the shortest that reads back to the same bits, and NaN prints as
+/// itself.
 fn shown(d: &Drive) -> String {
     format!("{d:#?}")
 }

@@ -1,5 +1,5 @@
-//! The table of a label's fields, generated from `schema/label_fields.yaml` by the build script: pointers, presence, the
-//! format version that added each, and names for people. The types themselves are in [`crate::messages`].
+//! The table of a label's fields, generated from `schema/label_fields.yaml` by the build script: pointers, presence,
+//! the format version that added each, and names for people. The types themselves are in [`crate::messages`].
 
 /// A field of a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -101,8 +101,8 @@ impl Lake {
         read_parquet(py, mined.join("episodes.parquet"), None)
     }
 
-    /// Episodes that the bundled rules find (default), or a custom rule (`rule="target.gap < 10 m for 1 s"`); the columns
-    /// are those of `episodes.parquet`. `scenario` keeps one class: an L1, L2 or leaf.
+    /// Episodes that the bundled rules find (default), or a custom rule (`rule="target.gap < 10 m for 1 s"`); the
+    /// columns are those of `episodes.parquet`. `scenario` keeps one class: an L1, L2 or leaf.
     #[pyo3(signature = (rule=None, *, target=None, scenario=None, jobs=None))]
     fn mine(
         &self,

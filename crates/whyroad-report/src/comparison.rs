@@ -1,5 +1,5 @@
-//! Two mined folders compared: what was gained, lost, reclassified, moved in time, or changed its primary class. Used for
-//! a changed rule, another version, or another signal derivation over the same drives.
+//! Two mined folders compared: what was gained, lost, reclassified, moved in time, or changed its primary class. Used
+//! for a changed rule, another version, or another signal derivation over the same drives.
 //!
 //! An episode of one side and an episode of the other are the same moment when they are on one drive and target and
 //! [`Moment::match_error`] says so. Pairs of one class are made first; what is left is paired across classes.
@@ -57,8 +57,8 @@ pub struct ChangedEpisode {
     /// Keyframe of the second minus keyframe of the first, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe_shift_s: Option<f64>,
-    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for what is lost
-    /// or reclassified, a label of the class before. `None` where no labels were given.
+    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for what is
+    /// lost or reclassified, a label of the class before. `None` where no labels were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accepted: Option<bool>,
 }

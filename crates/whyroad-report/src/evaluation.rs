@@ -29,9 +29,10 @@ pub const LEAST_IOU: f64 = 0.3;
 
 /// Compares `episodes` with `truth`.
 ///
-/// An entry that names an L2 (its variant is not told) is matched by every episode of that L2, after the entries that name a leaf.
-/// Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its class and drive are
-/// declared complete, and else counts neither way. Nor does one that only an optional entry matches; optional entries come last.
+/// An entry that names an L2 (its variant is not told) is matched by every episode of that L2, after the entries that
+/// name a leaf. Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its
+/// class and drive are declared complete, and else counts neither way. Nor does one that only an optional entry
+/// matches; optional entries come last.
 pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
     let mut entries: Vec<&truth::TruthEntry> = truth.entries.iter().collect();
     // Leaves first, so that an L2's entry takes what no leaf's entry claims.

@@ -1,4 +1,5 @@
-//! Writes the OpenAPI document: `cargo run -q -p whyroad-server --example openapi > crates/whyroad-server/openapi.json`.
+//! Writes the OpenAPI document:
+//! `cargo run -q -p whyroad-server --example openapi > crates/whyroad-server/openapi.json`.
 
 use std::io::Write;
 

@@ -1,5 +1,5 @@
-//! Failed sign-ins: after a few, each further one has to wait longer, by name and by address. And passwords are hashed one
-//! at a time: each takes a good part of a second of a core on purpose.
+//! Failed sign-ins: after a few, each further one has to wait longer, by name and by address. And passwords are hashed
+//! one at a time: each takes a good part of a second of a core on purpose.
 
 use crate::problem::{Answer, Problem};
 use serde_json::json;
@@ -61,8 +61,8 @@ fn wait(failures: &HashMap<String, Failures>, key: &str, free: u32, now: i64) ->
     failures.get(key).map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
 }
 
-/// A sign-in that is being tried. It counts as a failure from its beginning, so that many at once are counted like one after
-/// another; only what [`Attempt::succeeded`] or [`Attempt::forgiven`] takes back does not stay.
+/// A sign-in that is being tried. It counts as a failure from its beginning, so that many at once are counted like one
+/// after another; only what [`Attempt::succeeded`] or [`Attempt::forgiven`] takes back does not stay.
 #[must_use = "a sign-in that is dropped counts as failed"]
 pub struct Attempt<'l> {
     limits: &'l Limits,
@@ -81,7 +81,8 @@ impl Attempt<'_> {
         failures.retain(|_, f| f.count > 0);
     }
 
-    /// Forgets the failures of the name. Those of the address stay: one good password must not free the guessing of others.
+    /// Forgets the failures of the name. Those of the address stay: one good password must not free the guessing of
+    /// others.
     pub fn succeeded(self) {
         if let (Ok(mut failures), Some(name)) = (self.limits.failures.lock(), self.keys.first()) {
             failures.remove(name);

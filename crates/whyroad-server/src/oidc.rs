@@ -1,8 +1,8 @@
 //! Signing in at an OpenID provider: authorisation code flow with PKCE (OpenID Connect Core 1.0, RFC 7636, RFC 9207).
 //! Says *who* the provider vouches for; which account that is and what it may do is `service::identities`.
 //!
-//! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a secret
-//! of the service and the browser's cookie, so that unauthenticated callers cannot fill the store.
+//! Nothing is stored for a sign-in that has only begun: `state`, `nonce` and the PKCE verifier are derived from a
+//! secret of the service and the browser's cookie, so that unauthenticated callers cannot fill the store.
 
 pub mod algorithm;
 pub mod claims;

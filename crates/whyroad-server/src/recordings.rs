@@ -32,12 +32,12 @@ pub trait Recordings: Send + Sync {
     /// Names of the folders of mining results that tasks can be made from.
     fn mined(&self) -> Vec<String>;
 
-    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name, an error in words when the
-    /// folder cannot be read. Without a filter the folder's size makes no difference.
+    /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name, an error in words when
+    /// the folder cannot be read. Without a filter the folder's size makes no difference.
     fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>>;
 
-    /// At most `limit` episodes of a mined folder that answer `filter`, in the order of drive and keyframe, from `after`
-    /// on (`None`: from the first). `None` for an unknown name.
+    /// At most `limit` episodes of a mined folder that answer `filter`, in the order of drive and keyframe, from
+    /// `after` on (`None`: from the first). `None` for an unknown name.
     fn episodes(
         &self,
         name: &str,

@@ -121,8 +121,8 @@ const COMMON: &[&str] = &[
     "whyroad",
 ];
 
-/// True for a password that guessing finds at once: few different characters, one piece repeated, a run of the alphabet or
-/// of digits, digits alone, or a common word with digits around it.
+/// True for a password that guessing finds at once: few different characters, one piece repeated, a run of the alphabet
+/// or of digits, digits alone, or a common word with digits around it.
 fn is_weak(password: &str) -> bool {
     let lower = password.to_lowercase();
     let letters: Vec<char> = lower.chars().collect();

@@ -1,4 +1,5 @@
-//! Printing and exit codes shared by the commands. Color only on a terminal (or by `--color`). Exit codes: 0 fine, 1 findings or failure, 2 usage (clap's), 3 done but some input was lost.
+//! Printing and exit codes shared by the commands. Color only on a terminal (or by `--color`). Exit codes: 0 fine, 1
+//! findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;

@@ -1,4 +1,5 @@
-//! Where the labelling service keeps its work: the options that `serve`, `tasks`, `accounts`, `backup` and `restore` share.
+//! Where the labelling service keeps its work: the options that `serve`, `tasks`, `accounts`, `backup` and `restore`
+//! share.
 
 use crate::{Global, framework_folder};
 use anyhow::anyhow;

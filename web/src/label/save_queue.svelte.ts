@@ -8,9 +8,8 @@ import type { Json } from "./pointer.ts";
 import { readUnsaved, writeUnsaved } from "./unsaved_copy.ts";
 
 /**
- * `waiting`: a change will be sent soon. `offline`: the service cannot be reached, sending is tried again. `lost`: the lease
- * is lost, nothing is sent any more. `refused`: the service rejected a change.
- */
+ * `waiting`: a change will be sent soon. `offline`: the service cannot be reached, sending is tried again. `lost`: the
+ * lease is lost, nothing is sent any more. `refused`: the service rejected a change. /
 export type SaveStatus = "saved" | "saving" | "waiting" | "offline" | "lost" | "refused";
 
 /** A pause in typing of this length sends what was typed. */

@@ -1,5 +1,5 @@
-//! Stage 2 over all drives, on all cores: each drive is read once, its samples go to one file, and what the later stages need
-//! stays in memory. Drives that an interrupted build finished are taken from their files.
+//! Stage 2 over all drives, on all cores: each drive is read once, its samples go to one file, and what the later
+//! stages need stays in memory. Drives that an interrupted build finished are taken from their files.
 
 use super::{State, Step};
 use crate::DatasetError;

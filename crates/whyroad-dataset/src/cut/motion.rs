@@ -153,8 +153,8 @@ impl Window {
         out
     }
 
-    /// The two frames around `t_s` from t0 and the weight of the second; `None` outside the frames and in gaps. Only the
-    /// first `frames` frames count, so that a step of the past never leans on a later frame.
+    /// The two frames around `t_s` from t0 and the weight of the second; `None` outside the frames and in gaps. Only
+    /// the first `frames` frames count, so that a step of the past never leans on a later frame.
     fn frames_at(&self, t_s: f64, frames: usize) -> Option<(usize, usize, f64)> {
         let times = &self.drive.times[..frames.min(self.drive.times.len())];
         let t0 = self.time();

@@ -1,7 +1,7 @@
-//! The tree that the Alpamayo recipes read (`PhysicalAIAVDatasetLocalInterface`). Each sample and language is a pseudo-clip
-//! of its own, because the loader takes only the first event of a clip; the event lies at 2.0 s of the clip's 20 s time
-//! line. Reasoning is written under `cot` (which the recipe reads) and `coc` (which the released files have). Samples that
-//! the loader would drop are listed in `preflight.json`, with the reason.
+//! The tree that the Alpamayo recipes read (`PhysicalAIAVDatasetLocalInterface`). Each sample and language is a
+//! pseudo-clip of its own, because the loader takes only the first event of a clip; the event lies at 2.0 s of the
+//! clip's 20 s time line. Reasoning is written under `cot` (which the recipe reads) and `coc` (which the released files
+//! have). Samples that the loader would drop are listed in `preflight.json`, with the reason.
 
 use super::chat::trace;
 use super::parquet_file::{Columns, bytes};

@@ -1,6 +1,6 @@
-//! LeRobot v3: every sample is an episode at the sample's rate, history then future; the trace is a persistent language row
-//! from t0 on (style `plan`), meta actions are rows of style `motion`. Images of a release exist at a few moments only and
-//! are not in this export: a LeRobot episode needs one per frame.
+//! LeRobot v3: every sample is an episode at the sample's rate, history then future; the trace is a persistent language
+//! row from t0 on (style `plan`), meta actions are rows of style `motion`. Images of a release exist at a few moments
+//! only and are not in this export: a LeRobot episode needs one per frame.
 
 use super::parquet_file::{Columns, bytes};
 use super::{ExportOptions, Exported, Folder, SampleWriter, TraceLanguage};

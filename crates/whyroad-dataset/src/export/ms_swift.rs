@@ -1,5 +1,5 @@
-//! ms-swift (4.x) JSON Lines: `sft.<split>.jsonl` (messages, images), `dpo.<split>.jsonl` (with `rejected_response`: versions
-//! that a checker returned), `grpo.<split>.jsonl` (question only; further columns reach the reward functions).
+//! ms-swift (4.x) JSON Lines: `sft.<split>.jsonl` (messages, images), `dpo.<split>.jsonl` (with `rejected_response`:
+//! versions that a checker returned), `grpo.<split>.jsonl` (question only; further columns reach the reward functions).
 
 use super::chat::{Conversation, conversations};
 use super::{ExportOptions, Exported, Folder, SampleWriter, images};

@@ -1,5 +1,5 @@
-//! ASAM OpenLABEL 1.0: one document per sample with the objects' boxes per frame in the ego frame at t0, the ego's decisions
-//! as actions, the critical components as contexts, and their causes as relations.
+//! ASAM OpenLABEL 1.0: one document per sample with the objects' boxes per frame in the ego frame at t0, the ego's
+//! decisions as actions, the critical components as contexts, and their causes as relations.
 
 use super::{ExportOptions, Exported, Folder, SampleWriter};
 use crate::DatasetError;

@@ -1,5 +1,5 @@
-//! The card: what is in the release, for people, with charts; its front matter is what the Hugging Face hub and `datasets`
-//! read.
+//! The card: what is in the release, for people, with charts; its front matter is what the Hugging Face hub and
+//! `datasets` read.
 
 use super::manifest::Manifest;
 use super::{CHARTS, QUERIES};

@@ -1,4 +1,5 @@
-//! Croissant 1.1 metadata (JSON-LD) of a release: every data file with its hash, and the top-level columns of each split.
+//! Croissant 1.1 metadata (JSON-LD) of a release: every data file with its hash, and the top-level columns of each
+//! split.
 
 use super::DATA;
 use super::manifest::Manifest;

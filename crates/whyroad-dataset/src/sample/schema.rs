@@ -1,5 +1,5 @@
-//! The Arrow schema of a sample, and batches of samples to and from it. One schema for every file of every release: each
-//! column is present, and each is nullable, so that an empty field never changes what a reader sees.
+//! The Arrow schema of a sample, and batches of samples to and from it. One schema for every file of every release:
+//! each column is present, and each is nullable, so that an empty field never changes what a reader sees.
 
 use super::Sample;
 use arrow_array::RecordBatch;

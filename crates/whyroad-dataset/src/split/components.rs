@@ -20,7 +20,8 @@ impl Components {
         i
     }
 
-    /// Puts two elements into one component. The smaller index becomes the root, so that the order of calls has no effect.
+    /// Puts two elements into one component. The smaller index becomes the root, so that the order of calls has no
+    /// effect.
     pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         let (low, high) = (a.min(b), a.max(b));

@@ -1,5 +1,5 @@
-//! A small fleet: straight drives in a town whose streets run east, each at its own speed with a car ahead, and accepted
-//! labels for them in the exchange format (`examples/cutin_urgent_example.en.json` with other times).
+//! A small fleet: straight drives in a town whose streets run east, each at its own speed with a car ahead, and
+//! accepted labels for them in the exchange format (`examples/cutin_urgent_example.en.json` with other times).
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};

@@ -2,9 +2,9 @@
 //! `cargo bench -p whyroad-mining --bench mine [-- [all|one|stl] [ROWS] [ROUNDS]]` (20 000 000 rows of targets and 3
 //! rounds unless said; some GB of temporary files). `mine/all`: all bundled rules against bare decoding of the columns
 //! that they use. `mine/one`: single rules against the same question to DuckDB and Polars. `mine/stl`: a formula's
-//! robustness against rtamt. Peers are asked through Python and left out, with a notice, where it lacks them. Every round
-//! begins at closed files; rounds are interleaved; the fastest counts. CPU seconds stand beside the seconds: on a machine
-//! with other work they are the steadier figure.
+//! robustness against rtamt. Peers are asked through Python and left out, with a notice, where it lacks them. Every
+//! round begins at closed files; rounds are interleaved; the fastest counts. CPU seconds stand beside the seconds: on a
+//! machine with other work they are the steadier figure.
 #![allow(clippy::print_stdout, clippy::expect_used)] // printing is what a bench is for
 
 mod cost;

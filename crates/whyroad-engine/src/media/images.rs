@@ -1,5 +1,5 @@
-//! Which images there are and when each was taken, from a folder with a rate or from a list of times; and whether a file
-//! is an image that browsers show.
+//! Which images there are and when each was taken, from a folder with a rate or from a list of times; and whether a
+//! file is an image that browsers show.
 
 use super::MediaError;
 use std::fs::File;

@@ -1,5 +1,5 @@
-//! The folder that `whyroad mine --out` writes: from drives to the messages of the folder, its results and its coverage.
-//! The files themselves are `whyroad_lake::mined`.
+//! The folder that `whyroad mine --out` writes: from drives to the messages of the folder, its results and its
+//! coverage. The files themselves are `whyroad_lake::mined`.
 
 use super::coverage::{Counts, Searched};
 use super::record::MinedEpisode;
@@ -68,8 +68,8 @@ pub fn write_folder(
     folder.finish(taxonomy, Searched::Framework)
 }
 
-/// Writes the folder drive by drive; what it holds in memory does not grow with what was found, except for about a hundred
-/// bytes per episode that a result without a limit has to put in order.
+/// Writes the folder drive by drive; what it holds in memory does not grow with what was found, except for about a
+/// hundred bytes per episode that a result without a limit has to put in order.
 pub struct FolderWriter {
     files: MinedFolderWriter,
     answers: Vec<Answer>,
@@ -79,8 +79,8 @@ pub struct FolderWriter {
 }
 
 impl FolderWriter {
-    /// A folder that is begun. `asked` is recorded in it; `questions` each get a `mining_result`; `rules` are the classes
-    /// for which a rule is run.
+    /// A folder that is begun. `asked` is recorded in it; `questions` each get a `mining_result`; `rules` are the
+    /// classes for which a rule is run.
     pub fn create(
         out: &Path,
         asked: MiningQuestion,
@@ -97,8 +97,8 @@ impl FolderWriter {
         })
     }
 
-    /// Adds the results of a drive; drives come in the order of their ids. Episodes that were not asked for are counted,
-    /// and not written.
+    /// Adds the results of a drive; drives come in the order of their ids. Episodes that were not asked for are
+    /// counted, and not written.
     pub fn add(&mut self, drive: &MinedDrive) -> Result<(), MinedWriteError> {
         self.counts.add(drive);
         let asked = |e: &&MinedEpisode| {

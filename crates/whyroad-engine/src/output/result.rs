@@ -1,6 +1,6 @@
-//! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over everything that
-//! matches. Of each match only its score, its id and its line in `episodes.jsonl` are kept; the rest is read from there
-//! when the result is written.
+//! `mining_result` (DATA_FORMAT.md 5.2): what was found for one question, the best first, with figures over everything
+//! that matches. Of each match only its score, its id and its line in `episodes.jsonl` are kept; the rest is read from
+//! there when the result is written.
 
 use super::coverage::Counts;
 use serde::Serialize;

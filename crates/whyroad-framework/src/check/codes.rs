@@ -1,5 +1,5 @@
-//! Every code of files, of the form that all messages have, of messages that are not labels, and of the lexicon. Each has a
-//! page `docs/diagnostics/<code>.md`.
+//! Every code of files, of the form that all messages have, of messages that are not labels, and of the lexicon. Each
+//! has a page `docs/diagnostics/<code>.md`.
 
 /// Codes of files, form, classes, messages and the lexicon that traces are read with.
 pub const CODES: &[&str] = &[

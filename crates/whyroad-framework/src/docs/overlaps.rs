@@ -1,5 +1,6 @@
 //! What decides between overlapping classes, each rule once. In the taxonomy a rule stands on both sides, and siblings
-//! often share one; on the page it stands in the section of the first of the classes, and the other sections refer there.
+//! often share one; on the page it stands in the section of the first of the classes, and the other sections refer
+//! there.
 
 use crate::Taxonomy;
 use std::fmt::Write as _;
@@ -32,7 +33,8 @@ impl<'t> Overlaps<'t> {
                         if rank(&pair.1) < rank(&pair.0) {
                             pair = (pair.1, pair.0);
                         }
-                        // Siblings that share a rule share the entry; the same words about other classes are another rule.
+                        // Siblings that share a rule share the entry; the same words about other classes are another
+                        // rule.
                         let known = all
                             .iter_mut()
                             .find(|o| *o.rule == d.rule && o.pairs.iter().any(|(x, _)| same_l2(x, &pair.0)));

@@ -38,7 +38,8 @@ pub fn wrap(text: &str, first: &str, rest: &str) -> String {
     lines.join("\n")
 }
 
-/// A page with its paragraphs, list items and quotes wrapped; also after `<br>`. Tables, headings and code stay as they are.
+/// A page with its paragraphs, list items and quotes wrapped; also after `<br>`. Tables, headings and code stay as they
+/// are.
 pub fn wrap_page(text: &str) -> String {
     let mut out = String::new();
     let mut fenced = false;

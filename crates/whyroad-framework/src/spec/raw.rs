@@ -8,7 +8,8 @@ use whyroad_model::Bilingual;
 use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{KeyframeType, Uncertainty};
 
-/// A file of `scenarios/`: `<l1>.yaml`, the defaults of an L1 (no `l2`, no `leaves`), or `<l1>/<l2>.yaml`, an L2 with all its leaves.
+/// A file of `scenarios/`: `<l1>.yaml`, the defaults of an L1 (no `l2`, no `leaves`), or `<l1>/<l2>.yaml`, an L2 with
+/// all its leaves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecFile {
@@ -65,7 +66,8 @@ pub struct LabelingLayer {
     /// What the annotator must note; added to the records of the level above.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub records: Option<Vec<RecordLayer>>,
-    /// `high`: at least one critical component must carry it. `low`: not mandatory, also where the level above says high.
+    /// `high`: at least one critical component must carry it. `low`: not mandatory, also where the level above says
+    /// high.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
     /// The lateral decision that the class prescribes.
@@ -73,7 +75,8 @@ pub struct LabelingLayer {
     pub lateral: Option<Lateral>,
 }
 
-/// A keyframe. `rule` and `expr` are one thing said twice: a level that states the rule does not inherit the expression.
+/// A keyframe. `rule` and `expr` are one thing said twice: a level that states the rule does not inherit the
+/// expression.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KeyframeLayer {

@@ -320,7 +320,8 @@ fn read_id(f: &mut Fields, r: &mut FileReport) -> Option<String> {
     Some(id)
 }
 
-/// A required Chinese text with its English one. Chinese alone is DATA_FORMAT.md's own form: a warning, and the Chinese stands in.
+/// A required Chinese text with its English one. Chinese alone is DATA_FORMAT.md's own form: a warning, and the Chinese
+/// stands in.
 pub(crate) fn read_bilingual(
     f: &mut Fields,
     zh: &'static str,

@@ -72,8 +72,9 @@ fn every_class_is_described_and_every_l2_has_typical_decisions() {
 
 #[test]
 fn typical_decisions_fit_the_leaf() {
-    // By the meanings of the decisions in LABELING.md 2: `resume` is a start from standstill, so it is typical only of leaves
-    // about starting; `stop_for_regulation` alone answers a light that stops the ego; `turn` needs a manoeuvre onto another road.
+    // By the meanings of the decisions in LABELING.md 2: `resume` is a start from standstill, so it is typical only of
+    // leaves about starting; `stop_for_regulation` alone answers a light that stops the ego; `turn` needs a manoeuvre
+    // onto another road.
     let f = Framework::bundled();
     let mut resuming = Vec::new();
     for (a, b, c) in f.taxonomy.leaves() {

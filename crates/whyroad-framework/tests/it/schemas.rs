@@ -284,7 +284,8 @@ fn the_label_schema_holds_the_rules_between_fields() {
 
 #[test]
 fn messages_of_mining_name_classes_that_exist() {
-    // The classes are those of the tree in the specification; the unbroken samples are printed there (DATA_FORMAT.md 3.1, 3.2).
+    // The classes are those of the tree in the specification; the unbroken samples are printed there (DATA_FORMAT.md
+    // 3.1, 3.2).
     let clip = validator("clip_metadata");
     let at = |field: &str| format!("/clip_metadata/pre_labels/scenario/{field}");
     let sample_clip = with(sample("clip_metadata"), &at("l1"), json!("reactive_agent"));

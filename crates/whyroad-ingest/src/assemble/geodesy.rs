@@ -54,7 +54,8 @@ mod tests {
         let f = LocalFrame::at_ecef([A, 0.0, 0.0]);
         let p = f.point([A + 3.0, 1.0, 2.0]);
         assert!((p[0] - 1.0).abs() < 1e-9 && (p[1] - 2.0).abs() < 1e-9 && (p[2] - 3.0).abs() < 1e-9);
-        // Latitude 45 deg on the ellipsoid: N = a / sqrt(1 - e2/2), x = N cos 45, z = N (1 - e2) sin 45 (the definition).
+        // Latitude 45 deg on the ellipsoid: N = a / sqrt(1 - e2/2), x = N cos 45, z = N (1 - e2) sin 45 (the
+        // definition).
         let n = A / (1.0 - E2 / 2.0).sqrt();
         let s = std::f64::consts::FRAC_1_SQRT_2;
         let (lat, lon) = latitude_longitude([n * s, 0.0, n * (1.0 - E2) * s]);

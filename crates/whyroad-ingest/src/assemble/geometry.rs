@@ -97,7 +97,8 @@ pub fn between(left: &[Point3], right: &[Point3]) -> Vec<Point3> {
     ring
 }
 
-/// Union of polygons, holes filled: one closed outline for each connected part. Heights are those of the nearest corner given.
+/// Union of polygons, holes filled: one closed outline for each connected part. Heights are those of the nearest corner
+/// given.
 pub fn union_outlines(polygons: &[Vec<Point3>]) -> Vec<Vec<Point3>> {
     let shapes: Vec<Polygon> = polygons
         .iter()

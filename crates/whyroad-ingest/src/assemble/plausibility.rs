@@ -1,4 +1,5 @@
-//! Speeds that cannot be: an identity switch or a bad box, not a motion. The position stays, the motion becomes unknown.
+//! Speeds that cannot be: an identity switch or a bad box, not a motion. The position stays, the motion becomes
+//! unknown.
 
 use whyroad_model::ObjectClass;
 use whyroad_model::scene::Motion;

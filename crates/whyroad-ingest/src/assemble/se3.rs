@@ -1,4 +1,5 @@
-//! Rigid motions in three dimensions, as much as poses need: quaternion (scalar first, as AV2 writes it) and translation.
+//! Rigid motions in three dimensions, as much as poses need: quaternion (scalar first, as AV2 writes it) and
+//! translation.
 
 /// Rotation then translation: maps points of the moving frame into the fixed one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,8 @@ impl Se3 {
         [r[0] + self.t[0], r[1] + self.t[1], r[2] + self.t[2]]
     }
 
-    /// Between `self` (share 0) and `other` (share 1): translation linear, rotation on the shorter great circle (slerp).
+    /// Between `self` (share 0) and `other` (share 1): translation linear, rotation on the shorter great circle
+    /// (slerp).
     pub fn between(&self, other: &Se3, share: f64) -> Se3 {
         let t = std::array::from_fn(|i| self.t[i] + (other.t[i] - self.t[i]) * share);
         Se3 { q: slerp(self.q, other.q, share), t }

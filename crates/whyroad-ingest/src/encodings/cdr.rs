@@ -1,5 +1,5 @@
-//! ROS 2 messages (CDR, little and big endian, as rosbag2 writes them) as JSON values, by the message definition that an
-//! MCAP file carries (`ros2msg`: `.msg` text, the definitions of its parts behind lines of `=`).
+//! ROS 2 messages (CDR, little and big endian, as rosbag2 writes them) as JSON values, by the message definition that
+//! an MCAP file carries (`ros2msg`: `.msg` text, the definitions of its parts behind lines of `=`).
 
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeMap;
@@ -212,7 +212,8 @@ mod tests {
 
     #[test]
     fn values_are_aligned_and_either_end_first() {
-        // CDR by hand: uint8 7, three bytes of filling, uint32 1, string "ab" (length 3 with its zero), filling, double 1.5.
+        // CDR by hand: uint8 7, three bytes of filling, uint32 1, string "ab" (length 3 with its zero), filling, double
+        // 1.5.
         let t =
             MessageType::parse("a/msg/B", "uint8 x\nint32 C=5 # a constant\nuint32 y\nstring s\nfloat64 z");
         let little = b"\0\x01\0\0\x07\0\0\0\x01\0\0\0\x03\0\0\0ab\0\0\0\0\0\0\0\0\xf8\x3f";

@@ -1,4 +1,5 @@
-//! Columns of others' tables (Arrow record batches, from whatever file), read by name and brought to the type that is asked for.
+//! Columns of others' tables (Arrow record batches, from whatever file), read by name and brought to the type that is
+//! asked for.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};

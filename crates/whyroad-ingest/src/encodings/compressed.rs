@@ -10,8 +10,8 @@ pub(crate) const ENDINGS: &[&str] = &[".gz", ".xz", ".zst"];
 
 /// Unpacked bytes that any file may have.
 const FREE: u64 = 64 << 20;
-/// Unpacked bytes per packed byte. Simulated traffic in XML packs to a thirtieth with gzip and to a hundredth with xz; a
-/// file of zeros to a thousandth and less.
+/// Unpacked bytes per packed byte. Simulated traffic in XML packs to a thirtieth with gzip and to a hundredth with xz;
+/// a file of zeros to a thousandth and less.
 const MAX_RATIO: u64 = 300;
 
 /// Unpacked size at which reading stops: a file that unpacks to more is not a log.

@@ -75,8 +75,8 @@ pub fn numbers(file: &[u8]) -> Result<Table, String> {
     Ok(Table { columns, values })
 }
 
-/// Byte strings (`S8`) from a file's bytes, each at its full width: NumPy and the crate take zeros at a string's end for
-/// padding, but in a bus frame they are data. They are taken as they lie in the file, not one allocation each.
+/// Byte strings (`S8`) from a file's bytes, each at its full width: NumPy and the crate take zeros at a string's end
+/// for padding, but in a bus frame they are data. They are taken as they lie in the file, not one allocation each.
 pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
     let npy = npyz::NpyFile::new(file).map_err(|e| e.to_string())?;
     let width = match npy.dtype() {
@@ -95,8 +95,8 @@ pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
     Ok(ByteStrings { width, bytes: bytes.to_vec() })
 }
 
-/// What follows the header (NumPy's format description, `numpy.lib.format`): magic and version are 8 bytes, the header's
-/// length is 2 bytes in version 1 and 4 after it.
+/// What follows the header (NumPy's format description, `numpy.lib.format`): magic and version are 8 bytes, the
+/// header's length is 2 bytes in version 1 and 4 after it.
 fn payload(file: &[u8]) -> Option<&[u8]> {
     let length_bytes = if *file.get(6)? == 1 { 2 } else { 4 };
     let length = file.get(8..8 + length_bytes)?.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b));

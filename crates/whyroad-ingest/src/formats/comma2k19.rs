@@ -1,10 +1,10 @@
-//! comma2k19 (Schafer et al. 2018, arXiv 1812.05752): one-minute segments of motorway driving with camera poses, raw CAN
-//! and the car's own radar. Consecutive segments of a route become one drive.
+//! comma2k19 (Schafer et al. 2018, arXiv 1812.05752): one-minute segments of motorway driving with camera poses, raw
+//! CAN and the car's own radar. Consecutive segments of a route become one drive.
 //!
-//! Times are GPS times of the pose (18 leap seconds behind GPS in 2018), positions local east and north around the first
-//! pose. Radar returns become tracks whose box is a point (length and width 0): the radar tells where the nearest
-//! surface is, not what it belongs to. Where poses are missing (a segment that is not there) there are no frames. Not read:
-//! video, IMU, raw GNSS.
+//! Times are GPS times of the pose (18 leap seconds behind GPS in 2018), positions local east and north around the
+//! first pose. Radar returns become tracks whose box is a point (length and width 0): the radar tells where the nearest
+//! surface is, not what it belongs to. Where poses are missing (a segment that is not there) there are no frames. Not
+//! read: video, IMU, raw GNSS.
 
 mod bus;
 mod findings;

@@ -2,9 +2,9 @@
 //!
 //! Without a mapping file, the message types whose meaning is fixed are read: `nav_msgs/Odometry`,
 //! `geometry_msgs/PoseStamped`, `foxglove.PoseInFrame` as the ego, `vision_msgs/Detection3DArray` and
-//! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file says the rest. Frames are every 0.1 s of the
-//! ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`), maps,
-//! lights, pictures, ROS 1.
+//! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file says the rest. Frames are every 0.1 s of
+//! the ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`),
+//! maps, lights, pictures, ROS 1.
 
 mod bus;
 pub(crate) mod findings;

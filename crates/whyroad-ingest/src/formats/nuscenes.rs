@@ -28,8 +28,8 @@ use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 
-/// Scenes of one set that are read together: the full set has 850; reading 50 at a time goes through its tables 17 times
-/// and holds the rows of 50.
+/// Scenes of one set that are read together: the full set has 850; reading 50 at a time goes through its tables 17
+/// times and holds the rows of 50.
 const SCENES_TOGETHER: usize = 50;
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;

@@ -1,5 +1,5 @@
-//! SUMO simulations: floating car data (`--fcd-output`, XML or CSV, plain or compressed) with the network as map, and any
-//! vehicles as egos, one drive per ego.
+//! SUMO simulations: floating car data (`--fcd-output`, XML or CSV, plain or compressed) with the network as map, and
+//! any vehicles as egos, one drive per ego.
 //!
 //! FCD places vehicles by the centre of their front bumper and turns them clockwise from north in degrees; scene
 //! tables want box centres and radians from x. A person's place is taken as its centre (its front is at most half a
@@ -97,7 +97,8 @@ impl Adapter for Sumo {
     }
 }
 
-/// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is a file.
+/// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is
+/// a file.
 pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
     fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
         for entry in fs::read_dir(dir)? {
@@ -123,7 +124,8 @@ pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(out)
 }
 
-/// Reads one simulation as seen from its first ego. `None` when there is nothing that could be kept; the report says why.
+/// Reads one simulation as seen from its first ego. `None` when there is nothing that could be kept; the report says
+/// why.
 pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let mut first = None;
     read_each(path, options, &mut |drive, report| {
@@ -138,8 +140,8 @@ pub fn read_each(path: &Path, options: &Options, each: &mut dyn FnMut(Option<Dri
     read_new(path, options, &mut DriveSink::new(&|_, _| false, each));
 }
 
-/// The same without the drives that the lake holds: these are not made, and are handed over as `None` with a report that
-/// names the drive.
+/// The same without the drives that the lake holds: these are not made, and are handed over as `None` with a report
+/// that names the drive.
 fn read_new(path: &Path, options: &Options, drives: &mut DriveSink<'_>) {
     let mut report = SourceReport::new(path.display().to_string());
     let Some(run) = Simulation::read(path, options, &mut report) else { return drives.put((None, report)) };

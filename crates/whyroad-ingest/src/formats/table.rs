@@ -1,8 +1,10 @@
-//! Our own layout of Parquet or CSV files for anybody's fleet: the way in for formats that have no adapter. What each file
-//! and column means is written in `docs/reference/table-format.md`, which people write their exporters by; change both together.
+//! Our own layout of Parquet or CSV files for anybody's fleet: the way in for formats that have no adapter. What each
+//! file and column means is written in `docs/reference/table-format.md`, which people write their exporters by; change
+//! both together.
 //!
-//! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown column or
-//! word is told, a cell that cannot be read is unknown and counted, a row without time, place or id is dropped and counted.
+//! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown
+//! column or word is told, a cell that cannot be read is unknown and counted, a row without time, place or id is
+//! dropped and counted.
 
 mod ego;
 mod findings;
@@ -66,7 +68,8 @@ impl Adapter for Table {
     }
 }
 
-/// Drive folders at or below `path`, sorted: with a drive file, an ego table, and not of a lake (which has `clips.parquet`).
+/// Drive folders at or below `path`, sorted: with a drive file, an ego table, and not of a lake (which has
+/// `clips.parquet`).
 pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
     find_folders(path, is_drive)
 }

@@ -1,5 +1,5 @@
-//! The recorded motion forecasting scenario, where it is present, against numbers that pandas reads from the same file, and
-//! copies of it with one thing wrong each.
+//! The recorded motion forecasting scenario, where it is present, against numbers that pandas reads from the same file,
+//! and copies of it with one thing wrong each.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
@@ -115,7 +115,8 @@ fn velocities_lead_from_the_first_position_to_the_last() {
         let (dx, dy) = (m.x[n - 1] - m.x[0], m.y[n - 1] - m.y[0]);
         (dx.hypot(dy), (dx - sum(&m.vx)).hypot(dy - sum(&m.vy)))
     };
-    // Two columns of the tracker that are not made of each other: np.trapezoid of the velocity against the displacement.
+    // Two columns of the tracker that are not made of each other: np.trapezoid of the velocity against the
+    // displacement.
     let (way, error) = miss(&drive.ego.as_ref().unwrap().motion);
     println!("ego: {way:.2} m, velocities miss by {error:.2} m");
     assert!(near(way, 55.04, 0.01) && near(error, 1.17, 0.01));

@@ -37,7 +37,8 @@ fn near(a: f64, b: f64, tolerance: f64) -> bool {
 
 #[test]
 fn every_row_is_read_and_kept() {
-    // Rows, tracks and frames: pandas `len`, `nunique` on the raw files; 3bffdcff has 156 rows of the ego among its rows.
+    // Rows, tracks and frames: pandas `len`, `nunique` on the raw files; 3bffdcff has 156 rows of the ego among its
+    // rows.
     for (prefix, rows, ego, tracks, frames) in [
         ("7fab2350", 11364, 0, 114, 156),
         ("3bffdcff", 12342, 156, 115, 156),

@@ -125,7 +125,8 @@ fn states_of_the_bus_are_those_that_cantools_decodes() {
     let Some((drive, _)) = read() else { return };
     let bus = drive.ego.unwrap().bus;
     // The last message at or before each frame, decoded by cantools: VSC1S07.BRKON, PCM_CRUISE_SM.CRUISE_CONTROL_STATE
-    // (2 disabled, 6 enabled), GEAR_PACKET.GEAR (0 D), BLINKERS_STATE.TURN_SIGNALS (3 none). Before the first message: unknown.
+    // (2 disabled, 6 enabled), GEAR_PACKET.GEAR (0 D), BLINKERS_STATE.TURN_SIGNALS (3 none). Before the first message:
+    // unknown.
     let (yes, no) = (Some(true), Some(false));
     let brake = [
         (0, 0, None),

@@ -1,8 +1,8 @@
 //! A network and a drive small enough to compute by hand (`tests/fixtures/crossroads.net.xml`, `crossroads.fcd.xml`).
 //!
-//! Road W-J-E runs along y = 0, one lane each way, 3.2 m wide; N and S join at J (0, 0), so J is a junction. West of it,
-//! at P (-50, 0), the road is joined by nothing: P is none. The ego (5 m long) drives east in the south lane (y = -1.6)
-//! at 10 m/s with its front bumper at x = -40 + 10 t.
+//! Road W-J-E runs along y = 0, one lane each way, 3.2 m wide; N and S join at J (0, 0), so J is a junction. West of
+//! it, at P (-50, 0), the road is joined by nothing: P is none. The ego (5 m long) drives east in the south lane (y =
+//! -1.6) at 10 m/s with its front bumper at x = -40 + 10 t.
 #![allow(clippy::unwrap_used)]
 
 use std::f64::consts::PI;
@@ -287,8 +287,8 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
     let lane = |id: &str, rest: &str, shape: &str| {
         format!(r#"<lane id="{id}" index="0" speed="22" length="9" {rest} shape="{shape}"/>"#)
     };
-    // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type, in two parts with a joint that has no type;
-    // and a main road.
+    // A ramp drawn by hand, known by the acceleration lane behind it; one imported, known by its type, in two parts
+    // with a joint that has no type; and a main road.
     let net = format!(
         r#"<net>
         <edge id=":n_0" function="internal">{}</edge>

@@ -1,6 +1,6 @@
-//! Other ways into the SUMO adapter: CSV, compressed files, several egos, a sensor's range and line of sight, and what a
-//! network has beside lanes. Fixtures are made by others: the CSV by SUMO's `xml2csv.py` from `crossroads.fcd.xml`, the
-//! compressed files by Python's `lzma` and by `zstd`. Geometry is worked out by hand beside each test.
+//! Other ways into the SUMO adapter: CSV, compressed files, several egos, a sensor's range and line of sight, and what
+//! a network has beside lanes. Fixtures are made by others: the CSV by SUMO's `xml2csv.py` from `crossroads.fcd.xml`,
+//! the compressed files by Python's `lzma` and by `zstd`. Geometry is worked out by hand beside each test.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;

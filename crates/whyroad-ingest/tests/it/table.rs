@@ -1,5 +1,5 @@
-//! The table layout: the example in `examples/table`, whose numbers follow from the formulas in its `make.py`, and copies of it
-//! with one thing wrong each.
+//! The table layout: the example in `examples/table`, whose numbers follow from the formulas in its `make.py`, and
+//! copies of it with one thing wrong each.
 #![allow(clippy::unwrap_used)]
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray};

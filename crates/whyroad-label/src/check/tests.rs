@@ -321,8 +321,8 @@ fn other_is_a_class_everywhere() {
         let text = format!(r#"{{"scenario_label":{{"l1":"reactive_agent","l2":"{l2}","l3":"{l3}"}}}}"#);
         assert_eq!(checker().check_text(&text).is_empty(), good, "{l2}.{l3}");
     }
-    // A result of mining may be about what no L1 explains (`every_message_is_valid` of the binary's tests has one); a label has
-    // to say under which L1 it belongs.
+    // A result of mining may be about what no L1 explains (`every_message_is_valid` of the binary's tests has one); a
+    // label has to say under which L1 it belongs.
     let bare = r#"{"scenario_label":{"l1":"other","l2":"other","l3":"other"}}"#;
     assert!(!checker().check_text(bare).is_empty());
 }

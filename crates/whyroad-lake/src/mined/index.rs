@@ -1,5 +1,5 @@
-//! Counts and pages of the episodes of a mined folder. The Parquet table says which lines of the JSON Lines file answer a
-//! filter; only these are read. What is held in memory does not grow with the folder.
+//! Counts and pages of the episodes of a mined folder. The Parquet table says which lines of the JSON Lines file answer
+//! a filter; only these are read. What is held in memory does not grow with the folder.
 
 use super::columns::{
     DRIVE_ID, EPISODE_ID, EPISODES_VERSION, IS_PRIMARY, LINE_BYTES, LINE_START, SCENARIO_ID, SCORE,
@@ -64,7 +64,8 @@ impl EpisodeIndex {
         Ok(count)
     }
 
-    /// At most `limit` episodes that answer `filter`, from `after` on. A cursor behind the last episode gives an empty page.
+    /// At most `limit` episodes that answer `filter`, from `after` on. A cursor behind the last episode gives an empty
+    /// page.
     pub fn page(
         &self,
         filter: &EpisodeFilter,

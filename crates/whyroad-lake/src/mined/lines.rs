@@ -46,8 +46,8 @@ impl LineWriter {
     }
 }
 
-/// The episodes of a file, read one at a time. A line that is not an episode is an error in its place; after a failure of
-/// the file system nothing follows.
+/// The episodes of a file, read one at a time. A line that is not an episode is an error in its place; after a failure
+/// of the file system nothing follows.
 pub struct EpisodeLines {
     path: PathBuf,
     lines: BufReader<File>,

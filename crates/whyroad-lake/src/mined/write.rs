@@ -75,7 +75,8 @@ pub struct MinedFolderWriter {
 }
 
 impl MinedFolderWriter {
-    /// Begins a folder that answers `question`. Fails when it holds results of another one, unless they may be replaced.
+    /// Begins a folder that answers `question`. Fails when it holds results of another one, unless they may be
+    /// replaced.
     pub fn create(dir: &Path, question: MiningQuestion, existing: Existing) -> Result<Self, MinedWriteError> {
         if existing == Existing::ReplaceSameQuestion
             && let Some(folder) = super::MinedFolder::open(dir)

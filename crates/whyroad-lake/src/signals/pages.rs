@@ -1,6 +1,6 @@
-//! One column of one row group from its bytes: pages are taken out and decompressed by the Parquet library, their values
-//! decoded here ([`super::encodings`]), because rules want them otherwise than a table does: the values of the known rows
-//! one after another, and which rows these are as bits. Nothing is spread over rows that hold nothing.
+//! One column of one row group from its bytes: pages are taken out and decompressed by the Parquet library, their
+//! values decoded here ([`super::encodings`]), because rules want them otherwise than a table does: the values of the
+//! known rows one after another, and which rows these are as bits. Nothing is spread over rows that hold nothing.
 
 use super::bitmap::Bitmap;
 use super::encodings::{bits, deltas, looked_up, plain, with_length};

@@ -47,7 +47,8 @@ pub struct SignalFile {
 }
 
 impl SignalFile {
-    /// Opens the store in a folder. `None` where there is none; an error where there is one that cannot be what it says.
+    /// Opens the store in a folder. `None` where there is none; an error where there is one that cannot be what it
+    /// says.
     pub fn open(dir: &Path) -> Result<Option<Self>, LakeError> {
         let Some((frames, contents)) = Table::open(&dir.join("frames.parquet"))? else { return Ok(None) };
         let path = dir.join("targets.parquet");

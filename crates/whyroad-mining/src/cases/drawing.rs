@@ -56,7 +56,8 @@ pub struct DrawnEpisode {
     pub second_keyframe: Option<f64>,
 }
 
-/// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that cannot be read.
+/// The cases of a `<l2>.cases.yaml`, in order, with the signals that `rules` read. The error is the first case that
+/// cannot be read.
 pub fn drawn(text: &str, rules: &[Rule], catalogue: &Catalogue) -> Result<Vec<DrawnCase>, Reason> {
     let file: CaseFile = yaml::from_str(text).map_err(|e| {
         Bilingual::new(format!("用例无法读取：{e}"), format!("the cases cannot be read: {e}"))
@@ -157,7 +158,8 @@ mod tests {
             );
             assert!(of_rule.iter().all(|c| c.seconds > 0.0), "{}", rule.scenario);
         }
-        // From cutin.cases.yaml, the first case of urgent: keyframe at 5 s in 3 to 6.5 s, the wheel over the line from 5 s on.
+        // From cutin.cases.yaml, the first case of urgent: keyframe at 5 s in 3 to 6.5 s, the wheel over the line from
+        // 5 s on.
         let urgent =
             cases.iter().find(|c| c.name == "a car comes in close and the ego closes on it").unwrap();
         let expected =

@@ -1,5 +1,5 @@
-//! A `mining:` block as it is written, read field by field: what is missing, unknown, written twice or of the wrong type
-//! is reported at its position, and the rest is read. What the texts in it say is for [`super::source`].
+//! A `mining:` block as it is written, read field by field: what is missing, unknown, written twice or of the wrong
+//! type is reported at its position, and the rest is read. What the texts in it say is for [`super::source`].
 
 use super::origin::{Origin, SourceFile};
 use crate::language::check::nearest;

@@ -41,7 +41,8 @@ fn moment(source: &ExpressionSource, framework: &Framework, catalogue: &Catalogu
     faults.into_iter().map(|fault| file.diagnose(&source.expression, fault)).collect()
 }
 
-/// A moment may use the parameters and definitions of the rule that it times. What is wrong with these is said of the rule.
+/// A moment may use the parameters and definitions of the rule that it times. What is wrong with these is said of the
+/// rule.
 fn names_of_the_rule(class: &ScenarioId, framework: &Framework, checker: &mut Checker<'_>) {
     let l2 = ScenarioId { l3: None, ..class.clone() };
     let upper = framework.rule(&l2).map(|r| &r.rule);

@@ -1,5 +1,5 @@
-//! Whatever the text, readers answer: nobody's typing error ends the program. Texts are random, made of the readers' own
-//! words in random order, or sound ones with a random part replaced.
+//! Whatever the text, readers answer: nobody's typing error ends the program. Texts are random, made of the readers'
+//! own words in random order, or sound ones with a random part replaced.
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;

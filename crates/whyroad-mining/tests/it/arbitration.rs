@@ -59,7 +59,8 @@ fn pairs_that_overlap_are_decided_as_the_taxonomy_says() {
         ("reactive_rule.traffic_light.resume_follow", "reactive_agent.following.follow_start"),
         ("reactive_rule.special_facility.gate", "proactive.pull_over.gate_stop"),
         ("reactive_rule.speed_limit.bump_limit", "reactive_road.surface_adaptation.speed_bump"),
-        // Three kinds of construction: met by somebody in the narrowed road, changing the road, hiding what is behind it.
+        // Three kinds of construction: met by somebody in the narrowed road, changing the road, hiding what is behind
+        // it.
         ("reactive_agent.passing.construction", "reactive_rule.road_change.construction"),
         ("reactive_rule.road_change.construction", "reactive_road.blind_spot_slowdown.construction"),
         ("reactive_agent.passing.construction", "reactive_road.blind_spot_slowdown.construction"),

@@ -1,5 +1,5 @@
-//! A `mining:` block with faults is told all of them, each where it stands (lines and columns counted by hand), and a bare
-//! rule is held to the cases beside it.
+//! A `mining:` block with faults is told all of them, each where it stands (lines and columns counted by hand), and a
+//! bare rule is held to the cases beside it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! That the fast evaluator is the reference: the same episodes with the same scores, the same rules not observable for lack of the same
-//! signals. And drives made harder: with frames missing, with signals lost.
+//! That the fast evaluator is the reference: the same episodes with the same scores, the same rules not observable for
+//! lack of the same signals. And drives made harder: with frames missing, with signals lost.
 
 use std::ops::Range;
 use whyroad_framework::Framework;

@@ -36,7 +36,8 @@ fn the_bundled_framework_is_free_of_findings() {
 #[test]
 fn faults_are_shown_where_they_are_written() {
     for (file, from, to, code) in [
-        // A rule of a leaf, the start of an L1, an L2 none of whose leaves has a rule for AEB data, the order of precedence.
+        // A rule of a leaf, the start of an L1, an L2 none of whose leaves has a rule for AEB data, the order of
+        // precedence.
         ("scenarios/reactive_agent/cutin.yaml", "target.ttc <", "target.tcc <", "rule.signal.unknown"),
         ("scenarios/reactive_rule.yaml", "keyframe - 2 s", "keyframe - 2 m", "rule.unit.mismatch"),
         ("scenarios/safety/aeb.yaml", "rises(ego.aeb)", "rises(ego.aebb)", "rule.signal.unknown"),

@@ -1,5 +1,5 @@
-//! The CoC label (DATA_FORMAT.md 4) and the scenario label (2.2). Their fields are those of `schema/label_fields.yaml`, from
-//! which the build script makes the types.
+//! The CoC label (DATA_FORMAT.md 4) and the scenario label (2.2). Their fields are those of `schema/label_fields.yaml`,
+//! from which the build script makes the types.
 
 use crate::Nanos;
 use crate::decision::{Lateral, LateralDirection, Longitudinal, closed_set};

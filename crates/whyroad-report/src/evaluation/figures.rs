@@ -21,7 +21,8 @@ pub struct ClassFigures {
     pub spurious: usize,
     /// Episodes beyond the truth elsewhere, and those that only an optional entry matches: neither right nor wrong.
     pub unjudged: usize,
-    /// matched / (matched + spurious), both where the class is declared complete; `None` where the class is nowhere declared complete, or nothing could be counted.
+    /// matched / (matched + spurious), both where the class is declared complete; `None` where the class is nowhere
+    /// declared complete, or nothing could be counted.
     pub precision: Option<f64>,
     /// matched / truth; `None` without truth.
     pub recall: Option<f64>,

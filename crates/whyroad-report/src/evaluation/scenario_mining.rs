@@ -1,7 +1,9 @@
-//! The metrics of the Argoverse 2 scenario-mining challenge: HOTA-Temporal, HOTA-Track, and balanced accuracy by timestamp
-//! and by log, as its published evaluation defines them (`av2.evaluation.scenario_mining`, with HOTA of TrackEval):
+//! The metrics of the Argoverse 2 scenario-mining challenge: HOTA-Temporal, HOTA-Track, and balanced accuracy by
+//! timestamp and by log, as its published evaluation defines them (`av2.evaluation.scenario_mining`, with HOTA of
+//! TrackEval):
 //!
-//! - objects farther than 50 m from the ego are left out ([`RANGE_M`]); two centres are similar by `1 - distance / 2 m`;
+//! - objects farther than 50 m from the ego are left out ([`RANGE_M`]); two centres are similar by
+//!   `1 - distance / 2 m`;
 //! - each prompt is a class of its own; ten score thresholds at recalls 1.0 to 0.1 are tried and the best HOTA counts;
 //! - HOTA-Temporal compares the frames in which an object is referred to, HOTA-Track the whole of its track;
 //! - balanced accuracy is the mean of the true positive and the true negative rate, a rate over nothing being 1; frames

@@ -4,7 +4,8 @@ use super::{ClassFigures, Evaluation};
 use std::fmt::Write as _;
 use whyroad_model::Lang;
 
-/// The table, confusions below it. Classes that are neither in the truth nor judged are left out: they are counted in one line.
+/// The table, confusions below it. Classes that are neither in the truth nor judged are left out: they are counted in
+/// one line.
 pub fn render(evaluation: &Evaluation, lang: Lang) -> String {
     let pick = |zh: &'static str, en: &'static str| if lang == Lang::Zh { zh } else { en };
     let mut out = String::new();

@@ -1,7 +1,7 @@
 //! Truth files: JSON Lines. The first line may say for which classes and drives the truth is complete,
 //! `{"complete": [class ids], "drives": [drive ids]}`; every other line is one entry,
-//! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?, "reason"?}`, with times in
-//! nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
+//! `{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?, "reason"?}`, with times
+//! in nanoseconds since the Unix epoch (the drive's own clock) and a half-open range.
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -65,8 +65,8 @@ fn nanos<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Nanos, D::Error> {
 }
 
 impl TruthSet {
-    /// Adds what `text` says; a line that cannot be read is an error with its place and does not stop the rest. Class ids that
-    /// `is_class` does not know are errors too: a typo must not become a class that is never found.
+    /// Adds what `text` says; a line that cannot be read is an error with its place and does not stop the rest. Class
+    /// ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
     pub fn read(
         &mut self,
         text: &str,

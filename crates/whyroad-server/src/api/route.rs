@@ -1,6 +1,6 @@
 //! What a route is: verb, path, who may call it, what goes in and comes out. The router, the gate in front of every
-//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]). What is special about a
-//! route is an attribute of it: nothing else in this crate looks at its path.
+//! handler and the OpenAPI document are all made from the one table of these ([`super::table`]). What is special about
+//! a route is an attribute of it: nothing else in this crate looks at its path.
 
 use super::call::Call;
 use super::reply::Reply;

@@ -1,6 +1,6 @@
-//! Connections with time limits: one that sends or takes nothing for a while is closed, and so is one that sends the head
-//! of a request too slowly. Slow, dead or malicious clients cannot use up all connections. While the service itself works
-//! on a request, the connection may be silent.
+//! Connections with time limits: one that sends or takes nothing for a while is closed, and so is one that sends the
+//! head of a request too slowly. Slow, dead or malicious clients cannot use up all connections. While the service
+//! itself works on a request, the connection may be silent.
 
 use axum::extract::connect_info::Connected;
 use axum::serve::{IncomingStream, Listener};

@@ -25,8 +25,8 @@ pub struct CreateTasks {
     pub priority: i64,
     /// Secondary episodes too.
     pub secondary: bool,
-    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody when
-    /// not given.
+    /// `zh` or `en`: the queue gives these tasks only to people of this language. The project's language and anybody
+    /// when not given.
     pub lang: Option<String>,
 }
 

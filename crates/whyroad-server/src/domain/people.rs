@@ -89,8 +89,8 @@ pub struct NewUser {
     pub lang: Option<String>,
 }
 
-/// Body of `PATCH /users/{u}`: what is given is changed. Everybody may change their own display name, language and, with
-/// the present one, their password.
+/// Body of `PATCH /users/{u}`: what is given is changed. Everybody may change their own display name, language and,
+/// with the present one, their password.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UserChange {

@@ -138,7 +138,8 @@ pub struct MemberChange {
     /// Classes that the queue gives this member; empty for all.
     #[serde(default)]
     pub skills: Vec<String>,
-    /// Languages of the tasks that the queue gives this member, empty for that of their page; as they are when not given.
+    /// Languages of the tasks that the queue gives this member, empty for that of their page; as they are when not
+    /// given.
     #[serde(default)]
     pub languages: Option<Vec<String>>,
 }

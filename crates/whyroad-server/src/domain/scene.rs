@@ -35,8 +35,8 @@ pub struct SceneView {
     pub meta: MetaView,
     /// Camera frames.
     pub cameras: Vec<CameraView>,
-    /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or words.
-    /// In a column of numbers the word `none` is what is known not to be there (no lead, no conflict: endless).
+    /// Signals of the rule and of the plots by name, of the ego or of the rule's target: numbers, truth values or
+    /// words. In a column of numbers the word `none` is what is known not to be there (no lead, no conflict: endless).
     pub signals: BTreeMap<String, Vec<Value>>,
     /// What each of `signals` is.
     pub about: BTreeMap<String, SignalAbout>,

@@ -219,7 +219,8 @@ impl Actor {
     }
 }
 
-/// The position after `action`. The caller checks that no live lease of somebody else prevents a `take`: that needs a clock.
+/// The position after `action`. The caller checks that no live lease of somebody else prevents a `take`: that needs a
+/// clock.
 pub fn step(at: &Position, actor: &Actor, action: Action, draw: Draw) -> Result<Position, Refusal> {
     let holds = at.holder.as_deref() == Some(actor.id.as_str());
     let to = |state: State| Position { state, holder: None, ..at.clone() };

@@ -1,7 +1,7 @@
 //! Signed tokens (JWS in its compact form, RFC 7515): taken apart, and verified with a key of the provider's.
 //!
-//! Only public-key algorithms are known here. So `none` is nothing that could be accepted by mistake, and a public key can
-//! never be taken for the secret of an HMAC.
+//! Only public-key algorithms are known here. So `none` is nothing that could be accepted by mistake, and a public key
+//! can never be taken for the secret of an HMAC.
 
 use super::Reason;
 use super::algorithm::Algorithm;

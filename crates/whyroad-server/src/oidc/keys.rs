@@ -1,5 +1,5 @@
-//! Public keys of a provider (JWK sets, RFC 7517). Keys of kinds that we do not know, or that are not for signatures, are
-//! passed over: a provider may publish them for others.
+//! Public keys of a provider (JWK sets, RFC 7517). Keys of kinds that we do not know, or that are not for signatures,
+//! are passed over: a provider may publish them for others.
 
 use super::algorithm::{Algorithm, KeyShape};
 use base64::Engine as _;

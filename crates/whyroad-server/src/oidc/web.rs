@@ -1,5 +1,5 @@
-//! HTTP to the provider: a GET and a POST that answer with JSON, over TLS, within limits, and no further: no redirect is
-//! followed, since what is sent is meant for the address that it is sent to.
+//! HTTP to the provider: a GET and a POST that answer with JSON, over TLS, within limits, and no further: no redirect
+//! is followed, since what is sent is meant for the address that it is sent to.
 
 use super::provider_fails;
 use super::settings::Secret;

@@ -1,5 +1,5 @@
-//! What is done to a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap group,
-//! and bringing an earlier draft back.
+//! What is done to a task as a whole: the steps of the workflow with their conditions, adjudication of an overlap
+//! group, and bringing an earlier draft back.
 
 use crate::app::App;
 use crate::domain::project::Project;
@@ -19,8 +19,8 @@ use whyroad_model::{FORMAT_VERSION, Nanos};
 /// Maximum length of a comment or reason, characters.
 const TEXT: usize = 4000;
 
-/// What the checker said of a draft before the transaction that acts on it: checking may take long, and a transaction that
-/// writes keeps everybody waiting.
+/// What the checker said of a draft before the transaction that acts on it: checking may take long, and a transaction
+/// that writes keeps everybody waiting.
 #[derive(Clone, Debug)]
 pub struct Checked {
     /// Version of the draft that was checked.

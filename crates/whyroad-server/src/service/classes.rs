@@ -1,5 +1,5 @@
-//! Classes that leads name: in quotas and as skills. One that the taxonomy has not would do harm without a word: a quota
-//! that is never met, a member who gets no task.
+//! Classes that leads name: in quotas and as skills. One that the taxonomy has not would do harm without a word: a
+//! quota that is never met, a member who gets no task.
 
 use crate::problem::{Answer, Problem};
 use std::collections::BTreeMap;

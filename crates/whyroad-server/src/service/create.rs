@@ -116,8 +116,8 @@ pub fn put_all(app: &App, rows: &[TaskRow], actor: Option<&str>) -> Answer<u32> 
     rows.chunks(AT_ONCE).try_fold(0, |made, part| Ok(made + put(app, part.to_vec(), actor)?.len() as u32))
 }
 
-/// The episodes of a request, drive by drive and each in time: a drive is read once, and the queue shows nobody what comes
-/// before what they saw.
+/// The episodes of a request, drive by drive and each in time: a drive is read once, and the queue shows nobody what
+/// comes before what they saw.
 struct Episodes<'a> {
     app: &'a App,
     /// The mined folder; without one, `ready` holds all.

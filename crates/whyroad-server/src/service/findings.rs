@@ -1,5 +1,5 @@
-//! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what is
-//! the same for every task, so that no finding depends on hidden fields.
+//! What the checker finds in a draft. In Stage I it sees only what the annotator sees: the rest is filled in with what
+//! is the same for every task, so that no finding depends on hidden fields.
 
 use crate::app::App;
 use crate::domain::task::Finding;
@@ -37,8 +37,8 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
     }
 }
 
-/// The draft with empty causes where it has none. A label from elsewhere may do without them, as those of format 2.0 do; one
-/// that is made here names a cause of each decision, or UNOBSERVED with a reason (LABELING.md 6).
+/// The draft with empty causes where it has none. A label from elsewhere may do without them, as those of format 2.0
+/// do; one that is made here names a cause of each decision, or UNOBSERVED with a reason (LABELING.md 6).
 fn with_causes(draft: &Value) -> Cow<'_, Value> {
     if draft.get("causes").is_some_and(|c| !c.is_null()) {
         return Cow::Borrowed(draft);

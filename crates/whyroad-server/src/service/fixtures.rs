@@ -1,5 +1,5 @@
-//! For tests of single parts: a service on an empty store with the project `p` and no drives, and a task of it. The store
-//! is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
+//! For tests of single parts: a service on an empty store with the project `p` and no drives, and a task of it. The
+//! store is a SQLite file, and a database of a real PostgreSQL while [`again_on_postgresql`] runs the same tests again.
 
 use crate::domain::scene::SignalAbout;
 #[path = "../../tests/it/postgres_server.rs"]

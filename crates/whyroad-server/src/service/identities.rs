@@ -1,9 +1,9 @@
 //! Which account a person of the identity provider has, and what it may do.
 //!
 //! An account is found by the provider's lasting name of the person (issuer and subject), never by a name or an address
-//! alone. It is linked in one of three ways: its user, signed in, asks for it; the person's *verified* address is the one
-//! that an administrator gave the account, which is linked to nobody of that provider yet; or it is made for the person,
-//! where the set-up says so. So nobody takes over an account by choosing a name or an address.
+//! alone. It is linked in one of three ways: its user, signed in, asks for it; the person's *verified* address is the
+//! one that an administrator gave the account, which is linked to nobody of that provider yet; or it is made for the
+//! person, where the set-up says so. So nobody takes over an account by choosing a name or an address.
 
 use super::{people, projects};
 use crate::domain::oidc::Identity;
@@ -104,7 +104,8 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Identity>> {
     tx.rows(sql, values![user])?.iter().map(identity).collect()
 }
 
-/// Unlinks an identity; the caller is its user or an admin. Sessions that began with it end. Nobody locks themselves out.
+/// Unlinks an identity; the caller is its user or an admin. Sessions that began with it end. Nobody locks themselves
+/// out.
 pub fn unlink(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     let row = tx.row("SELECT user_id FROM identities WHERE id = $1", values![id])?;
     let user = row.ok_or_else(Problem::missing)?.text("user_id")?;

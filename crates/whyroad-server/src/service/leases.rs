@@ -44,8 +44,8 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     tasks::update(tx, t)
 }
 
-/// True while a lease lasts. One that would last longer than any lease was given by a clock that has since been set back:
-/// a jump must not lengthen it.
+/// True while a lease lasts. One that would last longer than any lease was given by a clock that has since been set
+/// back: a jump must not lengthen it.
 fn is_live(t: &TaskRow, settings: &Settings, now: i64) -> bool {
     t.lease_until.is_some_and(|until| until > now && until - now <= lease_ms(settings))
 }

@@ -88,8 +88,8 @@ pub fn next(
     Ok(None)
 }
 
-/// Why the queue has nothing for `user`: each reason that holds for some task, and no number of tasks, which might tell how
-/// many episodes a drive has. Empty when there is something after all.
+/// Why the queue has nothing for `user`: each reason that holds for some task, and no number of tasks, which might tell
+/// how many episodes a drive has. Empty when there is something after all.
 pub fn why_nothing(
     tx: &mut dyn Tx,
     project: &Project,
@@ -126,7 +126,8 @@ pub fn why_nothing(
     Ok(reasons)
 }
 
-/// Why the queue does not give `t` to `user`; `None` when it would. The first reason that holds, the one that lasts first.
+/// Why the queue does not give `t` to `user`; `None` when it would. The first reason that holds, the one that lasts
+/// first.
 fn why_not(
     tx: &mut dyn Tx,
     t: &TaskRow,
@@ -163,9 +164,9 @@ fn why_not(
     }
 }
 
-/// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them in
-/// order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages
-/// (`zh,en`), of which a task's is one or none; all are in each, as PostgreSQL wants it.
+/// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them
+/// in order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
+/// of which a task's is one or none; all are in each, as PostgreSQL wants it.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
         WorkKind::Label => &[

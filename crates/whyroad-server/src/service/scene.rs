@@ -1,5 +1,5 @@
-//! What of a drive is shown with a task. In Stage I everything is made from the drive *cut at the keyframe*: what is not
-//! in the cut drive cannot be in what is made from it, whatever the code below does.
+//! What of a drive is shown with a task. In Stage I everything is made from the drive *cut at the keyframe*: what is
+//! not in the cut drive cannot be in what is made from it, whatever the code below does.
 
 pub mod cache;
 mod columns;
@@ -156,8 +156,8 @@ fn images<'d>(drive: &'d Drive, times: &[Nanos]) -> Vec<(&'d str, Vec<&'d MediaF
     out
 }
 
-/// Cameras in the order in which the drive names them. One that the drive names and that has no image here is listed only
-/// when nothing is withheld: that it has none may follow from what comes later.
+/// Cameras in the order in which the drive names them. One that the drive names and that has no image here is listed
+/// only when nothing is withheld: that it has none may follow from what comes later.
 fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<CameraView> {
     let keyframe = Nanos(t.keyframe_ns);
     let camera = |(camera, frames): (&str, Vec<&MediaFrame>)| CameraView {

@@ -9,7 +9,8 @@ use crate::service::tasks::TaskRow;
 use crate::store::Tx;
 use crate::values;
 
-/// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its drive.
+/// The user as an actor on `t`: roles, and whether its future was shown to them, by this task or by another of its
+/// drive.
 pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: HistoryRule) -> Answer<Actor> {
     let has_seen = if knows(tx, t, user, rule)? { Seen::Future } else { Seen::History };
     Ok(Actor { id: user.to_owned(), roles: roles.to_vec(), has_seen })

@@ -1,8 +1,8 @@
 //! Labels and tasks out and in, as JSON lines, at any time.
 //!
-//! Out: labels in the exchange format (DATA_FORMAT.md 4), 2.1 or 2.0; or whole tasks with their history and comments. In:
-//! episodes and tasks become open tasks, labels become drafts of open tasks. What comes in never skips the work flow: an
-//! imported label is a proposal that somebody labels through, checks and accepts like any other.
+//! Out: labels in the exchange format (DATA_FORMAT.md 4), 2.1 or 2.0; or whole tasks with their history and comments.
+//! In: episodes and tasks become open tasks, labels become drafts of open tasks. What comes in never skips the work
+//! flow: an imported label is a proposal that somebody labels through, checks and accepts like any other.
 
 mod read;
 
@@ -159,8 +159,8 @@ fn task_line(tx: &mut dyn Tx, t: &TaskRow, names: &HashMap<String, String>) -> A
     }}))
 }
 
-/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. When the store
-/// fails on the way, the same file again brings in what is missing.
+/// Reads JSON lines into `project`. What cannot be read is named with its line and does not stop the rest. When the
+/// store fails on the way, the same file again brings in what is missing.
 pub fn import(app: &App, project: &str, text: &str, actor: Option<&str>) -> Answer<Imported> {
     let lines: Vec<(usize, &str)> = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).collect();
     if lines.len() > MOST_LINES {

@@ -1,6 +1,7 @@
 //! Webhooks: what happens to a task is written into an outbox in the same transaction as the change itself, and sent
-//! from there until the receiver takes it. So nothing is announced that did not happen, and nothing that happened is lost
-//! because a receiver was away. A receiver may get a message twice (with the same delivery id), and never an invented one.
+//! from there until the receiver takes it. So nothing is announced that did not happen, and nothing that happened is
+//! lost because a receiver was away. A receiver may get a message twice (with the same delivery id), and never an
+//! invented one.
 //!
 //! Messages are signed: `x-whyroad-signature: t=<ms>,v1=<hex>` where `v1` is HMAC-SHA256 over `<ms>.<body>` under the
 //! webhook's secret. To `http://` and `https://` addresses.
@@ -195,8 +196,8 @@ struct Message {
     tries: i64,
 }
 
-/// Sends what is due, oldest first; the number of messages that were taken. A receiver that fails once is left alone for
-/// the rest of the pass, so that one which hangs does not keep the others waiting.
+/// Sends what is due, oldest first; the number of messages that were taken. A receiver that fails once is left alone
+/// for the rest of the pass, so that one which hangs does not keep the others waiting.
 pub fn deliver_due(app: &App) -> Answer<usize> {
     let now = app.now();
     let due = app.store.read(|tx| {

@@ -23,8 +23,8 @@ pub fn backup_to(store: &Store, path: &Path) -> Answer<u64> {
     to_file(path, |out| backup(store, out))
 }
 
-/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused. `open` gives
-/// the backup from its beginning: the database may ask for the whole to be done again.
+/// Reads a backup into an empty store, whole or not at all; the number of rows. A cut-off backup is refused. `open`
+/// gives the backup from its beginning: the database may ask for the whole to be done again.
 pub fn restore<R: BufRead>(
     store: &Store,
     mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,

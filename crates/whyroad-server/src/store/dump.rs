@@ -1,6 +1,6 @@
 //! All tables as JSON lines, the same for both databases, so that a backup of one restores into the other. Which
-//! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older program
-//! restores into tables of its own version, which are then brought forward like any other store.
+//! columns a table has is asked of the database, in the order of the scripts that made it: so a backup of an older
+//! program restores into tables of its own version, which are then brought forward like any other store.
 
 use super::private;
 use super::sql::{Tx, Value};
@@ -11,7 +11,8 @@ use std::fs::File;
 use std::io::{BufRead, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Tables, each after those that it refers to, with a key in the first two columns. A test holds it against the scripts.
+/// Tables, each after those that it refers to, with a key in the first two columns. A test holds it against the
+/// scripts.
 pub(super) const TABLES: &[&str] = &[
     "settings",
     "users",

@@ -14,8 +14,8 @@ pub enum Value {
     Text(String),
 }
 
-/// Refuses what not every database can hold: PostgreSQL's texts have no U+0000, and what goes into one store must go into
-/// the other.
+/// Refuses what not every database can hold: PostgreSQL's texts have no U+0000, and what goes into one store must go
+/// into the other.
 pub(super) fn holdable(values: &[Value]) -> Answer<()> {
     let odd = |v: &Value| matches!(v, Value::Text(t) if t.as_bytes().contains(&0));
     if !values.iter().any(odd) {

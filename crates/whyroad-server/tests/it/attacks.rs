@@ -13,7 +13,8 @@ fn nested(depth: usize) -> Value {
 pub fn a_draft_nested_too_deep_is_refused_and_nobody_else_feels_it(world: &World) {
     let Begin { admin, project, ann, task } = Begin::on(world);
     let mut work = Work::take(&ann, &task);
-    // serde_json reads nothing nested more than 128 deep: what is stored deeper is lost for ever. So much comes in just so.
+    // serde_json reads nothing nested more than 128 deep: what is stored deeper is lost for ever. So much comes in just
+    // so.
     for depth in [40, 110, 120, 121, 122, 123] {
         let set = work.set(&[("/critical_components/0/a/b/c/d/e", nested(depth))]);
         assert_eq!(set.refusal(), (422, "draft.too_deep".into()), "{depth}");

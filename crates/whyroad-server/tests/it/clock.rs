@@ -1,4 +1,5 @@
-//! A clock that jumps: leases may end early or late by it, but no task is ever held twice and nothing acknowledged is lost.
+//! A clock that jumps: leases may end early or late by it, but no task is ever held twice and nothing acknowledged is
+//! lost.
 
 use crate::work::Work;
 use crate::world::World;

@@ -1,9 +1,9 @@
 //! Attacks on Stage I: what an annotator can get before the lock, by any route, must not depend on anything after the
 //! keyframe, nor on what other people wrote.
 //!
-//! The strongest form: two services, alike in all but the future of the drive (and of other people's work), are asked the
-//! same; every answer must be the same, byte for byte and header for header. Random ids are replaced by the order in which
-//! they come up.
+//! The strongest form: two services, alike in all but the future of the drive (and of other people's work), are asked
+//! the same; every answer must be the same, byte for byte and header for header. Random ids are replaced by the order
+//! in which they come up.
 
 use crate::recorded::{Future, episode};
 use crate::work::{Work, components};
@@ -151,7 +151,8 @@ fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String, Str
     out
 }
 
-/// Ann is in Stage I of one copy of an episode; `elsewhere` is what others do with the other copy, and with the project.
+/// Ann is in Stage I of one copy of an episode; `elsewhere` is what others do with the other copy, and with the
+/// project.
 fn stage1(future: Future, elsewhere: impl Fn(&World, &Person, &str, &str)) -> Vec<(String, String)> {
     let world = World::on_sqlite(future);
     let admin = world.admin();

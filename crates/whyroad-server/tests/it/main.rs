@@ -1,5 +1,5 @@
-//! The service over HTTP and its store, on both databases: each test of the suite runs on a SQLite file, and all of them on
-//! a real PostgreSQL where the machine has one.
+//! The service over HTTP and its store, on both databases: each test of the suite runs on a SQLite file, and all of
+//! them on a real PostgreSQL where the machine has one.
 
 #![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
 

@@ -1,5 +1,5 @@
-//! A real PostgreSQL for tests, started by the test itself in a folder of its own and stopped with it. It refuses to run as
-//! root, so there it runs as the user `postgres` or `nobody`.
+//! A real PostgreSQL for tests, started by the test itself in a folder of its own and stopped with it. It refuses to
+//! run as root, so there it runs as the user `postgres` or `nobody`.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // in a test a panic is the report, and a skip is said
 
@@ -65,8 +65,8 @@ impl Server {
         self.url_of(&name)
     }
 
-    /// Ends the server at once, as a crash of its machine would (without losing what the system has), and starts it again
-    /// after `away`.
+    /// Ends the server at once, as a crash of its machine would (without losing what the system has), and starts it
+    /// again after `away`.
     pub fn restart(&mut self, away: Duration) {
         self.stop();
         std::thread::sleep(away);

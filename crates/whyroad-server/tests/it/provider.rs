@@ -1,5 +1,5 @@
-//! An OpenID provider for tests: it does what OpenID Connect Core, PKCE and RFC 9207 ask of one, strictly, and one thing
-//! wrongly when it is told to.
+//! An OpenID provider for tests: it does what OpenID Connect Core, PKCE and RFC 9207 ask of one, strictly, and one
+//! thing wrongly when it is told to.
 
 use crate::signer::{Key, Kind, base64url};
 use base64::Engine as _;

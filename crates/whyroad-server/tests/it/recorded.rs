@@ -1,5 +1,5 @@
-//! A recorded drive made by hand, in two versions that are the same up to the keyframe and differ in everything after it;
-//! with signals and drafts that look at *all* of the drive they are given. So whatever is not cut shows.
+//! A recorded drive made by hand, in two versions that are the same up to the keyframe and differ in everything after
+//! it; with signals and drafts that look at *all* of the drive they are given. So whatever is not cut shows.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
-//! Keys made by the test, RSA and elliptic, and tokens signed with them. RSA is done here with whole numbers, as RFC 8017
-//! writes it, so that the service's verification is not held against the library that does it.
+//! Keys made by the test, RSA and elliptic, and tokens signed with them. RSA is done here with whole numbers, as RFC
+//! 8017 writes it, so that the service's verification is not held against the library that does it.
 
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 

@@ -79,8 +79,8 @@ fn the_intention_of_a_change_begins_after_what_was_before() {
 
 #[test]
 fn a_lane_change_given_up() {
-    // 1.2 m out by 6 s and back by 8 s, along a cosine: 0.6 (1 - cos(pi (t-4)/2)); within 0.3 m again where the cosine is
-    // 0.5: pi (t-4)/2 = 2 pi - pi/3, t = 7.33 s.
+    // 1.2 m out by 6 s and back by 8 s, along a cosine: 0.6 (1 - cos(pi (t-4)/2)); within 0.3 m again where the cosine
+    // is 0.5: pi (t-4)/2 = 2 pi - pi/3, t = 7.33 s.
     let out = |t: f64| 0.6 * (1.0 - (PI * (t - 4.0).clamp(0.0, 4.0) / 2.0).cos());
     let mut d = drive(120, move |t| (12.0 * t, out(t), 0.0));
     d.map = Some(road());

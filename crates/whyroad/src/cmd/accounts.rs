@@ -1,5 +1,5 @@
-//! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For whoever
-//! runs the service: they have the store, and need no account of their own.
+//! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For
+//! whoever runs the service: they have the store, and need no account of their own.
 
 use crate::store_args::error;
 use crate::{Global, output, store_args};

@@ -53,7 +53,8 @@ impl Steps {
     }
 }
 
-/// The bundled drives as a lake in `out`, mined into `out/mined`: what `whyroad serve` shows when nothing else was named.
+/// The bundled drives as a lake in `out`, mined into `out/mined`: what `whyroad serve` shows when nothing else was
+/// named.
 pub(crate) fn lake_and_episodes(global: &Global, framework: &Framework, out: &Path) -> anyhow::Result<Lake> {
     let mut steps = Steps { lang: global.lang, lost: false };
     std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;

@@ -1,4 +1,5 @@
-//! `whyroad explain`: why a class (or a rule of one's own) was found in a clip or not, condition by condition over time.
+//! `whyroad explain`: why a class (or a rule of one's own) was found in a clip or not, condition by condition over
+//! time.
 
 mod svg;
 mod text;

@@ -1,5 +1,5 @@
-//! `whyroad serve`: the labelling service on a lake, with its page. Without any argument it runs on the bundled drives, so
-//! that a newcomer sees clips at once.
+//! `whyroad serve`: the labelling service on a lake, with its page. Without any argument it runs on the bundled drives,
+//! so that a newcomer sees clips at once.
 
 mod first_run;
 mod oidc;
@@ -37,8 +37,8 @@ pub(crate) struct Args {
     /// The page is served over https by a proxy in front: cookies are for https only
     #[arg(long)]
     https: bool,
-    /// Take client addresses from the last entry of x-forwarded-for; failed sign-ins are counted by address. Only behind a
-    /// proxy; otherwise clients can forge it
+    /// Take client addresses from the last entry of x-forwarded-for; failed sign-ins are counted by address. Only
+    /// behind a proxy; otherwise clients can forge it
     #[arg(long)]
     behind_proxy: bool,
     /// Allow webhooks only to this host; may be repeated [default: any host except link-local addresses and, when the
@@ -101,7 +101,8 @@ fn run_until_stopped(app: App, listener: TcpListener) -> std::io::Result<()> {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         whyroad_server::serve(Arc::clone(&app), listener, stop_signal()).await
     });
-    // Work that does not end, a derivation from a broken drive, must not keep the process: what was acknowledged is stored.
+    // Work that does not end, a derivation from a broken drive, must not keep the process: what was acknowledged is
+    // stored.
     runtime.shutdown_timeout(LAST_WAIT);
     result
 }

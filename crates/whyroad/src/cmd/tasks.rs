@@ -1,5 +1,5 @@
-//! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without the
-//! service running (or beside it: the store takes both).
+//! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without
+//! the service running (or beside it: the store takes both).
 
 use crate::recordings::ServiceRecordings;
 use crate::store_args::error;

@@ -32,7 +32,8 @@ enum Command {
     },
     /// Show one class: meaning, decisions, rules against its neighbours, how it is labelled
     Show {
-        /// Full id (reactive_agent.cutin.urgent), prefix (reactive_agent.cutin) or a short id that only one class has (urgent)
+        /// Full id (reactive_agent.cutin.urgent), prefix (reactive_agent.cutin) or a short id that only one class has
+        /// (urgent)
         id: String,
         /// Form of the output
         #[arg(long, value_enum, default_value = "text")]
@@ -65,8 +66,8 @@ enum Command {
     },
     /// Write the generated pages of docs/: classes, leaves, signals, labelling tables, diagnostics index
     ///
-    /// Pages go to docs/ in the framework folder. SPEC.md, the diagnostics index and the book's SUMMARY.md are brought up to
-    /// date only where they exist.
+    /// Pages go to docs/ in the framework folder. SPEC.md, the diagnostics index and the book's SUMMARY.md are brought
+    /// up to date only where they exist.
     Docs {
         /// Write nothing; exit code 1 when a file is not up to date
         #[arg(long)]

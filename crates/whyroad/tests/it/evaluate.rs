@@ -1,4 +1,5 @@
-//! `whyroad evaluate` on the demo's episodes and the truth that the simulator's outputs give (`examples/drives/*/truth.jsonl`).
+//! `whyroad evaluate` on the demo's episodes and the truth that the simulator's outputs give
+//! (`examples/drives/*/truth.jsonl`).
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use std::path::Path;

@@ -28,8 +28,8 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
     let all = whyroad(&["inspect", "--lake", lake]);
     assert_eq!(all.status.code(), Some(0));
     let text = out(&all);
-    // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at J, which
-    // has lights (a facility of the map).
+    // By the fixture: 5 frames, a lorry for 3 of them, a bicycle and a person for 5; 12 lanes, 3 of them internal, 2 at
+    // J, which has lights (a facility of the map).
     for part in [
         "1 drives",
         "crossroads-ego_000  2026-01-01T00:00:00.000Z  0.5 s  5 frames",

@@ -1,5 +1,5 @@
-//! `whyroad media add` as a user runs it, and the pictures as `whyroad serve` gives them: never one after the keyframe in
-//! Stage I.
+//! `whyroad media add` as a user runs it, and the pictures as `whyroad serve` gives them: never one after the keyframe
+//! in Stage I.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use crate::service::http::Client;

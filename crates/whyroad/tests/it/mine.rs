@@ -231,8 +231,8 @@ fn the_printed_query_answers_with_measured_values() {
     let clips = result["clips"].as_array().unwrap();
     // The lead of `signal_junction` stops in the ego's lane: over the line by 0.5 m and more, and approached.
     assert!(clips.iter().any(|c| c["target_id"] == "lead"), "{result:#}");
-    // The cutter of `multilane` comes in 23 m ahead and 7 m/s slower: TTC 3.3 s. The simulated ego brakes so hard that it is
-    // under 5 s for 0.3 s only.
+    // The cutter of `multilane` comes in 23 m ahead and 7 m/s slower: TTC 3.3 s. The simulated ego brakes so hard that
+    // it is under 5 s for 0.3 s only.
     let shorter = ask(&PRINTED.replace("0.5,\n", "0.3,\n")).1.unwrap();
     let targets = shorter["clips"].as_array().unwrap();
     assert!(targets.iter().any(|c| c["target_id"] == "cutter"), "{shorter:#}");

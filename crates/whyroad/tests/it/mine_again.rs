@@ -1,5 +1,5 @@
-//! `whyroad mine` again and again on one lake: killed in the middle and started anew, with other numbers of jobs, with a
-//! limit. What it writes is the same bytes each time; what was done is not done again.
+//! `whyroad mine` again and again on one lake: killed in the middle and started anew, with other numbers of jobs, with
+//! a limit. What it writes is the same bytes each time; what was done is not done again.
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -78,18 +78,18 @@ fn the<'a>(all: &'a [Found], class: &str, target: &str) -> Vec<&'a Found> {
 
 #[test]
 fn a_pedestrian_nears_the_ego_s_path_over_a_crosswalk() {
-    // Raw: de40f6 walks at 1.2 m/s from (5251.5, 2378.9) towards the crosswalk that the ego's left turn goes over, comes
-    // within 7 m of the path at about 10.3 s, and stands at the crosswalk's edge (5240.9, 2385.6) from 13 s on. The ego slows
-    // from 11 m/s from second 2, stands from 9.9 to 11.4 s, then turns left before it.
+    // Raw: de40f6 walks at 1.2 m/s from (5251.5, 2378.9) towards the crosswalk that the ego's left turn goes over,
+    // comes within 7 m of the path at about 10.3 s, and stands at the crosswalk's edge (5240.9, 2385.6) from 13 s on.
+    // The ego slows from 11 m/s from second 2, stands from 9.9 to 11.4 s, then turns left before it.
     let Some(all) = episodes("7fab2350") else { return };
     let crossing = the(&all, "reactive_agent.vru_crossing.crosswalk", "de40f6");
     assert_eq!(crossing.len(), 1);
     assert!((9.8..11.0).contains(&crossing[0].keyframe), "{}", crossing[0].keyframe);
-    // Raw: cfb81c stays within 0.2 m of (5250.75, 2376.4) for all 15.5 s, 17 m off the ego's path. It moves across the *ego's*
-    // frame because the ego turns: what stands does not cross.
+    // Raw: cfb81c stays within 0.2 m of (5250.75, 2376.4) for all 15.5 s, 17 m off the ego's path. It moves across the
+    // *ego's* frame because the ego turns: what stands does not cross.
     assert!(all.iter().all(|e| !e.target.starts_with("cfb81c")));
-    // Raw: the ego's yaw goes from -33 degrees at 11 s to +29 degrees at 15.4 s, inside the junction, up to 1.8 m to the left of
-    // the centre of the turning lane: more than 0.5 m inside is a cut corner, protected or not (taxonomy).
+    // Raw: the ego's yaw goes from -33 degrees at 11 s to +29 degrees at 15.4 s, inside the junction, up to 1.8 m to
+    // the left of the centre of the turning lane: more than 0.5 m inside is a cut corner, protected or not (taxonomy).
     let turn = the(&all, "proactive.turn.left_cut_corner", "");
     assert_eq!(turn.len(), 1);
     assert!((10.5..12.5).contains(&turn[0].keyframe), "{}", turn[0].keyframe);
@@ -97,15 +97,16 @@ fn a_pedestrian_nears_the_ego_s_path_over_a_crosswalk() {
 
 #[test]
 fn the_ego_follows_through_a_bend() {
-    // Raw: 23f72b is ahead in the ego's lane all the time, box centres 23 m apart at first and 11 m at last (15.5 s). The ego goes
-    // at 8.7 to 6 m/s until 5 s, gains on it to 9.1 m/s, brakes to 3.5 m/s by 10.9 s and stays below: steady following ends at
-    // 3.5 m/s (taxonomy), and 4.6 s below it are too short for creeping.
+    // Raw: 23f72b is ahead in the ego's lane all the time, box centres 23 m apart at first and 11 m at last (15.5 s).
+    // The ego goes at 8.7 to 6 m/s until 5 s, gains on it to 9.1 m/s, brakes to 3.5 m/s by 10.9 s and stays below:
+    // steady following ends at 3.5 m/s (taxonomy), and 4.6 s below it are too short for creeping.
     let Some(all) = episodes("3bffdcff") else { return };
     let following = the(&all, "reactive_agent.following", "23f72b");
     assert_eq!(following.len(), 1);
     assert_eq!(following[0].class, "reactive_agent.following.steady");
     assert!(following[0].start < 1.0 && (5.0..8.0).contains(&following[0].end), "{}", following[0].end);
-    // A radius of some 50 m from 6 s on; but the lead, less than 2 s ahead, sets the speed, so the bend is not what it answers to.
+    // A radius of some 50 m from 6 s on; but the lead, less than 2 s ahead, sets the speed, so the bend is not what it
+    // answers to.
     assert_eq!(the(&all, "reactive_road.geometry_adaptation.high_curvature", "").len(), 0);
     // Over the junction the road bends by some 40 degrees: under 45, straight on.
     assert_eq!(the(&all, "proactive.turn.straight", "").len(), 1);
@@ -115,8 +116,9 @@ fn the_ego_follows_through_a_bend() {
 
 #[test]
 fn the_ego_starts_behind_its_lead_and_a_bus_comes_in() {
-    // Raw: f5e7cc stands 9 m ahead and moves off at about 3 s, the ego at about 5 s. The bus d1cc41 goes from 3.2 m right of the
-    // ego's path (until 7 s) to 0.1 m (14 s); its near side crosses the lane's edge at about 8 s, its centre at 11 s.
+    // Raw: f5e7cc stands 9 m ahead and moves off at about 3 s, the ego at about 5 s. The bus d1cc41 goes from 3.2 m
+    // right of the ego's path (until 7 s) to 0.1 m (14 s); its near side crosses the lane's edge at about 8 s, its
+    // centre at 11 s.
     let Some(all) = episodes("adcf7d18") else { return };
     let start = the(&all, "reactive_agent.following.follow_start", "f5e7cc");
     assert_eq!(start.len(), 1);

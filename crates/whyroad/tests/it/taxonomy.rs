@@ -140,8 +140,8 @@ fn lint_names_the_counts_that_differ_in_the_given_taxonomy() {
         .iter()
         .map(|d| (d["place"]["line"].as_u64().unwrap(), d["place"]["column"].as_u64().unwrap()))
         .collect();
-    // Lines and columns counted in the text. LABELING.md 8 lists the numbers: stated 30, 95, 8/32, 5/21, 7/22, 7/16, 3/4;
-    // listed 31, 122, 9/34, 5/28, 7/31, 7/24, 3/5. So the header, the table (with its total) and the tree differ
+    // Lines and columns counted in the text. LABELING.md 8 lists the numbers: stated 30, 95, 8/32, 5/21, 7/22, 7/16,
+    // 3/4; listed 31, 122, 9/34, 5/28, 7/31, 7/24, 3/5. So the header, the table (with its total) and the tree differ
     // in 2, 2 + 6 and 2 + 6 numbers.
     let expected = [
         (5, 14),

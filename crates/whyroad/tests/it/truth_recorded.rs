@@ -1,5 +1,5 @@
-//! Mining on the recorded drives against what a person saw in them (`examples/truth/recorded`, where each entry has its reason).
-//! The recordings are not part of the repository; without them the test says so and passes.
+//! Mining on the recorded drives against what a person saw in them (`examples/truth/recorded`, where each entry has its
+//! reason). The recordings are not part of the repository; without them the test says so and passes.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says when it is skipped")]
 
 use std::path::{Path, PathBuf};

@@ -93,7 +93,7 @@ fn what_cannot_hold_is_still_not_observable_where_nothing_is_known() {
         .into_iter()
         .map(|f| f.missing.into_iter().collect())
         .collect();
-    // docs/reference/rules.md: not one row could be decided of a vehicle, for lack of what is never known; of the pedestrian
-    // it is known that its gap is not below -5 m.
+    // docs/reference/rules.md: not one row could be decided of a vehicle, for lack of what is never known; of the
+    // pedestrian it is known that its gap is not below -5 m.
     assert_eq!(missing, [vec!["target.ttc".to_owned()], vec![], vec![]]);
 }

@@ -1,5 +1,5 @@
-//! A `mining_query` (DATA_FORMAT.md 5.1) with the clauses that we add (`any`, `all`, `not`, `temporal`, `rule`). Whether its
-//! fields are signals and its rules sound is asked by whyroad-mining, which knows them.
+//! A `mining_query` (DATA_FORMAT.md 5.1) with the clauses that we add (`any`, `all`, `not`, `temporal`, `rule`).
+//! Whether its fields are signals and its rules sound is asked by whyroad-mining, which knows them.
 
 use super::values::{out_of_range, scenario_id};
 use crate::check::class_index::ClassIndex;

@@ -30,8 +30,8 @@ pub(super) fn partial_class<'d>(s: ScenarioView<'d>, base: &str, classes: &Class
     scenario::check(&s, classes, base, walk);
 }
 
-/// A full or partial id in one text, such as `reactive_agent.cutin`; or `other`, where nobody has said yet under which L1 it
-/// belongs: mining counts decision moments that no class explains so.
+/// A full or partial id in one text, such as `reactive_agent.cutin`; or `other`, where nobody has said yet under which
+/// L1 it belongs: mining counts decision moments that no class explains so.
 pub(super) fn scenario_id<'d>(
     walk: &mut Walk<'d>,
     node: Option<&'d Node<'d>>,

@@ -190,8 +190,8 @@ pub(super) fn gzip(bytes: &[u8]) -> Vec<u8> {
     out.finish().expect("written to memory")
 }
 
-/// The MCAP fixtures without compression and checksums, so that mutations reach schemas and messages: the records of each
-/// chunk directly in the file.
+/// The MCAP fixtures without compression and checksums, so that mutations reach schemas and messages: the records of
+/// each chunk directly in the file.
 pub(super) fn unchunked_mcap() -> Vec<Vec<u8>> {
     vec![super::fixture("mcap/fleet.mcap")]
 }

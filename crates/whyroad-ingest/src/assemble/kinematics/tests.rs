@@ -61,7 +61,8 @@ fn a_circle_has_its_speed_its_yaw_rate_and_no_acceleration_along_the_heading() {
         |_| false,
     );
     for i in 0..80 {
-        // Third derivative v w^2 = 1.28 m/s3 is what a parabola misses: v error < 1.28 * 0.3^2 / 6 inside, more at the ends.
+        // Third derivative v w^2 = 1.28 m/s3 is what a parabola misses: v error < 1.28 * 0.3^2 / 6 inside, more at the
+        // ends.
         let tolerance = if (2..78).contains(&i) { 0.03 } else { 0.06 };
         assert!(close(d.vx[i].hypot(d.vy[i]), v, tolerance), "row {i}: {}", d.vx[i].hypot(d.vy[i]));
         assert!(close(d.yaw_rate[i], w, 1e-9), "row {i}: {}", d.yaw_rate[i]);

@@ -1,6 +1,6 @@
-//! Checks the sizes and offsets that an Arrow IPC file declares against the bytes it has, before the Arrow crate allocates
-//! by them: damaged files otherwise ask for terabytes. Format: Arrow columnar format, "Serialization and Interprocess
-//! Communication"; `Message.fbs`, `File.fbs`.
+//! Checks the sizes and offsets that an Arrow IPC file declares against the bytes it has, before the Arrow crate
+//! allocates by them: damaged files otherwise ask for terabytes. Format: Arrow columnar format, "Serialization and
+//! Interprocess Communication"; `Message.fbs`, `File.fbs`.
 
 use arrow_ipc::{Block, Buffer, MessageHeader, RecordBatch, root_as_footer, root_as_message};
 

@@ -1,5 +1,6 @@
 //! AV2's annotation categories on our scale of classes.
-//! Source: the category list of the AV2 sensor data set (Wilson et al. 2021, appendix; 30 names with the later additions).
+//! Source: the category list of the AV2 sensor data set (Wilson et al. 2021, appendix; 30 names with the later
+//! additions).
 
 use whyroad_model::ObjectClass;
 

@@ -1,4 +1,5 @@
-//! The recording vehicle's box in its own frame. AV2 states poses of the rear axle's centre; scene tables want the box centre.
+//! The recording vehicle's box in its own frame. AV2 states poses of the rear axle's centre; scene tables want the box
+//! centre.
 //!
 //! AV2 documents no box for its car (a Ford Fusion Hybrid). Some copies of the annotations carry one as
 //! `EGO_VEHICLE`, 4.877 x 2.000 x 1.473 m, with its centre *at the origin*, that is on the rear axle: half a metre

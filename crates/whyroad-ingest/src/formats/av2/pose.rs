@@ -39,7 +39,8 @@ pub(super) fn read(file: &Columns) -> Result<(PoseTrack, RowCount, bool), String
 
 impl PoseTrack {
     /// The pose at `time`: the log's own when it has one at that nanosecond, else between its two neighbours.
-    /// `None` outside the log and inside a gap. Neighbours 1 ns apart, which AV2 has, do no harm: nothing is divided by less.
+    /// `None` outside the log and inside a gap. Neighbours 1 ns apart, which AV2 has, do no harm: nothing is divided by
+    /// less.
     pub fn at(&self, time: i64) -> Option<Se3> {
         let next = self.times.partition_point(|&t| t < time);
         if self.times.get(next) == Some(&time) {

@@ -87,8 +87,8 @@ impl Scenario {
     }
 }
 
-/// Our class for an object type; `None` for one that AV2 does not define (`ObjectType` of the AV2 API). `background` is what
-/// the tracker could not name.
+/// Our class for an object type; `None` for one that AV2 does not define (`ObjectType` of the AV2 API). `background` is
+/// what the tracker could not name.
 pub(super) fn class_of(kind: &str) -> Option<ObjectClass> {
     Some(match kind {
         "vehicle" => ObjectClass::Car,

@@ -10,8 +10,8 @@ use whyroad_model::scene::Motion;
 /// Poses come at 20 Hz; across a longer hole nothing is interpolated, s.
 const POSE_GAP_S: f64 = 0.25;
 
-/// Toyota RAV4 of 2016 to 2018 (the maker's data sheet): 4.605 m by 1.845 m by 1.675 m. The data set's Civic is 4.63 m by 1.80 m,
-/// close enough that one box serves for both.
+/// Toyota RAV4 of 2016 to 2018 (the maker's data sheet): 4.605 m by 1.845 m by 1.675 m. The data set's Civic is 4.63 m
+/// by 1.80 m, close enough that one box serves for both.
 pub(super) const EGO_LENGTH_M: f64 = 4.605;
 /// See [`EGO_LENGTH_M`].
 pub(super) const EGO_WIDTH_M: f64 = 1.845;
@@ -20,7 +20,8 @@ pub(super) const EGO_HEIGHT_M: f64 = 1.675;
 /// The camera is behind the windscreen at about mid-length; where exactly is not published, so nothing is added.
 pub(super) const CAMERA_TO_CENTRE_M: f64 = 0.0;
 
-/// Motion at `frames` (seconds on the log's clock). Velocity is the data set's own; acceleration and yaw rate are derived.
+/// Motion at `frames` (seconds on the log's clock). Velocity is the data set's own; acceleration and yaw rate are
+/// derived.
 pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
     let Some(&origin) = pose.positions.first() else { return Motion::unknown(frames.len()) };
     let local = LocalFrame::at_ecef(origin);
@@ -40,8 +41,8 @@ pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
         .iter()
         .map(|&t| {
             let Some(q) = orientation(pose, t) else { return f64::NAN };
-            // The quaternion takes the camera's forward, right, down axes to the Earth's frame (seen in the data: forward
-            // turned by it points along the velocity to within 4 degrees, its inverse 30 degrees off).
+            // The quaternion takes the camera's forward, right, down axes to the Earth's frame (seen in the data:
+            // forward turned by it points along the velocity to within 4 degrees, its inverse 30 degrees off).
             let forward = local.direction(rotate(q, [1.0, 0.0, 0.0]));
             wrap_angle(forward[1].atan2(forward[0]))
         })

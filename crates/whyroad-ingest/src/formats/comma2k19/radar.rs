@@ -15,7 +15,8 @@ const MAX_SILENCE_S: f64 = 0.25;
 /// Tracks at `frames`, and what became of the returns; `None` without radar.
 ///
 /// Position: the ego's box centre, half its length forward, then the return. Velocity: the ego's along its heading plus
-/// the relative speed; a radar of this kind does not see sideways motion, so the heading is taken as the ego's (or against it).
+/// the relative speed; a radar of this kind does not see sideways motion, so the heading is taken as the ego's (or
+/// against it).
 pub(super) fn tracks(rows: &[RadarRow], frames: &[f64], ego: &Motion) -> (Vec<Track>, Option<RowCount>) {
     if rows.is_empty() {
         return (Vec::new(), None);
@@ -106,7 +107,8 @@ fn place(row: &RadarRow, frame: usize, ego: &Motion, out: &mut Motion) {
 mod tests {
     use super::*;
 
-    /// Geometry by hand: the ego stands at (10, 20) facing north, 5 m/s; a return 30 m ahead of the bumper, 2 m to the left, closing at 1 m/s.
+    /// Geometry by hand: the ego stands at (10, 20) facing north, 5 m/s; a return 30 m ahead of the bumper, 2 m to the
+    /// left, closing at 1 m/s.
     #[test]
     fn a_return_is_ahead_of_the_bumper_and_left_is_left() {
         let n = 3;

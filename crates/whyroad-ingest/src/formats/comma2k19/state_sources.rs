@@ -7,8 +7,8 @@ pub(super) struct StateSource {
     pub holds_s: f64,
 }
 
-/// Messages of Toyota's 2017 DBC (opendbc). Brake light and brake pedal messages come 30 times a second or more, gear and
-/// cruise once a second, indicators every 8.5 s and at each change; each holds for a good two periods.
+/// Messages of Toyota's 2017 DBC (opendbc). Brake light and brake pedal messages come 30 times a second or more, gear
+/// and cruise once a second, indicators every 8.5 s and at each change; each holds for a good two periods.
 pub(super) const BRAKE: StateSource =
     StateSource { message: "PCM_CRUISE_2", signal: "BRAKE_PRESSED", holds_s: 0.25 };
 pub(super) const BRAKE_LIGHT: StateSource =

@@ -1,5 +1,6 @@
-//! The JSON tables of a nuScenes set, read row by row: only what belongs to the scenes asked for is kept, so that memory
-//! is bounded by these however large the set is, and one pass over the tables serves all of them. Schema: nuScenes documentation, "nuScenes schema" (devkit 1.2).
+//! The JSON tables of a nuScenes set, read row by row: only what belongs to the scenes asked for is kept, so that
+//! memory is bounded by these however large the set is, and one pass over the tables serves all of them. Schema:
+//! nuScenes documentation, "nuScenes schema" (devkit 1.2).
 
 use serde::de::{DeserializeOwned, DeserializeSeed, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};

@@ -1,5 +1,5 @@
-//! FCD as CSV: `sumo --fcd-output fcd.csv` (columns `timestep_time;vehicle_id;...`), `xml2csv.py`, or headers without the
-//! tag (`time;id;...`). The separator is the first of `;`, `,` and tab that the header has. SUMO quotes no values.
+//! FCD as CSV: `sumo --fcd-output fcd.csv` (columns `timestep_time;vehicle_id;...`), `xml2csv.py`, or headers without
+//! the tag (`time;id;...`). The separator is the first of `;`, `,` and tab that the header has. SUMO quotes no values.
 
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};

@@ -7,7 +7,8 @@ use std::path::Path;
 use whyroad_model::Nanos;
 use whyroad_model::scene::{LightColour, LightState};
 
-/// States by lane and time, repeated ones left out. Light states before the drive's start are kept: they still hold then.
+/// States by lane and time, repeated ones left out. Light states before the drive's start are kept: they still hold
+/// then.
 pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec<LightState>, String> {
     let mut of_light: HashMap<&str, Vec<&LightLink>> = HashMap::new();
     for l in links {

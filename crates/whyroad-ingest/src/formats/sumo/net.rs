@@ -2,9 +2,9 @@
 //!
 //! Lane edges are the lane's shape moved by half its width to either side. Lanes inside junctions are SUMO's internal
 //! lanes; walking areas and tracks of rails are left out. A node counts as a junction when it joins three or more
-//! other nodes: a node that only bends a road or changes its number of lanes is none, nor is one where one-way roads merge or
-//! part at small angles (ramps of a motorway). SUMO has no lane marks
-//! (unknown) and its limit on internal lanes is a turning speed, not the law (left out).
+//! other nodes: a node that only bends a road or changes its number of lanes is none, nor is one where one-way roads
+//! merge or part at small angles (ramps of a motorway). SUMO has no lane marks (unknown) and its limit on internal
+//! lanes is a turning speed, not the law (left out).
 
 use super::border::Border;
 use super::edge::Edge;
@@ -289,7 +289,8 @@ fn assemble(raw: Raw, net: &mut Net) {
         },
     ));
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds; of ramps, lanes to gain speed and lights a network has what its vehicles know of.
+    // netconvert marks every roundabout that it finds; of ramps, lanes to gain speed and lights a network has what its
+    // vehicles know of.
     net.map.complete_for = ["acceleration", "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
@@ -321,7 +322,8 @@ fn internal_node(edge_id: &str) -> Option<&str> {
     edge_id.strip_prefix(':')?.rsplit_once('_').map(|p| p.0)
 }
 
-/// Nodes that join three or more other nodes by edges that have lanes, but for those at which one-way roads only merge or part.
+/// Nodes that join three or more other nodes by edges that have lanes, but for those at which one-way roads only merge
+/// or part.
 fn real_junctions<'e>(
     edges: &'e BTreeMap<String, Edge>,
     lanes: &BTreeMap<String, Lane>,

@@ -1,5 +1,6 @@
-//! Roads that merge or part, and which lanes of a network are ramps: OpenStreetMap's word for them is an edge type that ends in `_link`;
-//! a network that was drawn has none, but marks the lanes on which traffic from a ramp gains speed (`acceleration="1"`).
+//! Roads that merge or part, and which lanes of a network are ramps: OpenStreetMap's word for them is an edge type that
+//! ends in `_link`; a network that was drawn has none, but marks the lanes on which traffic from a ramp gains speed
+//! (`acceleration="1"`).
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_3;
@@ -34,8 +35,8 @@ impl<'e> Flows<'e> {
         self.headings.extend(lane.centre.windows(2).last().map(|w| heading(w[0], w[1])));
     }
 
-    /// True where one-way roads merge or part: none leads back where one comes from, one side is a single road, and all of them go
-    /// one way.
+    /// True where one-way roads merge or part: none leads back where one comes from, one side is a single road, and all
+    /// of them go one way.
     pub fn run_together(&self) -> bool {
         let apart = |a: f64, b: f64| crate::assemble::kinematics::wrap_angle(a - b).abs();
         self.from.is_disjoint(&self.to)
@@ -82,8 +83,8 @@ pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, L
     }
 }
 
-/// Tags the pieces of lane inside a node that lie between ramps and nothing else: a node may cut a ramp in two, and the piece in it
-/// has no type of its own. A vehicle on it has not been on the main road in between.
+/// Tags the pieces of lane inside a node that lie between ramps and nothing else: a node may cut a ramp in two, and the
+/// piece in it has no type of its own. A vehicle on it has not been on the main road in between.
 pub(super) fn tag_joints(lanes: &mut BTreeMap<String, Lane>) {
     let is_ramp = |id: &String| lanes.get(id).is_some_and(|l| l.is_tagged("ramp"));
     let between = |l: &Lane| {

@@ -1,5 +1,6 @@
-//! Areas of roundabouts: the island, the ring, and the mouths of its arms up to their give-way lines, where a road's lanes end or
-//! begin. That is where a car enters the roundabout and leaves it; the ring's own outer edge lies up to a car's length further in.
+//! Areas of roundabouts: the island, the ring, and the mouths of its arms up to their give-way lines, where a road's
+//! lanes end or begin. That is where a car enters the roundabout and leaves it; the ring's own outer edge lies up to a
+//! car's length further in.
 
 use super::edge::Edge;
 use std::collections::BTreeMap;

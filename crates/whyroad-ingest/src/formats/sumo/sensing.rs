@@ -1,8 +1,9 @@
 //! What a sensor on the ego would have seen: a range, and line of sight past other vehicles.
 //!
 //! Sight lines run in the plane from the centre of the ego's box to a target's outline, [`SIGHT_LINES`] of them evenly
-//! over the angle under which it is seen; one that meets another motor vehicle's box or a building (of an additional file)
-//! first is blocked. Heights play no part: a car hides a lorry behind it. A row that no line reaches is taken out of the track.
+//! over the angle under which it is seen; one that meets another motor vehicle's box or a building (of an additional
+//! file) first is blocked. Heights play no part: a car hides a lorry behind it. A row that no line reaches is taken out
+//! of the track.
 
 use std::collections::BTreeMap;
 use whyroad_model::TrackId;
@@ -61,7 +62,8 @@ impl Footprint {
         (dx * cos + dy * sin, dy * cos - dx * sin)
     }
 
-    /// Distance along a line of sight from the origin in direction (cos, sin) to the box; `None` when it misses. 0 inside.
+    /// Distance along a line of sight from the origin in direction (cos, sin) to the box; `None` when it misses. 0
+    /// inside.
     fn hit(&self, direction: (f64, f64)) -> Option<f64> {
         let (ox, oy) = self.local(-self.x, -self.y);
         let (dx, dy) = self.local(direction.0, direction.1);
@@ -180,8 +182,8 @@ struct Seen {
     sights: Vec<Sight>,
 }
 
-/// Takes out of the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest and
-/// what stops most of the others (only with occlusion).
+/// Takes out of the tracks what the ego's sensor would not have seen, and states how many sight lines reach the rest
+/// and what stops most of the others (only with occlusion).
 pub(super) fn apply(sensing: Sensing, ego: &Ego, map: Option<&RoadMap>, tracks: &mut Vec<Track>) -> Unseen {
     let mut unseen = Unseen::default();
     if sensing == Sensing::default() {
@@ -302,7 +304,8 @@ mod tests {
 
     #[test]
     fn half_hidden_is_half() {
-        // The near car's left edge lies on y = 0: it hides the right half of the one straight behind it, seen from x = 0.
+        // The near car's left edge lies on y = 0: it hides the right half of the one straight behind it, seen from x =
+        // 0.
         let lines = seen_lines(&car(30.0, 0.0), &[car(10.0, -1.0)]);
         assert_eq!(lines, SIGHT_LINES / 2);
     }

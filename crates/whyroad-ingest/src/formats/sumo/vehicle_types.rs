@@ -21,8 +21,8 @@ pub(super) struct VehicleType {
 pub(super) struct VehicleTypes(BTreeMap<String, VehicleType>);
 
 impl VehicleTypes {
-    /// Adds the types of a route or additional file. SUMO has no class for animals and the like: `<param key="whyroad.class"
-    /// value="animal"/>` inside a type says it in our words.
+    /// Adds the types of a route or additional file. SUMO has no class for animals and the like: `<param
+    /// key="whyroad.class" value="animal"/>` inside a type says it in our words.
     pub fn read(&mut self, path: &Path) -> Result<(), String> {
         let mut inside: Option<String> = None;
         for_each_tag(path, |tag| {
@@ -78,7 +78,8 @@ pub(super) enum IsPerson {
     No,
 }
 
-/// SUMO's default size for a vClass, as SUMO 1.28.0 reports it (`traci.vehicletype.getLength` and so on), and our class.
+/// SUMO's default size for a vClass, as SUMO 1.28.0 reports it (`traci.vehicletype.getLength` and so on), and our
+/// class.
 fn of_class(vclass: &str) -> VehicleType {
     use ObjectClass as C;
     let (class, length_m, width_m, height_m) = match vclass {

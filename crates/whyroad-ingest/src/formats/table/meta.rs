@@ -44,7 +44,8 @@ pub(super) fn drive_file(dir: &Path) -> Option<PathBuf> {
 }
 
 impl Meta {
-    /// Reads the file; what is wrong goes into the report, and without the two things that nobody can guess there is no drive.
+    /// Reads the file; what is wrong goes into the report, and without the two things that nobody can guess there is no
+    /// drive.
     pub fn read(reader: &mut Reader) -> Option<Self> {
         let folder = reader.dir.display().to_string();
         let Some(path) = drive_file(reader.dir) else {

@@ -10,7 +10,8 @@ use std::path::Path;
 use whyroad_model::Nanos;
 use whyroad_model::scene::FRAME_RATE_HZ;
 
-/// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of their steps.
+/// Between samples at 10 Hz or faster nothing is filled over more than this, s; slower logs: over one and a half of
+/// their steps.
 const MAX_GAP_S: f64 = 0.25;
 const GAP_STEPS: f64 = 1.5;
 

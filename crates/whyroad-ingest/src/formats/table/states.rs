@@ -39,8 +39,8 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     Some(out)
 }
 
-/// Weather, surface and the like; `None` without the table. A value that is missing or not one of its kind's ends what was
-/// known before: from there on the state is `unknown`.
+/// Weather, surface and the like; `None` without the table. A value that is missing or not one of its kind's ends what
+/// was known before: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;

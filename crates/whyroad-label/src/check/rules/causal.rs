@@ -1,5 +1,5 @@
-//! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only of
-//! what a document of format 2.1 may say; one of 2.0 says none of it.
+//! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only
+//! of what a document of format 2.1 may say; one of 2.0 says none of it.
 
 use crate::check::view::{CauseView, View};
 use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};

@@ -1,4 +1,5 @@
-//! `since`, `until` and bridged breaks, by tables worked out by hand from `docs/reference/rules.md`. `a` is `ego.brake`, `b` is `ego.aeb`.
+//! `since`, `until` and bridged breaks, by tables worked out by hand from `docs/reference/rules.md`. `a` is
+//! `ego.brake`, `b` is `ego.aeb`.
 
 use super::*;
 

@@ -53,8 +53,8 @@ pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
     }
 }
 
-/// The greatest known value in each of these windows, which begin one row after another and only ever move forward; minus
-/// infinity where none is known.
+/// The greatest known value in each of these windows, which begin one row after another and only ever move forward;
+/// minus infinity where none is known.
 pub fn greatest_ahead(values: &[f64], ends: &[usize]) -> Vec<f64> {
     // Mostly all windows but the last ones are of one width.
     let width = ends.first().copied().unwrap_or(0);
@@ -86,7 +86,8 @@ pub fn best_of_even(values: &[f64], width: usize, windows: usize, rows: Range<us
     picked(begun, width, rows.len(), |x, y| if x > y { x } else { y })
 }
 
-/// The one that is picked out of `width` values from each of the first `n` on: out of two first, then of four, and so on.
+/// The one that is picked out of `width` values from each of the first `n` on: out of two first, then of four, and so
+/// on.
 fn picked(mut of_some: Vec<f64>, width: usize, n: usize, pick: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let mut some = 1;
     while 2 * some <= width {

@@ -1,5 +1,5 @@
-//! Every fault of an expression. Checking stops at the first one; here the parts of a faulty expression are checked one by
-//! one, so that a person sees all of them at once. A whole is reported only if its parts are sound.
+//! Every fault of an expression. Checking stops at the first one; here the parts of a faulty expression are checked one
+//! by one, so that a person sees all of them at once. A whole is reported only if its parts are sound.
 
 use super::super::Fault;
 use super::super::syntax::{ArithmeticOp, CompareOp, Expr, ExprKind};

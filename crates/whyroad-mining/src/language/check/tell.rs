@@ -20,7 +20,8 @@ enum Names {
     Kept,
 }
 
-/// How a definition is told. Made once, when it is read: a text that names others twice does not grow with what these name.
+/// How a definition is told. Made once, when it is read: a text that names others twice does not grow with what these
+/// name.
 #[derive(Clone, Debug)]
 pub(super) struct Told {
     /// With all names replaced; none where that is longer than [`SHORT`].
@@ -46,8 +47,8 @@ impl Checker<'_> {
         self.words(expr, Names::Replaced)
     }
 
-    /// The expression for a person: all names replaced by what they stand for where that stays short, else with the names
-    /// of its conditions kept ([`Self::names_told`]).
+    /// The expression for a person: all names replaced by what they stand for where that stays short, else with the
+    /// names of its conditions kept ([`Self::names_told`]).
     pub fn tell(&self, expr: &Expr) -> String {
         self.whole(expr).unwrap_or_else(|| self.tell_by_names(expr))
     }
@@ -77,8 +78,8 @@ impl Checker<'_> {
         self.words(expr, Names::Kept)
     }
 
-    /// The conditions whose names are in [`Self::tell_by_names`], and those that their own texts speak of: each once, in
-    /// the order in which one comes upon them.
+    /// The conditions whose names are in [`Self::tell_by_names`], and those that their own texts speak of: each once,
+    /// in the order in which one comes upon them.
     pub(super) fn names_told(&self, expr: &Expr) -> Vec<String> {
         let mut seen = Vec::new();
         self.collect_names(expr, &mut seen);

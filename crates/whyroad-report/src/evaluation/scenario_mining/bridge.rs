@@ -1,5 +1,5 @@
-//! Our truth and our episodes as sequences: the class is the prompt, the target the object referred to, or the ego where
-//! there is no target. An object is referred to from the start of its time range to the end.
+//! Our truth and our episodes as sequences: the class is the prompt, the target the object referred to, or the ego
+//! where there is no target. An object is referred to from the start of its time range to the end.
 
 use super::super::truth::TruthEntry;
 use super::sequence::{Frame, Label, Object, Sequence};

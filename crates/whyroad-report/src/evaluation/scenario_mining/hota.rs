@@ -1,5 +1,5 @@
-//! HOTA: Luiten et al., "HOTA: A Higher Order Metric for Evaluating Multi-Object Tracking", IJCV 2020 (arXiv 2009.07736).
-//! Over sequences, counts are added and the association accuracy is weighted by true positives.
+//! HOTA: Luiten et al., "HOTA: A Higher Order Metric for Evaluating Multi-Object Tracking", IJCV 2020 (arXiv
+//! 2009.07736). Over sequences, counts are added and the association accuracy is weighted by true positives.
 
 use super::assignment::best_assignment;
 use super::sequence::{Frame, Sequence};

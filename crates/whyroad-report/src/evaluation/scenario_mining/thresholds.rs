@@ -1,5 +1,5 @@
-//! The score thresholds that are tried: those at which recalls of 1.0, 0.9, ... 0.1 are reached, as if every pair of the
-//! best assignment were a hit.
+//! The score thresholds that are tried: those at which recalls of 1.0, 0.9, ... 0.1 are reached, as if every pair of
+//! the best assignment were a hit.
 
 use super::assignment::best_assignment;
 use super::sequence::Sequence;
@@ -8,7 +8,8 @@ use super::similarity;
 /// Thresholds tried a prompt.
 const COUNT: usize = 10;
 
-/// From the highest recall to the lowest; 0 where a recall is not reached. `pairs`: truth and prediction, referred objects only.
+/// From the highest recall to the lowest; 0 where a recall is not reached. `pairs`: truth and prediction, referred
+/// objects only.
 pub fn thresholds(pairs: &[(Sequence, Sequence)]) -> [f64; COUNT] {
     let mut scores = Vec::new();
     let mut truths = 0;

@@ -158,7 +158,8 @@ pub(super) fn not_reached(host: &str) -> Bilingual {
     )
 }
 
-/// A connection that waits for [`WAIT`] each time and not beyond a moment: a receiver that answers slowly delays nobody.
+/// A connection that waits for [`WAIT`] each time and not beyond a moment: a receiver that answers slowly delays
+/// nobody.
 struct Hurried {
     stream: TcpStream,
     until: Instant,

@@ -1,6 +1,6 @@
-//! Where webhooks may go. Who leads a project types an address, and the *service* calls it: from inside its network, where
-//! other doors are open than from the lead's own desk. So addresses are judged after names are looked up, at each sending,
-//! and the connection goes to the very address that was judged.
+//! Where webhooks may go. Who leads a project types an address, and the *service* calls it: from inside its network,
+//! where other doors are open than from the lead's own desk. So addresses are judged after names are looked up, at each
+//! sending, and the connection goes to the very address that was judged.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 
@@ -10,8 +10,8 @@ pub enum Reach {
     /// Anywhere, also to this machine itself: for a service that only this machine reaches.
     #[default]
     OwnMachine,
-    /// Anywhere but this machine: for a service that others reach, who must not get at what listens here for this machine
-    /// alone.
+    /// Anywhere but this machine: for a service that others reach, who must not get at what listens here for this
+    /// machine alone.
     Network,
     /// Only to these hosts: `host` for all its ports, or `host:port`, as an address writes them.
     Only(Vec<String>),

@@ -1,5 +1,5 @@
-//! TLS to receivers at `https://` addresses: whom to believe, and a connection on which the other end has shown that it is
-//! who it should be.
+//! TLS to receivers at `https://` addresses: whom to believe, and a connection on which the other end has shown that it
+//! is who it should be.
 
 use rustls::pki_types::{CertificateDer, ServerName};
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};

@@ -48,7 +48,8 @@ impl Queries {
         Self { catalogue, blocks }
     }
 
-    /// The query that finds a class, `missing` samples short; `None` when it has no rule or one that a query cannot express.
+    /// The query that finds a class, `missing` samples short; `None` when it has no rule or one that a query cannot
+    /// express.
     pub fn query(&self, class: &ScenarioId, missing: usize) -> Option<MiningQueryMessage> {
         let block = self.blocks.get(class).filter(|b| !b.roles && !b.when.is_empty())?;
         let of_class = block.target.as_deref().and_then(members).map(|m| format!("target.class in {{{m}}}"));

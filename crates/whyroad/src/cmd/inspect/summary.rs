@@ -1,4 +1,5 @@
-//! Counting what a drive holds. No judgement: numbers of clips, objects, features, and how much of each signal is known.
+//! Counting what a drive holds. No judgement: numbers of clips, objects, features, and how much of each signal is
+//! known.
 
 use serde::Serialize;
 use std::collections::BTreeMap;

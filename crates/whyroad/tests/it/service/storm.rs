@@ -1,4 +1,5 @@
-//! Annotators who save at every change: what each of them was told is saved, to be held against what is there afterwards.
+//! Annotators who save at every change: what each of them was told is saved, to be held against what is there
+//! afterwards.
 
 use super::http::Client;
 use serde_json::{Value, json};
