@@ -49,6 +49,42 @@ pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Ve
     if given.iter().any(|v| !v.is_nan()) { given.to_vec() } else { slope(times, values, DERIVATIVE_REACH_S) }
 }
 
+/// Speed and distance that no vehicle exceeds between two known positions, m/s and m. What is derived walks along the driven
+/// path in steps of a metre or less: a position that leaps to another continent would make it walk there.
+const LEAP_MPS: f64 = 150.0;
+const LEAP_M: f64 = 500.0;
+/// Maximum length of the driven path, m.
+const LONGEST_PATH_M: f64 = 1_000_000.0;
+/// Known positions after which a path counts as settled; before, a leap shows that the first ones were wrong.
+const SETTLED: usize = 10;
+
+/// The positions, unknown where they lie a leap away from what came before, or beyond the longest path; the first few are
+/// unknown where what comes after them lies a leap away.
+fn without_leaps(mut positions: Vec<P2>, times: &[f64]) -> Vec<P2> {
+    let unknown = p2(f64::NAN, f64::NAN);
+    let (mut last, mut settled, mut length) = (None::<usize>, 0, 0.0);
+    for i in 0..positions.len() {
+        if !positions[i].is_finite() {
+            continue;
+        }
+        let step = last.map_or(0.0, |l| (positions[i] - positions[l]).norm());
+        let waited = last.map_or(0.0, |l| (times[i] - times[l]).abs());
+        let leaps = step > LEAP_M + LEAP_MPS * waited;
+        if (leaps && settled > SETTLED) || (!leaps && length + step > LONGEST_PATH_M) {
+            positions[i] = unknown;
+            continue;
+        }
+        if leaps {
+            positions[..i].fill(unknown);
+            (settled, length) = (0, 0.0);
+        } else {
+            length += step;
+        }
+        (last, settled) = (Some(i), settled + 1);
+    }
+    positions
+}
+
 impl EgoMotion {
     /// From the scene table; `times` in seconds.
     pub fn new(ego: &Ego, times: &[f64]) -> Self {
@@ -58,7 +94,7 @@ impl EgoMotion {
         let forward: Vec<f64> = rows.clone().map(|i| m.forward_speed(i)).collect();
         let heading: Vec<f64> = m.heading.iter().map(|&h| if h.is_nan() { h } else { wrap(h) }).collect();
         Self {
-            position: rows.clone().map(|i| p2(m.x[i], m.y[i])).collect(),
+            position: without_leaps(rows.clone().map(|i| p2(m.x[i], m.y[i])).collect(), times),
             z: m.z.clone(),
             velocity: rows.map(|i| p2(m.vx[i], m.vy[i])).collect(),
             accel: given_or_slope(&m.accel, times, &forward),
@@ -117,4 +153,42 @@ pub fn write(ego: &EgoMotion, times: &[f64], table: &mut TableBuilder<'_>) {
     table.number(id::EGO_CURVATURE, frames.clone().map(curvature).collect());
     table.number(id::EGO_LATERAL_ACCEL, frames.map(|i| ego.forward_speed[i] * ego.yaw_rate[i]).collect());
     table.flag(id::EGO_STANDSTILL, ego.standstill.clone());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Which positions of a drive along x at 10 Hz stay known.
+    fn known(x: &[f64]) -> Vec<bool> {
+        let times: Vec<f64> = (0..x.len()).map(|i| i as f64 * 0.1).collect();
+        let positions = x.iter().map(|x| p2(*x, 0.0)).collect();
+        without_leaps(positions, &times).iter().map(|p| p.is_finite()).collect()
+    }
+
+    #[test]
+    fn a_leap_is_unknown_and_what_follows_it_where_it_was_stays() {
+        let mut x: Vec<f64> = (0..60).map(f64::from).collect();
+        assert!(known(&x).iter().all(|k| *k), "10 m/s");
+        x[30] = 1e9;
+        assert_eq!(known(&x).iter().position(|k| !k), Some(30));
+        assert_eq!(known(&x).iter().filter(|k| !**k).count(), 1);
+        // Gone for good: nothing is invented there.
+        x[30..].fill(1e9);
+        assert_eq!(known(&x).iter().filter(|k| **k).count(), 30);
+        // A receiver that begins at the origin before it has a fix.
+        let mut late: Vec<f64> = (0..60).map(|i| 4e6 + f64::from(i)).collect();
+        late[..3].fill(0.0);
+        assert_eq!(known(&late).iter().position(|k| *k), Some(3));
+        // A minute without positions at 40 m/s is no leap.
+        let mut gap: Vec<f64> = (0..700).map(|i| 4.0 * f64::from(i)).collect();
+        gap[20..620].fill(f64::NAN);
+        assert!(known(&gap)[620..].iter().all(|k| *k));
+    }
+
+    #[test]
+    fn a_path_that_never_ends_is_cut() {
+        let x: Vec<f64> = (0..10_000).map(|i| 500.0 * f64::from(i)).collect();
+        assert_eq!(known(&x).iter().filter(|k| **k).count(), 2001, "1000 km in steps of 500 m");
+    }
 }
