@@ -5,6 +5,7 @@ use crate::domain::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
 };
 use crate::problem::Answer;
+use crate::service::projects::parse;
 use crate::service::{drafts, tasks};
 use crate::store::Tx;
 use crate::values;
@@ -52,16 +53,14 @@ fn display(names: &Names, id: Option<String>) -> Option<String> {
 
 fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Throughput>> {
     let rows = tx.rows(
-        "SELECT h.at / 86400000 AS day, h.actor, h.action, count(*) AS n FROM history h JOIN tasks t ON t.id = h.task_id
-         WHERE t.project_id = $1 AND h.at >= $2 AND h.action IN ('submit', 'accept', 'send_back')
-         GROUP BY h.at / 86400000, h.actor, h.action",
-        values![project, (now / DAY_MS - DAYS) * DAY_MS],
+        "SELECT day, actor, action, n FROM activity WHERE project_id = $1 AND day >= $2",
+        values![project, now / DAY_MS - DAYS],
     )?;
     let mut out = Vec::new();
     for r in rows {
         let midnight = Nanos(r.int("day")? * DAY_MS * 1_000_000);
         let day = midnight.to_string().chars().take(10).collect();
-        let user = display(names, r.maybe_text("actor")?).unwrap_or_default();
+        let user = display(names, Some(r.text("actor")?)).unwrap_or_default();
         out.push(Throughput { day, user, action: r.text("action")?, count: r.int("n")? });
     }
     out.sort_by(|a, b| (&b.day, &a.user, &a.action).cmp(&(&a.day, &b.user, &b.action)));
@@ -115,16 +114,22 @@ impl Rated {
 /// Labels of overlap groups, by episode: as first submitted, before any check could bring them together.
 fn overlaps(tx: &mut dyn Tx, project: &str) -> Answer<Vec<Vec<Rated>>> {
     let rows = tx.rows(
-        "SELECT t.id, min(h.seq) AS first FROM tasks t JOIN history h ON h.task_id = t.id
-         WHERE t.project_id = $1 AND t.overlap_count > 1 AND t.author IS NOT NULL AND h.action = 'submit' GROUP BY t.id",
+        "SELECT t.id, t.episode_id, t.author, h.seq, h.snapshot FROM tasks t JOIN history h ON h.task_id = t.id
+         WHERE t.project_id = $1 AND t.overlap_count > 1 AND t.author IS NOT NULL AND h.action = 'submit'
+           AND h.seq = (SELECT min(f.seq) FROM history f WHERE f.task_id = t.id AND f.action = 'submit')",
         values![project],
     )?;
     let mut groups: BTreeMap<String, Vec<Rated>> = BTreeMap::new();
     for r in rows {
-        let t = tasks::get(tx, &r.text("id")?)?;
-        let label = drafts::at(tx, &t, r.int("first")?)?;
-        let author = t.at.author().unwrap_or_default().to_owned();
-        groups.entry(t.episode.episode_id).or_default().push(Rated::of(author, &label));
+        // What is handed in is kept whole; before that was so, it is put together from its changes.
+        let label = match r.maybe_text("snapshot")? {
+            Some(snapshot) => parse(&snapshot)?,
+            None => {
+                let t = tasks::get(tx, &r.text("id")?)?;
+                drafts::at(tx, &t, r.int("seq")?)?
+            }
+        };
+        groups.entry(r.text("episode_id")?).or_default().push(Rated::of(r.text("author")?, &label));
     }
     let mut groups: Vec<Vec<Rated>> = groups.into_values().filter(|g| g.len() > 1).collect();
     groups.iter_mut().for_each(|g| g.sort_by(|a, b| a.author.cmp(&b.author)));

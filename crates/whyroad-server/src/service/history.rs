@@ -8,6 +8,9 @@ use crate::service::webhooks;
 use crate::store::Tx;
 use crate::values;
 
+/// Milliseconds of a day.
+const DAY_MS: i64 = 86_400_000;
+
 /// Appends to the history of `t` and counts it there; the caller writes `t` after it.
 pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> Answer<()> {
     t.seq += 1;
@@ -21,5 +24,27 @@ pub fn record(tx: &mut dyn Tx, t: &mut TaskRow, entry: &Entry<'_>, now: i64) -> 
             entry.snapshot.map(json).transpose()?, entry.note, t.version,
         ],
     )?;
+    count(tx, &t.project, (entry.actor, entry.action), now)?;
     webhooks::announce(tx, t, entry, now)
+}
+
+/// Actions that dashboards count.
+const COUNTED: [&str; 3] = ["submit", "accept", "send_back"];
+
+/// Counts what dashboards show by day, person and action.
+pub(super) fn count(
+    tx: &mut dyn Tx,
+    project: &str,
+    (actor, action): (Option<&str>, &str),
+    now: i64,
+) -> Answer<()> {
+    if !COUNTED.contains(&action) {
+        return Ok(());
+    }
+    tx.run(
+        "INSERT INTO activity (project_id, day, actor, action, n) VALUES ($1, $2, $3, $4, 1)
+         ON CONFLICT (project_id, day, actor, action) DO UPDATE SET n = activity.n + 1",
+        values![project, now / DAY_MS, actor.unwrap_or_default(), action],
+    )?;
+    Ok(())
 }

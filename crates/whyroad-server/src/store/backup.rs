@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Writes the whole store, one consistent state of it, as JSON lines; the number of rows.
 pub fn backup(store: &Store, out: &mut dyn Write) -> Answer<u64> {
-    store.read(|tx| {
+    store.report(|tx| {
         // One state for all tables; SQLite's read transactions are that already.
         if !tx.lock().is_empty() {
             tx.script("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ")?;

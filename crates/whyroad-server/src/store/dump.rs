@@ -24,6 +24,7 @@ pub(super) const TABLES: &[&str] = &[
     "members",
     "tasks",
     "history",
+    "activity",
     "comments",
     "seen",
     "webhooks",

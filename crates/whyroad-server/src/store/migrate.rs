@@ -11,6 +11,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0003_identities.sql"),
     include_str!("../../migrations/0004_languages.sql"),
     include_str!("../../migrations/0005_tokens.sql"),
+    include_str!("../../migrations/0006_dashboard.sql"),
 ];
 
 /// The version of this program.

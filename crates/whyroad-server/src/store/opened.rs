@@ -1,6 +1,6 @@
 //! Where a store is, and a store that was opened.
 
-use super::backend::Backend;
+use super::backend::{Backend, Purpose};
 use super::sql::Tx;
 use super::{postgres, sqlite};
 use crate::problem::{Answer, Problem};
@@ -76,9 +76,18 @@ impl Store {
     }
 
     /// Runs `job` on one consistent state of the store.
-    pub fn read<T>(&self, mut job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
+    pub fn read<T>(&self, job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
+        self.read_for(Purpose::Work, job)
+    }
+
+    /// The same for what takes long: dashboards, exports, backups. They have connections of their own.
+    pub fn report<T>(&self, job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
+        self.read_for(Purpose::Report, job)
+    }
+
+    fn read_for<T>(&self, purpose: Purpose, mut job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
         let mut out = None;
-        self.backend.read(&mut |tx| {
+        self.backend.read(purpose, &mut |tx| {
             out = Some(job(tx)?);
             Ok(())
         })?;

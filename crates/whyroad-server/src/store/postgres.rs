@@ -1,6 +1,6 @@
 //! PostgreSQL: a pool of connections; a transaction that meets a restart or a deadlock before its commit is run again.
 
-use super::backend::{Backend, Job};
+use super::backend::{Backend, Job, Purpose};
 use super::sql::{Row, Tx, Value, holdable};
 use super::{dump, migrate};
 use crate::problem::{Answer, Problem};
@@ -14,6 +14,8 @@ use std::time::{Duration, Instant};
 
 /// Connections at once.
 const CONNECTIONS: usize = 16;
+/// Of these, for reports at most.
+const REPORTS: usize = 3;
 /// How long a request waits for a database that restarts.
 const RETRY_FOR: Duration = Duration::from_secs(15);
 /// Statements that a connection keeps prepared; beyond that the cache is cleared.
@@ -25,6 +27,37 @@ pub(super) struct Postgres {
     config: Config,
     pool: Mutex<Pool>,
     free: Condvar,
+    reports: Turns,
+}
+
+/// Turns of those who would else take all connections.
+#[derive(Default)]
+struct Turns {
+    taken: Mutex<usize>,
+    free: Condvar,
+}
+
+/// A turn, until it is dropped.
+struct Turn<'t>(&'t Turns);
+
+impl Turns {
+    fn wait(&self) -> Answer<Turn<'_>> {
+        let mut taken = self.taken.lock().map_err(Problem::store)?;
+        while *taken >= REPORTS {
+            taken = self.free.wait(taken).map_err(Problem::store)?;
+        }
+        *taken += 1;
+        Ok(Turn(self))
+    }
+}
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        if let Ok(mut taken) = self.0.taken.lock() {
+            *taken -= 1;
+        }
+        self.0.free.notify_one();
+    }
 }
 
 struct Pool {
@@ -43,9 +76,14 @@ impl Postgres {
     pub(super) fn open(url: &str, aside: &Path) -> Answer<(Self, Option<PathBuf>)> {
         let mut config: Config = url.parse().map_err(|e| problem(&e))?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
-        let store = Self { config, pool: Mutex::new(Pool { idle: vec![], out: 0 }), free: Condvar::new() };
+        let store = Self {
+            config,
+            pool: Mutex::new(Pool { idle: vec![], out: 0 }),
+            free: Condvar::new(),
+            reports: Turns::default(),
+        };
         let mut copy = None;
-        store.read(&mut |tx| {
+        store.read(Purpose::Work, &mut |tx| {
             tx.script(&format!("SELECT pg_advisory_xact_lock({MIGRATION_LOCK})"))?;
             let version = migrate::version(tx)?;
             if version > 0 && version < migrate::LATEST {
@@ -181,7 +219,11 @@ impl Backend for Postgres {
         self.transact(&mut *job)
     }
 
-    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+    fn read(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+        let _turn = match purpose {
+            Purpose::Work => None,
+            Purpose::Report => Some(self.reports.wait()?),
+        };
         self.transact(job)
     }
 }

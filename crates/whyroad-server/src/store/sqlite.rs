@@ -1,6 +1,6 @@
 //! SQLite: one writer thread that commits in groups, readers beside it (WAL).
 
-use super::backend::{Backend, Job};
+use super::backend::{Backend, Job, Purpose};
 use super::sql::{Row, Tx, Value, holdable};
 use super::{migrate, private};
 use crate::problem::{Answer, Problem};
@@ -13,15 +13,29 @@ use std::time::Duration;
 
 /// Requests committed together at most.
 const GROUP: usize = 128;
-/// Readers at once.
+/// Readers at once: for work, and for reports.
 const READERS: usize = 4;
+const REPORTERS: usize = 2;
 /// How long another process (`whyroad tasks`) may keep the file.
 const BUSY: Duration = Duration::from_secs(10);
 
 pub(super) struct Sqlite {
     jobs: Mutex<Sender<Waiting>>,
-    readers: Mutex<Vec<Connection>>,
+    readers: Readers,
+    reporters: Readers,
+}
+
+/// Connections that read, and a bell for who waits for one.
+struct Readers {
+    idle: Mutex<Vec<Connection>>,
     free: Condvar,
+}
+
+impl Readers {
+    fn open(path: &Path, n: usize) -> Answer<Self> {
+        let idle = (0..n).map(|_| connect(path)).collect::<Answer<Vec<_>>>()?;
+        Ok(Self { idle: Mutex::new(idle), free: Condvar::new() })
+    }
 }
 
 struct Waiting {
@@ -48,13 +62,13 @@ impl Sqlite {
         writer.execute_batch("BEGIN IMMEDIATE").map_err(problem)?;
         migrate::to(&mut Plain(&mut writer), migrate::LATEST)?;
         writer.execute_batch("COMMIT").map_err(problem)?;
-        let readers = (0..READERS).map(|_| connect(path)).collect::<Answer<Vec<_>>>()?;
+        let (readers, reporters) = (Readers::open(path, READERS)?, Readers::open(path, REPORTERS)?);
         let (jobs, queue) = channel();
         std::thread::Builder::new()
             .name("whyroad-store".to_owned())
             .spawn(move || write_loop(writer, &queue))
             .map_err(Problem::store)?;
-        Ok((Self { jobs: Mutex::new(jobs), readers: Mutex::new(readers), free: Condvar::new() }, copy))
+        Ok((Self { jobs: Mutex::new(jobs), readers, reporters }, copy))
     }
 }
 
@@ -65,12 +79,16 @@ impl Backend for Sqlite {
         answer.recv().map_err(Problem::store)?
     }
 
-    fn read(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
-        let mut pool = self.readers.lock().map_err(Problem::store)?;
+    fn read(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+        let readers = match purpose {
+            Purpose::Work => &self.readers,
+            Purpose::Report => &self.reporters,
+        };
+        let mut pool = readers.idle.lock().map_err(Problem::store)?;
         let mut connection = loop {
             match pool.pop() {
                 Some(c) => break c,
-                None => pool = self.free.wait(pool).map_err(Problem::store)?,
+                None => pool = readers.free.wait(pool).map_err(Problem::store)?,
             }
         };
         drop(pool);
@@ -79,8 +97,8 @@ impl Backend for Sqlite {
             .map_err(problem)
             .and_then(|()| job(&mut Plain(&mut connection)));
         let ended = connection.execute_batch("COMMIT").map_err(problem);
-        self.readers.lock().map_err(Problem::store)?.push(connection);
-        self.free.notify_one();
+        readers.idle.lock().map_err(Problem::store)?.push(connection);
+        readers.free.notify_one();
         result.and(ended)
     }
 }

@@ -101,7 +101,9 @@ const OF_VERSION_1: &str = "
     INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
       keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
       fence, seq, created, updated)
-    VALUES ('t', 'p', 'e', 0, 1, 'd', 'c', 's', 0, 0, 0, '{}', '{}', '{}', 1, 0, 'open', '[]', 0, 0, 0, 0, 0, 0);";
+    VALUES ('t', 'p', 'e', 0, 1, 'd', 'c', 's', 0, 0, 0, '{}', '{}', '{}', 1, 0, 'open', '[]', 0, 0, 0, 0, 0, 0);
+    INSERT INTO history VALUES ('t', 1, 86400000, 'u', 'submit', 'stage2', 'submitted', NULL, NULL, NULL, 1);
+    INSERT INTO history VALUES ('t', 2, 86400001, 'u', 'submit', 'rework', 'submitted', NULL, NULL, NULL, 2);";
 
 /// The task of [`OF_VERSION_1`], with the column that version 2 added.
 fn task(store: &Store) -> (String, String) {
@@ -118,6 +120,8 @@ fn an_older_store_comes_forward_and_is_copied_aside_before() {
     old.execute_batch(OF_VERSION_1).unwrap();
     drop(old);
     let store = Store::open(&StoreLocation::File(path.clone())).unwrap();
+    let counted = store.read(|tx| tx.row("SELECT day, n FROM activity", &[])).unwrap().unwrap();
+    assert_eq!((counted.int("day").unwrap(), counted.int("n").unwrap()), (1, 2), "counts of what was before");
     assert_eq!(task(&store), ("t".into(), String::new()));
     let aside = rusqlite::Connection::open(store.kept.as_ref().unwrap()).unwrap();
     let version: i64 = aside.query_row("SELECT max(version) FROM schema_version", [], |r| r.get(0)).unwrap();
@@ -207,7 +211,7 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
         let fresh = Store::open(&place).unwrap();
         let from = kept.clone();
         let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
-        assert_eq!((rows, task(&fresh)), (2, ("t".into(), String::new())));
+        assert_eq!((rows, task(&fresh)), (4, ("t".into(), String::new())));
         assert_eq!(dump(&fresh), dump(&store));
         // What is there is not mixed with what comes: a project without any user is something too.
         let from = kept.clone();

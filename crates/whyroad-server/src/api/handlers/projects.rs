@@ -114,7 +114,7 @@ pub fn set_member(call: &Call<'_>) -> Answer<Reply> {
 /// `GET /projects/{p}/dashboard`
 pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
     let now = call.app.now();
-    let dashboard = call.app.store.read(|tx| {
+    let dashboard = call.app.store.report(|tx| {
         let project = projects::get(tx, call.grant.project()?)?;
         dashboard::of(tx, &project, now)
     })?;

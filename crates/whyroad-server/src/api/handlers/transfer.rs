@@ -9,7 +9,7 @@ use crate::service::transfer::{self, ExportFormat};
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
-    let text = call.app.store.read(|tx| transfer::export(tx, project, &format))?;
+    let text = call.app.store.report(|tx| transfer::export(tx, project, &format))?;
     let what = if format == ExportFormat::Tasks { "tasks" } else { "labels" };
     Ok(Reply {
         file_name: Some(format!("{what}.jsonl")),

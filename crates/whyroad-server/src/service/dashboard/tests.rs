@@ -56,6 +56,8 @@ fn history(
         values![task, seq, at, actor, action, from, draft.map(Value::to_string)],
     )
     .unwrap();
+    // As each entry is counted when it is recorded.
+    crate::service::history::count(tx, "p", (Some(actor), action), at).unwrap();
 }
 
 /// A store with a project and the users `a`, `b`, `c`, shown as `Ann`, `Bo`, `Cy`.
