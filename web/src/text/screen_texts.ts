@@ -96,6 +96,7 @@ export const screenTexts = {
   "queue.assigned": ["有的任务已指派给他人。", "Some tasks are assigned to others."],
   "queue.language": ["有的任务的草稿是另一种语言；由负责人在“成员”中更改。", "Some tasks have drafts in another language. A lead can change your languages under Members."],
   "queue.classes": ["有的任务不在您的可标注场景内；由负责人在“成员”中更改。", "Some tasks are outside your scenarios. A lead can change them under Members."],
+  "queue.stage1_first": ["有的任务会显示您正在做阶段一的任务关键帧之后的内容；请先完成该任务或将其退回队列。", "Some tasks would show the future of the task whose Stage I you are doing: finish or release that one first."],
   "queue.future_seen": ["有的任务关键帧后的内容您已经看过，不能再做它们的阶段一。", "You have seen what comes after the keyframe of some tasks, so you cannot do their Stage I."],
   "queue.overlap_twice": ["有的任务是独立标注的另一份，您已标注过同一事件。", "Some tasks are independent copies of an episode that you have labeled."],
   "queue.own_work": ["有的任务由您标注，须由他人质检。", "You cannot check your own labels."],
