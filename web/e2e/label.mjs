@@ -38,6 +38,18 @@ async function history(day) {
   for (const key of ["Home", "ArrowRight", "Shift+ArrowRight", "End", "ArrowLeft", "BracketRight", "BracketLeft", "Minus", "Equal", "Space", "Space", "Digit0"]) {
     await page.keyboard.press(key);
   }
+  // Leaving the ego keeps the view: the same picture, and not the origin of the world.
+  const picture = () => page.locator("canvas").first().evaluate((canvas) => canvas.toDataURL());
+  await page.keyboard.press("z");
+  const before = await picture();
+  await page.keyboard.press("f");
+  await page.getByRole("button", { name: "跟随自车", pressed: false }).waitFor();
+  assert.equal(await picture(), before);
+  await page.keyboard.press("w");
+  await page.getByRole("button", { name: "速度箭头", pressed: true }).waitFor();
+  assert.notEqual(await picture(), before, "arrows are drawn");
+  await page.keyboard.press("w");
+  await page.keyboard.press("f");
   await page.keyboard.press("?");
   const help = page.getByRole("dialog");
   await help.getByText("把选中的目标加为要素").waitFor();

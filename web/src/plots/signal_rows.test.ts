@@ -33,6 +33,17 @@ test("what the rule reads comes first; rows have the reader's names and units; t
   assert.deepEqual(rows[2]?.column?.values, [36, null]);
 });
 
+test("signals that the rule compares with a number come before the others that it reads", () => {
+  const conditions = [{ condition: "target.ttc < 3s", actual_value: 2.48 }];
+  const rows = signalRows(scene, ["target.speed", "target.ttc"], conditions, { speeds: "km/h", lang: "zh" });
+  assert.deepEqual(rows.map((r) => [r.id, r.inRule]), [
+    ["target.ttc", true],
+    ["target.speed", true],
+    ["target.lane_lateral_speed", false],
+    ["target.heading_change", false],
+  ]);
+});
+
 test("times to an event have an axis from 0 to 10 s, other signals fit their values; thresholds are drawn", () => {
   const rows = signalRows(scene, [], [{ condition: "target.ttc < 3s", actual_value: 2.48 }], { speeds: "km/h", lang: "en" });
   const ttc = rows.find((r) => r.id === "target.ttc");

@@ -41,22 +41,26 @@ export function signalRows(
   conditions: readonly MatchedCondition[],
   reader: { speeds: SpeedUnit; lang: "zh" | "en" },
 ): SignalRow[] {
-  const ids = [...read.filter((id) => id in scene.signals), ...Object.keys(scene.signals).filter((id) => !read.includes(id))];
-  return ids
+  // What the rule compares with a number decides most: first. Then what else it reads, then the rest.
+  const rank = (id: string): number => (noteOf([id], conditions) ? 0 : read.includes(id) ? 1 : 2);
+  const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
+  const meaningOf = (id: string): string | undefined => scene.about[id]?.meaning[reader.lang];
+  return Object.keys(scene.signals)
+    .sort((a, b) => rank(a) - rank(b) || (position(a) < position(b) ? -1 : position(a) > position(b) ? 1 : 0))
     .filter((id) => !SHOWN.has(id))
     .map((id) => {
       const about = scene.about[id];
       // Lateral speeds are tenths of a meter per second, and rules state them in m/s.
       const scale = scaleOf(about?.unit, id.includes("lateral") ? "m/s" : reader.speeds);
       const column = columnOf(scene.signals[id] ?? [], about?.kind ?? "category");
-      const meaning = about?.meaning[reader.lang] ?? "";
+      const meaning = meaningOf(id) ?? "";
       return {
         id,
-        name: signalName(id, meaning),
+        name: signalName(id, meaning, meaningOf),
         column: column?.kind === "line" ? { ...column, values: scaled(column.values, scale) } : column,
         scale,
         meaning: [meaning, id].filter(Boolean).join("\n"),
-        inRule: read.includes(id),
+        inRule: rank(id) < 2,
         note: noteOf([id], conditions),
         thresholds: thresholdsOf([id], conditions, scale),
         axisMax: isTimeToEvent(id, about?.unit) ? TIME_AXIS_MAX_S * scale.by : undefined,

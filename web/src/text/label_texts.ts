@@ -180,7 +180,7 @@ export const labelTexts = {
   "spec.proactive": ["一段范围", "a range"],
   "secondary.title": ["次场景（同时成立）", "Secondary scenarios (that also hold)"],
   "guide.title": ["标注指南", "Guide"],
-  "safety.title": ["安全筛选", "Safety filter"],
+  "safety.title": ["安全过滤", "Safety filter"],
   "safety.ok": ["合法且安全", "Legal and safe"],
   "safety.unsafe": ["违法或不安全，剔除", "Illegal or unsafe: reject"],
 
