@@ -9,12 +9,12 @@ mod road;
 
 pub use images::Media;
 
-use crate::item::{Cut, Dropped, Stage};
+use crate::item::{Cut, Dropped, Stage, hex};
+use crate::pose::Pose;
 use crate::labels::LabelRecord;
 use crate::sample::{ContextValue, Groups, Light, Lineage, MapElement, Sample};
 use crate::spec::{Incomplete, Spec};
 use crate::{descriptor, place};
-pub(crate) use motion::Pose;
 use motion::Window;
 use road::Road;
 use sha2::{Digest, Sha256};
@@ -236,17 +236,9 @@ fn finite(v: f64) -> Option<f64> {
     v.is_finite().then_some(v)
 }
 
-pub(crate) fn known(v: f64) -> Option<f32> {
-    v.is_finite().then_some(v as f32)
-}
-
 /// The serde name of a unit variant.
 fn word<T: serde::Serialize>(value: &T) -> String {
     serde_json::to_value(value).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-}
-
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// Hash of motion, objects and class without any id: a drive that was ingested twice gives it twice.

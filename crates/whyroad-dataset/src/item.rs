@@ -65,7 +65,11 @@ impl Dropped {
 pub(crate) type SampleId = [u8; 8];
 
 pub(crate) fn id_text(id: SampleId) -> String {
-    id.iter().map(|b| format!("{b:02x}")).collect()
+    hex(&id)
+}
+
+pub(crate) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// A candidate.

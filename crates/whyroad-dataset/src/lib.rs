@@ -23,6 +23,7 @@ mod item;
 mod labels;
 pub mod licence;
 mod place;
+mod pose;
 mod records;
 mod select;
 mod split;

@@ -1,7 +1,7 @@
 //! Where samples are: positions that can be compared between drives, place cells, and which samples are near each
 //! other.
 
-use crate::cut::Pose;
+use crate::pose::Pose;
 use crate::item::Position;
 use crate::spec::{Polygon, Split};
 use std::collections::HashMap;

@@ -3,7 +3,6 @@
 use super::{State, Step};
 use crate::DatasetError;
 use crate::balance::BalanceReport;
-use crate::cut::hex;
 use crate::dedup::{DedupReport, trace};
 use crate::freeze::manifest::{Counts, FORMAT, FORMAT_VERSION, FileEntry, Inputs, LicenceCount, Manifest};
 use crate::freeze::tables::{self, StageRow, stage_columns};
@@ -11,7 +10,7 @@ use crate::freeze::{
     CARD, CHARTS, CHECKSUMS, CROISSANT, DATA, MANIFEST, QUERIES, SPEC, STAGES, card, checksums, croissant,
     shards,
 };
-use crate::item::{Item, SplitName, Stage, id_text};
+use crate::item::{Item, SplitName, Stage, hex, id_text};
 use crate::records::read_record;
 use crate::sample::{SAMPLE_VERSION, Sample};
 use crate::spec::Images;

@@ -1,8 +1,8 @@
 //! Images of a sample: files of the cameras, or bird's-eye images rendered from the tables, each at or before t0.
 
 use super::motion::Window;
-use super::{Cutter, hex};
-use crate::item::{Dropped, Stage};
+use super::Cutter;
+use crate::item::{Dropped, Stage, hex};
 use crate::sample::Image;
 use crate::spec::{Cut, Images};
 use sha2::{Digest, Sha256};

@@ -1,6 +1,6 @@
 //! The ego around the keyframe: a window of the drive, and its pose at regular steps in the frame of the ego at t0.
 
-use super::known;
+use crate::pose::{Pose, known, wrap};
 use crate::sample::{EgoBox, Trajectory};
 use crate::spec::{Cut, Reference};
 use whyroad_engine::{MetaActions, States, meta_actions, states};
@@ -14,41 +14,6 @@ const RUN_UP_S: f64 = 3.0;
 const LARGEST_GAP_S: f64 = 0.25;
 /// A frame this near to a step is taken as it is, s.
 const SAME_S: f64 = 0.001;
-
-/// The ego's reference point at t0 in the world.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pose {
-    pub x: f64,
-    pub y: f64,
-    pub z: f64,
-    pub heading: f64,
-}
-
-impl Pose {
-    /// A world point in the frame of this pose.
-    pub fn local(&self, x: f64, y: f64) -> (f64, f64) {
-        let (s, c) = self.heading.sin_cos();
-        let (dx, dy) = (x - self.x, y - self.y);
-        (dx * c + dy * s, -dx * s + dy * c)
-    }
-
-    /// A world vector in the axes of this pose.
-    pub fn turned(&self, vx: f64, vy: f64) -> (f64, f64) {
-        let (s, c) = self.heading.sin_cos();
-        (vx * c + vy * s, -vx * s + vy * c)
-    }
-
-    /// A world heading relative to this pose, in (-pi, pi].
-    pub fn relative(&self, heading: f64) -> f64 {
-        wrap(heading - self.heading)
-    }
-}
-
-pub(crate) fn wrap(a: f64) -> f64 {
-    let t = std::f64::consts::TAU;
-    let w = a.rem_euclid(t);
-    if w > std::f64::consts::PI { w - t } else { w }
-}
 
 /// A stretch of a drive around the keyframe, with what is known of it.
 pub(crate) struct Window {

@@ -1,6 +1,6 @@
 //! Tracked objects of a sample: those seen up to t0 within the radius, with their future.
 
-use super::known;
+use crate::pose::known;
 use super::motion::Window;
 use crate::sample::Object;
 use crate::spec::Cut;

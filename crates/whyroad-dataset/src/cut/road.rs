@@ -1,6 +1,6 @@
 //! The map of a sample: lines and areas within the radius, thinned, in the frame of t0.
 
-use super::motion::Pose;
+use crate::pose::Pose;
 use crate::sample::MapElement;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneKind, Point3};

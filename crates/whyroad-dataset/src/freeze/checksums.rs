@@ -2,7 +2,7 @@
 
 use super::manifest::FileEntry;
 use crate::DatasetError;
-use crate::cut::hex;
+use crate::item::hex;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;

@@ -5,6 +5,7 @@ mod postgres;
 mod service;
 mod session;
 
+mod dataset;
 mod demo;
 mod docs;
 mod duckdb;

@@ -7,7 +7,7 @@ use whyroad_mining::rule::query::compile_query;
 use whyroad_model::ScenarioId;
 use whyroad_model::messages::query_clause::{QueryClause, RuleText};
 use whyroad_model::messages::{MiningQuery, MiningQueryMessage};
-use whyroad_model::yaml::{self, Node};
+use whyroad_model::yaml::Node;
 use whyroad_signals::Catalogue;
 
 /// Rounds of replacing names by their texts: definitions may use definitions.
@@ -35,9 +35,7 @@ impl Queries {
         let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
         let mut blocks: BTreeMap<ScenarioId, Block> = BTreeMap::new();
         for rule in &framework.rules {
-            let Ok(root) = yaml::parse(&rule.text) else { continue };
-            let Some(node) = block_at(&root, rule.mark.line) else { continue };
-            let own = read(node);
+            let own = read(&rule.rule);
             let whole = ScenarioId { l3: None, ..rule.leaf.clone() };
             let block = match blocks.get(&whole) {
                 Some(l2) if rule.leaf.is_leaf() => inherit(l2, own),
@@ -81,19 +79,6 @@ fn members(target: &str) -> Option<&'static str> {
         "animal" => Some("animal"),
         _ => None,
     }
-}
-
-/// The value of the `mining` key whose block is at this line.
-fn block_at(node: &Node, line: usize) -> Option<&Node> {
-    for entry in node.entries() {
-        if entry.key == "mining" && (entry.mark.line == line || entry.node.mark.line == line) {
-            return Some(&entry.node);
-        }
-        if let Some(found) = block_at(&entry.node, line) {
-            return Some(found);
-        }
-    }
-    None
 }
 
 fn read(node: &Node) -> Block {

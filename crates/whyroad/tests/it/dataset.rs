@@ -1,0 +1,111 @@
+//! `whyroad dataset` as a user runs it, on the bundled drives: drafts to a release, from the store and from mined folders.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+use crate::service::demo;
+use crate::session::{Run, whyroad_in};
+use serde_json::Value;
+use std::path::Path;
+
+fn run(folder: &Path, line: &str) -> Run {
+    let line = line.replace("DEMO", &demo().display().to_string());
+    whyroad_in(folder, &line.split(' ').collect::<Vec<_>>())
+}
+
+#[track_caller]
+fn good(folder: &Path, line: &str) -> Run {
+    let run = run(folder, line);
+    assert_eq!(run.code, 0, "{line}: {}{}", run.out, run.err);
+    run
+}
+
+fn manifest(folder: &Path, release: &str) -> Value {
+    let text = std::fs::read_to_string(folder.join(release).join("manifest.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+/// A spec from the template with some values changed.
+fn spec(folder: &Path, changes: &[(&str, &str)]) {
+    good(folder, "dataset init template.yaml");
+    let mut text = std::fs::read_to_string(folder.join("template.yaml")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    std::fs::write(folder.join("dataset.yaml"), text).unwrap();
+}
+
+#[test]
+fn a_release_is_built_checked_shown_and_compared() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    spec(at, &[("floor_leaf: 0", "floor_leaf: 30"), ("images: none", "images: bev")]);
+    let build = "dataset build --spec dataset.yaml --labels DEMO/mined --lake DEMO/lake --out r1";
+    let refused = run(at, build);
+    assert_eq!(refused.code, 1);
+    assert!(refused.err.contains("dataset.labels.none") && refused.err.contains("--drafts"), "{}", refused.err);
+
+    let built = good(at, &format!("{build} --drafts"));
+    assert!(built.out.contains("samples: train"), "{}", built.out);
+    let first = manifest(at, "r1");
+    let n = first["counts"]["samples"].as_u64().unwrap();
+    assert!(n >= 5, "{n}");
+    assert_eq!(first["counts"]["by_status"]["draft"].as_u64(), Some(n), "all are drafts, and marked");
+    assert_eq!(first["licence"], "Apache-2.0");
+    assert_eq!(first["counts"]["images"].as_u64(), Some(4 * n));
+    let checked = good(at, "dataset verify r1");
+    assert!(checked.out.contains("0 findings"), "{}", checked.out);
+
+    // What is missing becomes queries that mining takes.
+    let queries: Vec<_> = std::fs::read_dir(at.join("r1/queries")).unwrap().flatten().map(|e| e.path()).collect();
+    assert!(queries.len() > 90, "{}", queries.len());
+    for query in queries.iter().step_by(9) {
+        let out = query.file_stem().unwrap().to_string_lossy().into_owned();
+        good(at, &format!("mine --query {} --lake DEMO/lake --out {out}", query.display()));
+    }
+    let urgent = run(at, "mine --query r1/queries/reactive_agent.cutin.urgent.json --lake DEMO/lake --out more");
+    assert_eq!(urgent.code, 0, "{}", urgent.err);
+
+    let again = build.replace("--out r1", "--out r2");
+    good(at, &format!("{again} --drafts"));
+    assert_eq!(good(at, "dataset diff r1 r2").out.lines().filter(|l| l.ends_with(" 0")).count(), 5);
+    let sums = |r: &str| std::fs::read_to_string(at.join(r).join("checksums.sha256")).unwrap();
+    assert_eq!(sums("r1"), sums("r2"));
+
+    assert_eq!(run(at, "dataset show r1 no-such-sample").code, 1);
+    let shown = good(at, &format!("dataset show r1 {}", first_sample(&at.join("r1"))));
+    for line in ["drive", "episode", "label", "rule version", "taxonomy version"] {
+        assert!(shown.out.lines().any(|l| l.starts_with(line)), "{line}: {}", shown.out);
+    }
+}
+
+/// The id of some sample, read without the commands under test.
+fn first_sample(release: &Path) -> String {
+    let release = whyroad_dataset::Release::open(release).unwrap();
+    release.samples(None).next().unwrap().unwrap().sample_id
+}
+
+#[test]
+fn facts_about_drives_are_read_from_csv() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    let drives = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/drives/back_street");
+    std::fs::write(
+        at.join("meta.csv"),
+        "drive_id,session,vehicle,latitude,longitude,licence\nDRIVE,s1,v1,40.0,116.3,MIT\nother,s2,,,,\nDRIVE,,,91,0,\n",
+    )
+    .unwrap();
+    good(at, &format!("ingest sumo {drives} --lake lake"));
+    let id = std::fs::read_dir(at.join("lake/drives")).unwrap().flatten().next().unwrap();
+    let id = id.file_name().to_string_lossy().into_owned();
+    let text = std::fs::read_to_string(at.join("meta.csv")).unwrap().replace("DRIVE", &id);
+    std::fs::write(at.join("meta.csv"), text).unwrap();
+    let stated = run(at, &format!("ingest sumo {drives} --lake lake --meta meta.csv"));
+    assert_eq!(stated.code, 3, "one line is wrong and one names no drive: {}", stated.err);
+    assert!(stated.err.contains("ingest.meta.line") && stated.err.contains("meta.csv:4"), "{}", stated.err);
+    assert!(stated.err.contains("ingest.meta.drive"), "{}", stated.err);
+    let manifest = std::fs::read_to_string(at.join("lake/drives").join(&id).join("drive.json")).unwrap();
+    let meta: Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!((&meta["meta"]["session"], &meta["meta"]["licence"]), (&"s1".into(), &"MIT".into()));
+    assert_eq!(meta["meta"]["position"]["longitude_deg"], 116.3);
+    good(at, "inspect --lake lake");
+}
