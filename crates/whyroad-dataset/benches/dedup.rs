@@ -1,6 +1,6 @@
-//! `dedup/<n>`: near-duplicates among n descriptors. Prints the time to index and to answer 10,000 sampled queries, the
-//! recall against a full scan, and the memory of the process; writes the descriptors so that `benches/dedup_peer.py`
-//! can give the same figures for hnswlib.
+//! `dedup/<n>`: near-duplicates among n descriptors. Prints the time to index and to answer 10,000 sampled queries,
+//! the recall against a full scan, and the memory of the process; writes the descriptors so that
+//! `benches/dedup_peer.py` can give the same figures for hnswlib.
 //!
 //! `cargo bench -p whyroad-dataset --bench dedup -- 1000 10000 [--out FOLDER]`; without sizes 1000 and 10,000.
 #![allow(clippy::print_stdout)] // a bench prints
@@ -19,8 +19,8 @@ const SCANNED: usize = 200;
 /// Similarity 0.9.
 const RADIUS: f64 = 1.0 / 0.9 - 1.0;
 
-/// Descriptors as data sets have them: scenes drawn around a number of situations (a twentieth of the samples), a tenth
-/// of them nearly repeated.
+/// Descriptors as data sets have them: scenes drawn around a number of situations (a twentieth of the samples), a
+/// tenth of them nearly repeated.
 fn descriptors(n: usize) -> Vec<Vec<f32>> {
     let mut state = 0x1234_5678_9abc_def1_u64;
     let mut uniform = move || {

@@ -1,5 +1,6 @@
-//! `scale`: a release from the drives of a lake, repeated under new ids, places and noise until there are enough keyframes.
-//! Prints time, peak memory and bytes. Labels are made up (one per second of each drive); what is measured is the build.
+//! `scale`: a release from the drives of a lake, repeated under new ids, places and noise until there are enough
+//! keyframes. Prints time, peak memory and bytes. Labels are made up (one per second of each drive); what is measured
+//! is the build.
 //!
 //! `cargo bench -p whyroad-dataset --bench scale -- LAKE SAMPLES [--images] [--work FOLDER]`
 #![allow(clippy::print_stdout)] // a bench prints
@@ -79,7 +80,9 @@ fn label(drive: &Drive, second: usize, leaf: &str) -> Result<String, Failure> {
 /// Bytes below a folder.
 fn bytes(dir: &Path) -> u64 {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-    entries.map(|e| if e.path().is_dir() { bytes(&e.path()) } else { e.metadata().map_or(0, |m| m.len()) }).sum()
+    entries
+        .map(|e| if e.path().is_dir() { bytes(&e.path()) } else { e.metadata().map_or(0, |m| m.len()) })
+        .sum()
 }
 
 /// Most resident memory of this process, MB.
@@ -92,14 +95,18 @@ fn peak_mb() -> f64 {
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let images = arguments.iter().any(|a| a == "--images");
-    let work = arguments.iter().position(|a| a == "--work").and_then(|i| arguments.get(i + 1)).map(PathBuf::from);
-    let (Some(lake), Some(wanted)) = (arguments.first(), arguments.get(1).and_then(|n| n.parse::<usize>().ok())) else {
+    let work =
+        arguments.iter().position(|a| a == "--work").and_then(|i| arguments.get(i + 1)).map(PathBuf::from);
+    let (Some(lake), Some(wanted)) =
+        (arguments.first(), arguments.get(1).and_then(|n| n.parse::<usize>().ok()))
+    else {
         println!("scale: not run; give a lake and a number of samples");
         return Ok(());
     };
     let work = work.unwrap_or_else(std::env::temp_dir).join(format!("whyroad-scale-{}", std::process::id()));
     let source = Lake::open(lake)?;
-    let drives: Vec<Drive> = source.drive_ids().iter().map(|id| source.read_drive(id)).collect::<Result<_, _>>()?;
+    let drives: Vec<Drive> =
+        source.drive_ids().iter().map(|id| source.read_drive(id)).collect::<Result<_, _>>()?;
     let fleet = Lake::create_or_open(work.join("lake"))?;
     let (mut labels, mut n, mut made) = (String::new(), 0, 0);
     let started = Instant::now();

@@ -1,5 +1,5 @@
-//! The build: stages in order, with everything between them in a work folder beside the output, so that an interrupted
-//! build goes on where it was. The output appears whole or not at all.
+//! The build: stages in order, with everything between them in a work folder beside the output, so that an
+//! interrupted build goes on where it was. The output appears whole or not at all.
 
 mod cutting;
 mod freezing;

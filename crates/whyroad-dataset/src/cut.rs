@@ -1,5 +1,5 @@
-//! Stage 2: a sample cut from its drive around the keyframe, not from the 20 s clip. What a model may see is taken from
-//! the drive cut at the keyframe (`states(drive, keyframe + 1)`), what it should learn from the whole window.
+//! Stage 2: a sample cut from its drive around the keyframe, not from the 20 s clip. What a model may see is taken
+//! from the drive cut at the keyframe (`states(drive, keyframe + 1)`), what it should learn from the whole window.
 
 mod images;
 mod label;
@@ -10,8 +10,8 @@ mod road;
 pub use images::Media;
 
 use crate::item::{Cut, Dropped, Stage, hex};
-use crate::pose::Pose;
 use crate::labels::LabelRecord;
+use crate::pose::Pose;
 use crate::sample::{ContextValue, Groups, Light, Lineage, MapElement, Sample};
 use crate::spec::{Incomplete, Spec};
 use crate::{descriptor, place};

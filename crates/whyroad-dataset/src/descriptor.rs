@@ -1,6 +1,6 @@
 //! A sample as a short vector, so that samples which would teach a model the same have a small distance: the ego's
-//! motion before and after t0, the object that the label is about, and the surroundings. Each number is divided by what
-//! counts as a clear difference; the distance of two samples is the root mean square over all numbers, and their
+//! motion before and after t0, the object that the label is about, and the surroundings. Each number is divided by
+//! what counts as a clear difference; the distance of two samples is the root mean square over all numbers, and their
 //! similarity is `1 / (1 + distance)`.
 
 use crate::item::DESCRIPTOR;

@@ -1,10 +1,10 @@
-//! Data sets: labels and a lake in, a release out that a trainer reads and that never changes. Stages in order: select,
-//! cut ([`sample`]), split, de-duplicate, balance, freeze; each writes what it kept and dropped, with reasons.
-//! [`build`] runs them, [`Release`] reads the result, [`verify`] checks it. `docs/reference/release.md` describes the
-//! spec and the files.
+//! Data sets: labels and a lake in, a release out that a trainer reads and that never changes. Stages in order:
+//! select, cut ([`sample`]), split, de-duplicate, balance, freeze; each writes what it kept and dropped, with
+//! reasons. [`build`] runs them, [`Release`] reads the result, [`verify`] checks it. `docs/reference/release.md`
+//! describes the spec and the files.
 //!
-//! It derives nothing itself: speeds, accelerations and classes come from [`whyroad_engine::states`]. It opens no store
-//! of the labelling service: labels come as lines of its export.
+//! It derives nothing itself: speeds, accelerations and classes come from [`whyroad_engine::states`]. It opens no
+//! store of the labelling service: labels come as lines of its export.
 
 pub mod build;
 pub mod diff;

@@ -1,8 +1,8 @@
 //! Where samples are: positions that can be compared between drives, place cells, and which samples are near each
 //! other.
 
-use crate::pose::Pose;
 use crate::item::Position;
+use crate::pose::Pose;
 use crate::spec::{Polygon, Split};
 use std::collections::HashMap;
 use whyroad_model::scene::{DriveMeta, FrameOfReference};

@@ -1,5 +1,5 @@
-//! Values kept on disk between the stages of a build: appended one by one, read back by position. What stays in memory
-//! of a record is its 12-byte position.
+//! Values kept on disk between the stages of a build: appended one by one, read back by position. What stays in
+//! memory of a record is its 12-byte position.
 
 use crate::DatasetError;
 use serde::Serialize;

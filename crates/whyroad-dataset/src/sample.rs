@@ -1,15 +1,17 @@
-//! One sample of a release in memory: a keyframe of a drive with what a model may see (history, images, route) and what
-//! it should learn (trace, decisions, components, future). The same struct is the row of the release's Parquet files;
-//! the columns have the names of its fields (`docs/reference/release.md` lists them).
+//! One sample of a release in memory: a keyframe of a drive with what a model may see (history, images, route) and
+//! what it should learn (trace, decisions, components, future). The same struct is the row of the release's Parquet
+//! files; the columns have the names of its fields (`docs/reference/release.md` lists them).
 //!
-//! Frame of every position, heading and velocity: right-handed, metric, x forward, y left, z up, origin and axes those
-//! of the ego's reference point at t0 (the keyframe's frame). Times are seconds from t0. `None` is unknown, never zero.
+//! Frame of every position, heading and velocity: right-handed, metric, x forward, y left, z up, origin and axes
+//! those of the ego's reference point at t0 (the keyframe's frame). Times are seconds from t0. `None` is unknown,
+//! never zero.
 
 pub mod schema;
 
 use serde::{Deserialize, Serialize};
 
-/// Version of the sample's columns; the minor part rises with new columns, the major part when a reader would misread.
+/// Version of the sample's columns; the minor part rises with new columns, the major part when a reader would
+/// misread.
 pub const SAMPLE_VERSION: &str = "1.0.0";
 
 /// One row. A column that a reader left out is read as its default.

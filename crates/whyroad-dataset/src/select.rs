@@ -1,5 +1,5 @@
-//! Stage 1: which labels become samples, by status, class, source, place, quality and licence. Weather is checked when
-//! the drive is open (stage 2), and reported here all the same.
+//! Stage 1: which labels become samples, by status, class, source, place, quality and licence. Weather is checked
+//! when the drive is open (stage 2), and reported here all the same.
 
 use crate::item::{Dropped, Item, Stage};
 use crate::labels::{DRAFT, Labels};

@@ -1,6 +1,6 @@
 //! The spec of a release: everything that a build depends on beside its labels and its lake. Read from YAML with
-//! positions, so that each mistake is reported where it is; every field has a default, which `template.yaml` shows and
-//! explains.
+//! positions, so that each mistake is reported where it is; every field has a default, which `template.yaml` shows
+//! and explains.
 
 mod read;
 

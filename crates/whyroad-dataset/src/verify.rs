@@ -1,5 +1,5 @@
-//! Checking a release: every file's hash, no file missing or extra, no group or sample in two splits, no sample of one
-//! split near one of another, no near-duplicate across splits, licences, and every label against the framework of
+//! Checking a release: every file's hash, no file missing or extra, no group or sample in two splits, no sample of
+//! one split near one of another, no near-duplicate across splits, licences, and every label against the framework of
 //! today.
 
 use crate::dedup::search::{Neighbours, Projection};

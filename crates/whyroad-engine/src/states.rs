@@ -43,8 +43,8 @@ impl ObjectStates {
     }
 }
 
-/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame has
-/// any influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
+/// The states of `drive` from its frames before `until` (exclusive, clamped to the drive). Nothing of a later frame
+/// has any influence on the result: `states(drive, keyframe + 1)` is what Stage I or a model's input may contain, and
 /// `states(drive, drive.frame_count())` is the whole drive.
 pub fn states(drive: &Drive, until: usize) -> States {
     let frames = until.min(drive.frame_count());

@@ -46,8 +46,8 @@ impl DriveFacts {
 }
 
 impl Lake {
-    /// States facts about a drive that is in the lake; true when one of them was new. `drive.json` and the clips' table
-    /// change, nothing else, so that signals and episodes stay valid.
+    /// States facts about a drive that is in the lake; true when one of them was new. `drive.json` and the clips'
+    /// table change, nothing else, so that signals and episodes stay valid.
     pub fn state_facts(&self, id: &DriveId, facts: DriveFacts) -> Result<bool, LakeError> {
         let mut manifest = self.manifest(id)?;
         let before = manifest.meta.clone();

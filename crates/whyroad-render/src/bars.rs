@@ -1,5 +1,5 @@
-//! A bar chart as an SVG file of its own: one row per name, the value written beside its bar, so that it can be read in
-//! print and without colors.
+//! A bar chart as an SVG file of its own: one row per name, the value written beside its bar, so that it can be read
+//! in print and without colors.
 
 use crate::markup::Markup;
 use whyroad_model::display::number;

@@ -1,6 +1,6 @@
-//! The bird's-eye view of one moment as a small PNG with a fixed palette, for models to read: the ego at a fixed pixel,
-//! its heading up, and nothing that was measured later. Drawn without antialiasing, so that every pixel is one class of
-//! thing.
+//! The bird's-eye view of one moment as a small PNG with a fixed palette, for models to read: the ego at a fixed
+//! pixel, its heading up, and nothing that was measured later. Drawn without antialiasing, so that every pixel is one
+//! class of thing.
 
 mod canvas;
 

@@ -103,7 +103,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ),
     (
         "compare",
-        &[("Before and after a change of a rule", "whyroad compare mined mined-new --labels accepted.jsonl --examples")],
+        &[(
+            "Before and after a change of a rule",
+            "whyroad compare mined mined-new --labels accepted.jsonl --examples",
+        )],
     ),
     (
         "serve",

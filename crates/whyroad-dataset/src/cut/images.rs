@@ -1,7 +1,7 @@
 //! Images of a sample: files of the cameras, or bird's-eye images rendered from the tables, each at or before t0.
 
-use super::motion::Window;
 use super::Cutter;
+use super::motion::Window;
 use crate::item::{Dropped, Stage, hex};
 use crate::sample::Image;
 use crate::spec::{Cut, Images};

@@ -1,7 +1,7 @@
 //! Tracked objects of a sample: those seen up to t0 within the radius, with their future.
 
-use crate::pose::known;
 use super::motion::Window;
+use crate::pose::known;
 use crate::sample::Object;
 use crate::spec::Cut;
 use std::collections::BTreeSet;

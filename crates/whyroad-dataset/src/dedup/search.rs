@@ -1,6 +1,6 @@
 //! Vectors within a radius, exactly: buckets over the three directions in which the vectors differ most. A projection
-//! never makes a distance larger, so whatever is nearer than the radius lies in the same or an adjacent bucket, and no
-//! neighbour is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
+//! never makes a distance larger, so whatever is nearer than the radius lies in the same or an adjacent bucket, and
+//! no neighbour is missed. An approximate graph (HNSW) would miss some, and its result would depend on the order of
 //! threads.
 
 use std::collections::HashMap;

@@ -51,8 +51,8 @@ pub(crate) fn similarity(a: &str, b: &str) -> f64 {
     if all == 0 { 1.0 } else { a.intersection(&b).count() as f64 / all as f64 }
 }
 
-/// Groups of texts whose sketches suggest that they are alike and whose texts are at least `least` similar to the first
-/// of their group. `text` reads one.
+/// Groups of texts whose sketches suggest that they are alike and whose texts are at least `least` similar to the
+/// first of their group. `text` reads one.
 pub(crate) fn groups<E: Send>(
     sketches: &[[u32; SKETCH]],
     least: f64,

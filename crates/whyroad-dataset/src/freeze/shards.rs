@@ -1,5 +1,5 @@
-//! The samples' files: shuffled once by the seed, so that any part of a file is a fair sample of its split, and as many
-//! per file as in any other of the split, give or take one.
+//! The samples' files: shuffled once by the seed, so that any part of a file is a fair sample of its split, and as
+//! many per file as in any other of the split, give or take one.
 
 use super::tables::properties;
 use crate::DatasetError;

@@ -80,7 +80,8 @@ fn accepted(file: &Path, drives: &[DriveId]) -> anyhow::Result<Vec<AcceptedMomen
         let label: CocLabel =
             serde_json::from_str(line).with_context(|| format!("{}:{}", file.display(), i + 1))?;
         let of = &label.scenario;
-        let id = [Some(&of.l1), Some(&of.l2), of.l3.as_ref()].into_iter().flatten().cloned().collect::<Vec<_>>();
+        let id =
+            [Some(&of.l1), Some(&of.l2), of.l3.as_ref()].into_iter().flatten().cloned().collect::<Vec<_>>();
         // A clip is named by its drive and a number: <drive>_000.
         let drive = label.clip_id.rsplit_once('_').map(|(drive, _)| DriveId::from(drive));
         if let (Some(drive), Ok(scenario)) = (drive.filter(|d| drives.contains(d)), id.join(".").parse()) {

@@ -42,7 +42,11 @@ fn a_release_is_built_checked_shown_and_compared() {
     let build = "dataset build --spec dataset.yaml --labels DEMO/mined --lake DEMO/lake --out r1";
     let refused = run(at, build);
     assert_eq!(refused.code, 1);
-    assert!(refused.err.contains("dataset.labels.none") && refused.err.contains("--drafts"), "{}", refused.err);
+    assert!(
+        refused.err.contains("dataset.labels.none") && refused.err.contains("--drafts"),
+        "{}",
+        refused.err
+    );
 
     let built = good(at, &format!("{build} --drafts"));
     assert!(built.out.contains("samples: train"), "{}", built.out);
@@ -56,13 +60,15 @@ fn a_release_is_built_checked_shown_and_compared() {
     assert!(checked.out.contains("0 findings"), "{}", checked.out);
 
     // What is missing becomes queries that mining takes.
-    let queries: Vec<_> = std::fs::read_dir(at.join("r1/queries")).unwrap().flatten().map(|e| e.path()).collect();
+    let queries: Vec<_> =
+        std::fs::read_dir(at.join("r1/queries")).unwrap().flatten().map(|e| e.path()).collect();
     assert!(queries.len() > 90, "{}", queries.len());
     for query in queries.iter().step_by(9) {
         let out = query.file_stem().unwrap().to_string_lossy().into_owned();
         good(at, &format!("mine --query {} --lake DEMO/lake --out {out}", query.display()));
     }
-    let urgent = run(at, "mine --query r1/queries/reactive_agent.cutin.urgent.json --lake DEMO/lake --out more");
+    let urgent =
+        run(at, "mine --query r1/queries/reactive_agent.cutin.urgent.json --lake DEMO/lake --out more");
     assert_eq!(urgent.code, 0, "{}", urgent.err);
 
     let again = build.replace("--out r1", "--out r2");
