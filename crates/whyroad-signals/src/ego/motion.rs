@@ -49,8 +49,8 @@ pub(crate) fn given_or_slope(given: &[f64], times: &[f64], values: &[f64]) -> Ve
     if given.iter().any(|v| !v.is_nan()) { given.to_vec() } else { slope(times, values, DERIVATIVE_REACH_S) }
 }
 
-/// Speed and distance that no vehicle exceeds between two known positions, m/s and m. What is derived walks along the driven
-/// path in steps of a metre or less: a position that leaps to another continent would make it walk there.
+/// Speed and distance that no vehicle exceeds between two known positions, m/s and m. What is derived walks along the
+/// driven path in steps of a metre or less: a position that leaps to another continent would make it walk there.
 const LEAP_MPS: f64 = 150.0;
 const LEAP_M: f64 = 500.0;
 /// Maximum length of the driven path, m.
@@ -58,8 +58,8 @@ const LONGEST_PATH_M: f64 = 1_000_000.0;
 /// Known positions after which a path counts as settled; before, a leap shows that the first ones were wrong.
 const SETTLED: usize = 10;
 
-/// The positions, unknown where they lie a leap away from what came before, or beyond the longest path; the first few are
-/// unknown where what comes after them lies a leap away.
+/// The positions, unknown where they lie a leap away from what came before, or beyond the longest path; the first few
+/// are unknown where what comes after them lies a leap away.
 fn without_leaps(mut positions: Vec<P2>, times: &[f64]) -> Vec<P2> {
     let unknown = p2(f64::NAN, f64::NAN);
     let (mut last, mut settled, mut length) = (None::<usize>, 0, 0.0);
