@@ -3,6 +3,8 @@
 //! What a step computes is in the crate of that step (ingest, signals, mining); this crate reads what the step needs
 //! from the lake, runs it on all cores, keeps what can be used again, and gives results in the order of drive ids.
 
+pub mod drives;
+pub mod inspect;
 pub mod media;
 pub mod mine;
 pub mod output;

@@ -6,11 +6,12 @@ mod kept;
 mod prefilter;
 mod stored;
 
+pub use crate::drives::{derive_signals, signals_of};
 pub use stored::{find_stored, read as read_columns};
 
+use crate::drives::{derived_signals, map_drives};
 use crate::output::record::{MinedEpisode, write_down};
 use kept::Kept;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_lake::{Lake, LakeError, Outline};
@@ -19,7 +20,7 @@ use whyroad_mining::episode::{Found, find};
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::messages::ClipMetadata;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, ScenarioId};
 
 /// One drive's contribution.
 #[derive(Clone, Debug)]
@@ -39,24 +40,24 @@ pub struct MinedDrive {
 pub struct MinedLake {
     /// Drives that could be read, by id.
     pub drives: Vec<MinedDrive>,
-    /// One error a drive that could not.
+    /// One error for each drive that could not.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Which evaluator runs the rules. Both give the same.
+/// Which evaluator runs the rules. Results are identical.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Evaluator {
     /// The fast one, with all that is stored and kept.
     #[default]
     Fast,
-    /// The plain interpreter, from signals derived anew, keeping nothing: to compare.
+    /// The plain interpreter, from signals that are derived again, keeping nothing: to compare.
     Reference,
 }
 
 /// How to run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Drives worked on at once, and so the bound of memory; as many as there are cores where not said.
+    /// Drives worked on at once, and so the bound of memory; `None` is all cores.
     pub jobs: Option<usize>,
     /// Which evaluator.
     pub evaluator: Evaluator,
@@ -86,12 +87,8 @@ pub fn mine_lake_with(
     MinedLake { drives, diagnostics }
 }
 
-/// Drives that are mined for each core before what came of them is handed on: what is held does not grow with the lake,
-/// and a core that is done early waits for the others once in so many drives.
-const DRIVES_A_CORE: usize = 32;
-
-/// Mines every drive of the lake as the options say, and hands what came of each to `each`, in the order of their ids;
-/// an error of `each` ends it. Gives an error a drive that could not be read.
+/// Mines every drive of the lake as the options say, and hands its results to `each`, in the order of their ids; an
+/// error of `each` ends it. Gives an error for each drive that could not be read.
 pub fn mine_each<E: Send>(
     lake: &Lake,
     rules: &RuleSet,
@@ -113,23 +110,14 @@ pub fn mine_each<E: Send>(
         done(id);
         mined
     };
-    let pool = options.jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
-    let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
     let mut diagnostics = Vec::new();
-    for some in ids.chunks(cores.max(1) * DRIVES_A_CORE) {
-        // Drives one by one: their sizes differ, and each is work enough.
-        let all = || -> Vec<_> { some.par_iter().with_max_len(1).map(one).collect() };
-        let mined = match &pool {
-            Some(pool) => pool.install(all),
-            None => all(),
-        };
-        for result in mined {
-            match result {
-                Ok(drive) => each(drive)?,
-                Err(d) => diagnostics.push(*d),
-            }
+    map_drives(&ids, options.jobs, one, |mined: Result<MinedDrive, Box<Diagnostic>>| match mined {
+        Ok(drive) => each(drive),
+        Err(d) => {
+            diagnostics.push(*d);
+            Ok(())
         }
-    }
+    })?;
     if run.unwritable.load(Ordering::Relaxed) {
         diagnostics.push(unwritable(lake));
     }
@@ -154,7 +142,7 @@ impl Run<'_> {
         let found = match self.options.evaluator {
             Evaluator::Fast => self.found(id, &outline).map_err(unreadable)?,
             Evaluator::Reference => {
-                let table = signals_of(self.lake, id).map_err(unreadable)?;
+                let table = derived_signals(self.lake, id).map_err(unreadable)?;
                 self.rules.rules.iter().map(|rule| find(rule, &table)).collect()
             }
         };
@@ -164,7 +152,7 @@ impl Run<'_> {
         Ok(MinedDrive { drive_id: id.clone(), clips, episodes, missing })
     }
 
-    /// What came of each rule: kept from an earlier run, or found now and kept.
+    /// The results of each rule: kept from an earlier run, or found now and kept.
     fn found(&self, id: &DriveId, outline: &Outline) -> Result<Vec<Found>, LakeError> {
         let hash = &outline.meta.content_hash;
         // Without a hash nobody can say that the content is the same.
@@ -190,8 +178,8 @@ impl Run<'_> {
         {
             return Ok(found);
         }
-        // None, or one that cannot be read after all: derived (again).
-        let table = signals_of(self.lake, id)?;
+        // Missing, or unreadable: derived (again).
+        let table = derived_signals(self.lake, id)?;
         self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
         let mut all = find_all(&self.plan, &Signals::of_table(&table));
         Ok(rules.iter().map(|i| std::mem::take(&mut all[*i])).collect())
@@ -205,7 +193,7 @@ impl Run<'_> {
     }
 }
 
-fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
+pub(crate) fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
     let cause = e.diagnostic();
     let message = Bilingual::new(
         format!("行程 {id} 无法读取，已跳过：{}", cause.message.zh),
@@ -228,39 +216,4 @@ fn unwritable(lake: &Lake) -> Diagnostic {
     Diagnostic::warning("mine.store.unwritable", message)
         .in_file(lake.dir().display().to_string())
         .with_hint(hint)
-}
-
-/// Derives and stores the signals of every drive that has none stored by this version, as `mine` does on the way.
-/// Gives the number of drives whose signals were derived, and an error a drive that could not.
-pub fn derive_signals(
-    lake: &Lake,
-    jobs: Option<usize>,
-    done: impl Fn(&DriveId) + Sync,
-) -> (usize, Vec<Diagnostic>) {
-    let ids = lake.drive_ids();
-    let one = |id: &DriveId| -> Result<usize, Box<Diagnostic>> {
-        let derive = || -> Result<usize, LakeError> {
-            if lake.signals(id, whyroad_signals::VERSION)?.is_some() {
-                return Ok(0);
-            }
-            lake.write_signals(id, whyroad_signals::VERSION, &signals_of(lake, id)?)?;
-            Ok(1)
-        };
-        let derived = derive().map_err(|e| unreadable(id, &e));
-        done(id);
-        derived
-    };
-    let all = || -> Vec<_> { ids.par_iter().with_max_len(1).map(one).collect() };
-    let pool = jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
-    let each = match pool {
-        Some(pool) => pool.install(all),
-        None => all(),
-    };
-    let derived = each.iter().flatten().sum();
-    (derived, each.into_iter().filter_map(Result::err).map(|d| *d).collect())
-}
-
-/// Signals of one drive: what a report plots beside an episode.
-pub fn signals_of(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
-    Ok(whyroad_signals::derive(&lake.read_drive(id)?))
 }

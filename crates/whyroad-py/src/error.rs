@@ -22,10 +22,16 @@ pub fn of_diagnostic(d: &Diagnostic) -> PyErr {
 /// The error for the first of several; the others follow in its message.
 pub fn of_diagnostics(all: &[Diagnostic]) -> PyErr {
     match all {
-        [] => WhyroadError::new_err(("whyroad.unknown".to_owned(), String::new(), None::<String>, None::<String>)),
+        [] => WhyroadError::new_err((
+            "whyroad.unknown".to_owned(),
+            String::new(),
+            None::<String>,
+            None::<String>,
+        )),
         [one] => of_diagnostic(one),
         [first, rest @ ..] => {
-            let others: Vec<String> = rest.iter().map(|d| format!("{}: {}", d.code, d.message(Lang::En))).collect();
+            let others: Vec<String> =
+                rest.iter().map(|d| format!("{}: {}", d.code, d.message(Lang::En))).collect();
             let message = format!("{}\n{}", first.message(Lang::En), others.join("\n"));
             let hint = first.hint.as_ref().map(|h| h.get(Lang::En).to_owned());
             WhyroadError::new_err((first.code.to_owned(), message, hint, location(first)))

@@ -31,9 +31,10 @@ pub fn read_parquet(py: Python<'_>, path: PathBuf, columns: Option<Vec<String>>)
         let file = std::fs::File::open(&path)?;
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(of_arrow)?;
         let mask = match &columns {
-            Some(names) => {
-                parquet::arrow::ProjectionMask::columns(builder.parquet_schema(), names.iter().map(String::as_str))
-            }
+            Some(names) => parquet::arrow::ProjectionMask::columns(
+                builder.parquet_schema(),
+                names.iter().map(String::as_str),
+            ),
             None => parquet::arrow::ProjectionMask::all(),
         };
         let reader = builder.with_projection(mask).with_batch_size(1 << 16).build().map_err(of_arrow)?;
@@ -124,15 +125,16 @@ impl Lake {
         let (all, _) = RuleSet::of_framework(framework, catalogue);
         let rules = match rule {
             Some(text) => {
-                let subject = match target {
-                    Some(word) => Some(
-                        Subject::from_word(word)
-                            .ok_or_else(|| PyValueError::new_err(format!("'{word}' is not a kind of target")))?,
-                    ),
-                    None => None,
-                };
+                let subject =
+                    match target {
+                        Some(word) => Some(Subject::from_word(word).ok_or_else(|| {
+                            PyValueError::new_err(format!("'{word}' is not a kind of target"))
+                        })?),
+                        None => None,
+                    };
                 let own = ScenarioId { l1: whyroad_mining::rule::OTHER.to_owned(), l2: None, l3: None };
-                let rule = compile_text(text, subject, &own, catalogue, "rule").map_err(|d| of_diagnostic(&d))?;
+                let rule =
+                    compile_text(text, subject, &own, catalogue, "rule").map_err(|d| of_diagnostic(&d))?;
                 RuleSet { rules: vec![rule], precedence: all.precedence }
             }
             None => all.with_decision_moments(catalogue),

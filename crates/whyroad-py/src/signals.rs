@@ -2,8 +2,8 @@
 
 use arrow_array::types::UInt16Type;
 use arrow_array::{
-    ArrayRef, BooleanArray, DictionaryArray, Float64Array, RecordBatch, StringArray, TimestampNanosecondArray, UInt16Array,
-    UInt32Array,
+    ArrayRef, BooleanArray, DictionaryArray, Float64Array, RecordBatch, StringArray,
+    TimestampNanosecondArray, UInt16Array, UInt32Array,
 };
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
 use std::sync::Arc;
@@ -43,7 +43,12 @@ pub fn schema(catalogue: &Catalogue, rows: Rows, names: &[String]) -> SchemaRef 
 }
 
 /// The signals of one drive in `schema`; a signal that the drive cannot support is null throughout.
-pub fn batch(table: SignalTable, rows: Rows, names: &[String], schema: &SchemaRef) -> Result<RecordBatch, ArrowError> {
+pub fn batch(
+    table: SignalTable,
+    rows: Rows,
+    names: &[String],
+    schema: &SchemaRef,
+) -> Result<RecordBatch, ArrowError> {
     let SignalTable { drive_id, times, targets, mut frame_columns, mut target_columns, .. } = table;
     let mut columns: Vec<ArrayRef> = Vec::new();
     let at = |frames: Vec<usize>, columns: &mut Vec<ArrayRef>| {
@@ -84,7 +89,9 @@ fn array(column: Column) -> ArrayRef {
             let nulls = known.contains(&false).then(|| known.into());
             Arc::new(Float64Array::new(values.into(), nulls))
         }
-        Column::Flag(values) => Arc::new(values.into_iter().map(whyroad_model::Tri::known).collect::<BooleanArray>()),
+        Column::Flag(values) => {
+            Arc::new(values.into_iter().map(whyroad_model::Tri::known).collect::<BooleanArray>())
+        }
         Column::Category { codes, names } => {
             let keys: UInt16Array = codes.into_iter().map(|c| (c != UNKNOWN_CODE).then_some(c)).collect();
             let words = StringArray::from_iter_values(names.iter());

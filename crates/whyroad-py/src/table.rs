@@ -75,7 +75,9 @@ impl Table {
 /// Takes over the Arrow stream of any object that has `__arrow_c_stream__`.
 pub fn stream_of(object: &Bound<'_, PyAny>) -> PyResult<ArrowArrayStreamReader> {
     let capsule = object.call_method0("__arrow_c_stream__").map_err(|_| {
-        PyTypeError::new_err("an Arrow table is needed: an object with __arrow_c_stream__ (pyarrow, Polars, pandas 3)")
+        PyTypeError::new_err(
+            "an Arrow table is needed: an object with __arrow_c_stream__ (pyarrow, Polars, pandas 3)",
+        )
     })?;
     let capsule = capsule.cast_into::<PyCapsule>()?;
     let pointer = capsule.pointer_checked(Some(STREAM))?.cast::<FFI_ArrowArrayStream>();

@@ -1,5 +1,5 @@
-//! What came of mining and labelling: coverage over all leaves, the report that shows it, label drafts, and how good
-//! the episodes are against a truth.
+//! Results of mining and labelling: coverage over all leaves, the report that shows it, and episodes evaluated against
+//! ground truth.
 //!
 //! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on
 //! the crates that make them. Nothing here writes a file; callers store what is returned.
@@ -7,9 +7,23 @@
 pub mod comparison;
 pub mod coverage;
 pub mod evaluation;
-pub mod mined;
 pub mod report;
+
+/// Codes of the diagnostics of this crate; each has a page in the documentation.
+pub const CODES: &[&str] = &["evaluate.truth.line", "evaluate.sequence.line"];
 
 #[cfg(test)]
 #[path = "../../whyroad-model/testing/hand_drive.rs"]
 mod fixture;
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_code_has_a_page_in_both_languages() {
+        for code in super::CODES {
+            let page = format!("{}/../../docs/diagnostics/{code}.md", env!("CARGO_MANIFEST_DIR"));
+            let text = std::fs::read_to_string(&page).unwrap_or_else(|e| panic!("{page}: {e}"));
+            assert!(text.contains("## 中文"), "{page}");
+        }
+    }
+}

@@ -15,21 +15,106 @@ pub use whyroad_render::plot::SignalInfo;
 
 use whyroad_framework::Framework;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
-use whyroad_model::{Drive, Lang, SignalTable};
+use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 
 /// What holds for the whole report.
 #[derive(Clone, Copy, Debug)]
 pub struct ReportContext<'a> {
     /// Classes, specs and decisions.
     pub framework: &'a Framework,
-    /// What mining looked for and what came of it.
+    /// What mining searched for and what it found.
     pub coverage: &'a Coverage,
     /// Signals by name.
     pub signals: &'a BTreeMap<String, SignalInfo>,
     /// Language that is shown first; the reader can switch.
     pub lang: Lang,
-    /// At most so many cards, so that a browser can hold the page; what is left out is counted on the page.
-    pub max_cards: usize,
+}
+
+/// Chooses the episodes that get a card, drive by drive: primary ones first where there are more than the page can hold.
+#[derive(Clone, Copy, Debug)]
+pub struct CardChoice {
+    room: usize,
+}
+
+impl CardChoice {
+    /// For a page of at most `max_cards`.
+    pub fn new(max_cards: usize) -> Self {
+        Self { room: max_cards }
+    }
+
+    /// Chooses among episodes in the order of their drives, of which one at a time is in memory; gives the chosen ones by
+    /// drive.
+    pub fn choose_all(
+        mut self,
+        episodes: impl Iterator<Item = EpisodeRecord>,
+    ) -> BTreeMap<DriveId, ChosenEpisodes> {
+        let mut out = BTreeMap::new();
+        let mut own: Vec<EpisodeRecord> = Vec::new();
+        let mut close = |own: &mut Vec<EpisodeRecord>| {
+            if let Some(drive) = own.first().map(|e| e.drive_id.clone()) {
+                let chosen = self.choose(std::mem::take(own));
+                let of_drive: &mut ChosenEpisodes = out.entry(drive).or_default();
+                of_drive.total += chosen.total;
+                of_drive.cards.extend(chosen.cards);
+            }
+        };
+        for episode in episodes {
+            if own.first().is_some_and(|e| e.drive_id != episode.drive_id) {
+                close(&mut own);
+            }
+            own.push(episode);
+        }
+        close(&mut own);
+        out
+    }
+
+    /// Chooses among the episodes of one drive.
+    pub fn choose(&mut self, mut own: Vec<EpisodeRecord>) -> ChosenEpisodes {
+        let total = own.len();
+        own.sort_by(|a, b| {
+            let key = |e: &EpisodeRecord| (e.keyframe.timestamp, !e.is_primary, e.scenario_id.clone());
+            key(a).cmp(&key(b)).then_with(|| a.episode_id.cmp(&b.episode_id))
+        });
+        if total > self.room {
+            own.sort_by_key(|e| !e.is_primary);
+            own.truncate(self.room);
+            own.sort_by_key(|e| e.keyframe.timestamp);
+        }
+        self.room -= own.len();
+        ChosenEpisodes { cards: own, total }
+    }
+}
+
+/// The episodes of one drive that get a card.
+#[derive(Clone, Debug, Default)]
+pub struct ChosenEpisodes {
+    /// In the order of time.
+    pub cards: Vec<EpisodeRecord>,
+    /// Number of episodes of the drive, with and without a card.
+    pub total: usize,
+}
+
+/// What the page has of one drive. Drives are rendered independently of each other.
+#[derive(Debug)]
+pub struct DrivePart {
+    line: page::DriveLine,
+    cards: Vec<card::Card>,
+}
+
+impl DrivePart {
+    /// Renders a drive. `signals` are only read for episodes with a card.
+    pub fn new(
+        context: &ReportContext<'_>,
+        drive: &Drive,
+        signals: &SignalTable,
+        chosen: &ChosenEpisodes,
+    ) -> Self {
+        let card = |e: &EpisodeRecord| card::render(context, drive, signals, e);
+        Self {
+            line: page::DriveLine::new(drive, chosen.total),
+            cards: chosen.cards.iter().map(card).collect(),
+        }
+    }
 }
 
 /// Collects the page.
@@ -47,28 +132,11 @@ impl<'a> ReportBuilder<'a> {
         Self { context, cards: Vec::new(), episodes: 0, drives: Vec::new() }
     }
 
-    /// Adds a drive with its episodes; episodes of other drives are ignored.
-    ///
-    /// Primary episodes come first where there are more than the page can hold.
-    pub fn add_drive(&mut self, drive: &Drive, signals: &SignalTable, episodes: &[EpisodeRecord]) {
-        let mut own: Vec<&EpisodeRecord> =
-            episodes.iter().filter(|e| e.drive_id == drive.meta.drive_id).collect();
-        own.sort_by(|a, b| {
-            let key = |e: &EpisodeRecord| (e.keyframe.timestamp, !e.is_primary, e.scenario_id.clone());
-            key(a).cmp(&key(b)).then_with(|| a.episode_id.cmp(&b.episode_id))
-        });
-        self.episodes += own.len();
-        self.drives.push(page::DriveLine::new(drive, own.len()));
-        let room = self.context.max_cards.saturating_sub(self.cards.len());
-        let mut chosen: Vec<&EpisodeRecord> = own.clone();
-        if own.len() > room {
-            chosen.sort_by_key(|e| !e.is_primary);
-            chosen.truncate(room);
-            chosen.sort_by_key(|e| e.keyframe.timestamp);
-        }
-        for episode in chosen {
-            self.cards.push(card::render(&self.context, drive, signals, episode));
-        }
+    /// Adds a drive; in the order of the page.
+    pub fn add(&mut self, part: DrivePart) {
+        self.episodes += part.line.episodes;
+        self.drives.push(part.line);
+        self.cards.extend(part.cards);
     }
 
     /// The page.

@@ -142,7 +142,7 @@ fn a_broken_line_does_not_stop_the_rest() {
     let (good, bad): (Vec<_>, Vec<_>) = EpisodeLines::open(&path).unwrap().partition(Result::is_ok);
     assert_eq!((good.len(), bad.len()), (2, 1));
     let problem = bad[0].as_ref().unwrap_err();
-    assert_eq!((problem.code, problem.place.line), ("report.episode.unreadable", Some(2)));
+    assert_eq!((problem.code, problem.location.line), ("report.episode.unreadable", Some(2)));
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn coverage_that_is_cut_off_is_refused_with_its_place() {
     let cut = &text[..text.len() / 2];
     let problem = parse_coverage(cut, "c").unwrap_err();
     assert_eq!(problem.code, "report.coverage.unreadable");
-    assert_eq!(problem.place.line, Some(cut.lines().count()));
+    assert_eq!(problem.location.line, Some(cut.lines().count()));
 }
 
 #[test]

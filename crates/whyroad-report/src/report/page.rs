@@ -20,7 +20,7 @@ pub(super) struct DriveLine {
     licence: Option<String>,
     seconds: f64,
     tracks: usize,
-    episodes: usize,
+    pub(super) episodes: usize,
     missing: Vec<Need>,
 }
 

@@ -26,14 +26,15 @@ pub(crate) fn infos() -> BTreeMap<String, SignalInfo> {
 fn page(name: &str, max_cards: usize) -> String {
     let (coverage, infos) = (coverage(), infos());
     let drive = drive(name);
-    let mut report = ReportBuilder::new(ReportContext {
+    let context = ReportContext {
         framework: Framework::bundled(),
         coverage: &coverage,
         signals: &infos,
         lang: Lang::En,
-        max_cards,
-    });
-    report.add_drive(&drive, &signals(&drive), &[episode(&drive)]);
+    };
+    let mut report = ReportBuilder::new(context);
+    let chosen = CardChoice::new(max_cards).choose(vec![episode(&drive)]);
+    report.add(DrivePart::new(&context, &drive, &signals(&drive), &chosen));
     report.finish()
 }
 

@@ -20,6 +20,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::rule::OTHER;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
+use whyroad_report::report::CardChoice;
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad demo`.
@@ -81,8 +82,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     steps.say(drafts.told(Lang::Zh), drafts.told(Lang::En));
 
     let page = args.out.join("report.html");
-    let found = Found { framework: &framework, lake: &lake, coverage: &result.coverage, episodes: &episodes };
-    let lost = write_page(&found, &page, MAX_CARDS, global.lang)?;
+    let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
+    let found = Found { framework: &framework, lake: &lake, coverage: &result.coverage, chosen: &chosen };
+    let lost = write_page(&found, &page, global.lang)?;
     steps.findings(&lost);
     let table = summary::table(&framework.taxonomy, &result.coverage, &episodes, &lake, global.lang);
     output::put(&format!("\n{table}\n{}\n", summary::where_to_look(&page, &lake, &args.out, global.lang)));

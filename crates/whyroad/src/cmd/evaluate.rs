@@ -2,15 +2,17 @@
 
 mod scenario_mining;
 
-use crate::output::render_text;
+use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use whyroad_lake::MinedFolder;
+use whyroad_lake::mined::MinedFile;
+use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_report::evaluation::truth::TruthSet;
 use whyroad_report::evaluation::{Evaluation, evaluate, render};
-use whyroad_report::mined;
 
 /// Arguments of `whyroad evaluate`.
 #[derive(clap::Args)]
@@ -48,9 +50,18 @@ pub(crate) struct Args {
     /// Name every entry that was missed and every episode that is false
     #[arg(long)]
     details: bool,
-    /// Print JSON
-    #[arg(long)]
+    /// How to print the figures
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    format: DataFormat,
+    /// The same as --format json
+    #[arg(long, hide = true, conflicts_with = "format")]
     json: bool,
+}
+
+impl Args {
+    fn is_json(&self) -> bool {
+        self.json || self.format == DataFormat::Json
+    }
 }
 
 /// Families of figures.
@@ -79,27 +90,36 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for path in &args.truth {
         lost.extend(truth.read(&read(path)?, &path.display().to_string(), &is_class));
     }
-    let path = args.episodes.as_deref().context("--episodes is missing")?.join("episodes.jsonl");
-    let (mut episodes, unreadable) = mined::read_episodes(&read(&path)?, &path.display().to_string());
-    lost.extend(unreadable);
+    let dir = args.episodes.as_deref().context("--episodes is missing")?;
+    let mined = MinedFolder::open(dir)
+        .with_context(|| format!("cannot read {}", MinedFile::Episodes.path(dir).display()))?;
+    let wanted =
+        |e: &EpisodeRecord| args.scenario.as_ref().is_none_or(|class| e.scenario_id.is_within(class));
+    let mut episodes = Vec::new();
+    for line in mined.episodes()? {
+        match line {
+            Ok(episode) if wanted(&episode) => episodes.push(episode),
+            Ok(_) => {}
+            Err(d) => lost.push(*d),
+        }
+    }
     if let Some(class) = &args.scenario {
         anyhow::ensure!(
             is_class(class),
             "there is no class '{class}'; `whyroad taxonomy list` shows them all"
         );
         truth.entries.retain(|e| e.scenario_id.is_within(class));
-        episodes.retain(|e| e.scenario_id.is_within(class));
     }
     if args.metric == Metric::Av2ScenarioMining {
         return scenario_mining::from_lake(global, &args, &truth, &episodes, lost);
     }
     let evaluation = evaluate(&truth, &episodes);
-    output::put(&if args.json {
+    output::put(&if args.is_json() {
         format!("{}\n", serde_json::to_string_pretty(&evaluation)?)
     } else {
         render(&evaluation, global.lang)
     });
-    if args.details && !args.json {
+    if args.details && !args.is_json() {
         output::put(&details(&evaluation, global.lang));
     }
     for d in &lost {

@@ -11,6 +11,7 @@ use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use whyroad_engine::drives::signals_of;
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_lake::Lake;
@@ -99,7 +100,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             Lang::En => format!("the drive has no track '{id}'"),
         });
     }
-    let table = whyroad_signals::derive(&drive);
+    let table = match signals_of(&lake, &drive.meta.drive_id) {
+        Ok(table) => table,
+        Err(e) => {
+            tell!("{}", render_text(&e.diagnostic(), global.lang));
+            return Ok(output::FINDINGS);
+        }
+    };
     let explanation = explain(&rule, &table, clip, wanted.as_ref());
     let shown = Shown { class: &rule.scenario, clip: &args.clip, explanation: &explanation };
     output::put(&text::render(&shown, global.lang));

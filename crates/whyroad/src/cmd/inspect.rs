@@ -1,18 +1,19 @@
 //! `whyroad inspect`: what a lake holds, drive by drive, or for one clip.
 
-mod summary;
-
-use crate::output::render_text;
+use crate::output::{DataFormat, render_text};
+use crate::text_table::wrapped;
 use crate::{Global, output};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use summary::{DriveSummary, SignalShare};
+use whyroad_engine::drives::map_drives;
+use whyroad_engine::inspect::{DriveSummary, LakeSummary, SignalShare};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need};
 
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake to look into
     #[arg(long, value_name = "DIR")]
@@ -21,15 +22,15 @@ pub(crate) struct Args {
     #[arg(long, value_name = "ID")]
     clip: Option<String>,
     /// How to print it
-    #[arg(long, value_name = "FORMAT", default_value = "text")]
-    format: Format,
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    format: DataFormat,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
-    Text,
-    Json,
-}
+const EXAMPLES: &str = "\
+Examples:
+  whyroad inspect --lake lake
+  whyroad inspect --lake lake --clip multilane-ego_000
+  whyroad inspect --lake lake --format json";
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lake = match Lake::open(&args.lake) {
@@ -48,30 +49,36 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             ),
         },
     };
-    let mut summaries = Vec::new();
-    let mut broken = false;
-    for id in &drives {
-        match lake.read_drive(id) {
-            Ok(drive) => summaries.push(DriveSummary::new(&drive, args.clip.as_deref())),
-            Err(e) => {
-                tell!("{}", render_text(&e.diagnostic(), global.lang));
-                broken = true;
+    let (mut lake_summary, mut summaries, mut broken) = (LakeSummary::default(), Vec::new(), false);
+    let clip = args.clip.as_deref();
+    map_drives(
+        &drives,
+        None,
+        |id| DriveSummary::read(&lake, id, clip),
+        |read| {
+            match read {
+                Ok(summary) => {
+                    lake_summary.add(&summary);
+                    summaries.push(summary);
+                }
+                Err(e) => {
+                    tell!("{}", render_text(&e.diagnostic(), global.lang));
+                    broken = true;
+                }
             }
-        }
-    }
+            anyhow::Ok(())
+        },
+    )?;
     match args.format {
-        Format::Json => output::put(&format!("{:#}\n", serde_json::to_value(&summaries)?)),
-        Format::Text => {
+        DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&summaries)?)),
+        DataFormat::Text => {
             let mut text = String::new();
-            if args.clip.is_none() {
-                text += &match global.lang {
-                    Lang::Zh => format!("{} 个行程\n", drives.len()),
-                    Lang::En => format!("{} drives\n", drives.len()),
-                };
+            if clip.is_none() {
+                text += &lake_text(&lake_summary, global.lang);
             }
             for s in &summaries {
                 text.push('\n');
-                text += &drive_text(s, args.clip.is_some(), global.lang);
+                text += &drive_text(s, clip.is_some(), global.lang);
             }
             output::put(&text);
         }
@@ -89,6 +96,32 @@ pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
     let clips = lake.clip_summaries(&drive).ok()?;
     let index = index.parse::<usize>().ok().filter(|&i| i < clips.len())?;
     (ClipId::of(&drive, index).as_str() == clip).then_some(drive)
+}
+
+/// The lake as a whole, in a few lines.
+fn lake_text(s: &LakeSummary, lang: Lang) -> String {
+    let counts = |counts: Vec<(&str, usize)>| {
+        counts.iter().map(|(name, n)| format!("{name} {n}")).collect::<Vec<_>>().join(", ")
+    };
+    let formats = counts(s.formats.iter().map(|(k, n)| (k.as_str(), *n)).collect());
+    let objects = counts(s.objects.iter().map(|(k, c)| (k.as_str(), c.objects)).collect());
+    let tables = counts(s.tables.iter().map(|(k, n)| (*k, *n)).collect());
+    let (drives, clips, hours) = (s.drives, s.clips, s.hours);
+    let lines = match lang {
+        Lang::Zh => [
+            format!("{drives} 个行程，{clips} 个片段，{hours:.2} 小时"),
+            format!("  格式：{formats}"),
+            format!("  对象：{objects}"),
+            format!("  有该数据表的行程：{tables}"),
+        ],
+        Lang::En => [
+            format!("{drives} drives, {clips} clips, {hours:.2} h"),
+            format!("  formats: {formats}"),
+            format!("  objects: {objects}"),
+            format!("  drives with the table: {tables}"),
+        ],
+    };
+    lines.iter().filter(|l| !l.ends_with([' ', '：'])).map(|l| wrapped(l, 4)).collect()
 }
 
 /// Labels of the listing.

@@ -2,20 +2,24 @@
 
 use crate::output::render_text;
 use crate::{Global, framework_folder, output};
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use whyroad_engine::drives::{map_drives, signals_of};
 use whyroad_framework::Framework;
-use whyroad_lake::Lake;
-use whyroad_model::messages::{Coverage, EpisodeRecord};
-use whyroad_model::{Diagnostic, Lang};
-use whyroad_report::mined;
-use whyroad_report::report::{ReportBuilder, ReportContext, SignalInfo};
+use whyroad_lake::mined::MinedFile;
+use whyroad_lake::{Lake, LakeError, MinedFolder};
+use whyroad_model::messages::Coverage;
+use whyroad_model::{Diagnostic, DriveId, Lang, SignalTable};
+use whyroad_report::report::{
+    CardChoice, ChosenEpisodes, DrivePart, ReportBuilder, ReportContext, SignalInfo,
+};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad report`.
 #[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake that was mined
     #[arg(long, value_name = "DIR")]
@@ -26,12 +30,17 @@ pub(crate) struct Args {
     /// The page
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
-    /// At most so many episodes with a picture, primary ones first; the rest is counted
+    /// Maximum number of episodes with an image, primary ones first; the rest is counted
     #[arg(long, value_name = "N", default_value_t = MAX_CARDS)]
     max_episodes: usize,
 }
 
-/// About 30 kB an episode: what a browser still scrolls smoothly.
+const EXAMPLES: &str = "\
+Examples:
+  whyroad report --lake lake --mined mined
+  whyroad report --lake lake --mined mined --out week.html --max-episodes 100 --lang zh";
+
+/// About 30 kB per episode: what a browser still scrolls smoothly.
 pub(crate) const MAX_CARDS: usize = 400;
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -40,22 +49,22 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Ok(lake) => lake,
         Err(e) => return Ok(refuse(&e.diagnostic(), global.lang)),
     };
-    let read = |name: &str| {
-        let path = args.mined.join(name);
-        let text = std::fs::read_to_string(&path)
-            .with_context(|| format!("cannot read {}; `whyroad mine --out DIR` writes it", path.display()))?;
-        anyhow::Ok((text, path.display().to_string()))
+    let Some(mined) = MinedFolder::open(&args.mined) else {
+        bail!(
+            "{} has no {}; `whyroad mine --out DIR` writes it",
+            args.mined.display(),
+            MinedFile::Episodes.name()
+        );
     };
-    let (text, file) = read("coverage.json")?;
-    let coverage = match mined::read_coverage(&text, &file) {
+    let coverage = match mined.coverage() {
         Ok(coverage) => coverage,
         Err(d) => return Ok(refuse(&d, global.lang)),
     };
-    let (text, file) = read("episodes.jsonl")?;
-    let (episodes, mut lost) = mined::read_episodes(&text, &file);
-
-    let found = Found { framework: &framework, lake: &lake, coverage: &coverage, episodes: &episodes };
-    lost.extend(write_page(&found, &args.out, args.max_episodes, global.lang)?);
+    let mut lost = Vec::new();
+    let readable = mined.episodes()?.filter_map(|line| line.map_err(|d| lost.push(*d)).ok());
+    let chosen = CardChoice::new(args.max_episodes).choose_all(readable);
+    let found = Found { framework: &framework, lake: &lake, coverage: &coverage, chosen: &chosen };
+    lost.extend(write_page(&found, &args.out, global.lang)?);
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
@@ -80,16 +89,11 @@ pub(crate) struct Found<'a> {
     pub framework: &'a Framework,
     pub lake: &'a Lake,
     pub coverage: &'a Coverage,
-    pub episodes: &'a [EpisodeRecord],
+    pub chosen: &'a BTreeMap<DriveId, ChosenEpisodes>,
 }
 
-/// Writes the page; a drive that cannot be read is named, and is not in it.
-pub(crate) fn write_page(
-    found: &Found<'_>,
-    out: &Path,
-    max_cards: usize,
-    lang: Lang,
-) -> anyhow::Result<Vec<Diagnostic>> {
+/// Writes the page, drives on all cores; a drive that cannot be read is named, and is not in it.
+pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::Result<Vec<Diagnostic>> {
     let (catalogue, _) = Catalogue::parse(&found.framework.signals_yaml);
     let signals: BTreeMap<String, SignalInfo> = catalogue
         .iter()
@@ -98,20 +102,28 @@ pub(crate) fn write_page(
             (d.name.clone(), info)
         })
         .collect();
-    let mut page = ReportBuilder::new(ReportContext {
-        framework: found.framework,
-        coverage: found.coverage,
-        signals: &signals,
-        lang,
-        max_cards,
-    });
+    let (framework, coverage) = (found.framework, found.coverage);
+    let context = ReportContext { framework, coverage, signals: &signals, lang };
+    let part = |id: &DriveId| -> Result<DrivePart, LakeError> {
+        let drive = found.lake.read_drive(id)?;
+        let none = ChosenEpisodes::default();
+        let chosen = found.chosen.get(id).unwrap_or(&none);
+        // Only cards show signals.
+        let signals = match chosen.cards.is_empty() {
+            true => SignalTable::default(),
+            false => signals_of(found.lake, id)?,
+        };
+        Ok(DrivePart::new(&context, &drive, &signals, chosen))
+    };
+    let mut page = ReportBuilder::new(context);
     let mut lost = Vec::new();
-    for id in &found.coverage.drives {
-        match found.lake.read_drive(id) {
-            Ok(drive) => page.add_drive(&drive, &whyroad_signals::derive(&drive), found.episodes),
+    map_drives(&coverage.drives, None, part, |part| {
+        match part {
+            Ok(part) => page.add(part),
             Err(e) => lost.push(e.diagnostic()),
         }
-    }
+        anyhow::Ok(())
+    })?;
     if let Some(dir) = out.parent().filter(|d| !d.as_os_str().is_empty()) {
         std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
     }

@@ -1,10 +1,11 @@
-//! A label skeleton for each primary episode, written and held against the label checker, so that the demo can
-//! say honestly what is left for people to do.
+//! A label skeleton for each primary episode, written and checked by the label checker, so that the demo can
+//! report what is left for people to do.
 
 use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use whyroad_engine::drives::signals_of;
 use whyroad_engine::mine::MinedLake;
 use whyroad_framework::Framework;
 use whyroad_label::check::{Checker, ClipIndex};
@@ -37,14 +38,15 @@ pub(super) fn write(
 ) -> anyhow::Result<Drafts> {
     let (mut all, mut lost): (Vec<Draft>, Vec<Diagnostic>) = (Vec::new(), Vec::new());
     for found in &mined.drives {
-        let drive = match lake.read_drive(&found.drive_id) {
-            Ok(drive) => drive,
+        let read = lake.read_drive(&found.drive_id);
+        let read = read.and_then(|drive| Ok((drive, signals_of(lake, &found.drive_id)?)));
+        let (drive, signals) = match read {
+            Ok(read) => read,
             Err(e) => {
                 lost.push(e.diagnostic());
                 continue;
             }
         };
-        let signals = whyroad_signals::derive(&drive);
         let own = episodes.iter().filter(|e| e.drive_id == found.drive_id && e.is_primary);
         all.extend(own.map(|e| draft(framework, &drive, &signals, e, lang)));
     }

@@ -91,7 +91,7 @@ fn finish(
         tell!("{}", render_text(d, global.lang));
     }
     let scores = score(truth, predictions)?;
-    output::put(&if args.json {
+    output::put(&if args.is_json() {
         format!("{}\n", serde_json::to_string_pretty(&scores)?)
     } else {
         table(&scores)

@@ -1,6 +1,5 @@
 //! A lake mined again: what was stored and kept changes no answer; only new drives and changed rules are run; an
 //! interrupted run goes on; a damaged store is made again; an unwritable lake is mined all the same.
-#![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 use whyroad_engine::mine::{Evaluator, MinedLake, Options, derive_signals, mine_lake_with};

@@ -1,7 +1,5 @@
 //! Pictures attached to a drive that is in the lake already.
 
-#![allow(clippy::unwrap_used)]
-
 use std::fs;
 use whyroad_lake::Lake;
 use whyroad_model::scene::{DriveMeta, MediaFrame};

@@ -1,26 +1,33 @@
-//! Counting what a drive holds. No judgement: numbers of clips, objects, features, and how much of each signal is
-//! known.
+//! What a lake holds, counted: numbers of clips, objects, map features, and how much of each signal is known.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
-use whyroad_lake::clip_metadata;
+use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata};
 use whyroad_model::messages::clip::ClipMetadata;
-use whyroad_model::{Drive, FrameRange, Need, SignalTable};
+use whyroad_model::{Drive, DriveId, FrameRange, Need, SignalTable};
 
 /// One drive, or one clip of it.
-#[derive(Serialize)]
-pub(super) struct DriveSummary {
+#[derive(Clone, Debug, Serialize)]
+pub struct DriveSummary {
+    /// Its id.
     pub drive_id: String,
+    /// Format of the log.
     pub format: String,
+    /// Where it was recorded; `None` is unknown.
     pub place: Option<String>,
+    /// Licence of the recording; `None` is unknown.
     pub licence: Option<String>,
+    /// Its clips.
     pub clips: Vec<ClipMetadata>,
+    /// The ego; `None` where the log has no ego pose.
     pub ego: Option<EgoSummary>,
     /// By class.
     pub objects: BTreeMap<String, ObjectCount>,
     /// Features by kind.
     pub map: Option<BTreeMap<String, usize>>,
+    /// Tables that the drive has.
     pub tables: Vec<&'static str>,
+    /// What the log lacks.
     pub missing: Vec<Need>,
     /// Signals that the log supports.
     pub signals: BTreeMap<String, SignalShare>,
@@ -28,53 +35,121 @@ pub(super) struct DriveSummary {
     pub unavailable: BTreeMap<String, Vec<Need>>,
 }
 
-#[derive(Serialize)]
-pub(super) struct EgoSummary {
+/// The ego's size and speeds.
+#[derive(Clone, Debug, Serialize)]
+pub struct EgoSummary {
+    /// Length of its box, m.
     pub length_m: f64,
+    /// Width of its box, m.
     pub width_m: f64,
+    /// Lowest known speed, m/s; NaN where none is known.
     pub min_speed_mps: f64,
+    /// Highest known speed, m/s.
     pub max_speed_mps: f64,
 }
 
-#[derive(Default, Serialize)]
-pub(super) struct ObjectCount {
+/// Objects of one class.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct ObjectCount {
+    /// Tracks.
     pub objects: usize,
+    /// Their observations.
     pub rows: usize,
 }
 
 /// How much of a signal is known.
-#[derive(Serialize)]
-pub(super) struct SignalShare {
+#[derive(Clone, Debug, Serialize)]
+pub struct SignalShare {
+    /// Rows with a known value.
     pub known: usize,
+    /// All rows.
     pub rows: usize,
 }
 
 impl DriveSummary {
-    /// Counts `drive`, or only its clip `clip`.
-    pub fn new(drive: &Drive, clip: Option<&str>) -> Self {
-        let mut clips = clip_metadata(drive);
+    /// Counts a drive of the lake, or only its clip `clip`. Signals are read from the lake where it stores them.
+    pub fn read(lake: &Lake, id: &DriveId, clip: Option<&str>) -> Result<Self, LakeError> {
+        let drive = lake.read_drive(id)?;
+        let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
-        if let Some(index) = clip.and_then(|id| clips.iter().position(|c| c.clip_id == id)) {
+        let index = clip.and_then(|id| clips.iter().position(|c| c.clip_id == id));
+        if let Some(index) = index {
             frames = drive.clips()[index];
             clips = vec![clips.swap_remove(index)];
         }
-        let table = whyroad_signals::derive(drive);
+        // For a whole drive the statistics in the files' footers are enough.
+        let stored = lake.signals(id, whyroad_signals::VERSION)?.filter(|_| index.is_none());
+        let (signals, unavailable) = match stored.and_then(|file| stored_shares(&file)) {
+            Some(shares) => shares,
+            None => {
+                let table = crate::drives::signals_of(lake, id)?;
+                (shares(&table, frames), table.unavailable)
+            }
+        };
         let meta = &drive.meta;
-        Self {
+        Ok(Self {
             drive_id: meta.drive_id.0.clone(),
             format: meta.format.clone(),
             place: meta.place.clone(),
             licence: meta.licence.clone(),
             clips,
-            ego: ego(drive, frames),
-            objects: objects(drive, frames),
-            map: map(drive),
-            tables: tables(drive),
+            ego: ego(&drive, frames),
+            objects: objects(&drive, frames),
+            map: map(&drive),
+            tables: tables(&drive),
             missing: meta.missing.clone(),
-            signals: signals(&table, frames),
-            unavailable: table.unavailable,
+            signals,
+            unavailable,
+        })
+    }
+}
+
+/// All drives of a lake together.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct LakeSummary {
+    /// Number of drives.
+    pub drives: usize,
+    /// Number of clips.
+    pub clips: usize,
+    /// Hours of driving.
+    pub hours: f64,
+    /// Drives by format.
+    pub formats: BTreeMap<String, usize>,
+    /// Objects by class.
+    pub objects: BTreeMap<String, ObjectCount>,
+    /// Drives by the table that they have.
+    pub tables: BTreeMap<&'static str, usize>,
+}
+
+impl LakeSummary {
+    /// Adds a drive.
+    pub fn add(&mut self, drive: &DriveSummary) {
+        self.drives += 1;
+        self.clips += drive.clips.len();
+        self.hours += drive.clips.iter().map(|c| c.duration_sec).sum::<f64>() / 3600.0;
+        *self.formats.entry(drive.format.clone()).or_default() += 1;
+        for (class, count) in &drive.objects {
+            let all = self.objects.entry(class.clone()).or_default();
+            all.objects += count.objects;
+            all.rows += count.rows;
+        }
+        for table in &drive.tables {
+            *self.tables.entry(table).or_default() += 1;
         }
     }
+}
+
+/// How much of each signal is known, and what the log cannot support.
+type Shares = (BTreeMap<String, SignalShare>, BTreeMap<String, Vec<Need>>);
+
+/// By the statistics of the stored columns; `None` where a file states none.
+fn stored_shares(file: &SignalFile) -> Option<Shares> {
+    let share = |name: &str| {
+        let range = file.range(0, name)?;
+        Some((name.to_owned(), SignalShare { known: range.known, rows: range.rows }))
+    };
+    let shares = file.signals(0).into_iter().map(share).collect::<Option<_>>()?;
+    Some((shares, file.contents().drives.first()?.unavailable.clone()))
 }
 
 fn ego(drive: &Drive, frames: FrameRange) -> Option<EgoSummary> {
@@ -125,7 +200,7 @@ fn tables(drive: &Drive) -> Vec<&'static str> {
     ["clips", "frames", "tracks"].into_iter().chain(there).collect()
 }
 
-fn signals(table: &SignalTable, frames: FrameRange) -> BTreeMap<String, SignalShare> {
+fn shares(table: &SignalTable, frames: FrameRange) -> BTreeMap<String, SignalShare> {
     let mut out = BTreeMap::new();
     for (name, column) in &table.frame_columns {
         let known = (frames.start..frames.end).filter(|&f| column.is_known(f)).count();

@@ -1,6 +1,5 @@
 //! Stored signals: what is written is read, bit by bit; what the files promise is checked; a store of other content
 //! or another version is none.
-#![allow(clippy::unwrap_used)]
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;

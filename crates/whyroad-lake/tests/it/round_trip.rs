@@ -1,7 +1,5 @@
 //! What is written is what is read: random drives, and the lake's promises about folders, order and versions.
 
-#![allow(clippy::unwrap_used)]
-
 use proptest::prelude::*;
 use std::fs;
 use whyroad_lake::{Lake, LakeError, WriteOutcome};

@@ -1,0 +1,82 @@
+//! Work on the drives of a lake: on all cores, results in the order of the ids, and only some of them in memory.
+
+use crate::mine::unreadable;
+use rayon::prelude::*;
+use whyroad_lake::{Lake, LakeError};
+use whyroad_model::{Diagnostic, DriveId, SignalTable};
+
+/// Drives that are processed for each core before their results are handed on: what is held does not grow with the lake,
+/// and a core that is done early waits for the others once per this many drives.
+const DRIVES_PER_CORE: usize = 32;
+
+/// Calls `work` for each drive, from any thread, and hands the results to `each` in the order of the ids. An error of
+/// `each` ends it. `jobs` bounds the drives in work at once (`None`: all cores).
+pub fn map_drives<T: Send, E>(
+    ids: &[DriveId],
+    jobs: Option<usize>,
+    work: impl Fn(&DriveId) -> T + Sync,
+    mut each: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E> {
+    let pool = jobs.and_then(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().ok());
+    let cores = pool.as_ref().map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
+    for some in ids.chunks(cores.max(1) * DRIVES_PER_CORE) {
+        // Drives one by one: their sizes differ, and each is work enough.
+        let all = || -> Vec<T> { some.par_iter().with_max_len(1).map(&work).collect() };
+        let results = match &pool {
+            Some(pool) => pool.install(all),
+            None => all(),
+        };
+        results.into_iter().try_for_each(&mut each)?;
+    }
+    Ok(())
+}
+
+/// The signals of a whole drive: those that the lake stores, or derived and stored now. They contain the drive's future;
+/// Stage I needs [`crate::recordings::LakeRecordings::signals`] of the drive cut at the keyframe.
+pub fn signals_of(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
+    if let Some(file) = lake.signals(id, whyroad_signals::VERSION)?
+        && let Ok(table) = file.read_table(0)
+    {
+        return Ok(table);
+    }
+    let table = derived_signals(lake, id)?;
+    // A lake that cannot be written can be read all the same: the next command derives again.
+    let _ = lake.write_signals(id, whyroad_signals::VERSION, &table);
+    Ok(table)
+}
+
+/// The signals of a whole drive, derived from its scene tables; nothing is stored.
+pub(crate) fn derived_signals(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
+    Ok(whyroad_signals::derive(&lake.read_drive(id)?))
+}
+
+/// Derives and stores the signals of every drive that has none stored by this version, as `mine` does on the way.
+/// Gives the number of drives whose signals were derived, and an error for each drive that could not be.
+pub fn derive_signals(
+    lake: &Lake,
+    jobs: Option<usize>,
+    done: impl Fn(&DriveId) + Sync,
+) -> (usize, Vec<Diagnostic>) {
+    let one = |id: &DriveId| -> Result<usize, Box<Diagnostic>> {
+        let derive = || -> Result<usize, LakeError> {
+            if lake.signals(id, whyroad_signals::VERSION)?.is_some() {
+                return Ok(0);
+            }
+            lake.write_signals(id, whyroad_signals::VERSION, &derived_signals(lake, id)?)?;
+            Ok(1)
+        };
+        let derived = derive().map_err(|e| unreadable(id, &e));
+        done(id);
+        derived
+    };
+    let (mut derived, mut errors) = (0, Vec::new());
+    let kept: Result<(), std::convert::Infallible> = map_drives(&lake.drive_ids(), jobs, one, |result| {
+        match result {
+            Ok(n) => derived += n,
+            Err(d) => errors.push(*d),
+        }
+        Ok(())
+    });
+    let Ok(()) = kept;
+    (derived, errors)
+}

@@ -1,0 +1,4 @@
+//! One binary for all integration tests of the engine.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+mod incremental;

@@ -1,0 +1,7 @@
+//! One binary for all integration tests of the lake.
+#![allow(clippy::unwrap_used)] // in a test a panic is the report
+
+mod facts;
+mod media;
+mod round_trip;
+mod signals;
