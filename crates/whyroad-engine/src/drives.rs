@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use whyroad_lake::{Lake, LakeError};
 use whyroad_model::{Diagnostic, DriveId, SignalTable};
 
-/// Drives that are processed for each core before their results are handed on: what is held does not grow with the lake,
-/// and a core that is done early waits for the others once per this many drives.
+/// Drives that are processed for each core before their results are handed on: what is held does not grow with the
+/// lake, and a core that is done early waits for the others once per this many drives.
 const DRIVES_PER_CORE: usize = 32;
 
 /// Calls `work` for each drive, from any thread, and hands the results to `each` in the order of the ids. An error of
@@ -31,8 +31,8 @@ pub fn map_drives<T: Send, E>(
     Ok(())
 }
 
-/// The signals of a whole drive: those that the lake stores, or derived and stored now. They contain the drive's future;
-/// Stage I needs [`crate::recordings::LakeRecordings::signals`] of the drive cut at the keyframe.
+/// The signals of a whole drive: those that the lake stores, or derived and stored now. They contain the drive's
+/// future; Stage I needs [`crate::recordings::LakeRecordings::signals`] of the drive cut at the keyframe.
 pub fn signals_of(lake: &Lake, id: &DriveId) -> Result<SignalTable, LakeError> {
     if let Some(file) = lake.signals(id, whyroad_signals::VERSION)?
         && let Ok(table) = file.read_table(0)

@@ -30,7 +30,8 @@ pub struct ReportContext<'a> {
     pub lang: Lang,
 }
 
-/// Chooses the episodes that get a card, drive by drive: primary ones first where there are more than the page can hold.
+/// Chooses the episodes that get a card, drive by drive: primary ones first where there are more than the page can
+/// hold.
 #[derive(Clone, Copy, Debug)]
 pub struct CardChoice {
     room: usize,
@@ -42,8 +43,8 @@ impl CardChoice {
         Self { room: max_cards }
     }
 
-    /// Chooses among episodes in the order of their drives, of which one at a time is in memory; gives the chosen ones by
-    /// drive.
+    /// Chooses among episodes in the order of their drives, of which one at a time is in memory; gives the chosen ones
+    /// by drive.
     pub fn choose_all(
         mut self,
         episodes: impl Iterator<Item = EpisodeRecord>,

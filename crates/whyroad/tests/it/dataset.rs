@@ -1,4 +1,5 @@
-//! `whyroad dataset` as a user runs it, on the bundled drives: drafts to a release, from the store and from mined folders.
+//! `whyroad dataset` as a user runs it, on the bundled drives: drafts to a release, from the store and from mined
+//! folders.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use crate::service::demo;
