@@ -9,7 +9,8 @@ import { readUnsaved, writeUnsaved } from "./unsaved_copy.ts";
 
 /**
  * `waiting`: a change will be sent soon. `offline`: the service cannot be reached, sending is tried again. `lost`: the
- * lease is lost, nothing is sent any more. `refused`: the service rejected a change. /
+ * lease is lost, nothing is sent any more. `refused`: the service rejected a change.
+ */
 export type SaveStatus = "saved" | "saving" | "waiting" | "offline" | "lost" | "refused";
 
 /** A pause in typing of this length sends what was typed. */

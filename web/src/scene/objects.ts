@@ -23,7 +23,8 @@ const LONGEST_NAME = 12;
 
 /**
  * Display names of tracks: short ids as they are, long ones as `#1`, `#2`, … in the order of their first frame. Tracks
- * that only Stage II shows appear later and so do not renumber those of Stage I. /
+ * that only Stage II shows appear later and so do not renumber those of Stage I.
+ */
 export function trackNames(tracks: readonly TrackView[]): ReadonlyMap<string, string> {
   const inOrder = [...tracks].sort((a, b) => a.first - b.first || a.id.localeCompare(b.id));
   return new Map(inOrder.map((track, n) => [track.id, track.id.length > LONGEST_NAME ? `#${n + 1}` : track.id]));

@@ -62,7 +62,8 @@ function outline(eye: Point, shape: readonly Point[]): Outline | null {
 
 /**
  * The area behind an outline, as near corner, far, far, near: the same orientation for all, so that a non-zero fill of
- * many is their union. /
+ * many is their union.
+ */
 function behind(eye: Point, o: Outline): Point[] {
   const far = (p: Point): Point => {
     const d = Math.hypot(p[0] - eye[0], p[1] - eye[1]) || 1;
@@ -84,7 +85,8 @@ const PARTS = 1440;
 
 /**
  * Wedges of all occluding tracks at frame `i` and of the walls of buildings. An object wholly behind nearer ones
- * occludes nothing more and has no wedge: in dense traffic a dozen of a hundred remain. /
+ * occludes nothing more and has no wedge: in dense traffic a dozen of a hundred remain.
+ */
 export function shadows(eye: Point, tracks: readonly TrackView[], walls: readonly (readonly Point[])[], i: number, share: number): Point[][] {
   const outlines: Outline[] = [];
   const add = (shape: readonly Point[]): void => {

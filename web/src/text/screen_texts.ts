@@ -101,7 +101,6 @@ export const screenTexts = {
   "queue.overlap_twice": ["有的任务是独立标注的另一份，您已标注过同一事件。", "Some tasks are independent copies of an episode that you have labeled."],
   "queue.own_work": ["有的任务由您标注，须由他人质检。", "You cannot check your own labels."],
   "queue.own_check": ["有的任务由您质检，须由他人抽检。", "You cannot audit labels that you checked."],
-  "queue.stage1_first": ["有的任务要等您先完成同一行程的另一个阶段一。", "Some tasks wait until you have finished another Stage I of the same drive."],
   "queue.other": ["其余任务现在不能领取。", "The other tasks are not available now."],
   "tasks.table": ["任务表", "Task table"],
   "tasks.queue": ["任务队列", "Queue"],
