@@ -82,7 +82,7 @@ impl<'f> Checker<'f> {
 
     /// The fast path: true when `text` is a label without any finding. False says nothing yet.
     pub fn is_clean_label(&self, text: &str) -> bool {
-        lean::Lean::read(text).is_some_and(|label| {
+        lean::LeanCocLabel::read(text).is_some_and(|label| {
             let mut sink = Silence { broken: false };
             self.rulebook().check(&label.view(), &mut sink);
             !sink.broken

@@ -1,6 +1,7 @@
 //! Rust source of the label's typed model, of its pointers and of the table of its fields.
 
 use crate::label_table::{Field, FieldType, Object, Presence};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The structs of the messages, and the step back to format 2.0.
@@ -111,7 +112,7 @@ fn attributes(f: &Field) -> String {
     out
 }
 
-/// The table of all fields in the order of the message, and their pointers as constants and functions.
+/// The table of all fields in the order of the message, their pointers as constants and functions, and their names.
 pub fn table(objects: &[Object]) -> String {
     let root = objects.iter().find(|o| o.root).expect("one object is the label");
     let (mut rows, mut pointers) = (String::new(), String::new());
@@ -120,8 +121,21 @@ pub fn table(objects: &[Object]) -> String {
         "/// Every field of a label, an object before its own fields, in the order of the message.\n\
          pub const LABEL_FIELDS: &[LabelField] = &[\n{rows}];\n\
          /// JSON pointers of the fields. What is in a list is a function of its position there.\n\
-         pub mod pointer {{\n{pointers}}}\n"
+         pub mod pointer {{\n{pointers}}}\n\
+         /// Names of the fields in their objects: the last part of a pointer.\n\
+         pub mod name {{\n{}}}\n",
+        names(objects)
     )
+}
+
+/// `frame_idx` as `FRAME_IDX`; a name that several objects use is there once.
+fn names(objects: &[Object]) -> String {
+    let all: BTreeSet<&str> = objects.iter().flat_map(|o| &o.fields).map(|f| f.name.as_str()).collect();
+    let mut out = String::new();
+    for name in all {
+        writeln!(out, "    /// `{name}`\n    pub const {}: &str = {name:?};", name.to_uppercase()).unwrap();
+    }
+    out
 }
 
 fn walk(object: &Object, objects: &[Object], base: &str, rows: &mut String, pointers: &mut String) {

@@ -27,6 +27,9 @@ pub enum FieldPresence {
 
 include!(concat!(env!("OUT_DIR"), "/label_fields.rs"));
 
+mod page;
+pub use page::page_module;
+
 impl LabelField {
     /// The field at a pointer of a document, such as `/critical_components/3/id`.
     pub fn at(pointer: &str) -> Option<&'static LabelField> {

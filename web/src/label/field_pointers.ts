@@ -1,39 +1,75 @@
-// The fields of a label as the page uses them: where they are (JSON pointers, RFC 6901) and what people call them. The
-// only module of the page that spells a pointer or a field's name; everything else refers to `pointers` and
-// `fieldNames`.
+// The fields of a label as the page uses them: where they are (JSON pointers, RFC 6901) and what people call them. Pointers
+// and names come from the field table (label_fields.generated.ts); this module groups and orders them for the form.
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Channel } from "./framework.ts";
+import * as fields from "./label_fields.generated.ts";
 import { pointer } from "./pointer.ts";
 
 export type KeyframeName = "keyframe" | "second_keyframe";
 export type ComponentPart = "id" | "description" | "category" | "uncertainty" | "evidence_times" | "linked_objects";
 
-export const pointers = {
-  keyframe: "/keyframe",
-  secondKeyframe: "/second_keyframe",
-  timeRange: "/time_range",
-  components: "/critical_components",
-  decision: "/driving_decision",
-  lateralDirection: "/driving_decision/lateral_direction",
-  causes: "/causes",
-  trace: "/coc_trace",
-  records: "/records",
-  secondaryScenarios: "/secondary_scenarios",
-  provenance: "/provenance",
-  version: "/version",
+const KEYFRAMES = {
+  keyframe: { at: fields.KEYFRAME, time: fields.KEYFRAME_TIMESTAMP },
+  second_keyframe: { at: fields.SECOND_KEYFRAME, time: fields.SECOND_KEYFRAME_TIMESTAMP },
+} as const satisfies Record<KeyframeName, unknown>;
 
-  keyframeOf: (name: KeyframeName): string => `/${name}`,
-  keyframeTime: (name: KeyframeName): string => `/${name}/timestamp`,
-  keyframeRange: (end: "range_start" | "range_end"): string => `/keyframe/${end}`,
-  rangeTime: (end: "start" | "end"): string => `/time_range/${end}_timestamp`,
-  rangeFrame: (end: "start" | "end"): string => `/time_range/${end}_frame_idx`,
-  component: (n: number): string => `/critical_components/${n}`,
-  componentPart: (n: number, part: ComponentPart): string => `/critical_components/${n}/${part}`,
-  decisionOf: (channel: Channel): string => `/driving_decision/${channel}`,
-  causesOf: (channel: Channel): string => `/causes/${channel}`,
-  causeComponents: (channel: Channel): string => `/causes/${channel}/components`,
-  unobservedReason: (channel: Channel): string => `/causes/${channel}/unobserved`,
-  record: (id: string): string => pointer("records", id),
+const KEYFRAME_RANGE = { range_start: fields.KEYFRAME_RANGE_START, range_end: fields.KEYFRAME_RANGE_END } as const;
+
+const RANGE_ENDS = {
+  start: { time: fields.TIME_RANGE_START_TIMESTAMP, frame: fields.TIME_RANGE_START_FRAME_IDX },
+  end: { time: fields.TIME_RANGE_END_TIMESTAMP, frame: fields.TIME_RANGE_END_FRAME_IDX },
+} as const;
+
+const COMPONENT_PARTS = {
+  id: fields.criticalComponentsItemId,
+  description: fields.criticalComponentsItemDescription,
+  category: fields.criticalComponentsItemCategory,
+  uncertainty: fields.criticalComponentsItemUncertainty,
+  evidence_times: fields.criticalComponentsItemEvidenceTimes,
+  linked_objects: fields.criticalComponentsItemLinkedObjects,
+} as const satisfies Record<ComponentPart, unknown>;
+
+const CHANNELS = {
+  longitudinal: {
+    decision: fields.DRIVING_DECISION_LONGITUDINAL,
+    causes: fields.CAUSES_LONGITUDINAL,
+    components: fields.CAUSES_LONGITUDINAL_COMPONENTS,
+    unobserved: fields.CAUSES_LONGITUDINAL_UNOBSERVED,
+  },
+  lateral: {
+    decision: fields.DRIVING_DECISION_LATERAL,
+    causes: fields.CAUSES_LATERAL,
+    components: fields.CAUSES_LATERAL_COMPONENTS,
+    unobserved: fields.CAUSES_LATERAL_UNOBSERVED,
+  },
+} as const satisfies Record<Channel, unknown>;
+
+export const pointers = {
+  keyframe: fields.KEYFRAME,
+  secondKeyframe: fields.SECOND_KEYFRAME,
+  timeRange: fields.TIME_RANGE,
+  components: fields.CRITICAL_COMPONENTS,
+  decision: fields.DRIVING_DECISION,
+  lateralDirection: fields.DRIVING_DECISION_LATERAL_DIRECTION,
+  causes: fields.CAUSES,
+  trace: fields.COC_TRACE,
+  records: fields.RECORDS,
+  secondaryScenarios: fields.SECONDARY_SCENARIOS,
+  provenance: fields.PROVENANCE,
+  version: fields.VERSION,
+
+  keyframeOf: (name: KeyframeName): string => KEYFRAMES[name].at,
+  keyframeTime: (name: KeyframeName): string => KEYFRAMES[name].time,
+  keyframeRange: (end: "range_start" | "range_end"): string => KEYFRAME_RANGE[end],
+  rangeTime: (end: "start" | "end"): string => RANGE_ENDS[end].time,
+  rangeFrame: (end: "start" | "end"): string => RANGE_ENDS[end].frame,
+  component: fields.criticalComponentsItem,
+  componentPart: (n: number, part: ComponentPart): string => COMPONENT_PARTS[part](n),
+  decisionOf: (channel: Channel): string => CHANNELS[channel].decision,
+  causesOf: (channel: Channel): string => CHANNELS[channel].causes,
+  causeComponents: (channel: Channel): string => CHANNELS[channel].components,
+  unobservedReason: (channel: Channel): string => CHANNELS[channel].unobserved,
+  record: (id: string): string => fields.RECORDS + pointer(id),
 } as const;
 
 /** Fields that Stage I fills; all others open with Stage II. */
@@ -76,38 +112,13 @@ export const SECTION_OF_FIELD: Readonly<Record<string, string>> = {
   secondary_scenarios: "records",
 };
 
-/** Top-level fields in the order of the form: [Chinese, English]. */
-export const fieldNames: Readonly<Record<string, TextPair>> = {
-  critical_components: ["关键要素", "Critical components"],
-  keyframe: ["关键帧", "Keyframe"],
-  second_keyframe: ["第二关键帧", "Second keyframe"],
-  time_range: ["时间范围", "Time range"],
-  driving_decision: ["决策", "Decision"],
-  causes: ["原因", "Causes"],
-  coc_trace: ["因果描述", "Causal trace"],
-  records: ["必填记录", "Required records"],
-  scenario: ["场景", "Scenario"],
-  secondary_scenarios: ["次场景", "Secondary scenarios"],
-};
+/** Top-level fields: [Chinese, English]. */
+export const fieldNames: Readonly<Record<string, TextPair>> = fields.TOP_NAMES;
 
-/** Members of these fields, in the order of the form: [Chinese, English]. */
-export const memberNames: Readonly<Record<string, TextPair>> = {
-  description: ["描述", "description"],
-  category: ["类别", "category"],
-  uncertainty: ["不确定性", "uncertainty"],
-  evidence_times: ["证据时刻", "evidence times"],
-  linked_objects: ["关联目标", "linked objects"],
-  timestamp: ["时刻", "time"],
-  range_start: ["范围起点", "range start"],
-  range_end: ["范围终点", "range end"],
-  start_timestamp: ["起点", "start"],
-  end_timestamp: ["终点", "end"],
-  longitudinal: ["纵向", "longitudinal"],
-  lateral: ["横向", "lateral"],
-  lateral_direction: ["方向", "direction"],
-  components: ["要素", "components"],
-  unobserved: ["未观测到", "unobserved"],
-};
+const { description, ...otherMembers } = fields.MEMBER_NAMES;
+
+/** Members of these fields, in the order of the form, which asks for a component's description first: [Chinese, English]. */
+export const memberNames: Readonly<Record<string, TextPair>> = { description, ...otherMembers };
 
 /** Members that follow from the times beside them: shown to nobody. */
 export const HIDDEN_MEMBERS: ReadonlySet<string> = new Set(["frame_idx", "start_frame_idx", "end_frame_idx", "type", "id"]);

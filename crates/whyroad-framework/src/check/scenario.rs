@@ -7,6 +7,7 @@ use super::json::Node;
 use super::slot::Slot;
 use super::walk::Walk;
 use whyroad_model::Severity;
+use whyroad_model::label_fields::name;
 
 /// The class of a sample, as far as it can be read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,12 +35,12 @@ pub fn read<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: &str) -> Scena
         let at = o.at(key);
         walk.need(&mut o, key).map_or(Slot::Broken, |n| walk.text(Some(n), &at))
     };
-    let (l1, l2) = (need(walk, "l1"), need(walk, "l2"));
+    let (l1, l2) = (need(walk, name::L1), need(walk, name::L2));
     let mut optional = |walk: &mut Walk<'d>, key| {
         let (node, at) = (o.get(key), o.at(key));
         walk.text(node, &at)
     };
-    let (l3, full_id) = (optional(walk, "l3"), optional(walk, "full_id"));
+    let (l3, full_id) = (optional(walk, name::L3), optional(walk, name::FULL_ID));
     walk.close(o, Severity::Warning);
     ScenarioView { l1, l2, l3, full_id }
 }
@@ -77,9 +78,9 @@ fn wrong(
     sink: &mut dyn Sink,
 ) {
     let (id, key, parent) = match level {
-        Level::L1 => (l1, "l1", String::new()),
-        Level::L2 => (l2.unwrap_or_default(), "l2", l1.to_owned()),
-        Level::L3 => (l3.unwrap_or_default(), "l3", format!("{l1}.{}", l2.unwrap_or_default())),
+        Level::L1 => (l1, name::L1, String::new()),
+        Level::L2 => (l2.unwrap_or_default(), name::L2, l1.to_owned()),
+        Level::L3 => (l3.unwrap_or_default(), name::L3, format!("{l1}.{}", l2.unwrap_or_default())),
     };
     let pointer = format!("{base}/{key}");
     let elsewhere = classes.elsewhere(level, id);
@@ -165,7 +166,7 @@ fn full_id(s: &ScenarioView<'_>, base: &str, sink: &mut dyn Sink) {
     if agrees && rest.is_empty() {
         return;
     }
-    sink.report(Finding::error("label.scenario.full_id", format!("{base}/full_id")), &|| {
+    sink.report(Finding::error("label.scenario.full_id", format!("{base}/{}", name::FULL_ID)), &|| {
         let made = [Some(l1), Some(l2), l3].into_iter().flatten().collect::<Vec<_>>().join(".");
         Words::new(
             format!("full_id '{full}' 与 l1/l2/l3 拼成的 '{made}' 不一致"),

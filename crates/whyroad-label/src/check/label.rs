@@ -9,36 +9,36 @@ use whyroad_framework::check::scenario::{self, ScenarioView};
 use whyroad_framework::check::walk::{Object, Walk};
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{ProvenanceSource, Uncertainty};
 
 /// Reads a label. What is missing or of the wrong form is reported and becomes a hole in the view.
 pub(super) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
     let mut v = View::default();
     let Some(mut o) = walk.object(walk.root, String::new()) else { return v };
-    let version = o.get("version");
-    v.version = walk.text(version, "/version");
-    v.clip_id = required(walk.need(&mut o, "clip_id").map(|n| walk.text(Some(n), "/clip_id")));
-    v.scenario = match walk.need(&mut o, "scenario") {
-        Some(n) => scenario::read(walk, n, "/scenario"),
+    v.version = text(walk, &mut o, name::VERSION);
+    v.clip_id = needed(walk, &mut o, name::CLIP_ID, Walk::text);
+    v.scenario = match walk.need(&mut o, name::SCENARIO) {
+        Some(n) => scenario::read(walk, n, pointer::SCENARIO),
         None => ScenarioView::BROKEN,
     };
     time_range(walk, &mut o, &mut v);
     keyframe(walk, &mut o, &mut v);
     decision(walk, &mut o, decisions, &mut v);
-    v.components = match walk.need(&mut o, "critical_components") {
+    v.components = match walk.need(&mut o, name::CRITICAL_COMPONENTS) {
         Some(n) => components(walk, n, &mut v.linked),
         None => Slot::Broken,
     };
     // A blank trace has a rule of its own.
-    v.trace = required(walk.need(&mut o, "coc_trace").map(|n| walk.any_text(Some(n), "/coc_trace")));
+    v.trace = needed(walk, &mut o, name::COC_TRACE, Walk::any_text);
     v.records = records(walk, &mut o);
     v.causes = causes(walk, &mut o);
-    v.second = match o.get("second_keyframe") {
-        Some(n) => Slot::Is(one_keyframe(walk, n, "/second_keyframe")),
+    v.second = match o.get(name::SECOND_KEYFRAME) {
+        Some(n) => Slot::Is(one_keyframe(walk, n, pointer::SECOND_KEYFRAME)),
         None => Slot::Absent,
     };
-    if let Slot::Is(items) = walk.list(o.get("secondary_scenarios"), "/secondary_scenarios") {
-        let at = |i: usize| format!("/secondary_scenarios/{i}");
+    if let Slot::Is(items) = walk.list(o.get(name::SECONDARY_SCENARIOS), pointer::SECONDARY_SCENARIOS) {
+        let at = pointer::secondary_scenarios_item;
         v.secondary = items.iter().enumerate().map(|(i, n)| walk.text(Some(n), &at(i))).collect();
     }
     provenance(walk, &mut o);
@@ -46,27 +46,44 @@ pub(super) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d
     v
 }
 
-fn required<T>(slot: Option<Slot<T>>) -> Slot<T> {
-    slot.unwrap_or(Slot::Broken)
+/// Reads a value at its pointer: [`Walk::text`], [`Walk::time`], ...
+type Read<'d, T> = fn(&mut Walk<'d>, Option<&'d Node<'d>>, &str) -> Slot<T>;
+
+/// A field that must be there.
+fn needed<'d, T>(walk: &mut Walk<'d>, o: &mut Object<'d>, name: &'static str, read: Read<'d, T>) -> Slot<T> {
+    let at = o.at(name);
+    walk.need(o, name).map_or(Slot::Broken, |n| read(walk, Some(n), &at))
+}
+
+/// A field that may be absent; null is the same.
+fn optional<'d, T>(
+    walk: &mut Walk<'d>,
+    o: &mut Object<'d>,
+    name: &'static str,
+    read: Read<'d, T>,
+) -> Slot<T> {
+    let at = o.at(name);
+    read(walk, o.get(name), &at)
+}
+
+fn text<'d>(walk: &mut Walk<'d>, o: &mut Object<'d>, name: &'static str) -> Slot<&'d str> {
+    optional(walk, o, name, Walk::text)
 }
 
 fn time_range<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>) {
     (v.start, v.end, v.start_frame, v.end_frame) = (Slot::Broken, Slot::Broken, Slot::Broken, Slot::Broken);
-    let Some(node) = walk.need(parent, "time_range") else { return };
-    let Some(mut o) = walk.object(node, "/time_range".into()) else { return };
-    v.start = required(
-        walk.need(&mut o, "start_timestamp").map(|n| walk.time(Some(n), "/time_range/start_timestamp")),
-    );
-    v.end =
-        required(walk.need(&mut o, "end_timestamp").map(|n| walk.time(Some(n), "/time_range/end_timestamp")));
-    v.start_frame = walk.frame(o.get("start_frame_idx"), "/time_range/start_frame_idx");
-    v.end_frame = walk.frame(o.get("end_frame_idx"), "/time_range/end_frame_idx");
+    let Some(node) = walk.need(parent, name::TIME_RANGE) else { return };
+    let Some(mut o) = walk.object(node, pointer::TIME_RANGE.into()) else { return };
+    v.start = needed(walk, &mut o, name::START_TIMESTAMP, Walk::time);
+    v.end = needed(walk, &mut o, name::END_TIMESTAMP, Walk::time);
+    v.start_frame = optional(walk, &mut o, name::START_FRAME_IDX, Walk::frame);
+    v.end_frame = optional(walk, &mut o, name::END_FRAME_IDX, Walk::frame);
     walk.close(o, Severity::Warning);
 }
 
 fn keyframe<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, v: &mut View<'d>) {
-    v.keyframe = match walk.need(parent, "keyframe") {
-        Some(node) => one_keyframe(walk, node, "/keyframe"),
+    v.keyframe = match walk.need(parent, name::KEYFRAME) {
+        Some(node) => one_keyframe(walk, node, pointer::KEYFRAME),
         None => BROKEN_KEYFRAME,
     };
 }
@@ -82,22 +99,22 @@ const BROKEN_KEYFRAME: KeyframeView = KeyframeView {
 fn one_keyframe<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> KeyframeView {
     let mut k = BROKEN_KEYFRAME;
     let Some(mut o) = walk.object(node, base.to_owned()) else { return k };
-    let at = |key: &str| format!("{base}/{key}");
-    k.timestamp = required(walk.need(&mut o, "timestamp").map(|n| walk.time(Some(n), &at("timestamp"))));
-    k.frame = required(walk.need(&mut o, "frame_idx").map(|n| walk.frame(Some(n), &at("frame_idx"))));
-    k.kind = required(
-        walk.need(&mut o, "type").map(|n| keyframe_type(walk, n, &at("type"), "label.enum.keyframe_type")),
-    );
-    k.range_start = walk.time(o.get("range_start"), &at("range_start"));
-    k.range_end = walk.time(o.get("range_end"), &at("range_end"));
+    k.timestamp = needed(walk, &mut o, name::TIMESTAMP, Walk::time);
+    k.frame = needed(walk, &mut o, name::FRAME_IDX, Walk::frame);
+    let at = o.at(name::TYPE);
+    k.kind = walk
+        .need(&mut o, name::TYPE)
+        .map_or(Slot::Broken, |n| keyframe_type(walk, n, &at, "label.enum.keyframe_type"));
+    k.range_start = optional(walk, &mut o, name::RANGE_START, Walk::time);
+    k.range_end = optional(walk, &mut o, name::RANGE_END, Walk::time);
     walk.close(o, Severity::Warning);
     k
 }
 
 fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &DecisionSets, v: &mut View<'d>) {
     (v.longitudinal, v.lateral, v.direction) = (Slot::Broken, Slot::Broken, Slot::Broken);
-    let Some(node) = walk.need(parent, "driving_decision") else { return };
-    let Some(mut o) = walk.object(node, "/driving_decision".into()) else { return };
+    let Some(node) = walk.need(parent, name::DRIVING_DECISION) else { return };
+    let Some(mut o) = walk.object(node, pointer::DRIVING_DECISION.into()) else { return };
     let longitudinal = ClosedSet {
         code: "label.enum.longitudinal",
         zh: "纵向决策",
@@ -132,15 +149,25 @@ fn decision<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>, decisions: &Decisi
         .to_vec(),
     };
     // The key must be written even when its value is null: null is a decision too (LABELING.md 2).
-    v.longitudinal = required(walk.nullable(&mut o, "longitudinal").map(|n| {
-        choose(walk, Some(n).filter(|n| !n.is_null()), "/driving_decision/longitudinal", &longitudinal)
-    }));
-    v.lateral = required(
-        walk.nullable(&mut o, "lateral")
-            .map(|n| choose(walk, Some(n).filter(|n| !n.is_null()), "/driving_decision/lateral", &lateral)),
-    );
-    v.direction = choose(walk, o.get("lateral_direction"), "/driving_decision/lateral_direction", &direction);
+    v.longitudinal = nullable(walk, &mut o, name::LONGITUDINAL, &longitudinal);
+    v.lateral = nullable(walk, &mut o, name::LATERAL, &lateral);
+    let at = o.at(name::LATERAL_DIRECTION);
+    v.direction = choose(walk, o.get(name::LATERAL_DIRECTION), &at, &direction);
     walk.close(o, Severity::Warning);
+}
+
+/// A member of a closed set whose key must be there; null is absent.
+fn nullable<'d, T: Copy>(
+    walk: &mut Walk<'d>,
+    o: &mut Object<'d>,
+    name: &'static str,
+    set: &ClosedSet<T>,
+) -> Slot<T> {
+    let at = o.at(name);
+    match walk.nullable(o, name) {
+        Some(n) => choose(walk, Some(n).filter(|n| !n.is_null()), &at, set),
+        None => Slot::Broken,
+    }
 }
 
 fn both(name: &whyroad_model::Bilingual, id: &'static str) -> [(String, &'static str); 2] {
@@ -152,7 +179,7 @@ fn components<'d>(
     node: &'d Node<'d>,
     linked: &mut Vec<LinkedComponent<'d>>,
 ) -> Slot<Components> {
-    let Slot::Is(items) = walk.list(Some(node), "/critical_components") else { return Slot::Broken };
+    let Slot::Is(items) = walk.list(Some(node), pointer::CRITICAL_COMPONENTS) else { return Slot::Broken };
     let mut out = Components { count: items.len(), any_high: false };
     let set = ClosedSet {
         code: "label.enum.uncertainty",
@@ -163,31 +190,24 @@ fn components<'d>(
         names: [("高", "high"), ("低", "low")].map(|(n, id)| (n.to_owned(), id)).to_vec(),
     };
     for (i, item) in items.iter().enumerate() {
-        let base = format!("/critical_components/{i}");
-        let Some(mut o) = walk.object(item, base) else {
+        let Some(mut o) = walk.object(item, pointer::critical_components_item(i)) else {
             out.any_high = true;
             continue;
         };
-        let category = o.get("category");
-        walk.any_text(category, &o.at("category"));
-        let at = o.at("description");
-        if let Some(n) = walk.need(&mut o, "description") {
-            walk.text(Some(n), &at);
-        }
-        let at = o.at("uncertainty");
-        let uncertainty = choose(walk, o.get("uncertainty"), &at, &set);
+        optional(walk, &mut o, name::CATEGORY, Walk::any_text);
+        needed(walk, &mut o, name::DESCRIPTION, Walk::text);
+        let at = o.at(name::UNCERTAINTY);
+        let uncertainty = choose(walk, o.get(name::UNCERTAINTY), &at, &set);
         out.any_high |= !matches!(uncertainty, Slot::Absent | Slot::Is(Uncertainty::Low));
-        let at = o.at("id");
-        let id = walk.text(o.get("id"), &at);
-        let at = o.at("evidence_times");
+        let id = text(walk, &mut o, name::ID);
         let mut evidence = Vec::new();
-        if let Slot::Is(times) = walk.list(o.get("evidence_times"), &at) {
-            evidence.extend(times.iter().enumerate().map(|(k, n)| walk.time(Some(n), &format!("{at}/{k}"))));
+        if let Slot::Is(times) = optional(walk, &mut o, name::EVIDENCE_TIMES, Walk::list) {
+            let at = |k| pointer::critical_components_item_evidence_times_item(i, k);
+            evidence.extend(times.iter().enumerate().map(|(k, n)| walk.time(Some(n), &at(k))));
         }
-        let at = o.at("linked_objects");
-        if let Slot::Is(objects) = walk.list(o.get("linked_objects"), &at) {
+        if let Slot::Is(objects) = optional(walk, &mut o, name::LINKED_OBJECTS, Walk::list) {
             for (k, n) in objects.iter().enumerate() {
-                walk.text(Some(n), &format!("{at}/{k}"));
+                walk.text(Some(n), &pointer::critical_components_item_linked_objects_item(i, k));
             }
         }
         if !id.is_absent() || !evidence.is_empty() {
@@ -199,8 +219,8 @@ fn components<'d>(
 }
 
 fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<&'d str>> {
-    let Some(node) = parent.get("records") else { return Slot::Absent };
-    let Some(o) = walk.object(node, "/records".into()) else { return Slot::Broken };
+    let Some(node) = parent.get(name::RECORDS) else { return Slot::Absent };
+    let Some(o) = walk.object(node, pointer::RECORDS.into()) else { return Slot::Broken };
     let mut filled = Vec::new();
     for e in o.entries() {
         walk.free(&e.node, &o.at(&e.key));
@@ -217,13 +237,16 @@ fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<&'d str
 }
 
 fn causes<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<CausesView<'d>> {
-    let Some(node) = parent.get("causes") else { return Slot::Absent };
-    let Some(mut o) = walk.object(node, "/causes".into()) else { return Slot::Broken };
-    let mut channel = |walk: &mut Walk<'d>, key: &'static str| match o.get(key) {
-        Some(n) => cause(walk, n, &format!("/causes/{key}")),
+    let Some(node) = parent.get(name::CAUSES) else { return Slot::Absent };
+    let Some(mut o) = walk.object(node, pointer::CAUSES.into()) else { return Slot::Broken };
+    let mut channel = |walk: &mut Walk<'d>, key: &'static str, base: &str| match o.get(key) {
+        Some(n) => cause(walk, n, base),
         None => Slot::Absent,
     };
-    let view = CausesView { longitudinal: channel(walk, "longitudinal"), lateral: channel(walk, "lateral") };
+    let view = CausesView {
+        longitudinal: channel(walk, name::LONGITUDINAL, pointer::CAUSES_LONGITUDINAL),
+        lateral: channel(walk, name::LATERAL, pointer::CAUSES_LATERAL),
+    };
     walk.close(o, Severity::Warning);
     Slot::Is(view)
 }
@@ -231,8 +254,8 @@ fn causes<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<CausesView<'
 fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseView<'d>> {
     let Some(mut o) = walk.object(node, base.to_owned()) else { return Slot::Broken };
     let mut view = CauseView::default();
-    let at = format!("{base}/components");
-    match walk.list(o.get("components"), &at) {
+    let at = o.at(name::COMPONENTS);
+    match walk.list(o.get(name::COMPONENTS), &at) {
         Slot::Is(ids) => {
             let text = |(i, n): (usize, &'d Node<'d>)| walk.text(Some(n), &format!("{at}/{i}"));
             view.components = ids.iter().enumerate().map(text).collect();
@@ -240,14 +263,14 @@ fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseV
         Slot::Broken => view.components.push(Slot::Broken),
         Slot::Absent => {}
     }
-    view.unobserved = walk.text(o.get("unobserved"), &format!("{base}/unobserved"));
+    view.unobserved = text(walk, &mut o, name::UNOBSERVED);
     walk.close(o, Severity::Warning);
     Slot::Is(view)
 }
 
 fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
-    let Some(node) = parent.get("provenance") else { return };
-    let Some(mut o) = walk.object(node, "/provenance".into()) else { return };
+    let Some(node) = parent.get(name::PROVENANCE) else { return };
+    let Some(mut o) = walk.object(node, pointer::PROVENANCE.into()) else { return };
     let set = ClosedSet {
         code: "label.enum.provenance_source",
         zh: "标签来源",
@@ -258,16 +281,15 @@ fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
             .map(|(n, id)| (n.to_owned(), id))
             .to_vec(),
     };
-    if let Some(n) = walk.need(&mut o, "source") {
-        choose(walk, Some(n), "/provenance/source", &set);
+    if let Some(n) = walk.need(&mut o, name::SOURCE) {
+        choose(walk, Some(n), pointer::PROVENANCE_SOURCE, &set);
     }
-    for key in ["by", "tool"] {
-        let at = o.at(key);
-        walk.text(o.get(key), &at);
+    for key in [name::BY, name::TOOL] {
+        text(walk, &mut o, key);
     }
-    walk.time(o.get("at"), "/provenance/at");
-    if let Some(n) = o.get("versions")
-        && let Some(versions) = walk.object(n, "/provenance/versions".into())
+    optional(walk, &mut o, name::AT, Walk::time);
+    if let Some(n) = o.get(name::VERSIONS)
+        && let Some(versions) = walk.object(n, pointer::PROVENANCE_VERSIONS.into())
     {
         for e in versions.entries() {
             walk.text(Some(&e.node), &versions.at(&e.key));

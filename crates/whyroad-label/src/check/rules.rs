@@ -8,12 +8,12 @@ mod decision;
 mod moment;
 mod text;
 
-use super::ClipIndex;
-use super::clips::ClipFacts;
+use super::clips::{ClipFacts, ClipIndex};
 use super::view::View;
 use whyroad_framework::check::class_index::{ClassIndex, Found};
 use whyroad_framework::check::{Finding, Sink, Words, scenario};
 use whyroad_framework::lexicon::Lexicon;
+use whyroad_model::label_fields::pointer;
 
 /// What the rules know besides the label.
 pub(super) struct Rulebook<'f> {
@@ -26,7 +26,7 @@ impl Rulebook<'_> {
     /// Runs every rule.
     pub fn check(&self, label: &View<'_>, sink: &mut dyn Sink) {
         text::version(label, sink);
-        let prescribed = match scenario::check(&label.scenario, self.classes, "/scenario", sink) {
+        let prescribed = match scenario::check(&label.scenario, self.classes, pointer::SCENARIO, sink) {
             Some(Found::Class(p)) => Some(p),
             _ => None,
         };
@@ -50,7 +50,7 @@ impl Rulebook<'_> {
         let (clips, id) = (self.clips?, label.clip_id.get()?);
         let found = clips.get(id);
         if found.is_none() {
-            sink.report(Finding::error("label.clip.unknown", "/clip_id"), &|| {
+            sink.report(Finding::error("label.clip.unknown", pointer::CLIP_ID), &|| {
                 let words = Words::new(
                     format!("片段清单中没有 '{id}'"),
                     format!("clip '{id}' is not in the clip list"),

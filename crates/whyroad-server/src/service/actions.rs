@@ -13,6 +13,7 @@ use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
 use whyroad_label::merge::{self, FieldChange};
+use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
 
@@ -194,8 +195,8 @@ fn need_reason(action: Action, reason: Option<&str>, comments: &[NewComment]) ->
 
 /// Stage I locks only with a component and without errors in what will stay as it is.
 fn lockable(t: &TaskRow, found: Vec<Finding>) -> Answer<()> {
-    let described = |c: &Value| c["description"].as_str().is_some_and(|d| !d.trim().is_empty());
-    let any = t.draft.get("critical_components").and_then(Value::as_array);
+    let described = |c: &Value| c[name::DESCRIPTION].as_str().is_some_and(|d| !d.trim().is_empty());
+    let any = t.draft.get(name::CRITICAL_COMPONENTS).and_then(Value::as_array);
     if !any.is_some_and(|list| list.iter().any(described)) {
         return Err(Problem::new(
             422,
@@ -226,7 +227,7 @@ fn made_by(app: &App, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
     };
     let set = |path: &str, value: Value| FieldChange { path: path.to_owned(), value, remove: false };
     let made = serde_json::to_value(made).map_err(Problem::store)?;
-    Ok(vec![set("/provenance", made), set("/version", json!(FORMAT_VERSION))])
+    Ok(vec![set(pointer::PROVENANCE, made), set(pointer::VERSION, json!(FORMAT_VERSION))])
 }
 
 fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {

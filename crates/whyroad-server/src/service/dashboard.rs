@@ -13,6 +13,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use whyroad_label::agreement::{cohen, fleiss, median};
 use whyroad_model::Nanos;
+use whyroad_model::label_fields::pointer;
 
 /// Milliseconds of a day.
 const DAY_MS: i64 = 86_400_000;
@@ -97,14 +98,13 @@ struct Rated {
 
 impl Rated {
     fn of(author: String, label: &Value) -> Self {
-        let word =
-            |pointer: &str| label.pointer(pointer).and_then(Value::as_str).unwrap_or("null").to_owned();
-        let direction = label.pointer("/driving_decision/lateral_direction").and_then(Value::as_str);
-        let lateral = word("/driving_decision/lateral");
-        let keyframe = label.pointer("/keyframe/timestamp").and_then(Value::as_str);
+        let word = |at: &str| label.pointer(at).and_then(Value::as_str).unwrap_or("null").to_owned();
+        let direction = label.pointer(pointer::DRIVING_DECISION_LATERAL_DIRECTION).and_then(Value::as_str);
+        let lateral = word(pointer::DRIVING_DECISION_LATERAL);
+        let keyframe = label.pointer(pointer::KEYFRAME_TIMESTAMP).and_then(Value::as_str);
         Self {
             author,
-            longitudinal: word("/driving_decision/longitudinal"),
+            longitudinal: word(pointer::DRIVING_DECISION_LONGITUDINAL),
             lateral: direction.map_or(lateral.clone(), |d| format!("{lateral} {d}")),
             keyframe: keyframe.and_then(|t| Nanos::parse_iso(t).ok()),
         }

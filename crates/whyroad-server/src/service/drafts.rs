@@ -12,6 +12,7 @@ use crate::values;
 use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::Nanos;
+use whyroad_model::label_fields::pointer;
 
 /// What came of saving.
 #[derive(Clone, Debug)]
@@ -77,9 +78,9 @@ pub fn save(
 fn by_field(state: State, changes: &[FieldChange]) -> Vec<FieldChange> {
     let mut out = Vec::new();
     for c in changes {
-        match c.value.as_object().filter(|_| state == State::Stage1 && c.path == "/keyframe") {
+        match c.value.as_object().filter(|_| state == State::Stage1 && c.path == pointer::KEYFRAME) {
             Some(parts) => out.extend(parts.iter().map(|(k, v)| FieldChange {
-                path: format!("/keyframe/{}", k.replace('~', "~0").replace('/', "~1")),
+                path: format!("{}/{}", pointer::KEYFRAME, k.replace('~', "~0").replace('/', "~1")),
                 value: v.clone(),
                 remove: false,
             })),

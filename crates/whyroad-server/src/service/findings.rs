@@ -7,6 +7,7 @@ use crate::domain::workflow::Stage;
 use crate::service::visible;
 use serde_json::{Value, json};
 use std::borrow::Cow;
+use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
 /// Marks with which drafts open (whyroad-dataset `draft`); a trace that has one was not written by a person.
@@ -22,13 +23,14 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
             let probe = probe(draft);
             let mut found = check(app, &probe);
             found.retain(|f| {
-                f.pointer.starts_with("/critical_components") || f.pointer.starts_with("/keyframe/timestamp")
+                f.pointer.starts_with(pointer::CRITICAL_COMPONENTS)
+                    || f.pointer.starts_with(pointer::KEYFRAME_TIMESTAMP)
             });
             found
         }
         Stage::Stage2 => {
             let mut found = check(app, &with_causes(draft));
-            let trace = draft.get("coc_trace").and_then(Value::as_str).unwrap_or_default();
+            let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
             if DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
                 found.push(marked());
             }
@@ -40,11 +42,11 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
 /// The draft with empty causes where it has none. A label from elsewhere may do without them, as those of format 2.0
 /// do; one that is made here names a cause of each decision, or UNOBSERVED with a reason (LABELING.md 6).
 fn with_causes(draft: &Value) -> Cow<'_, Value> {
-    if draft.get("causes").is_some_and(|c| !c.is_null()) {
+    if draft.get(name::CAUSES).is_some_and(|c| !c.is_null()) {
         return Cow::Borrowed(draft);
     }
     let mut whole = draft.clone();
-    whole["causes"] = json!({});
+    whole[name::CAUSES] = json!({});
     Cow::Owned(whole)
 }
 
@@ -61,13 +63,13 @@ pub fn check(app: &App, label: &Value) -> Vec<Finding> {
 /// The visible part of a draft with neutral fields in place of the hidden ones.
 fn probe(draft: &Value) -> Value {
     let mut label = visible::label(draft, Stage::Stage1);
-    let moment = |pointer: &str| label.pointer(pointer).and_then(Value::as_str).map(str::to_owned);
-    let keyframe = moment("/keyframe/timestamp").unwrap_or_default();
-    let start = moment("/time_range/start_timestamp").unwrap_or_else(|| keyframe.clone());
+    let moment = |at: &str| label.pointer(at).and_then(Value::as_str).map(str::to_owned);
+    let keyframe = moment(pointer::KEYFRAME_TIMESTAMP).unwrap_or_default();
+    let start = moment(pointer::TIME_RANGE_START_TIMESTAMP).unwrap_or_else(|| keyframe.clone());
     let end = Nanos::parse_iso(&keyframe).map(|k| k.plus_secs(1.0).to_string()).unwrap_or_default();
-    label["time_range"] = json!({ "start_timestamp": start, "end_timestamp": end });
-    label["driving_decision"] = json!({ "longitudinal": null, "lateral": null });
-    label["coc_trace"] = json!("");
+    label[name::TIME_RANGE] = json!({ (name::START_TIMESTAMP): start, (name::END_TIMESTAMP): end });
+    label[name::DRIVING_DECISION] = json!({ (name::LONGITUDINAL): null, (name::LATERAL): null });
+    label[name::COC_TRACE] = json!("");
     label
 }
 
@@ -94,7 +96,7 @@ fn marked() -> Finding {
         severity: "error".to_owned(),
         message_zh: "因果描述仍是程序生成的草稿".to_owned(),
         message_en: "the trace is still the program's draft".to_owned(),
-        pointer: "/coc_trace".to_owned(),
+        pointer: pointer::COC_TRACE.to_owned(),
         hint_zh: Some("改写为：状态、原因、决策，并删去草稿标记".to_owned()),
         hint_en: Some("write state, reason and decision, and delete the draft mark".to_owned()),
     }

@@ -11,11 +11,13 @@ use crate::values;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use whyroad_model::Nanos;
+use whyroad_model::label_fields::{name, pointer};
 
 /// Fields of the label that Stage I shows, beside the start of `time_range`.
-const STAGE1_FIELDS: [&str; 5] = ["version", "clip_id", "scenario", "keyframe", "critical_components"];
+const STAGE1_FIELDS: [&str; 5] =
+    [name::VERSION, name::CLIP_ID, name::SCENARIO, name::KEYFRAME, name::CRITICAL_COMPONENTS];
 /// Fields that Stage I may change.
-const STAGE1_OPEN: [&str; 2] = ["critical_components", "keyframe"];
+const STAGE1_OPEN: [&str; 2] = [name::CRITICAL_COMPONENTS, name::KEYFRAME];
 
 /// A label as far as `stage` shows it.
 pub fn label(label: &Value, stage: Stage) -> Value {
@@ -23,16 +25,16 @@ pub fn label(label: &Value, stage: Stage) -> Value {
         return label.clone();
     }
     let mut out = Map::new();
-    for name in STAGE1_FIELDS {
-        if let Some(value) = label.get(name) {
-            out.insert(name.to_owned(), value.clone());
+    for field in STAGE1_FIELDS {
+        if let Some(value) = label.get(field) {
+            out.insert(field.to_owned(), value.clone());
         }
     }
-    if let Some(keyframe) = out.get_mut("keyframe").and_then(Value::as_object_mut) {
-        keyframe.remove("range_end");
+    if let Some(keyframe) = out.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
+        keyframe.remove(name::RANGE_END);
     }
-    if let Some(start) = label.pointer("/time_range/start_timestamp") {
-        out.insert("time_range".to_owned(), json!({ "start_timestamp": start }));
+    if let Some(start) = label.pointer(pointer::TIME_RANGE_START_TIMESTAMP) {
+        out.insert(name::TIME_RANGE.to_owned(), json!({ (name::START_TIMESTAMP): start }));
     }
     Value::Object(out)
 }
@@ -47,8 +49,8 @@ pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> A
             format!("阶段一只能修改关键要素和关键帧，不能修改 {path}"),
             format!("Stage I changes critical components and the keyframe, not {path}"),
         )),
-        State::Stage1 if field == "keyframe" => not_after(path, value, keyframe),
-        State::Stage2 if field == "critical_components" => Err(Problem::new(
+        State::Stage1 if field == name::KEYFRAME => not_after(path, value, keyframe),
+        State::Stage2 if field == name::CRITICAL_COMPONENTS => Err(Problem::new(
             422,
             "draft.frozen",
             "阶段一已锁定，关键要素不能再改",
@@ -60,15 +62,16 @@ pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> A
 
 /// In Stage I the keyframe may move back, never into what is not shown.
 fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
-    let hidden = path.ends_with("/range_end") || value.get("range_end").is_some();
+    let hidden = path.rsplit_once('/').is_some_and(|(_, last)| last == name::RANGE_END)
+        || value.get(name::RANGE_END).is_some();
     let moment = match path {
-        "/keyframe" => value.get("timestamp").and_then(Value::as_str),
-        "/keyframe/timestamp" | "/keyframe/range_start" => value.as_str(),
+        pointer::KEYFRAME => value.get(name::TIMESTAMP).and_then(Value::as_str),
+        pointer::KEYFRAME_TIMESTAMP | pointer::KEYFRAME_RANGE_START => value.as_str(),
         _ => None,
     };
     let late = moment.is_some_and(|t| Nanos::parse_iso(t).is_ok_and(|t| t > keyframe));
     // Whole, it would take its hidden end away, and a conflict about it would reveal that end.
-    let whole = path == "/keyframe" && !value.is_object();
+    let whole = path == pointer::KEYFRAME && !value.is_object();
     if hidden || late || whole {
         return Err(Problem::new(
             422,

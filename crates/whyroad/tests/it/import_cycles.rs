@@ -12,8 +12,6 @@ const ALLOWED: &[(&str, &str)] = &[
     ("whyroad-engine", "drives"),
     ("whyroad-engine", "media::images"),
     ("whyroad-lake", "mined::lines"),
-    ("whyroad-label", "check::rules"),
-    ("whyroad-label", "check::lean::linked"),
     ("whyroad-mining", "cases::table"),
     ("whyroad-mining", "episode::pairs"),
     ("whyroad-mining", "fast::margin::rows"),

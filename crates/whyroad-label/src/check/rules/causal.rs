@@ -6,6 +6,7 @@ use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::taxonomy::did_you_mean;
 use whyroad_model::Nanos;
+use whyroad_model::label_fields::{name, pointer};
 
 /// Component ids are names: each stands for one component.
 pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
@@ -13,7 +14,7 @@ pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
         let Some(id) = c.id.get() else { continue };
         let Some(first) = label.linked[..i].iter().find(|o| o.id == Slot::Is(id)) else { continue };
         sink.report(
-            Finding::error("label.component.duplicate_id", format!("/critical_components/{}/id", c.index)),
+            Finding::error("label.component.duplicate_id", pointer::critical_components_item_id(c.index)),
             &|| {
                 Words::new(
                     format!("关键要素 {} 与 {} 的 id 都是 '{id}'", first.index, c.index),
@@ -32,7 +33,7 @@ pub(super) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     for c in &label.linked {
         let late = c.evidence.iter().enumerate().filter_map(|(k, t)| Some((k, t.get()?)));
         for (k, time) in late.filter(|(_, t)| *t > keyframe) {
-            let at = format!("/critical_components/{}/evidence_times/{k}", c.index);
+            let at = pointer::critical_components_item_evidence_times_item(c.index, k);
             sink.report(Finding::error("label.evidence.after_keyframe", at), &|| {
                 Words::new(
                     format!("证据时间 {time} 晚于关键帧 {keyframe}：关键帧之后才看到的不能是原因"),
@@ -47,6 +48,27 @@ pub(super) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     }
 }
 
+/// Where the cause of a channel's decision is.
+struct CauseChannel {
+    name: &'static str,
+    at: &'static str,
+    unobserved: &'static str,
+    component: fn(usize) -> String,
+}
+
+const LONGITUDINAL: CauseChannel = CauseChannel {
+    name: name::LONGITUDINAL,
+    at: pointer::CAUSES_LONGITUDINAL,
+    unobserved: pointer::CAUSES_LONGITUDINAL_UNOBSERVED,
+    component: pointer::causes_longitudinal_components_item,
+};
+const LATERAL: CauseChannel = CauseChannel {
+    name: name::LATERAL,
+    at: pointer::CAUSES_LATERAL,
+    unobserved: pointer::CAUSES_LATERAL_UNOBSERVED,
+    component: pointer::causes_lateral_components_item,
+};
+
 /// Each decision names a component, or is UNOBSERVED with a reason.
 pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
@@ -54,8 +76,8 @@ pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     let longitudinal = label.longitudinal.get().map(|d| d.id());
     let lateral = label.lateral.get().map(|d| d.id());
     let channels = [
-        ("longitudinal", longitudinal, label.longitudinal.is_absent(), &causes.longitudinal),
-        ("lateral", lateral, label.lateral.is_absent(), &causes.lateral),
+        (&LONGITUDINAL, longitudinal, label.longitudinal.is_absent(), &causes.longitudinal),
+        (&LATERAL, lateral, label.lateral.is_absent(), &causes.lateral),
     ];
     for (channel, decision, is_null, cause) in channels {
         match (decision, cause) {
@@ -75,8 +97,8 @@ pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     }
 }
 
-fn missing(channel: &'static str, decision: &'static str, sink: &mut dyn Sink) {
-    sink.report(Finding::error("label.cause.missing", format!("/causes/{channel}")), &|| {
+fn missing(channel: &CauseChannel, decision: &'static str, sink: &mut dyn Sink) {
+    sink.report(Finding::error("label.cause.missing", channel.at), &|| {
         Words::new(format!("决策 {decision} 没有原因"), format!("the decision {decision} has no cause")).hint(
             "在 components 中写出引起它的要素 id；看不到原因时写 \"unobserved\": \"理由\"",
             "name the components that cause it; where none could be observed write \"unobserved\": \"why\"",
@@ -84,19 +106,20 @@ fn missing(channel: &'static str, decision: &'static str, sink: &mut dyn Sink) {
     });
 }
 
-fn without_decision(channel: &'static str, sink: &mut dyn Sink) {
-    sink.report(Finding::warning("label.cause.without_decision", format!("/causes/{channel}")), &|| {
+fn without_decision(channel: &CauseChannel, sink: &mut dyn Sink) {
+    let name = channel.name;
+    sink.report(Finding::warning("label.cause.without_decision", channel.at), &|| {
         Words::new(
-            format!("{channel} 没有决策（null），却写了原因"),
-            format!("there is no {channel} decision (null), but a cause for it"),
+            format!("{name} 没有决策（null），却写了原因"),
+            format!("there is no {name} decision (null), but a cause for it"),
         )
         .hint("删去该原因，或补上决策", "leave the cause out, or add the decision")
     });
 }
 
-fn components(channel: &'static str, cause: &CauseView<'_>, known: &[&str], sink: &mut dyn Sink) {
+fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sink: &mut dyn Sink) {
     if let (Some(_), false) = (cause.unobserved.get(), cause.components.is_empty()) {
-        sink.report(Finding::error("label.cause.both", format!("/causes/{channel}/unobserved")), &|| {
+        sink.report(Finding::error("label.cause.both", channel.unobserved), &|| {
             Words::new(
                 "既写了要素又写了 unobserved：两者只能取一",
                 "components and unobserved exclude one another",
@@ -107,7 +130,7 @@ fn components(channel: &'static str, cause: &CauseView<'_>, known: &[&str], sink
         if known.contains(&id) {
             continue;
         }
-        let at = format!("/causes/{channel}/components/{i}");
+        let at = (channel.component)(i);
         sink.report(Finding::error("label.cause.unknown_component", at), &|| {
             let words = Words::new(
                 format!("没有 id 为 '{id}' 的关键要素"),
@@ -126,7 +149,6 @@ fn components(channel: &'static str, cause: &CauseView<'_>, known: &[&str], sink
 
 /// The second keyframe: there where the class has two, not before the first, in the time range.
 pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
-    const AT: &str = "/second_keyframe";
     let second = match &label.second {
         Slot::Is(k) => k,
         Slot::Broken => return,
@@ -134,21 +156,27 @@ pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink
             // A document of 2.0 has no place for it.
             let can_say = label.version.get().is_some_and(|v| !v.starts_with("2.0."));
             if can_say && class.is_some_and(|c| c.two_keyframes) {
-                sink.report(Finding::warning("label.second_keyframe.missing", AT), &|| {
-                    Words::new(
-                        "该类别有两个关键帧，此处只有一个",
-                        "this class has two keyframes, here is one",
-                    )
-                    .hint("在 second_keyframe 中写第二个时刻", "give the second moment in second_keyframe")
-                });
+                sink.report(
+                    Finding::warning("label.second_keyframe.missing", pointer::SECOND_KEYFRAME),
+                    &|| {
+                        Words::new(
+                            "该类别有两个关键帧，此处只有一个",
+                            "this class has two keyframes, here is one",
+                        )
+                        .hint(
+                            "在 second_keyframe 中写第二个时刻",
+                            "give the second moment in second_keyframe",
+                        )
+                    },
+                );
             }
             return;
         }
     };
     let Some(time) = second.timestamp.get() else { return };
-    let at = || format!("{AT}/timestamp");
+    let at = pointer::SECOND_KEYFRAME_TIMESTAMP;
     if let Some(first) = label.keyframe.timestamp.get().filter(|first| time < *first) {
-        sink.report(Finding::error("label.second_keyframe.order", at()), &|| {
+        sink.report(Finding::error("label.second_keyframe.order", at), &|| {
             Words::new(
                 format!("第二关键帧 {time} 早于关键帧 {first}"),
                 format!("the second keyframe {time} is before the keyframe {first}"),
@@ -158,7 +186,7 @@ pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink
     let inside =
         |a: Option<Nanos>, b: Option<Nanos>| a.is_none_or(|a| a <= time) && b.is_none_or(|b| time <= b);
     if !inside(label.start.get(), label.end.get()) {
-        sink.report(Finding::error("label.keyframe.outside_time_range", at()), &|| {
+        sink.report(Finding::error("label.keyframe.outside_time_range", at), &|| {
             Words::new(
                 format!("第二关键帧 {time} 不在 time_range 内"),
                 format!("the second keyframe {time} is not in the time range"),
@@ -172,7 +200,7 @@ pub(super) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn S
     let s = &label.scenario;
     let primary = [s.l1.get(), s.l2.get(), s.l3.get()].into_iter().flatten().collect::<Vec<_>>().join(".");
     for (i, id) in label.secondary.iter().enumerate().filter_map(|(i, s)| Some((i, s.get()?))) {
-        let at = format!("/secondary_scenarios/{i}");
+        let at = pointer::secondary_scenarios_item(i);
         let mut parts = id.split('.');
         let (l1, l2, l3) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
         if parts.next().is_some() || l2.is_none() || matches!(classes.find(l1, l2, l3), Found::Wrong { .. }) {

@@ -3,6 +3,7 @@
 use crate::check::view::View;
 use whyroad_framework::check::class_index::{OTHER, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
 /// What the class prescribes.
@@ -15,7 +16,7 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
     if let (Some(wanted), Some(kind)) = (class.kind, label.keyframe.kind.get())
         && kind != wanted
     {
-        sink.report(Finding::error("label.keyframe.type", "/keyframe/type"), &|| {
+        sink.report(Finding::error("label.keyframe.type", pointer::KEYFRAME_TYPE), &|| {
             let (zh, en) = match wanted {
                 KeyframeType::Reactive => ("单一时刻", "one moment"),
                 KeyframeType::Proactive => ("一段区间", "a range"),
@@ -31,7 +32,7 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
         });
     }
     if class.uncertainty_high && label.components.get().is_some_and(|c| c.count > 0 && !c.any_high) {
-        sink.report(Finding::error("label.uncertainty.missing", "/critical_components"), &|| {
+        sink.report(Finding::error("label.uncertainty.missing", pointer::CRITICAL_COMPONENTS), &|| {
             Words::new(
                 format!("{} 要求至少一个关键要素标记 uncertainty = high", name()),
                 format!("{} needs at least one critical component with uncertainty high", name()),
@@ -49,7 +50,7 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
             Slot::Broken => None,
         };
         if given.is_some_and(|g| g != Some(wanted)) {
-            sink.report(Finding::error("label.lateral.mandated", "/driving_decision/lateral"), &|| {
+            sink.report(Finding::error("label.lateral.mandated", pointer::DRIVING_DECISION_LATERAL), &|| {
                 let found = given.flatten().map_or("null", |l| l.id());
                 Words::new(
                     format!("{} 规定横向决策为 {wanted}，此处为 {found}", name()),
@@ -68,7 +69,7 @@ pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Si
         Slot::Broken => return,
     };
     for (id, title, unit) in class.records.iter().filter(|(id, ..)| !filled.contains(&id.as_str())) {
-        sink.report(Finding::error("label.record.missing", format!("/records/{id}")), &|| {
+        sink.report(Finding::error("label.record.missing", pointer::records_of(id)), &|| {
             let unit =
                 unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
             Words::new(

@@ -5,6 +5,7 @@ use crate::check::clips::ClipFacts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::Nanos;
+use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::KeyframeType;
 
 /// Frames a second where nothing says otherwise (LABELING.md 4).
@@ -17,7 +18,7 @@ pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut 
     if let (Some(start), Some(end)) = (label.start.get(), label.end.get())
         && start >= end
     {
-        sink.report(Finding::error("label.time_range.order", "/time_range/end_timestamp"), &|| {
+        sink.report(Finding::error("label.time_range.order", pointer::TIME_RANGE_END_TIMESTAMP), &|| {
             Words::new(
                 format!("time_range 的结束 {end} 不晚于开始 {start}"),
                 format!("time_range ends at {end}, which is not after its start {start}"),
@@ -27,7 +28,7 @@ pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut 
     if let (Some(start), Some(end)) = (label.start_frame.get(), label.end_frame.get())
         && start >= end
     {
-        sink.report(Finding::error("label.time_range.order", "/time_range/end_frame_idx"), &|| {
+        sink.report(Finding::error("label.time_range.order", pointer::TIME_RANGE_END_FRAME_IDX), &|| {
             Words::new(
                 format!("time_range 的结束帧 {end} 不大于开始帧 {start}"),
                 format!("time_range ends at frame {end}, which is not after its first frame {start}"),
@@ -36,18 +37,26 @@ pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut 
         });
     }
     let Some(clip) = clip else { return };
-    for (at, time) in [("start_timestamp", label.start), ("end_timestamp", label.end)] {
-        outside_clip("label.time_range.outside_clip", format!("/time_range/{at}"), time, clip, sink);
+    let ends =
+        [(pointer::TIME_RANGE_START_TIMESTAMP, label.start), (pointer::TIME_RANGE_END_TIMESTAMP, label.end)];
+    for (at, time) in ends {
+        outside_clip("label.time_range.outside_clip", at, time, clip, sink);
     }
     if let Some(frame) = label.start_frame.get().filter(|f| *f >= clip.total_frames) {
-        frame_outside("/time_range/start_frame_idx", frame, clip.total_frames.saturating_sub(1), clip, sink);
+        frame_outside(
+            pointer::TIME_RANGE_START_FRAME_IDX,
+            frame,
+            clip.total_frames.saturating_sub(1),
+            clip,
+            sink,
+        );
     }
     if let Some(frame) = label.end_frame.get().filter(|f| *f > clip.total_frames) {
-        frame_outside("/time_range/end_frame_idx", frame, clip.total_frames, clip, sink);
+        frame_outside(pointer::TIME_RANGE_END_FRAME_IDX, frame, clip.total_frames, clip, sink);
     }
     let anchor = Anchor { time: clip.capture_time, frame: 0, rate_hz: clip.frame_rate_hz };
-    mismatch("/time_range/start_frame_idx", label.start, label.start_frame, anchor, sink);
-    mismatch("/time_range/end_frame_idx", label.end, label.end_frame, anchor, sink);
+    mismatch(pointer::TIME_RANGE_START_FRAME_IDX, label.start, label.start_frame, anchor, sink);
+    mismatch(pointer::TIME_RANGE_END_FRAME_IDX, label.end, label.end_frame, anchor, sink);
 }
 
 /// The keyframe: its type's range, in `time_range` and in the clip, its frame where its timestamp is.
@@ -57,24 +66,37 @@ pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dy
     if let (Some(t), Some(start), Some(end)) = (k.timestamp.get(), label.start.get(), label.end.get()) {
         // Where the range itself is upside down, that is the finding.
         if start < end && !(start <= t && t < end) {
-            sink.report(Finding::error("label.keyframe.outside_time_range", "/keyframe/timestamp"), &|| {
-                Words::new(
-                    format!("关键帧 {t} 不在 time_range 内（{start} 至 {end}，不含结束时刻）"),
-                    format!("the keyframe {t} is not in time_range ({start} up to, not including, {end})"),
-                )
-            });
+            sink.report(
+                Finding::error("label.keyframe.outside_time_range", pointer::KEYFRAME_TIMESTAMP),
+                &|| {
+                    Words::new(
+                        format!("关键帧 {t} 不在 time_range 内（{start} 至 {end}，不含结束时刻）"),
+                        format!(
+                            "the keyframe {t} is not in time_range ({start} up to, not including, {end})"
+                        ),
+                    )
+                },
+            );
         }
     }
     match clip {
         Some(clip) => {
-            for (at, time) in [("range_start", k.range_start), ("range_end", k.range_end)] {
-                outside_clip("label.keyframe.outside_clip", format!("/keyframe/{at}"), time, clip, sink);
+            let ends =
+                [(pointer::KEYFRAME_RANGE_START, k.range_start), (pointer::KEYFRAME_RANGE_END, k.range_end)];
+            for (at, time) in ends {
+                outside_clip("label.keyframe.outside_clip", at, time, clip, sink);
             }
             if let Some(frame) = k.frame.get().filter(|f| *f >= clip.total_frames) {
-                frame_outside("/keyframe/frame_idx", frame, clip.total_frames.saturating_sub(1), clip, sink);
+                frame_outside(
+                    pointer::KEYFRAME_FRAME_IDX,
+                    frame,
+                    clip.total_frames.saturating_sub(1),
+                    clip,
+                    sink,
+                );
             }
             let anchor = Anchor { time: clip.capture_time, frame: 0, rate_hz: clip.frame_rate_hz };
-            mismatch("/keyframe/frame_idx", k.timestamp, k.frame, anchor, sink);
+            mismatch(pointer::KEYFRAME_FRAME_IDX, k.timestamp, k.frame, anchor, sink);
         }
         // Without the clip, the label can still be held against itself.
         None => {
@@ -83,9 +105,9 @@ pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dy
                 if label.end.get().is_some_and(|e| e > time)
                     && label.end_frame.get().is_some_and(|e| e > frame)
                 {
-                    mismatch("/time_range/end_frame_idx", label.end, label.end_frame, anchor, sink);
+                    mismatch(pointer::TIME_RANGE_END_FRAME_IDX, label.end, label.end_frame, anchor, sink);
                 }
-                mismatch("/keyframe/frame_idx", k.timestamp, k.frame, anchor, sink);
+                mismatch(pointer::KEYFRAME_FRAME_IDX, k.timestamp, k.frame, anchor, sink);
             }
         }
     }
@@ -93,47 +115,44 @@ pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dy
 
 fn keyframe_range(label: &View<'_>, sink: &mut dyn Sink) {
     let k = &label.keyframe;
-    let ends = [("range_start", k.range_start), ("range_end", k.range_end)];
+    let ends = [
+        (pointer::KEYFRAME_RANGE_START, name::RANGE_START, k.range_start),
+        (pointer::KEYFRAME_RANGE_END, name::RANGE_END, k.range_end),
+    ];
     match k.kind.get() {
         Some(KeyframeType::Proactive) => {
-            for (at, _) in ends.iter().filter(|(_, t)| t.is_absent()) {
-                sink.report(
-                    Finding::error("label.keyframe.range_missing", format!("/keyframe/{at}")),
-                    &|| {
-                        Words::new(
-                            format!("proactive 关键帧必须有 {at}"),
-                            format!("a proactive keyframe needs {at}"),
-                        )
-                    },
-                );
+            for (at, name, _) in ends.iter().filter(|(.., t)| t.is_absent()) {
+                sink.report(Finding::error("label.keyframe.range_missing", *at), &|| {
+                    Words::new(
+                        format!("proactive 关键帧必须有 {name}"),
+                        format!("a proactive keyframe needs {name}"),
+                    )
+                });
             }
         }
         Some(KeyframeType::Reactive) => {
-            for (at, _) in ends.iter().filter(|(_, t)| matches!(t, Slot::Is(_))) {
-                sink.report(
-                    Finding::warning("label.keyframe.range_on_reactive", format!("/keyframe/{at}")),
-                    &|| {
-                        Words::new(
-                            format!("reactive 关键帧是单一时刻，{at} 不起作用"),
-                            format!("a reactive keyframe is one moment; {at} has no meaning here"),
-                        )
-                        .hint("删去，或把 type 改为 proactive", "leave it out, or make the type proactive")
-                    },
-                );
+            for (at, name, _) in ends.iter().filter(|(.., t)| matches!(t, Slot::Is(_))) {
+                sink.report(Finding::warning("label.keyframe.range_on_reactive", *at), &|| {
+                    Words::new(
+                        format!("reactive 关键帧是单一时刻，{name} 不起作用"),
+                        format!("a reactive keyframe is one moment; {name} has no meaning here"),
+                    )
+                    .hint("删去，或把 type 改为 proactive", "leave it out, or make the type proactive")
+                });
             }
         }
         None => {}
     }
     let (Some(start), Some(end)) = (k.range_start.get(), k.range_end.get()) else { return };
     if start >= end {
-        sink.report(Finding::error("label.keyframe.range_order", "/keyframe/range_end"), &|| {
+        sink.report(Finding::error("label.keyframe.range_order", pointer::KEYFRAME_RANGE_END), &|| {
             Words::new(
                 format!("关键帧区间的结束 {end} 不晚于开始 {start}"),
                 format!("the keyframe range ends at {end}, which is not after its start {start}"),
             )
         });
     } else if let Some(t) = k.timestamp.get().filter(|t| *t < start || end < *t) {
-        sink.report(Finding::error("label.keyframe.outside_range", "/keyframe/timestamp"), &|| {
+        sink.report(Finding::error("label.keyframe.outside_range", pointer::KEYFRAME_TIMESTAMP), &|| {
             Words::new(
                 format!("关键帧 {t} 不在它自己的区间内（{start} 至 {end}）"),
                 format!("the keyframe {t} is not in its own range ({start} to {end})"),
@@ -176,7 +195,7 @@ fn mismatch(pointer: &'static str, time: Slot<Nanos>, frame: Slot<u32>, anchor: 
 
 fn outside_clip(
     code: &'static str,
-    pointer: String,
+    pointer: &'static str,
     time: Slot<Nanos>,
     clip: &ClipFacts,
     sink: &mut dyn Sink,

@@ -5,10 +5,10 @@ use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::FORMAT_VERSION;
+use whyroad_model::label_fields::{name, pointer};
 
 /// The newest label format that these rules know (DESIGN.md "Labels").
 const NEWEST: (u32, u32) = (2, 1);
-const TRACE: &str = "/coc_trace";
 
 /// `major.minor.patch`, of a major version that we read.
 pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
@@ -20,7 +20,7 @@ pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
     let (major, minor) = match (parts.next(), parts.next(), parts.next(), parts.next()) {
         (Some(Some(major)), Some(Some(minor)), Some(Some(_)), None) => (major, minor),
         _ => {
-            sink.report(Finding::error("label.version", "/version"), &|| {
+            sink.report(Finding::error("label.version", pointer::VERSION), &|| {
                 Words::new(
                     format!("'{text}' 不是 major.minor.patch 形式的版本号"),
                     format!("'{text}' is not a version of the form major.minor.patch"),
@@ -32,7 +32,7 @@ pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
     };
     let (known_major, known_minor) = NEWEST;
     if major != known_major {
-        sink.report(Finding::error("label.version", "/version"), &|| {
+        sink.report(Finding::error("label.version", pointer::VERSION), &|| {
             Words::new(
                 format!("格式版本 {text} 与本程序的 {known_major}.x 不兼容"),
                 format!(
@@ -41,7 +41,7 @@ pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
             )
         });
     } else if minor > known_minor {
-        sink.report(Finding::warning("label.version", "/version"), &|| {
+        sink.report(Finding::warning("label.version", pointer::VERSION), &|| {
             Words::new(
                 format!("格式版本 {text} 新于本程序所知的 {known_major}.{known_minor}；新增字段不会被检查"),
                 format!("format version {text} is newer than the {known_major}.{known_minor} known here; its new fields are not checked"),
@@ -54,7 +54,7 @@ pub(super) fn version(label: &View<'_>, sink: &mut dyn Sink) {
 pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
     if text.trim().is_empty() {
-        sink.report(Finding::error("label.trace.empty", TRACE), &|| {
+        sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("coc_trace 为空", "coc_trace is empty").hint(
                 "按“状态、原因、决策”的顺序写 50 至 100 字",
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
@@ -65,7 +65,7 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
     let limits = &lexicon.limits;
     let seen = form(text, limits);
     if seen.length < limits.too_short_below {
-        sink.report(Finding::error("label.trace.too_short", TRACE), &|| {
+        sink.report(Finding::error("label.trace.too_short", pointer::COC_TRACE), &|| {
             Words::new(
                 format!("coc_trace 太短（约 {} 字），写不下状态、原因和决策", seen.length),
                 format!(
@@ -76,7 +76,7 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
             .hint("写 50 至 100 字", "write some 30 to 60 words")
         });
     } else if limits.too_long_above > 0 && seen.length > limits.too_long_above {
-        sink.report(Finding::warning("label.trace.too_long", TRACE), &|| {
+        sink.report(Finding::warning("label.trace.too_long", pointer::COC_TRACE), &|| {
             Words::new(
                 format!("coc_trace 过长（约 {} 字）", seen.length),
                 format!("coc_trace is long (about {} words)", seen.length / 2),
@@ -85,7 +85,7 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
         });
     }
     if limits.too_long_above > 0 && seen.numbers > limits.numbers_above {
-        sink.report(Finding::warning("label.trace.numbers", TRACE), &|| {
+        sink.report(Finding::warning("label.trace.numbers", pointer::COC_TRACE), &|| {
             Words::new(
                 format!("coc_trace 中堆了 {} 个数字", seen.numbers),
                 format!("coc_trace heaps up {} numbers", seen.numbers),
@@ -98,20 +98,23 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
     }
     let reading = read(text, lexicon);
     if let Some((start, end)) = reading.decision_id {
-        sink.report(Finding::warning("label.trace.decision_id", TRACE).part(start, end), &|| {
-            let id = &text[start..end];
-            Words::new(
-                format!("coc_trace 中出现决策标识 '{id}'"),
-                format!("coc_trace contains the decision identifier '{id}'"),
-            )
-            .hint("用自然语言写决策", "name the decision in natural language")
-        });
+        sink.report(
+            Finding::warning("label.trace.decision_id", pointer::COC_TRACE).part(start, end),
+            &|| {
+                let id = &text[start..end];
+                Words::new(
+                    format!("coc_trace 中出现决策标识 '{id}'"),
+                    format!("coc_trace contains the decision identifier '{id}'"),
+                )
+                .hint("用自然语言写决策", "name the decision in natural language")
+            },
+        );
     }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
     judge(&reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is no null decision: nothing is said of its channel.
         let unreadable = match &v {
-            TraceVerdict::Unlabelled { channel: "longitudinal", .. } => longitudinal == Slot::Broken,
+            TraceVerdict::Unlabelled { channel: name::LONGITUDINAL, .. } => longitudinal == Slot::Broken,
             TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,
             _ => false,
         };
@@ -124,58 +127,70 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
 fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
     match v {
         TraceVerdict::OtherDecision { label, says, start, end } => {
-            sink.report(Finding::error("label.trace.contradicts", TRACE).part(*start, *end), &|| {
-                let phrase = &text[*start..*end];
-                Words::new(
-                    format!("标签的决策是 {label}，coc_trace 却说“{phrase}”（{}）", says.join(" 或 ")),
-                    format!(
-                        "the label decides for {label}, but the trace says '{phrase}' ({})",
-                        says.join(" or ")
-                    ),
-                )
-                .hint(
-                    "检查决策，或改写 coc_trace 的结尾",
-                    "check the decision, or rewrite the end of the trace",
-                )
-            });
+            sink.report(
+                Finding::error("label.trace.contradicts", pointer::COC_TRACE).part(*start, *end),
+                &|| {
+                    let phrase = &text[*start..*end];
+                    Words::new(
+                        format!("标签的决策是 {label}，coc_trace 却说“{phrase}”（{}）", says.join(" 或 ")),
+                        format!(
+                            "the label decides for {label}, but the trace says '{phrase}' ({})",
+                            says.join(" or ")
+                        ),
+                    )
+                    .hint(
+                        "检查决策，或改写 coc_trace 的结尾",
+                        "check the decision, or rewrite the end of the trace",
+                    )
+                },
+            );
         }
         TraceVerdict::Denied { label, start, end } => {
-            sink.report(Finding::error("label.trace.contradicts", TRACE).part(*start, *end), &|| {
-                let phrase = &text[*start..*end];
-                Words::new(
-                    format!("标签的决策是 {label}，coc_trace 却否定了“{phrase}”"),
-                    format!("the label decides for {label}, but the trace says not to '{phrase}'"),
-                )
-                .hint(
-                    "检查决策，或改写 coc_trace 的结尾",
-                    "check the decision, or rewrite the end of the trace",
-                )
-            });
+            sink.report(
+                Finding::error("label.trace.contradicts", pointer::COC_TRACE).part(*start, *end),
+                &|| {
+                    let phrase = &text[*start..*end];
+                    Words::new(
+                        format!("标签的决策是 {label}，coc_trace 却否定了“{phrase}”"),
+                        format!("the label decides for {label}, but the trace says not to '{phrase}'"),
+                    )
+                    .hint(
+                        "检查决策，或改写 coc_trace 的结尾",
+                        "check the decision, or rewrite the end of the trace",
+                    )
+                },
+            );
         }
         TraceVerdict::OtherSide { label, says, start, end } => {
-            sink.report(Finding::error("label.trace.direction", TRACE).part(*start, *end), &|| {
-                let phrase = &text[*start..*end];
-                Words::new(
-                    format!("标签的方向是 {label}，coc_trace 却说“{phrase}”（{says}）"),
-                    format!("the label goes {label}, but the trace says '{phrase}' ({says})"),
-                )
-            });
+            sink.report(
+                Finding::error("label.trace.direction", pointer::COC_TRACE).part(*start, *end),
+                &|| {
+                    let phrase = &text[*start..*end];
+                    Words::new(
+                        format!("标签的方向是 {label}，coc_trace 却说“{phrase}”（{says}）"),
+                        format!("the label goes {label}, but the trace says '{phrase}' ({says})"),
+                    )
+                },
+            );
         }
         TraceVerdict::Unlabelled { channel, says, start, end } => {
-            sink.report(Finding::warning("label.trace.unlabelled", TRACE).part(*start, *end), &|| {
-                let phrase = &text[*start..*end];
-                Words::new(
-                    format!("coc_trace 说“{phrase}”（{says}），标签的 {channel} 却为 null"),
-                    format!("the trace says '{phrase}' ({says}), but the label's {channel} is null"),
-                )
-                .hint(
-                    "确有新决策时补上，否则改写 coc_trace",
-                    "add the decision if there was one, or rewrite the trace",
-                )
-            });
+            sink.report(
+                Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(*start, *end),
+                &|| {
+                    let phrase = &text[*start..*end];
+                    Words::new(
+                        format!("coc_trace 说“{phrase}”（{says}），标签的 {channel} 却为 null"),
+                        format!("the trace says '{phrase}' ({says}), but the label's {channel} is null"),
+                    )
+                    .hint(
+                        "确有新决策时补上，否则改写 coc_trace",
+                        "add the decision if there was one, or rewrite the trace",
+                    )
+                },
+            );
         }
         TraceVerdict::NoDecision => {
-            sink.report(Finding::warning("label.trace.decision_missing", TRACE), &|| {
+            sink.report(Finding::warning("label.trace.decision_missing", pointer::COC_TRACE), &|| {
                 Words::new("coc_trace 没有说出任何决策", "the trace names no decision").hint(
                     "以决策结尾，例如“因此减速让行”",
                     "end with the decision, such as \"so the ego slows down to yield\"",

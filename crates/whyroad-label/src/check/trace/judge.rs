@@ -3,6 +3,7 @@
 use super::{Force, Mention, Reading};
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::name;
 
 /// What is wrong between a trace and its label. Spans are bytes of the trace.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub(in crate::check) fn judge(
         return;
     }
     let along = Channel {
-        name: "longitudinal",
+        name: name::LONGITUDINAL,
         label: longitudinal,
         null_allows: &lexicon.null_allows.longitudinal,
         says: |s| &s.longitudinal,
@@ -52,7 +53,7 @@ pub(in crate::check) fn judge(
     };
     along.judge(reading, lexicon, sink);
     let across = Channel {
-        name: "lateral",
+        name: name::LATERAL,
         label: lateral,
         null_allows: &lexicon.null_allows.lateral,
         says: |s| &s.lateral,

@@ -4,6 +4,7 @@ use crate::secret;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_label::merge::{self, MAX_DRAFT};
+use whyroad_model::label_fields::name;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::{Bilingual, ClipId, DriveId, ScenarioId};
 
@@ -35,7 +36,7 @@ pub(super) fn read_line(line: &str) -> Result<Incoming, Bilingual> {
             .map_err(|e| Bilingual::new(format!("不是事件：{e}"), format!("not an episode: {e}")))?;
         return Ok(Incoming { episode, draft: None, priority: 0, overlap: (0, 1) });
     }
-    if value.get("clip_id").is_some() {
+    if value.get(name::CLIP_ID).is_some() {
         return of_label(&value);
     }
     Err(Bilingual::new("既不是任务、事件，也不是标注", "neither a task, an episode nor a label"))

@@ -1,0 +1,168 @@
+//! Values of the fast reader: texts borrowed from the document, members of closed sets, records. Each takes only what is
+//! beyond doubt; anything else is an error, and the slow path decides.
+
+use serde::de::{DeserializeSeed, Error, MapAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
+use std::fmt;
+use std::marker::PhantomData;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
+
+/// An `Option` whose key must be there.
+pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(d: D) -> Result<Option<T>, D::Error> {
+    Option::<T>::deserialize(d)
+}
+
+/// A text that is borrowed where it has no escapes.
+pub(in crate::check) struct Text<'t>(pub Cow<'t, str>);
+
+impl Text<'_> {
+    /// White space or nothing.
+    pub fn is_blank(&self) -> bool {
+        self.0.trim().is_empty()
+    }
+}
+
+impl<'de: 't, 't> Deserialize<'de> for Text<'t> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = Text<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("text")
+            }
+            fn visit_borrowed_str<E: Error>(self, s: &'de str) -> Result<Self::Value, E> {
+                Ok(Text(Cow::Borrowed(s)))
+            }
+            fn visit_str<E: Error>(self, s: &str) -> Result<Self::Value, E> {
+                Ok(Text(Cow::Owned(s.to_owned())))
+            }
+        }
+        d.deserialize_str(V)
+    }
+}
+
+/// A member of a closed set, written as text and nothing else: serde's own enums also take `{"id": null}`.
+pub(in crate::check) struct Id<T>(pub T);
+
+/// The closed sets of a label.
+trait Closed: Sized {
+    fn of(id: &str) -> Option<Self>;
+}
+
+macro_rules! closed {
+    ($($t:ty),+) => { $(impl Closed for $t { fn of(id: &str) -> Option<Self> { Self::from_id(id) } })+ };
+}
+closed!(KeyframeType, ProvenanceSource, Uncertainty, Longitudinal, Lateral, LateralDirection);
+
+impl<'de, T: Closed> Deserialize<'de> for Id<T> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V<T>(PhantomData<T>);
+        impl<T: Closed> Visitor<'_> for V<T> {
+            type Value = Id<T>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an identifier of a closed set")
+            }
+            fn visit_str<E: Error>(self, s: &str) -> Result<Self::Value, E> {
+                T::of(s).map(Id).ok_or_else(|| E::invalid_value(Unexpected::Str(s), &self))
+            }
+        }
+        d.deserialize_str(V(PhantomData))
+    }
+}
+
+/// Ids of the records that hold something. Nested values are left to the slow path.
+pub(in crate::check) struct Records<'t>(pub Vec<Cow<'t, str>>);
+
+impl<'de: 't, 't> Deserialize<'de> for Records<'t> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = Records<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("records")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut seen: Vec<(Cow<'de, str>, bool)> = Vec::new();
+                while let Some(key) = map.next_key::<Text<'de>>()? {
+                    let filled = map.next_value_seed(Filled)?;
+                    if seen.iter().any(|(k, _)| *k == key.0) {
+                        return Err(A::Error::custom("duplicate record"));
+                    }
+                    seen.push((key.0, filled));
+                }
+                Ok(Records(seen.into_iter().filter(|(_, filled)| *filled).map(|(k, _)| k).collect()))
+            }
+        }
+        d.deserialize_map(V)
+    }
+}
+
+/// Whether a value holds something: not null, not blank.
+struct Filled;
+
+impl<'de> DeserializeSeed<'de> for Filled {
+    type Value = bool;
+    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<bool, D::Error> {
+        d.deserialize_any(self)
+    }
+}
+
+impl Visitor<'_> for Filled {
+    type Value = bool;
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a plain value")
+    }
+    fn visit_unit<E: Error>(self) -> Result<bool, E> {
+        Ok(false)
+    }
+    fn visit_bool<E: Error>(self, _: bool) -> Result<bool, E> {
+        Ok(true)
+    }
+    fn visit_i64<E: Error>(self, _: i64) -> Result<bool, E> {
+        Ok(true)
+    }
+    fn visit_u64<E: Error>(self, _: u64) -> Result<bool, E> {
+        Ok(true)
+    }
+    fn visit_f64<E: Error>(self, _: f64) -> Result<bool, E> {
+        Ok(true)
+    }
+    fn visit_str<E: Error>(self, s: &str) -> Result<bool, E> {
+        Ok(!s.trim().is_empty())
+    }
+}
+
+/// Texts by name, no name twice.
+pub(in crate::check) struct Texts<'t>(Vec<(Cow<'t, str>, Text<'t>)>);
+
+impl Texts<'_> {
+    /// One of the texts is blank.
+    pub fn has_blank(&self) -> bool {
+        self.0.iter().any(|(_, t)| t.is_blank())
+    }
+}
+
+impl<'de: 't, 't> Deserialize<'de> for Texts<'t> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = Texts<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("texts by name")
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut out: Vec<(Cow<'de, str>, Text<'de>)> = Vec::new();
+                while let Some((key, text)) = map.next_entry::<Text<'de>, Text<'de>>()? {
+                    if out.iter().any(|(k, _)| *k == key.0) {
+                        return Err(A::Error::custom("duplicate name"));
+                    }
+                    out.push((key.0, text));
+                }
+                Ok(Texts(out))
+            }
+        }
+        d.deserialize_map(V)
+    }
+}
