@@ -34,7 +34,7 @@ pub fn taxonomy_page(f: &Framework) -> String {
     wrap::wrap_page(&out)
 }
 
-/// The tree with counts, as it stands in TAXONOMY.md.
+/// The tree with counts, as in TAXONOMY.md.
 pub fn tree_text(f: &Framework) -> String {
     let t = &f.taxonomy;
     let (n1, n2, n3) = t.counts();

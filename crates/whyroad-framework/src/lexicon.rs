@@ -54,7 +54,7 @@ pub struct Says {
     /// Lateral decisions that it can mean.
     #[serde(default)]
     pub lateral: Vec<Lateral>,
-    /// Too vague to be held against a label.
+    /// Too vague to contradict a label.
     #[serde(skip)]
     pub supports_only: bool,
 }

@@ -22,7 +22,7 @@ pub struct MarkdownTaxonomy {
     pub stated: Vec<Stated>,
 }
 
-/// A piece of text and where it stands.
+/// A piece of text and its position.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Item {
     /// The text.

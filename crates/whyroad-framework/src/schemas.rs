@@ -25,7 +25,7 @@ pub struct SchemaFile {
 }
 
 impl SchemaFile {
-    /// The file's text: pretty JSON with a final newline. What a reader looks for first stands first.
+    /// The file's text: pretty JSON with a final newline. What a reader looks for first comes first.
     pub fn text(&self) -> String {
         let Value::Object(fields) = &self.schema else { return format!("{:#}\n", self.schema) };
         let mut ordered: IndexMap<&str, &Value> = IndexMap::new();

@@ -9,7 +9,7 @@ pub struct Version {
     pub major: u64,
     /// Raised by compatible additions.
     pub minor: u64,
-    /// Raised by changes of wording and mended mistakes.
+    /// Raised by changes of wording and fixed mistakes.
     pub patch: u64,
 }
 

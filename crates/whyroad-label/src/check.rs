@@ -31,7 +31,7 @@ pub struct Checker<'f> {
     clips: Option<ClipIndex>,
 }
 
-/// Listens only for whether anything was said.
+/// Notes only whether there was a finding.
 struct Silence {
     broken: bool,
 }
@@ -48,7 +48,7 @@ impl<'f> Checker<'f> {
         Self { framework, classes: ClassIndex::new(framework), clips: None }
     }
 
-    /// The same, holding labels against these clips.
+    /// The same, checking labels against these clips.
     #[must_use]
     pub fn with_clips(mut self, clips: ClipIndex) -> Self {
         self.clips = Some(clips);
@@ -59,7 +59,7 @@ impl<'f> Checker<'f> {
         Rulebook { classes: &self.classes, lexicon: &self.framework.lexicon, clips: self.clips.as_ref() }
     }
 
-    /// Checks one document and adds what was found, sorted by place, to `out`. Places have no file name.
+    /// Checks one document and adds the findings, sorted by location, to `out`. Locations have no file name.
     pub fn check(&self, document: &Document<'_>, out: &mut Vec<Diagnostic>) -> Verdict {
         match std::str::from_utf8(document.bytes) {
             Ok(text) if self.is_clean_label(text) => {
@@ -73,7 +73,7 @@ impl<'f> Checker<'f> {
         }
     }
 
-    /// Checks a document that stands alone.
+    /// Checks a single document.
     pub fn check_text(&self, text: &str) -> Vec<Diagnostic> {
         let mut out = Vec::new();
         self.check(&Document { origin: Origin::start(), bytes: text.as_bytes() }, &mut out);

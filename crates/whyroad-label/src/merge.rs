@@ -37,7 +37,7 @@ pub struct FieldConflict {
     pub path: String,
     /// What the caller wanted.
     pub mine: Value,
-    /// What stands there now.
+    /// The current value.
     pub theirs: Value,
 }
 
@@ -192,10 +192,10 @@ pub fn top(path: &str) -> &str {
     path.trim_start_matches('/').split('/').next().unwrap_or_default()
 }
 
-/// How two changes stand to each other.
+/// How two changes relate to each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Meeting {
-    /// Both can stand.
+    /// Both can be made.
     Apart,
     /// One's field is the other's or lies in it.
     SameField,
@@ -223,7 +223,7 @@ fn meet(a: &FieldChange, b: &FieldChange) -> Meeting {
     }
 }
 
-/// What of `mine` clashes with `theirs`, which came between. Who wanted what stands there now has no conflict, unless
+/// What of `mine` clashes with `theirs`, which came between. Whoever wanted the current value has no conflict, unless
 /// elements have moved: then it is another element that happens to look like it.
 pub fn conflicts(now: &Value, mine: &[FieldChange], theirs: &[FieldChange]) -> Vec<FieldConflict> {
     let there = |path: &str| now.pointer(path).cloned().unwrap_or(Value::Null);

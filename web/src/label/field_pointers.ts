@@ -1,5 +1,5 @@
-// The fields of a label as the page uses them: where they are (JSON pointers, RFC 6901) and what people call them. Pointers
-// and names come from the field table (label_fields.generated.ts); this module groups and orders them for the form.
+// The fields of a label as the page uses them: JSON pointers (RFC 6901) and names for people. Both come from the field
+// table (label_fields.generated.ts); this module groups and orders them for the form.
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Channel } from "./framework.ts";
 import * as fields from "./label_fields.generated.ts";
@@ -117,7 +117,7 @@ export const fieldNames: Readonly<Record<string, TextPair>> = fields.TOP_NAMES;
 
 const { description, ...otherMembers } = fields.MEMBER_NAMES;
 
-/** Members of these fields, in the order of the form, which asks for a component's description first: [Chinese, English]. */
+/** Members of these fields, in the order of the form (a component's description first): [Chinese, English]. */
 export const memberNames: Readonly<Record<string, TextPair>> = { description, ...otherMembers };
 
 /** Members that follow from the times beside them: shown to nobody. */

@@ -1,4 +1,4 @@
-//! What a check reports: a code, a location by JSON pointer, and words that are made only when somebody reads them.
+//! What a check reports: a code, a location by JSON pointer, and words that are made only when they are read.
 
 use std::borrow::Cow;
 use whyroad_model::{Bilingual, Severity};

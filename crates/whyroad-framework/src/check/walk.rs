@@ -127,7 +127,7 @@ impl<'d> Walk<'d> {
         }
     }
 
-    /// Looks for keys written twice in values that nobody reads any further.
+    /// Looks for keys written twice in values that are not read any further.
     pub fn free(&mut self, node: &Node<'_>, pointer: &str) {
         match &node.kind {
             JsonKind::List(items) => {
@@ -293,7 +293,7 @@ impl<'d> Walk<'d> {
         }
     }
 
-    /// Reports the keys that nobody asked for.
+    /// Reports the keys that were not asked for.
     pub fn close(&mut self, o: Object<'d>, severity: Severity) {
         for (i, e) in o.entries.iter().enumerate() {
             if o.asked.contains(&&*e.key) || o.entries[..i].iter().any(|p| p.key == e.key) {

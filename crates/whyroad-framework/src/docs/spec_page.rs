@@ -11,7 +11,7 @@ use whyroad_model::{Bilingual, Lang, ScenarioId};
 
 const END: &str = "<!-- end generated -->";
 
-/// `page` with its generated parts written anew, or the marker that it lacks.
+/// `page` with its generated parts written again, or the marker that it lacks.
 pub fn fill_spec_page(f: &Framework, page: &str) -> Result<String, String> {
     let mut out = page.to_owned();
     for (name, text) in [
@@ -210,7 +210,7 @@ impl Say {
         format!("{}{fallback}", b.rule.get(self.lang))
     }
 
-    /// An inherited fallback that says the same as the rule tells nobody anything.
+    /// An inherited fallback that says the same as the rule adds nothing.
     fn fallback(&self, rule: &Bilingual, fallback: Option<&MomentSpec>) -> String {
         let Some(other) = fallback.map(|m| &m.rule).filter(|other| *other != rule) else {
             return String::new();

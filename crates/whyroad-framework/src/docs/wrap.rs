@@ -78,7 +78,7 @@ pub(crate) fn join(first: &mut String, next: &str) {
     first.push_str(next);
 }
 
-/// What a line may be broken between, each with whether a space stands before it.
+/// What a line may be broken between, each with whether a space precedes it.
 fn pieces(text: &str) -> Vec<(bool, String)> {
     let mut out: Vec<(bool, String)> = Vec::new();
     let (mut piece, mut space) = (String::new(), false);

@@ -17,7 +17,7 @@ pub enum Role {
     ClauseEnd,
     /// Introduces the decision, such as "therefore".
     DecisionMarker,
-    /// Says that somebody has to act, such as "must".
+    /// Says that an action is required, such as "must".
     Duty,
     /// Introduces a reason, such as "because".
     Reason,
@@ -29,13 +29,13 @@ pub enum Role {
     Sequel,
     /// Negates a phrase near it.
     Negation,
-    /// Negates only what stands right behind it.
+    /// Negates only what directly follows it.
     NegationAdjacent,
     /// Ends the reach of a negation.
     NegationEnd,
     /// Names the ego.
     Ego,
-    /// Names somebody else.
+    /// Names another road user.
     Agent,
     /// Makes the next noun an object.
     ObjectOf,

@@ -24,7 +24,7 @@ struct Node {
     word: u32,
 }
 
-/// Word number `word` stands at `start..end` of the text.
+/// Word number `word` is at `start..end` of the text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
     pub word: usize,
@@ -101,7 +101,7 @@ impl Trie {
             let next = at + c.len_utf8();
             let found = match self.starts.get(fold(c) as usize) {
                 None | Some(0) => None,
-                // A Latin word starts where no Latin letter stands before it.
+                // A Latin word starts where no Latin letter precedes it.
                 Some(_) if after_latin && is_latin(c) => None,
                 Some(&node) => self.longest(usize::from(node - 1), text, at, next),
             };

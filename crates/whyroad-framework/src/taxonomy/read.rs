@@ -17,7 +17,7 @@ pub(crate) static FAMILY: FormCodes = FormCodes {
     empty: "taxonomy.text.empty",
 };
 
-/// Reads a taxonomy. `None` when the text is no YAML mapping at all.
+/// Reads a taxonomy. `None` when the text is not a YAML mapping.
 pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnostic>) {
     let mut report = FileReport::new(file, text, &FAMILY);
     let taxonomy = report.parse(text).and_then(|root| {
@@ -287,7 +287,7 @@ fn check_against(taxonomy: &Taxonomy, against: &[(ScenarioId, ScenarioId, &Node)
     }
 }
 
-/// The `version` field; reported under `code` when it is no version, and then "0.0.0".
+/// The `version` field; reported under `code` when it is not a version, and then "0.0.0".
 pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut FileReport) -> String {
     let Some(node) = f.need("version", r) else { return Version::default().to_string() };
     let Some(text) = r.text(node) else { return Version::default().to_string() };

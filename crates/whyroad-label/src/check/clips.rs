@@ -25,7 +25,7 @@ pub struct ClipIndex {
 }
 
 impl ClipIndex {
-    /// Takes a `clip_metadata` document. False when it is none, or has no usable frame rate; checking it with
+    /// Takes a `clip_metadata` document. False if it is not one, or has no usable frame rate; checking it with
     /// [`super::Checker`] says why. Of two with the same id the later counts.
     pub fn add(&mut self, document: &[u8]) -> bool {
         let Ok(message) = serde_json::from_slice::<ClipMetadataMessage>(document) else { return false };
@@ -53,7 +53,7 @@ impl ClipIndex {
         self.clips.len()
     }
 
-    /// True when there is no clip.
+    /// True if there are no clips.
     pub fn is_empty(&self) -> bool {
         self.clips.is_empty()
     }

@@ -1,5 +1,5 @@
-//! The business and consistency rules of DATA_FORMAT.md 4.3 over a [`View`]. Each rule stands next to its
-//! wording; the wording is only made when somebody wants to read it, so that the fast path pays for the
+//! The business and consistency rules of DATA_FORMAT.md 4.3 over a [`View`]. Each rule is next to its
+//! wording; the wording is only made when it is read, so that the fast path pays for the
 //! question alone.
 
 mod causal;

@@ -1,6 +1,6 @@
 //! What a trace says about the ego's decision, and whether that goes with the label (LABELING.md 7).
 //!
-//! [`mention`] finds every place where a decision is named and how firmly it is said of the ego; [`judge`]
+//! [`mention`] finds every span where a decision is named and how firmly it is said of the ego; [`judge`]
 //! compares that with the label. Not a parser of language: clause by clause, with the words of the lexicon,
 //! and silent wherever it is not sure.
 

@@ -8,13 +8,13 @@ use whyroad_model::{Bilingual, Column, SignalTable, Tri};
 
 /// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
 const HORIZON_FRAMES: usize = 60;
-/// A meta action shorter than 0.5 s is no decision.
+/// A meta action shorter than 0.5 s is not a decision.
 const HELD_FRAMES: usize = 5;
 
 /// What the ego does along its path first after the keyframe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalMotion {
-    /// No change: holds its speed, or stands.
+    /// No change: holds its speed, or is stationary.
     Keeps,
     /// Slows without standing still.
     Slows,
@@ -73,7 +73,7 @@ fn longitudinal_motion(signals: &SignalTable, keyframe: usize) -> (LongitudinalM
 }
 
 /// First held stretch of speeding up or slowing after the keyframe, and whether it is slowing. What was already
-/// held for 0.5 s when the keyframe came is no answer to it, and is passed over.
+/// held for 0.5 s at the keyframe is not a response to it, and is skipped.
 fn first_change(meta: &Column, keyframe: usize, end: usize) -> Option<(usize, bool)> {
     let change = |f: usize| match meta.category(f) {
         Some("gentle_decelerate" | "strong_decelerate") => Some(true),

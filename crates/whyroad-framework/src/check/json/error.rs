@@ -54,7 +54,7 @@ impl SyntaxError {
         }
     }
 
-    /// A word that is no JSON value, such as Python's `None` or a bare identifier.
+    /// A word that is not a JSON value, such as Python's `None` or a bare identifier.
     pub fn word(text: &str, at: usize) -> Self {
         let word: String = text[at..]
             .chars()

@@ -8,7 +8,7 @@ use whyroad_model::Location;
 const BEFORE: usize = 100;
 const AFTER: usize = 200;
 
-/// Knows where a document stands in its file.
+/// Position of a document in its file.
 pub struct Locator<'t> {
     text: &'t str,
     origin: &'t Origin,

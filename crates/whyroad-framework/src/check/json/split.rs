@@ -67,7 +67,7 @@ impl Splitter {
         }
     }
 
-    /// Takes the next bytes. The first chunk must hold the first three bytes of the file, if it has so many.
+    /// Takes the next bytes. The first chunk must hold the first three bytes of the file, if it has that many.
     pub fn feed(&mut self, mut chunk: &[u8], sink: &mut dyn FnMut(Piece<'_>)) {
         if !self.started {
             self.started = true;

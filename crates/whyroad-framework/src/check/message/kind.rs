@@ -1,11 +1,11 @@
-//! The kinds of documents, told apart by their outer key.
+//! The kinds of documents, distinguished by their outer key.
 
 use crate::check::finding::{Finding, Sink, Words};
 use crate::check::json::Node;
 use crate::check::walk::Walk;
 use crate::taxonomy::did_you_mean;
 
-/// The kinds of document that are told apart.
+/// The kinds of document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum MessageKind {
     /// A CoC label (DATA_FORMAT.md 4), the only one without an outer key.
@@ -67,7 +67,7 @@ pub fn unknown(walk: &mut Walk<'_>) -> bool {
     let meant = meant(root);
     walk.report(Finding::error("message.kind", ""), &|| {
         let words = match root.entries() {
-            Some([]) => Words::new("空对象，不是任何一种消息", "an empty object is no message"),
+            Some([]) => Words::new("空对象，不是任何一种消息", "an empty object is not a message"),
             Some(_) => Words::new(
                 "无法识别的文档：既不是 CoC 标注，也没有已知的外层键",
                 "not a known document: neither a CoC label nor a message with a known outer key",

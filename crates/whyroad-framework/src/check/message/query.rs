@@ -155,7 +155,7 @@ fn temporal<'d>(walk: &mut Walk<'d>, o: &mut Object<'d>, operator: Option<&str>,
     if let Some(v) = walk.number(n, &at).get().filter(|v| *v < 0.0) {
         out_of_range(walk, &at, &v.to_string(), "不小于 0", "0 or more");
     }
-    // Of an operator that nobody knows, whatever is there is looked at.
+    // Of an unknown operator, every operand is checked.
     let keys: &[&'static str] = match operands {
         Some(Operands::One) => &["condition"],
         Some(Operands::Two) => &["first", "second"],

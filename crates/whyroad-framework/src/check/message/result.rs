@@ -106,7 +106,7 @@ fn statistics<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, total: Option<u64>, r
             walk.report(Finding::error("message.result.statistics", at.clone()), &|| {
                 Words::new(
                     format!("'{key}' 不是 0 至 1 之间的分数段"),
-                    format!("'{key}' is no range of scores between 0 and 1"),
+                    format!("'{key}' is not a range of scores between 0 and 1"),
                 )
                 .hint("写作 \"0.9-1.0\"", "write it as \"0.9-1.0\"")
             });

@@ -48,7 +48,7 @@ pub(super) fn scenario_id<'d>(
         walk.report(Finding::error("label.scenario.unknown", pointer), &|| {
             Words::new(
                 format!("'{text}' 不是场景 ID：最多三段（l1.l2.l3）"),
-                format!("'{text}' is no scenario id, which has at most three parts (l1.l2.l3)"),
+                format!("'{text}' is not a scenario id, which has at most three parts (l1.l2.l3)"),
             )
         });
         return;

@@ -1,5 +1,5 @@
-//! Values of the fast reader: texts borrowed from the document, members of closed sets, records. Each takes only what is
-//! beyond doubt; anything else is an error, and the slow path decides.
+//! Values of the fast reader: texts borrowed from the document, members of closed sets, records. Each accepts only what
+//! is beyond doubt; anything else is an error, and the slow path decides.
 
 use serde::de::{DeserializeSeed, Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};

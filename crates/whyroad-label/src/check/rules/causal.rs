@@ -8,7 +8,7 @@ use whyroad_framework::taxonomy::did_you_mean;
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
 
-/// Component ids are names: each stands for one component.
+/// Component ids are unique: each names one component.
 pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
     for (i, c) in label.linked.iter().enumerate() {
         let Some(id) = c.id.get() else { continue };
@@ -37,7 +37,7 @@ pub(super) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
             sink.report(Finding::error("label.evidence.after_keyframe", at), &|| {
                 Words::new(
                     format!("证据时间 {time} 晚于关键帧 {keyframe}：关键帧之后才看到的不能是原因"),
-                    format!("evidence at {time} is after the keyframe {keyframe}: what is seen later is no cause"),
+                    format!("evidence at {time} is after the keyframe {keyframe}: what is seen later cannot be a cause"),
                 )
                 .hint(
                     "写关键帧当时或之前可见的时刻；之前看不到的要素应删去",
@@ -111,7 +111,7 @@ fn without_decision(channel: &CauseChannel, sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.cause.without_decision", channel.at), &|| {
         Words::new(
             format!("{name} 没有决策（null），却写了原因"),
-            format!("there is no {name} decision (null), but a cause for it"),
+            format!("the {name} decision is null, but a cause is given"),
         )
         .hint("删去该原因，或补上决策", "leave the cause out, or add the decision")
     });
@@ -153,7 +153,7 @@ pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink
         Slot::Is(k) => k,
         Slot::Broken => return,
         Slot::Absent => {
-            // A document of 2.0 has no place for it.
+            // A document of format 2.0 has no field for it.
             let can_say = label.version.get().is_some_and(|v| !v.starts_with("2.0."));
             if can_say && class.is_some_and(|c| c.two_keyframes) {
                 sink.report(
@@ -207,7 +207,7 @@ pub(super) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn S
             sink.report(Finding::error("label.secondary.unknown", at), &|| {
                 Words::new(
                     format!("'{id}' 不是分类体系中的类别"),
-                    format!("'{id}' is no class of the taxonomy"),
+                    format!("'{id}' is not a class of the taxonomy"),
                 )
                 .hint("写完整 id：l1.l2.l3", "write the full id: l1.l2.l3")
             });

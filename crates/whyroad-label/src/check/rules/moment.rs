@@ -98,7 +98,7 @@ pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dy
             let anchor = Anchor { time: clip.capture_time, frame: 0, rate_hz: clip.frame_rate_hz };
             mismatch(pointer::KEYFRAME_FRAME_IDX, k.timestamp, k.frame, anchor, sink);
         }
-        // Without the clip, the label can still be held against itself.
+        // Without the clip, the label can still be checked against itself.
         None => {
             if let (Some(time), Some(frame)) = (label.start.get(), label.start_frame.get()) {
                 let anchor = Anchor { time, frame, rate_hz: DEFAULT_RATE_HZ };

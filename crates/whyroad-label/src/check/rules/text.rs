@@ -87,8 +87,8 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
     if limits.too_long_above > 0 && seen.numbers > limits.numbers_above {
         sink.report(Finding::warning("label.trace.numbers", pointer::COC_TRACE), &|| {
             Words::new(
-                format!("coc_trace 中堆了 {} 个数字", seen.numbers),
-                format!("coc_trace heaps up {} numbers", seen.numbers),
+                format!("coc_trace 中数字过多（{} 个）", seen.numbers),
+                format!("coc_trace has too many numbers ({})", seen.numbers),
             )
             .hint(
                 "先定性描述：“很近”“较快”，数字只留关键的",
@@ -112,7 +112,7 @@ pub(super) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
     }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
     judge(&reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
-        // An unreadable decision is no null decision: nothing is said of its channel.
+        // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
             TraceVerdict::Unlabelled { channel: name::LONGITUDINAL, .. } => longitudinal == Slot::Broken,
             TraceVerdict::Unlabelled { .. } => lateral == Slot::Broken,

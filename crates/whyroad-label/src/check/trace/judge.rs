@@ -88,7 +88,7 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         if deciding().filter(supports).any(|m| matches!(m.force, Force::Asserted | Force::Doubtful)) {
             return true;
         }
-        // Without a "therefore" the decision may well stand before the last sentence.
+        // Without a "therefore" the decision may well precede the last sentence.
         if !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted) {
             return true;
         }
@@ -128,7 +128,7 @@ fn side(
     if sided.iter().any(|m| m.side == Some(label)) {
         return;
     }
-    // A U-turn may be told as a left turn, or the other way round in left-hand traffic.
+    // A U-turn may be described as a left turn, or the other way round in left-hand traffic.
     let other = sided.iter().find_map(|m| match (m.side, label) {
         (Some(s), LateralDirection::Left | LateralDirection::Right) => Some((s, m)),
         _ => None,

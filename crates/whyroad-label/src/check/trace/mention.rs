@@ -8,11 +8,11 @@ use whyroad_model::decision::LateralDirection;
 pub(in crate::check) enum Force {
     /// The ego does it.
     Asserted,
-    /// Perhaps the ego, perhaps not first, perhaps only meant. Supports a label, is never held against one.
+    /// Perhaps the ego, perhaps not first, perhaps only meant. Supports a label, never contradicts one.
     Doubtful,
     /// The ego does not do it.
     Negated,
-    /// Said of somebody else, under an "if", or as part of the cause.
+    /// Said of another road user, under an "if", or as part of the cause.
     Unsaid,
 }
 
@@ -27,7 +27,7 @@ pub(in crate::check) struct Mention {
     pub start: usize,
     pub end: usize,
     clause: usize,
-    /// Its subject is taken over from an earlier clause, where somebody else acts.
+    /// Its subject is taken over from an earlier clause, where another road user acts.
     carried: bool,
 }
 
@@ -49,7 +49,7 @@ enum Actor {
     Unknown,
     Ego,
     Other,
-    /// Only somebody to whom something is done has been named.
+    /// Only the object of an action has been named.
     Object,
 }
 

@@ -3,7 +3,7 @@
 /// The largest document that is taken into memory. A label has about 1.3 kB.
 pub const MAX_DOCUMENT_BYTES: usize = 64 << 20;
 
-/// Where a document stands in its file.
+/// Position of a document in its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Line of its first character, from 1.
@@ -12,7 +12,7 @@ pub struct Origin {
     pub column: usize,
     /// Its place in the file's array, where there is one.
     pub element: Option<usize>,
-    /// Only white space stands before it in its line.
+    /// Only white space precedes it in its line.
     pub indented: bool,
 }
 
@@ -26,7 +26,7 @@ impl Origin {
 /// A document cut out of a file. Its bytes may be broken in every way.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Document<'b> {
-    /// Where it stands.
+    /// Its position.
     pub origin: Origin,
     /// Its bytes, without the white space around it.
     pub bytes: &'b [u8],

@@ -2,7 +2,7 @@
 
 use super::piece::{Document, MAX_DOCUMENT_BYTES, Origin, Piece, Problem};
 
-/// After so many pieces in a row that are neither object nor array, the file is not worth reading on.
+/// After this many pieces in a row that are neither object nor array, the file is not worth reading on.
 const MAX_STRAY: usize = 20;
 
 #[derive(Debug)]
