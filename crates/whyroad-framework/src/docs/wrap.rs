@@ -132,7 +132,8 @@ mod tests {
     #[test]
     fn a_page_is_wrapped_and_joined_again() {
         let clause = "关键帧为自车第一次减速的时刻，".repeat(8);
-        let page = format!("# {clause}\n> **定义**: {clause}TTC < 5 s 之后\n- `a`: {clause}<br>x\n| {clause} |\n");
+        let page =
+            format!("# {clause}\n> **定义**: {clause}TTC < 5 s 之后\n- `a`: {clause}<br>x\n| {clause} |\n");
         let wrapped = wrap_page(&page);
         let wide: Vec<&str> = wrapped.lines().filter(|l| columns(l) > WIDTH).collect();
         assert!(wide.iter().all(|l| l.starts_with(['#', '|'])) && wide.len() == 2, "{wrapped}");
