@@ -12,3 +12,4 @@ pub(crate) mod pickle;
 pub(crate) mod protobuf;
 pub(crate) mod tfrecord;
 pub(crate) mod xml;
+pub(crate) mod zip_members;

@@ -7,6 +7,7 @@ pub mod av2_motion;
 pub mod comma2k19;
 pub mod mcap;
 pub mod nuscenes;
+pub mod pai;
 pub mod scenarionet;
 pub mod sumo;
 pub mod table;
@@ -19,6 +20,7 @@ pub const ALL: &[AdapterRef] = &[
     AdapterRef(&comma2k19::Comma2k19),
     AdapterRef(&mcap::Mcap),
     AdapterRef(&nuscenes::NuScenes),
+    AdapterRef(&pai::PhysicalAiAv),
     AdapterRef(&scenarionet::ScenarioNet),
     AdapterRef(&sumo::Sumo),
     AdapterRef(&table::Table),

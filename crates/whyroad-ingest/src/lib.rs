@@ -16,7 +16,7 @@ mod source;
 pub use adapter::{Adapter, AdapterRef, DriveSink, Located, SkipReason, Source};
 pub use assemble::{kinematics, plausibility};
 pub use encodings::can;
-pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, scenarionet, sumo, table, waymo};
+pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, pai, scenarionet, sumo, table, waymo};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};
 pub use run::{batches, find_sources, ingest, ingest_each, read};

@@ -5,7 +5,9 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::DataType;
+use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::file::reader::ChunkReader;
 use std::fs::File;
 use std::path::Path;
 
@@ -15,9 +17,18 @@ pub(crate) struct Columns(pub Vec<RecordBatch>);
 
 /// Reads a whole Parquet file.
 pub(crate) fn read_parquet(path: &Path) -> Result<Columns, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    let reader =
-        ParquetRecordBatchReaderBuilder::try_new(file).and_then(|b| b.build()).map_err(|e| e.to_string())?;
+    read_batches(File::open(path).map_err(|e| e.to_string())?)
+}
+
+/// Reads a whole Parquet file from memory.
+pub(crate) fn read_parquet_bytes(content: Vec<u8>) -> Result<Columns, String> {
+    read_batches(Bytes::from(content))
+}
+
+fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
+    let reader = ParquetRecordBatchReaderBuilder::try_new(source)
+        .and_then(|b| b.build())
+        .map_err(|e| e.to_string())?;
     reader.collect::<Result<_, _>>().map(Columns).map_err(|e| e.to_string())
 }
 

@@ -7,6 +7,7 @@ mod comma2k19;
 mod finding;
 mod mcap;
 mod nuscenes;
+mod pai;
 mod scenarionet;
 mod sumo;
 mod sumo_egos;

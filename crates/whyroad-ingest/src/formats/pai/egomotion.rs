@@ -1,0 +1,153 @@
+//! `egomotion`: poses of the rig (rear axle, on the ground) in the rig's own frame at the clip's start, about 100 Hz.
+//! Times are microseconds from the clip's start; the first ones may be negative.
+
+use crate::assemble::kinematics::{self, MAX_GAP_S};
+use crate::assemble::resample::linear;
+use crate::assemble::se3::{self, Se3, unit};
+use crate::encodings::columns::Columns;
+use crate::report::RowCount;
+use whyroad_model::scene::Motion;
+
+/// Step of the frames, us.
+pub(super) const FRAME_US: i64 = 100_000;
+/// Times beyond this (11 days) are not those of a clip, us.
+const MAX_TIME_US: i64 = 1_000_000_000_000;
+/// Velocities that differ from the positions' by more than this in the median are not used, m/s.
+const MAX_VELOCITY_ERROR_MPS: f64 = 1.0;
+
+/// Poses by ascending time.
+pub(super) struct PoseTrack {
+    /// us.
+    pub times: Vec<i64>,
+    poses: Vec<Se3>,
+    /// Velocity of the rig's origin in the frame of the poses, m/s; empty where the table has none.
+    velocities: Vec<[f64; 2]>,
+}
+
+/// Reads the poses; the counts say what was lost.
+pub(super) fn read(table: &Columns) -> Result<(PoseTrack, RowCount), String> {
+    let times = table.integers("timestamp")?;
+    let [qw, qx, qy, qz, x, y, z] = ["qw", "qx", "qy", "qz", "x", "y", "z"].map(|name| table.numbers(name));
+    let (qw, qx, qy, qz, x, y, z) = (qw?, qx?, qy?, qz?, x?, y?, z?);
+    let has_velocity = table.has("vx") && table.has("vy");
+    let velocity = if has_velocity { Some((table.numbers("vx")?, table.numbers("vy")?)) } else { None };
+    let mut count = RowCount { read: times.len(), ..RowCount::new("egomotion") };
+    let mut rows = Vec::with_capacity(times.len());
+    for (i, time) in times.iter().enumerate() {
+        let position = [x[i], y[i], z[i]];
+        let plausible = time.filter(|t| t.abs() <= MAX_TIME_US);
+        match (plausible, unit([qw[i], qx[i], qy[i], qz[i]])) {
+            (Some(time), Some(q)) if position.iter().all(|v| v.is_finite()) => {
+                let v = velocity.as_ref().map_or([f64::NAN; 2], |(vx, vy)| [vx[i], vy[i]]);
+                rows.push((time, Se3 { q, t: position }, v));
+            }
+            _ => count.drop_rows("invalid", 1),
+        }
+    }
+    rows.sort_by_key(|r| r.0);
+    let before = rows.len();
+    rows.dedup_by_key(|r| r.0);
+    count.drop_rows("duplicate", before - rows.len());
+    count.keep("pose", rows.len());
+    let velocities = if has_velocity { rows.iter().map(|r| r.2).collect() } else { Vec::new() };
+    let (times, poses) = rows.into_iter().map(|(time, pose, _)| (time, pose)).unzip();
+    Ok((PoseTrack { times, poses, velocities }, count))
+}
+
+impl PoseTrack {
+    /// The pose at `time` (us): the log's own, or between its two neighbours. `None` outside the log and inside a gap.
+    pub fn at(&self, time: i64) -> Option<Se3> {
+        let next = self.times.partition_point(|&t| t < time);
+        if self.times.get(next) == Some(&time) {
+            return Some(self.poses[next]);
+        }
+        let before = next.checked_sub(1)?;
+        let (t0, t1) = (self.times[before], *self.times.get(next)?);
+        let gap_us = (t1 - t0) as f64;
+        (gap_us <= MAX_GAP_S * 1e6)
+            .then(|| self.poses[before].between(&self.poses[next], (time - t0) as f64 / gap_us))
+    }
+
+    /// Frames at whole tenths of a second of the clip's clock, negative ones included, where there is a pose, us.
+    pub fn frames(&self) -> Vec<i64> {
+        let (Some(&first), Some(&last)) = (self.times.first(), self.times.last()) else { return Vec::new() };
+        let tenth = -(-first).div_euclid(FRAME_US);
+        (tenth..=last.div_euclid(FRAME_US)).map(|i| i * FRAME_US).filter(|&t| self.at(t).is_some()).collect()
+    }
+
+    /// Motion of the point `centre` (in the rig, m) at the frames (us), which are those of [`PoseTrack::frames`]. False
+    /// when the table's velocities contradict its positions; the motion is then derived from the positions.
+    pub fn motion(&self, frames: &[i64], centre: [f64; 3]) -> (Motion, bool) {
+        let mut motion = Motion::unknown(frames.len());
+        let mut lever = vec![[0.0; 2]; frames.len()];
+        for (i, &time) in frames.iter().enumerate() {
+            let Some(pose) = self.at(time) else { continue };
+            let p = pose.apply(centre);
+            (motion.x[i], motion.y[i], motion.z[i]) = (p[0], p[1], p[2]);
+            lever[i] = [p[0] - pose.t[0], p[1] - pose.t[1]];
+            motion.heading[i] = se3::heading(pose.q);
+        }
+        let seconds: Vec<f64> = frames.iter().map(|&t| t as f64 / 1e6).collect();
+        let d = kinematics::derive(&seconds, &motion.x, &motion.y, &motion.heading, |_| false);
+        motion.yaw_rate = d.yaw_rate;
+        (motion.vx, motion.vy, motion.accel) = (d.vx, d.vy, d.accel);
+        if self.velocities.is_empty() {
+            return (motion, true);
+        }
+        // The table's velocity is the rear axle's: a turning car's box centre moves sideways as well.
+        let times: Vec<f64> = self.times.iter().map(|&t| t as f64 / 1e6).collect();
+        let axis = |k: usize| -> Vec<f64> {
+            let own: Vec<f64> = self.velocities.iter().map(|v| v[k]).collect();
+            let at_axle = linear(&times, &own, &seconds, MAX_GAP_S);
+            let turn = |i: usize| motion.yaw_rate[i] * if k == 0 { -lever[i][1] } else { lever[i][0] };
+            at_axle.iter().enumerate().map(|(i, v)| v + turn(i)).collect()
+        };
+        let (vx, vy) = (axis(0), axis(1));
+        let mut errors: Vec<f64> = (0..frames.len())
+            .map(|i| (vx[i] - motion.vx[i]).hypot(vy[i] - motion.vy[i]))
+            .filter(|e| e.is_finite())
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        let agree = errors.get(errors.len() / 2).is_some_and(|e| *e <= MAX_VELOCITY_ERROR_MPS);
+        if agree {
+            motion.accel = kinematics::acceleration(&seconds, &vx, &vy, &motion.heading);
+            (motion.vx, motion.vy) = (vx, vy);
+        }
+        (motion, agree || errors.is_empty())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn track(times: &[i64], speed_mps: f64, stated: f64) -> PoseTrack {
+        let pose = |&t: &i64| Se3 { q: [1.0, 0.0, 0.0, 0.0], t: [speed_mps * t as f64 / 1e6, 0.0, 0.0] };
+        PoseTrack {
+            times: times.to_vec(),
+            poses: times.iter().map(pose).collect(),
+            velocities: times.iter().map(|_| [stated, 0.0]).collect(),
+        }
+    }
+
+    #[test]
+    fn frames_are_whole_tenths_also_before_the_start_and_never_in_a_gap() {
+        let times: Vec<i64> = (-23..=30).map(|i| i * 10_000).chain([900_000]).collect();
+        assert_eq!(
+            track(&times, 5.0, 5.0).frames(),
+            [-200_000, -100_000, 0, 100_000, 200_000, 300_000, 900_000]
+        );
+    }
+
+    #[test]
+    fn velocities_that_contradict_the_positions_are_not_used() {
+        let times: Vec<i64> = (0..=100).map(|i| i * 10_000).collect();
+        for (stated, agree) in [(5.2, true), (9.0, false)] {
+            let track = track(&times, 5.0, stated);
+            let (motion, same) = track.motion(&track.frames(), [1.5, 0.0, 0.0]);
+            assert_eq!(same, agree);
+            assert!((motion.vx[3] - if agree { stated } else { 5.0 }).abs() < 1e-6);
+            assert!((motion.x[0] - 1.5).abs() < 1e-12);
+        }
+    }
+}
