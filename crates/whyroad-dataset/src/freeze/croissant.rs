@@ -20,7 +20,7 @@ pub(crate) fn croissant(m: &Manifest) -> String {
                 "name": f.path,
                 "contentUrl": f.path,
                 "contentSize": format!("{} B", f.bytes),
-                "encodingFormat": "application/vnd.apache.parquet",
+                "encodingFormat": "application/x-parquet",
                 "sha256": f.sha256,
             })
         })
@@ -28,17 +28,14 @@ pub(crate) fn croissant(m: &Manifest) -> String {
     let mut records = Vec::new();
     for split in SplitName::ALL.map(SplitName::name) {
         let prefix = format!("{DATA}/{split}-");
-        let files: Vec<Value> =
-            data.clone().filter(|f| f.path.starts_with(&prefix)).map(|f| json!({ "@id": f.path })).collect();
-        if files.is_empty() {
+        if !data.clone().any(|f| f.path.starts_with(&prefix)) {
             continue;
         }
         distribution.push(json!({
             "@type": "cr:FileSet",
             "@id": split,
             "name": split,
-            "containedIn": files,
-            "encodingFormat": "application/vnd.apache.parquet",
+            "encodingFormat": "application/x-parquet",
             "includes": format!("{DATA}/{split}-*.parquet"),
         }));
         records.push(json!({
@@ -137,6 +134,7 @@ const CONTEXT: &str = r#"{
     "path": "cr:path",
     "personalSensitiveInformation": "cr:personalSensitiveInformation",
     "prov": "http://www.w3.org/ns/prov#",
+    "rai": "http://mlcommons.org/croissant/RAI/",
     "recordSet": "cr:recordSet",
     "references": "cr:references",
     "regex": "cr:regex",
