@@ -1,5 +1,6 @@
 //! Generates the structs of the fast reader from `schema/label_fields.yaml`: a label whose texts are borrowed from the
 //! document, with the fields, the presence and the blank texts of the table.
+#![allow(clippy::unwrap_used)] // writing to a `String` cannot fail
 
 #[allow(dead_code)]
 #[path = "../whyroad-model/build/label_table.rs"]

@@ -2,6 +2,7 @@
 //! compiler: `SignalId`, typed ids and the enums of category signals from `signals.yaml`, `Need` from `needs.yaml`.
 //! Fails the build if a file is not as it must be; whyroad-signals reports such faults of other files with their
 //! location.
+#![allow(clippy::unwrap_used)] // writing to a `String` cannot fail
 
 #[allow(dead_code, unreachable_pub)]
 #[path = "src/yaml/tree.rs"]
