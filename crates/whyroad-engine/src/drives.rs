@@ -1,9 +1,8 @@
 //! Work on the drives of a lake: on all cores, results in the order of the ids, and only some of them in memory.
 
-use crate::mine::unreadable;
 use rayon::prelude::*;
 use whyroad_lake::{Lake, LakeError};
-use whyroad_model::{Diagnostic, DriveId, SignalTable};
+use whyroad_model::{Bilingual, Diagnostic, DriveId, SignalTable};
 
 /// Drives that are processed for each core before their results are handed on: what is held does not grow with the
 /// lake, and a core that is done early waits for the others once per this many drives.
@@ -79,4 +78,18 @@ pub fn derive_signals(
     });
     let Ok(()) = kept;
     (derived, errors)
+}
+
+/// The diagnostic of a drive that cannot be read and is skipped.
+pub(crate) fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
+    let cause = e.diagnostic();
+    let message = Bilingual::new(
+        format!("行程 {id} 无法读取，已跳过：{}", cause.message.zh),
+        format!("drive {id} cannot be read and is left out: {}", cause.message.en),
+    );
+    let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.location);
+    Box::new(match cause.hint {
+        Some(hint) => d.with_hint(hint),
+        None => d,
+    })
 }

@@ -9,7 +9,7 @@ mod stored;
 pub use crate::drives::{derive_signals, signals_of};
 pub use stored::{find_stored, read as read_columns};
 
-use crate::drives::{derived_signals, map_drives};
+use crate::drives::{derived_signals, map_drives, unreadable};
 use crate::output::record::{MinedEpisode, write_down};
 use kept::Kept;
 use std::collections::BTreeMap;
@@ -191,19 +191,6 @@ impl Run<'_> {
             self.unwritable.store(true, Ordering::Relaxed);
         }
     }
-}
-
-pub(crate) fn unreadable(id: &DriveId, e: &LakeError) -> Box<Diagnostic> {
-    let cause = e.diagnostic();
-    let message = Bilingual::new(
-        format!("行程 {id} 无法读取，已跳过：{}", cause.message.zh),
-        format!("drive {id} cannot be read and is left out: {}", cause.message.en),
-    );
-    let d = Diagnostic::error("mine.drive.unreadable", message).at(cause.location);
-    Box::new(match cause.hint {
-        Some(hint) => d.with_hint(hint),
-        None => d,
-    })
 }
 
 fn unwritable(lake: &Lake) -> Diagnostic {

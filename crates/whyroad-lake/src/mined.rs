@@ -5,16 +5,18 @@
 //! ([`MinedFolder::episodes`], JSON Lines), or page by page with a filter ([`EpisodeIndex`], Parquet).
 
 mod columns;
+mod error;
 mod index;
 mod lines;
 mod question;
 mod write;
 
 pub use columns::{EPISODES_VERSION, episode_table};
+pub use error::MinedWriteError;
 pub use index::EpisodeIndex;
 pub use lines::{EpisodeLines, LineSpan};
 pub use question::MiningQuestion;
-pub use write::{Existing, FinishedEpisodes, MinedFolderWriter, MinedWriteError};
+pub use write::{Existing, FinishedEpisodes, MinedFolderWriter};
 
 use crate::LakeError;
 use std::collections::BTreeMap;

@@ -3,90 +3,22 @@
 //! knows where signals come from.
 
 pub mod drawing;
+mod file;
 mod table;
 mod trace;
+
+pub use file::{CaseKind, Reason};
 
 use crate::drive::mine_drive;
 use crate::episode::Episode;
 use crate::evaluate::STEP;
 use crate::rule::{OTHER, RuleSet};
-use serde::Deserialize;
+use file::{CaseFile, CaseText};
 use std::collections::BTreeMap;
 use table::table;
 use whyroad_model::yaml::{self, DecodeError};
-use whyroad_model::{Bilingual, Diagnostic, Location, ObjectClass, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 use whyroad_signals::Catalogue;
-
-/// What a case shows about its rule. Every rule has at least one of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum CaseKind {
-    /// It happens.
-    Positive,
-    /// Something like it happens, but not this.
-    Negative,
-    /// On the edge of a threshold.
-    Boundary,
-    /// An input is not known.
-    Unknown,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CaseFile {
-    #[serde(rename = "version")]
-    _version: Option<String>,
-    /// Class of the rules; neither is there beside a rule that belongs to no class.
-    l1: Option<String>,
-    l2: Option<String>,
-    /// Signals that the cases have in common.
-    #[serde(default)]
-    base: BTreeMap<String, String>,
-    cases: Vec<CaseText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CaseText {
-    name: String,
-    /// L3, or absent for the rule of the L2.
-    leaf: Option<String>,
-    kind: CaseKind,
-    duration: String,
-    /// Class of the target.
-    target: Option<ObjectClass>,
-    /// When the target is seen; all the time unless said.
-    seen: Option<[String; 2]>,
-    /// Other objects by name: the second role of a rule, or what a count ranges over. Their signals are written
-    /// `obstacle.gap`.
-    #[serde(default)]
-    objects: BTreeMap<String, ObjectText>,
-    #[serde(default)]
-    signals: BTreeMap<String, String>,
-    /// Signals that the log does not have.
-    #[serde(default)]
-    lacks: Vec<String>,
-    expect: Vec<Expectation>,
-    /// Signals for lack of which the rule must say that it cannot be decided.
-    #[serde(default)]
-    not_observable: Vec<String>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObjectText {
-    class: ObjectClass,
-    seen: Option<[String; 2]>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Expectation {
-    keyframe: String,
-    start: Option<String>,
-    end: Option<String>,
-    second_keyframe: Option<String>,
-}
 
 /// What was run.
 #[derive(Clone, Debug, Default)]
@@ -139,9 +71,6 @@ pub fn run_all_cases(files: &BTreeMap<String, String>, rules: &RuleSet, catalogu
     }
     all
 }
-
-/// Why a case does not hold.
-pub type Reason = Bilingual;
 
 fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {
     let message = Bilingual::new(

@@ -14,18 +14,14 @@ mod text;
 pub mod truth;
 
 pub use figures::{ClassFigures, Confusion, Evaluation, MissedEntry, SpuriousEpisode};
+pub use matching::{KEYFRAME_TOLERANCE_S, LEAST_IOU};
 pub use text::render;
 
-use matching::{Moment, pairs};
+use matching::{Moment, pairs, same_target};
 use std::collections::BTreeMap;
 use truth::TruthSet;
 use whyroad_model::messages::EpisodeRecord;
-use whyroad_model::{DriveId, ScenarioId};
-
-/// Keyframes at most this far apart are the same moment, s.
-pub const KEYFRAME_TOLERANCE_S: f64 = 1.0;
-/// Time ranges that overlap by at least this share of their union are the same episode.
-pub const LEAST_IOU: f64 = 0.3;
+use whyroad_model::DriveId;
 
 /// Compares `episodes` with `truth`.
 ///
@@ -72,19 +68,6 @@ pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
     }
     entries.truncate(required);
     figures::collect(truth, &entries, &partner, &figures::Outcome { episodes, taken: &taken, open: &open })
-}
-
-/// True unless both name a target and they differ.
-fn same_target(entry: &truth::TruthEntry, episode: &EpisodeRecord) -> bool {
-    match (&entry.target_id, &episode.target_id) {
-        (Some(a), Some(b)) => a == b,
-        _ => true,
-    }
-}
-
-/// Is this class on this drive declared complete?
-fn is_complete(truth: &TruthSet, class: &ScenarioId, drive: &DriveId) -> bool {
-    truth.complete.iter().any(|c| c.drives.contains(drive) && c.classes.iter().any(|k| class.is_within(k)))
 }
 
 #[cfg(test)]

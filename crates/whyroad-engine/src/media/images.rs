@@ -1,7 +1,7 @@
 //! Which images there are and when each was taken, from a folder with a rate or from a list of times; and whether a
 //! file is an image that browsers show.
 
-use super::MediaError;
+use super::error::MediaError;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! JSON Lines files of a mined folder: written with the place of each line, read one line at a time. A line that cannot
 //! be read is reported and does not stop the rest.
 
-use super::{MinedWriteError, mine_again, write};
+use super::error::{MinedWriteError, encoding, io};
+use super::mine_again;
 use crate::LakeError;
 use serde::Serialize;
 use std::fs::File;
@@ -28,21 +29,21 @@ pub(super) struct LineWriter {
 
 impl LineWriter {
     pub fn create(path: PathBuf) -> Result<Self, MinedWriteError> {
-        let file = File::create(&path).map_err(write::io(&path))?;
+        let file = File::create(&path).map_err(io(&path))?;
         Ok(Self { path, out: BufWriter::new(file), bytes: 0 })
     }
 
     pub fn put(&mut self, message: &impl Serialize) -> Result<LineSpan, MinedWriteError> {
-        let mut line = serde_json::to_vec(message).map_err(write::encoding(&self.path))?;
+        let mut line = serde_json::to_vec(message).map_err(encoding(&self.path))?;
         let span = LineSpan { start: self.bytes, len: line.len() };
         line.push(b'\n');
         self.bytes += line.len() as u64;
-        self.out.write_all(&line).map_err(write::io(&self.path))?;
+        self.out.write_all(&line).map_err(io(&self.path))?;
         Ok(span)
     }
 
     pub fn finish(mut self) -> Result<(), MinedWriteError> {
-        self.out.flush().map_err(write::io(&self.path))
+        self.out.flush().map_err(io(&self.path))
     }
 }
 

@@ -1,7 +1,6 @@
 //! What a mined folder answers, recorded beside the answer: the results of one question are never continued or replaced
 //! by those of another unnoticed.
 
-use super::{MinedWriteError, write};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
@@ -37,9 +36,5 @@ impl MiningQuestion {
     /// `None` when the file does not exist or is not a question.
     pub(super) fn read(path: &Path) -> Option<Self> {
         serde_json::from_slice(&fs::read(path).ok()?).ok()
-    }
-
-    pub(super) fn write(&self, path: &Path) -> Result<(), MinedWriteError> {
-        write::json(path, self)
     }
 }

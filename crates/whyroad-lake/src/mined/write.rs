@@ -2,6 +2,7 @@
 //! earlier run left stays until this one is done.
 
 use super::columns::{EPISODES_VERSION, VERSION_KEY, episode_batch};
+use super::error::{MinedWriteError, encoding, io};
 use super::lines::LineWriter;
 use super::{LineSpan, MinedFile, MiningQuestion};
 use parquet::arrow::ArrowWriter;
@@ -20,35 +21,6 @@ use whyroad_model::messages::{
 /// Episodes that are written to the Parquet file together, and rows of its row groups.
 const EPISODES_PER_BATCH: usize = 512;
 const ROWS_PER_GROUP: usize = 1 << 16;
-
-/// The folder could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum MinedWriteError {
-    /// The file system refused.
-    #[error("cannot write {}: {source}", .path.display())]
-    Io {
-        /// File or folder.
-        path: PathBuf,
-        /// Its reason.
-        source: std::io::Error,
-    },
-    /// A table or message could not be encoded.
-    #[error("cannot write {}: {reason}", .path.display())]
-    Encoding {
-        /// File.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// The folder holds the results of another question, or of one that it does not record.
-    #[error("{} holds the results of another question", .dir.display())]
-    OtherQuestion {
-        /// The folder.
-        dir: PathBuf,
-        /// The question that it answers, where it records one.
-        found: Option<Box<MiningQuestion>>,
-    },
-}
 
 /// What happens to results that are in the folder already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -155,7 +127,7 @@ impl MinedFolderWriter {
         for lines in [self.episodes, self.pre_labels, self.suggestions, self.clips] {
             lines.finish()?;
         }
-        self.question.write(&part(&dir, MinedFile::Question))?;
+        json(&part(&dir, MinedFile::Question), &self.question)?;
         let results = MinedFile::Results.path(&dir);
         fs::create_dir_all(&results).map_err(io(&results))?;
         clear(&results)?;
@@ -230,15 +202,7 @@ fn clear(results: &Path) -> Result<(), MinedWriteError> {
     Ok(())
 }
 
-pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> MinedWriteError + '_ {
-    |source| MinedWriteError::Io { path: path.to_owned(), source }
-}
-
-pub(super) fn encoding<E: std::fmt::Display>(path: &Path) -> impl FnOnce(E) -> MinedWriteError + '_ {
-    |e| MinedWriteError::Encoding { path: path.to_owned(), reason: e.to_string() }
-}
-
-pub(super) fn json(path: &Path, message: &impl Serialize) -> Result<(), MinedWriteError> {
+fn json(path: &Path, message: &impl Serialize) -> Result<(), MinedWriteError> {
     let mut out = BufWriter::new(File::create(path).map_err(io(path))?);
     serde_json::to_writer_pretty(&mut out, message).map_err(encoding(path))?;
     out.write_all(b"\n").and_then(|()| out.flush()).map_err(io(path))

@@ -1,8 +1,8 @@
 //! Cases as something to draw: the signals that matter in a case over time, and the moments that it expects.
 
+use super::file::{CaseFile, CaseKind, CaseText, Reason};
 use super::table::{column, frame_of, frames};
 use super::trace::{segments, time};
-use super::{CaseFile, CaseKind, CaseText, Reason};
 use crate::rule::{OTHER, Rule};
 use std::collections::BTreeMap;
 use whyroad_model::units::Unit;

@@ -1,8 +1,8 @@
 //! The signal table of a case: 10 Hz, the target first, then other objects by name.
 
+use super::file::{CaseText, Reason};
 use super::trace::time as duration;
 use super::trace::{self, Segment, segments};
-use super::{CaseText, Reason};
 use crate::evaluate::STEP;
 use crate::language::check::nearest;
 use std::collections::BTreeMap;

@@ -35,7 +35,9 @@ pub fn find(rule: &Rule, table: &SignalTable) -> Found {
             on_rows(rule, alone, &mut evaluator, &mut found.episodes, &mut decided);
             continue;
         };
-        if pairs::hopeless(rule, alone, &mut evaluator, &mut decided) {
+        if let Some(rows) = pairs::hopeless(rule, alone, &mut evaluator) {
+            decided.rows += rows;
+            decided.known += rows;
             continue;
         }
         for second in pairs::partners(span, role, table) {
@@ -55,9 +57,9 @@ fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decide
 
 /// How far the rule's condition was known.
 #[derive(Default)]
-pub(super) struct Decided {
-    pub(super) rows: usize,
-    pub(super) known: usize,
+struct Decided {
+    rows: usize,
+    known: usize,
 }
 
 /// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much. Where

@@ -1,7 +1,6 @@
 //! Rules that bind two objects: which pairs are worth judging. All pairs of a crowded drive are many, and nearly
 //! all fail for the target alone (it is not even the lead), which is looked at first.
 
-use super::build::Decided;
 use crate::evaluate::{Evaluator, Roles, Series};
 use crate::language::program::{NodeId, Op, Program, Scope};
 use crate::rule::{Rule, SecondRole};
@@ -22,14 +21,13 @@ pub(crate) fn partners<'a>(
     })
 }
 
-/// True when what the rule asks of the target alone (or of the drive) is false at every row: no pair with this
-/// target can match. Its rows then count as decided.
+/// The number of the target's rows when what the rule asks of the target alone (or of the drive) is false at every one:
+/// no pair with this target can match, and all these rows are decided. `None` when a pair can match.
 pub(super) fn hopeless<'a>(
     rule: &'a Rule,
     alone: Roles<'a>,
     evaluator: &mut Evaluator<'a>,
-    decided: &mut Decided,
-) -> bool {
+) -> Option<usize> {
     let mut parts = Vec::new();
     conjuncts(&rule.program, rule.when, &mut parts);
     parts.retain(|id| matches!(rule.program.node(*id).scope, Scope::Frame | Scope::Target));
@@ -41,12 +39,7 @@ pub(super) fn hopeless<'a>(
             open.iter_mut().zip(&t.value).for_each(|(o, v)| *o &= *v != Tri::False);
         }
     }
-    let hopeless = !open.contains(&true);
-    if hopeless {
-        decided.rows += n;
-        decided.known += n;
-    }
-    hopeless
+    (!open.contains(&true)).then_some(n)
 }
 
 fn conjuncts(program: &Program, id: NodeId, out: &mut Vec<NodeId>) {

@@ -15,7 +15,7 @@ use whyroad_model::{Nanos, Tri};
 
 mod rows;
 
-use rows::{best_of_even, compared, greatest_ahead, settle, sliding};
+use rows::{best_of_even, compared, greatest_ahead, settle, settled, sliding};
 
 impl Evaluation<'_> {
     /// Margins of a condition on these rows of a place that is not all objects; NaN where it is unknown.
@@ -337,14 +337,4 @@ fn along<'c>(mut answer: (Tri, f64), cells: impl Iterator<Item = &'c Cell>) -> i
         answer = (truth, settled(truth, b.1.max(carried)));
         answer.1
     })
-}
-
-/// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
-/// computed into 0.
-fn settled(truth: Tri, margin: f64) -> f64 {
-    match truth {
-        Tri::Unknown => f64::NAN,
-        Tri::True => margin.max(0.0),
-        Tri::False => margin.min(0.0),
-    }
 }

@@ -1,8 +1,7 @@
 //! The figures of an evaluation, from who was paired with whom.
 
-use super::matching::Moment;
+use super::matching::{Moment, same_target};
 use super::truth::{TruthEntry, TruthSet};
-use super::{is_complete, same_target};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::EpisodeRecord;
@@ -173,7 +172,7 @@ pub(super) fn collect(
     for (entry, partner) in entries.iter().zip(partner) {
         let tally = tallies.entry(entry.scenario_id.clone()).or_default();
         tally.figures.truth += 1;
-        let complete = is_complete(truth, &entry.scenario_id, &entry.drive_id);
+        let complete = truth.is_complete(&entry.scenario_id, &entry.drive_id);
         tally.judged |= complete;
         let there = Moment::of_entry(entry);
         if let Some(e) = partner {
@@ -205,7 +204,7 @@ pub(super) fn collect(
             continue;
         }
         let tally = tallies.entry(episode.scenario_id.clone()).or_default();
-        if !open[i] && is_complete(truth, &episode.scenario_id, &episode.drive_id) {
+        if !open[i] && truth.is_complete(&episode.scenario_id, &episode.drive_id) {
             tally.judged = true;
             tally.figures.spurious += 1;
             out.spurious.push(SpuriousEpisode {

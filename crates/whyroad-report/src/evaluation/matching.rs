@@ -1,9 +1,13 @@
 //! Pairing truth with episodes: who may be paired, and the pairing with the most pairs.
 
 use super::truth::TruthEntry;
-use super::{KEYFRAME_TOLERANCE_S, LEAST_IOU};
 use whyroad_model::Nanos;
 use whyroad_model::messages::EpisodeRecord;
+
+/// Keyframes at most this far apart are the same moment, s.
+pub const KEYFRAME_TOLERANCE_S: f64 = 1.0;
+/// Time ranges that overlap by at least this share of their union are the same episode.
+pub const LEAST_IOU: f64 = 0.3;
 
 /// A time range and its keyframe.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +45,14 @@ impl Moment {
     pub fn match_error(&self, found: &Moment) -> Option<f64> {
         let error = self.lateness(found).abs();
         (error <= KEYFRAME_TOLERANCE_S || self.iou(found) >= LEAST_IOU).then_some(error)
+    }
+}
+
+/// True unless both name a target and they differ.
+pub fn same_target(entry: &TruthEntry, episode: &EpisodeRecord) -> bool {
+    match (&entry.target_id, &episode.target_id) {
+        (Some(a), Some(b)) => a == b,
+        _ => true,
     }
 }
 

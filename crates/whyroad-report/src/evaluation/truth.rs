@@ -65,6 +65,12 @@ fn nanos<'de, D: serde::Deserializer<'de>>(d: D) -> Result<Nanos, D::Error> {
 }
 
 impl TruthSet {
+    /// True where the truth of a class is declared complete on a drive.
+    pub fn is_complete(&self, class: &ScenarioId, drive: &DriveId) -> bool {
+        let holds = |c: &Complete| c.drives.contains(drive) && c.classes.iter().any(|k| class.is_within(k));
+        self.complete.iter().any(holds)
+    }
+
     /// Adds what `text` says; a line that cannot be read is an error with its place and does not stop the rest. Class
     /// ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
     pub fn read(

@@ -1,6 +1,5 @@
 //! What margins need row by row: comparisons, agreement with the truth, moving extremes.
 
-use super::settled;
 use crate::evaluate::{MARGIN_LIMIT, compare};
 use crate::fast::numbers::Numbers;
 use crate::fast::truth::Truth;
@@ -50,6 +49,16 @@ pub fn settle(margins: &mut [f64], truth: &Truth, first: usize) {
             let truth = Tri::from((known >> i & 1 == 1).then_some(yes >> i & 1 == 1));
             *margin = settled(truth, *margin);
         }
+    }
+}
+
+/// A margin brought to agree with its truth: NaN where unknown; `max` and `min` turn one that could not be
+/// computed into 0.
+pub fn settled(truth: Tri, margin: f64) -> f64 {
+    match truth {
+        Tri::Unknown => f64::NAN,
+        Tri::True => margin.max(0.0),
+        Tri::False => margin.min(0.0),
     }
 }
 

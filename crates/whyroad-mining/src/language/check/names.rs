@@ -1,7 +1,7 @@
 //! Names that are not there, and what was probably meant.
 
+use super::super::Fault;
 use super::super::syntax::Span;
-use super::Fault;
 use whyroad_signals::SignalKind;
 use whyroad_signals::catalogue::Catalogue;
 

@@ -1,8 +1,9 @@
 //! How faults name types, dimensions and operators, in both languages.
 
 use super::super::program::Kind;
+use super::super::Fault;
 use super::super::syntax::Span;
-use super::{Fault, nearest};
+use super::names::nearest;
 use whyroad_model::units::Dimension;
 
 /// Operators written as calls, with their forms.

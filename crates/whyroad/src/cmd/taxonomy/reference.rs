@@ -5,6 +5,7 @@ mod cases;
 mod diagnostics;
 mod leaf;
 mod leaves;
+mod sources;
 mod summary;
 
 pub(super) use diagnostics::index as diagnostics_index;

@@ -1,6 +1,6 @@
 //! The page of one leaf in one language.
 
-use super::leaves::Sources;
+use super::sources::Sources;
 use super::{GENERATED, cell, ending, say, title};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,6 +1,7 @@
 //! Files of `docs/reference/leaves/` and the index above them.
 
 use super::cases::{self, ClassCases};
+use super::sources::Sources;
 use super::{GENERATED, cell, ending, leaf, say, title};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,14 +10,6 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::cases::drawing::drawn;
 use whyroad_model::{Bilingual, Lang, ScenarioId};
 use whyroad_signals::Catalogue;
-
-/// What the pages are made of.
-pub(super) struct Sources<'a> {
-    pub framework: &'a Framework,
-    pub catalogue: &'a Catalogue,
-    pub rules: RuleSet,
-    pub cases: BTreeMap<ScenarioId, ClassCases>,
-}
 
 /// Path below `docs/reference/` and text of: a page in each language and a drawing for every leaf, and the index.
 /// `files` are the framework's, among them the cases beside the rules.

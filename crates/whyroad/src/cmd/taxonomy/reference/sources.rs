@@ -1,0 +1,16 @@
+//! What the pages of the leaves are made of.
+
+use super::cases::ClassCases;
+use std::collections::BTreeMap;
+use whyroad_framework::Framework;
+use whyroad_mining::RuleSet;
+use whyroad_model::ScenarioId;
+use whyroad_signals::Catalogue;
+
+/// The framework, its rules, and the drawn cases of each class.
+pub(super) struct Sources<'a> {
+    pub framework: &'a Framework,
+    pub catalogue: &'a Catalogue,
+    pub rules: RuleSet,
+    pub cases: BTreeMap<ScenarioId, ClassCases>,
+}
