@@ -56,7 +56,7 @@ pub enum Evaluator {
 
 /// How to run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Options {
+pub struct MineOptions {
     /// Drives worked on at once, and so the bound of memory; `None` is all cores.
     pub jobs: Option<usize>,
     /// Which evaluator.
@@ -68,14 +68,14 @@ pub struct Options {
 /// Mines every drive of the lake. `done` is called after each drive, from any thread; texts in messages are in
 /// `lang`.
 pub fn mine_lake(lake: &Lake, rules: &RuleSet, lang: Lang, done: impl Fn(&DriveId) + Sync) -> MinedLake {
-    mine_lake_with(lake, rules, &Options { lang, ..Options::default() }, done)
+    mine_lake_with(lake, rules, &MineOptions { lang, ..MineOptions::default() }, done)
 }
 
 /// Mines every drive of the lake as the options say, and keeps all of it.
 pub fn mine_lake_with(
     lake: &Lake,
     rules: &RuleSet,
-    options: &Options,
+    options: &MineOptions,
     done: impl Fn(&DriveId) + Sync,
 ) -> MinedLake {
     let mut drives = Vec::new();
@@ -92,7 +92,7 @@ pub fn mine_lake_with(
 pub fn mine_each<E: Send>(
     lake: &Lake,
     rules: &RuleSet,
-    options: &Options,
+    options: &MineOptions,
     done: impl Fn(&DriveId) + Sync,
     mut each: impl FnMut(MinedDrive) -> Result<(), E>,
 ) -> Result<Vec<Diagnostic>, E> {
@@ -131,7 +131,7 @@ struct Run<'a> {
     plan: Plan<'a>,
     /// Hash of each rule.
     keys: Vec<String>,
-    options: &'a Options,
+    options: &'a MineOptions,
     unwritable: AtomicBool,
 }
 

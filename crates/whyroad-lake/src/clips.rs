@@ -45,7 +45,7 @@ pub(crate) fn metadata(meta: &DriveMeta, times: &[Nanos], sources: &DataSources)
         .collect()
 }
 
-/// Frames of each clip of a drive with so many frames; as [`Drive::clips`] has it.
+/// Frames of each clip of a drive with this number of frames; as [`Drive::clips`] has it.
 pub(crate) fn clip_ranges(frames: usize) -> Vec<FrameRange> {
     let starts = (0..frames).step_by(CLIP_FRAMES);
     starts.map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(frames))).collect()

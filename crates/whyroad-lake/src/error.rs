@@ -1,4 +1,4 @@
-//! What can go wrong with a lake, and how each is told to a person.
+//! What can go wrong with a lake, and the message for each.
 
 use std::path::{Path, PathBuf};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
@@ -40,7 +40,7 @@ pub enum LakeError {
         /// The promise that it breaks.
         reason: String,
     },
-    /// A table cannot be read: damaged, truncated, a column missing or of another type, a value that is none.
+    /// A table cannot be read: damaged, truncated, a column missing or of another type, an invalid value.
     #[error("{}: {reason}", .path.display())]
     TableBroken {
         /// The file.

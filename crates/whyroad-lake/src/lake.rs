@@ -48,7 +48,7 @@ impl Lake {
         Ok(Self { dir })
     }
 
-    /// Opens the lake for writing, making an empty one where there is none. What a killed process left half written
+    /// Opens the lake for writing, making an empty one if it does not exist. What a killed process left half written
     /// is removed.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let dir = dir.as_ref();
@@ -80,7 +80,7 @@ impl Lake {
         self.dir.join("drives").join(id.as_str())
     }
 
-    /// The folder of a drive. An id that is no folder name cannot be in the lake, and must not be joined to a path.
+    /// The folder of a drive. An id that is not a folder name cannot be in the lake, and must not be joined to a path.
     pub(crate) fn checked_dir(&self, id: &DriveId) -> Result<PathBuf, LakeError> {
         if !validity::is_folder_safe(id.as_str()) {
             return Err(LakeError::DriveMissing(id.clone()));

@@ -1,4 +1,4 @@
-//! `drive.json`: what a drive states about itself that is no table. Also the lake's own `whyroad-lake.json`.
+//! `drive.json`: what a drive states about itself that is not a table. Also the lake's own `whyroad-lake.json`.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -74,7 +74,7 @@ impl Lake {
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))
     }
 
-    /// A small file kept beside a drive by who works on it; `None` where there is none.
+    /// A small file kept beside a drive by a command that works on it; `None` without one.
     pub fn note(&self, id: &DriveId, name: &str) -> Option<Vec<u8>> {
         fs::read(self.drive_dir(id).join(name)).ok()
     }

@@ -1,12 +1,12 @@
 //! Signal tables on disk: what was derived from a drive, kept so that it is derived once. Two Parquet files, `frames`
-//! (a row a frame) and `targets` (a row an object and frame), plain enough for SQL; only the columns asked for are
+//! (one row per frame) and `targets` (one row per object and frame), plain enough for SQL; only the columns asked for are
 //! read.
 //!
 //! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
 //! order of target, then frame, without a hole; `whyroad.signals` in the metadata names the drive's content, the
 //! version of the signals, the objects with their frames, and the words of each category.
 //!
-//! Numbers are 64 bits wide as they were derived: a value that stands exactly on a rule's threshold stays on its
+//! Numbers are 64 bits wide as they were derived: a value that is exactly on a rule's threshold stays on its
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
 //! or less a row (dictionary). Unknown is null on disk.
 
@@ -20,7 +20,7 @@ mod table;
 mod write;
 
 pub use column::StoredColumn;
-pub use read::{Range, Scope, SignalFile};
+pub use read::{Range, SignalFile, TableKind};
 pub use write::write_signals;
 
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use std::fs;
 use std::time::SystemTime;
 use whyroad_model::DriveId;
 
-/// What differs when a drive was written anew or its pictures were changed: both put another `drive.json` in place.
+/// What differs when a drive was written again or its images were changed: both put another `drive.json` in place.
 /// Made *before* reading the drive, it is never newer than what was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stamp {

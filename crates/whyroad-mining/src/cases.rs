@@ -11,7 +11,7 @@ pub use file::{CaseKind, Reason};
 
 use crate::drive::mine_drive;
 use crate::episode::Episode;
-use crate::evaluate::STEP;
+use crate::interpret::STEP;
 use crate::rule::{OTHER, RuleSet};
 use file::{CaseFile, CaseText};
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ use whyroad_signals::Catalogue;
 pub struct Tally {
     /// Cases by rule and kind.
     pub cases: BTreeMap<(ScenarioId, CaseKind), usize>,
-    /// One `rule.case` a case that failed or could not be read.
+    /// One `rule.case` for each case that failed or could not be read.
     pub failures: Vec<Diagnostic>,
 }
 
@@ -107,19 +107,19 @@ fn run(
         if !said && rule.subject.is_some_and(|_| case.target.is_some()) {
             return Err(Bilingual::new(
                 format!("没有说明规则所用的 {signal}"),
-                format!("it says nothing of {signal}, which the rule reads"),
+                format!("{signal}, which the rule reads, is not given"),
             ));
         }
     }
     let l2 = ScenarioId { l3: None, ..scenario.clone() };
     let found = mine_drive(&rules.clone().restricted_to(&[l2]), &table);
     let ours: Vec<_> = found.episodes.iter().filter(|e| e.scenario == *scenario).collect();
-    let told = told(&ours);
+    let shown = found_text(&ours);
     if ours.len() != case.expect.len() {
         let n = case.expect.len();
         return Err(Bilingual::new(
-            format!("应有 {n} 个，实际{}", told.zh),
-            format!("{n} expected, found {}", told.en),
+            format!("应有 {n} 个，实际{}", shown.zh),
+            format!("{n} expected, found {}", shown.en),
         ));
     }
     for (e, x) in ours.iter().zip(&case.expect) {
@@ -135,8 +135,8 @@ fn run(
                 && !is_at(text, frame)?
             {
                 return Err(Bilingual::new(
-                    format!("应在 {text}，实际{}", told.zh),
-                    format!("{text} expected, found {}", told.en),
+                    format!("应在 {text}，实际{}", shown.zh),
+                    format!("{text} expected, found {}", shown.en),
                 ));
             }
         }
@@ -157,13 +157,13 @@ fn seconds(frame: usize) -> f64 {
 }
 
 fn is_at(wanted: &str, frame: usize) -> Result<bool, Reason> {
-    // There is no second keyframe.
+    // `usize::MAX`: no second keyframe was found.
     let at = if frame == usize::MAX { f64::INFINITY } else { seconds(frame) };
     Ok((trace::time(wanted)?.as_secs_f64() - at).abs() < 0.051)
 }
 
 /// What was found, in words.
-fn told(found: &[&Episode]) -> Bilingual {
+fn found_text(found: &[&Episode]) -> Bilingual {
     if found.is_empty() {
         return Bilingual::new("没有找到", "nothing");
     }

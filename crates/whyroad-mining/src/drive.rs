@@ -24,7 +24,7 @@ pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
     arbitrated(rules, &table.drive_id, &table.times, found)
 }
 
-/// One drive's episodes out of what came of each rule.
+/// One drive's episodes, from the results of each rule.
 pub fn arbitrated(
     rules: &RuleSet,
     drive: &DriveId,

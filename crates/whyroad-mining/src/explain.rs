@@ -3,7 +3,7 @@
 
 use crate::episode::build::{locate, matches, measured, truth_at};
 use crate::episode::{find, pairs};
-use crate::evaluate::{Evaluator, Pass, Roles, Row, Series, Truths};
+use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
 use crate::language::program::NodeId;
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
@@ -42,7 +42,7 @@ pub enum Cell {
 pub struct Course {
     /// One a frame.
     pub cells: Vec<Cell>,
-    /// Truth at the moment that is told about.
+    /// Truth at the moment that is explained.
     pub truth: Tri,
     /// Margin there, in typical magnitudes; NaN where unknown.
     pub margin: f64,
@@ -68,7 +68,7 @@ pub struct AtomCourse {
     pub text: String,
     /// Its truth over time.
     pub course: Course,
-    /// The measured value at the moment that is told about, in `unit`; null when unknown or infinite.
+    /// The measured value at the moment that is explained, in `unit`; null when unknown or infinite.
     pub actual: Value,
     /// Symbol of the unit.
     pub unit: &'static str,
@@ -83,7 +83,7 @@ pub struct Explanation {
     pub roles: BTreeMap<String, TrackId>,
     /// How many objects (or pairs) were candidates in the clip.
     pub candidates: usize,
-    /// Frame of the clip that is told about: the keyframe, or where it came nearest.
+    /// Frame of the clip that is explained: the keyframe, or where it came nearest.
     pub moment: Option<usize>,
     /// The rule's `when` as a whole.
     pub when: Course,
@@ -106,7 +106,7 @@ pub fn explain(rule: &Rule, table: &SignalTable, clip: FrameRange, wanted: Optio
         }
     }
     let mut out = match best {
-        Some((reached, roles)) => told(rule, roles, clip, &reached, &mut evaluator),
+        Some((reached, roles)) => explanation_at(rule, roles, clip, &reached, &mut evaluator),
         None => nobody(clip),
     };
     out.candidates = all.len();
@@ -143,7 +143,7 @@ fn candidates<'a>(
 struct Reached {
     outcome: Outcome,
     margin: f64,
-    /// Row of the pass that is told about.
+    /// Row of the pass that is explained.
     row: Option<usize>,
     /// The match as rows, where there is one.
     matched: Option<(usize, usize)>,
@@ -186,7 +186,7 @@ fn reach<'a>(rule: &'a Rule, roles: Roles<'a>, clip: FrameRange, evaluator: &mut
     best
 }
 
-fn told<'a>(
+fn explanation_at<'a>(
     rule: &'a Rule,
     roles: Roles<'a>,
     clip: FrameRange,

@@ -3,20 +3,20 @@
 //! ```text
 //! rules --plan--> one program    signals --signals--> columns
 //!                      \             /
-//!                       evaluation: truth of each node, 64 rows a word, once for all objects of the drive
+//!                       evaluation: truth of each node, 64 rows per word, once for all objects of the drive
 //!                           |  runs of true
 //!                       search: episodes; margins only for the rows of an episode (margin)
 //! ```
 //!
-//! It must give what the reference (`crate::evaluate`, `crate::episode`) gives: same truths on every row, same
-//! episodes with the same scores. Property tests hold the two equal. No I/O and no clock: who calls brings the columns.
+//! It must give what the reference (`crate::interpret`, `crate::episode`) gives: same truths on every row, same
+//! episodes with the same scores. Property tests keep the two equal. No I/O and no clock: who calls brings the columns.
 
 pub mod bits;
 mod compare;
 pub mod evaluation;
+pub mod layout;
 mod margin;
 pub mod numbers;
-pub mod places;
 pub mod plan;
 pub mod search;
 pub mod signals;

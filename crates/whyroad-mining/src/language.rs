@@ -4,7 +4,7 @@
 //! text --token--> tokens --parse--> syntax (names as written) --check--> Program (signals resolved, base units)
 //! ```
 //!
-//! What a program *means* is in [`crate::evaluate`].
+//! What a program *means* is in [`crate::interpret`].
 
 pub mod check;
 pub mod parse;
@@ -13,7 +13,7 @@ pub mod syntax;
 pub mod token;
 
 pub use check::Checker;
-pub use program::{Moment, NodeId, Op, Program, Scope, Subject};
+pub use program::{Moment, NodeId, Op, Program, Subject, ValueScope};
 pub use syntax::{Expr, Span};
 
 use whyroad_model::{Bilingual, Diagnostic, Location};
@@ -26,7 +26,7 @@ pub struct Fault {
     pub code: &'static str,
     /// What is wrong, naming the value.
     pub message: Bilingual,
-    /// How to mend it.
+    /// How to fix it.
     pub hint: Option<Box<Bilingual>>,
     /// The part of the expression that is meant.
     pub span: Span,

@@ -1,14 +1,14 @@
-//! Rules to programs to episodes: the rule language, its reference evaluator, episode building, arbitration.
+//! Rules to programs to episodes: the rule language, the interpreter that defines it, the fast evaluator, episode building, arbitration.
 //!
-//! The evaluator is a pure function of one drive's signals: no I/O, no clock, and no knowledge of what a
-//! scenario is about. What a scenario is stands in `scenarios/`.
+//! Evaluation is a pure function of one drive's signals: no I/O, no clock, and no knowledge of what a
+//! scenario is about. Scenarios are defined in `scenarios/`.
 
 pub mod cases;
 pub mod drive;
 pub mod episode;
-pub mod evaluate;
 pub mod explain;
 pub mod fast;
+pub mod interpret;
 pub mod language;
 pub mod rule;
 

@@ -64,9 +64,9 @@ pub struct Rule {
     pub when: NodeId,
     /// Conditions at the keyframe.
     pub require: Vec<NodeId>,
-    /// The parts of `when` and `require` that a person is told about.
+    /// The parts of `when` and `require` that are shown to people.
     pub atoms: Vec<Atom>,
-    /// What has to hold, part by part, as it is told when somebody asks why the rule did not match.
+    /// What has to hold, part by part, as shown when somebody asks why the rule did not match.
     pub parts: Vec<Part>,
     /// Which atoms an episode lists.
     pub listed: Listed,
@@ -129,7 +129,7 @@ pub struct Timing {
     pub keyframe: Vec<(Moment, Bilingual)>,
     /// What the keyframe is when none of these finds it: the start of the match, in words.
     pub at_match_start: Bilingual,
-    /// The second keyframe, the best way first; without any, or where none finds it, there is none.
+    /// The second keyframe, the best expression first; unset without any, and where none finds it.
     pub second_keyframe: Vec<Moment>,
     /// Start of the time range, the best way first.
     pub start: Vec<Moment>,
@@ -160,17 +160,17 @@ impl Timing {
     }
 }
 
-/// What a person is told about a rule: what it measures, and what has to hold.
+/// What is shown of a rule: what it measures, and what has to hold.
 #[derive(Debug, Default)]
-pub(crate) struct Told {
+pub(crate) struct RuleParts {
     /// Each comparison once.
     pub atoms: Vec<Atom>,
     /// In the order in which they are written.
     pub parts: Vec<Part>,
 }
 
-impl Told {
-    /// Tells of an expression that the checker has found sound.
+impl RuleParts {
+    /// Adds an expression that the checker has accepted.
     pub fn add(&mut self, checker: &mut Checker<'_>, expr: &Expr, place: PartPlace) -> Result<(), Fault> {
         checker.atoms(expr, &mut self.atoms)?;
         let mut parts = Vec::new();

@@ -7,7 +7,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use whyroad_engine::mine::{Options, mine_lake_with, signals_of};
+use whyroad_engine::mine::{MineOptions, mine_lake_with, signals_of};
 use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
@@ -140,7 +140,7 @@ impl Lake {
             None => all.with_decision_moments(catalogue),
         };
         py.detach(|| {
-            let options = Options { jobs, lang: Lang::En, ..Options::default() };
+            let options = MineOptions { jobs, lang: Lang::En, ..MineOptions::default() };
             let mined = mine_lake_with(&self.inner, &rules, &options, |_| {});
             if !mined.diagnostics.is_empty() && mined.drives.is_empty() {
                 return Err(of_diagnostics(&mined.diagnostics));

@@ -10,6 +10,7 @@ use whyroad_model::display::number;
 pub struct Markup(String);
 
 impl Markup {
+    /// Nothing yet.
     pub fn new() -> Self {
         Self::default()
     }
@@ -73,6 +74,7 @@ impl Markup {
         self
     }
 
+    /// The text.
     pub fn into_string(self) -> String {
         self.0
     }

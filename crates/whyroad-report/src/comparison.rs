@@ -150,20 +150,25 @@ fn by_subject(episodes: &[EpisodeRecord]) -> BTreeMap<Subject<'_>, Vec<&EpisodeR
 
 impl Comparison {
     /// Compares the episodes of one drive and target.
-    fn add(&mut self, before: &[&EpisodeRecord], after: &[&EpisodeRecord], accepted: Option<&[AcceptedMoment]>) {
+    fn add(
+        &mut self,
+        before: &[&EpisodeRecord],
+        after: &[&EpisodeRecord],
+        accepted: Option<&[AcceptedMoment]>,
+    ) {
         for e in before {
             self.class(&e.scenario_id, accepted).before += 1;
         }
         for e in after {
             self.class(&e.scenario_id, accepted).after += 1;
         }
-        let close = |a: &EpisodeRecord, b: &EpisodeRecord| {
-            Moment::of_episode(a).match_error(&Moment::of_episode(b))
-        };
+        let close =
+            |a: &EpisodeRecord, b: &EpisodeRecord| Moment::of_episode(a).match_error(&Moment::of_episode(b));
         let same_class = pairs(before.len(), after.len(), |i, j| {
             (before[i].scenario_id == after[j].scenario_id).then(|| close(before[i], after[j])).flatten()
         });
-        let (mut paired_a, mut paired_b): (BTreeSet<usize>, BTreeSet<usize>) = (BTreeSet::new(), BTreeSet::new());
+        let (mut paired_a, mut paired_b): (BTreeSet<usize>, BTreeSet<usize>) =
+            (BTreeSet::new(), BTreeSet::new());
         for (i, j) in same_class {
             paired_a.insert(i);
             paired_b.insert(j);
@@ -220,7 +225,9 @@ impl Comparison {
             change,
             before: a.map(|e| e.episode_id.clone()),
             after: b.map(|e| e.episode_id.clone()),
-            class_after: both.filter(|(a, b)| a.scenario_id != b.scenario_id).map(|(_, b)| b.scenario_id.clone()),
+            class_after: both
+                .filter(|(a, b)| a.scenario_id != b.scenario_id)
+                .map(|(_, b)| b.scenario_id.clone()),
             keyframe_shift_s: shift,
             accepted: judged,
         };

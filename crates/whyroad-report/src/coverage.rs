@@ -37,8 +37,8 @@ pub struct UnresolvedRow<'a> {
     pub l1: &'a L1,
     /// Triggering event.
     pub l2: &'a L2,
-    /// What mining told.
-    pub told: &'a LeafCoverage,
+    /// What mining found of it.
+    pub found: &'a LeafCoverage,
 }
 
 /// The L2s that have a rule of their own, in mining's order.
@@ -46,9 +46,9 @@ pub fn unresolved<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<Unr
     coverage
         .unresolved
         .iter()
-        .filter_map(|told| {
-            let (l1, l2) = taxonomy.l2(&told.scenario_id.l1, told.scenario_id.l2.as_deref()?)?;
-            Some(UnresolvedRow { l1, l2, told })
+        .filter_map(|found| {
+            let (l1, l2) = taxonomy.l2(&found.scenario_id.l1, found.scenario_id.l2.as_deref()?)?;
+            Some(UnresolvedRow { l1, l2, found })
         })
         .collect()
 }
@@ -124,16 +124,16 @@ pub fn rows<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<LeafRow<'
         .leaves()
         .map(|(l1, l2, l3)| {
             let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
-            let told = known.get(&id).map(|&i| &coverage.leaves[i]);
+            let found = known.get(&id).map(|&i| &coverage.leaves[i]);
             LeafRow {
                 l1,
                 l2,
                 l3,
-                state: told.map_or(CoverageState::NoRule, |l| l.state),
-                episodes: told.map_or(0, |l| l.episodes),
-                primary_episodes: told.map_or(0, |l| l.primary_episodes),
-                drives_searched: told.map_or(0, |l| l.drives_searched),
-                gaps: told.map_or(&[], |l| &l.gaps),
+                state: found.map_or(CoverageState::NoRule, |l| l.state),
+                episodes: found.map_or(0, |l| l.episodes),
+                primary_episodes: found.map_or(0, |l| l.primary_episodes),
+                drives_searched: found.map_or(0, |l| l.drives_searched),
+                gaps: found.map_or(&[], |l| &l.gaps),
                 id,
             }
         })
@@ -142,8 +142,8 @@ pub fn rows<'a>(taxonomy: &'a Taxonomy, coverage: &'a Coverage) -> Vec<LeafRow<'
 
 /// Classes in `coverage` that `taxonomy` does not have.
 pub fn unknown_leaves<'a>(taxonomy: &Taxonomy, coverage: &'a Coverage) -> Vec<&'a ScenarioId> {
-    let told = coverage.leaves.iter().chain(&coverage.unresolved);
-    told.map(|l| &l.scenario_id).filter(|id| id.l1 != OTHER && !taxonomy.contains(id)).collect()
+    let found = coverage.leaves.iter().chain(&coverage.unresolved);
+    found.map(|l| &l.scenario_id).filter(|id| id.l1 != OTHER && !taxonomy.contains(id)).collect()
 }
 
 /// Leaves by state.

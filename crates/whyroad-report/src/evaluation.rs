@@ -20,12 +20,12 @@ pub use text::render;
 use matching::{Moment, pairs, same_target};
 use std::collections::BTreeMap;
 use truth::TruthSet;
-use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::DriveId;
+use whyroad_model::messages::EpisodeRecord;
 
 /// Compares `episodes` with `truth`.
 ///
-/// An entry that names an L2 (its variant is not told) is matched by every episode of that L2, after the entries that
+/// An entry that names an L2 (its variant is not known) is matched by every episode of that L2, after the entries that
 /// name a leaf. Only drives that the truth speaks of are looked at; an episode beyond the truth is false where its
 /// class and drive are declared complete, and else counts neither way. Nor does one that only an optional entry
 /// matches; optional entries come last.

@@ -10,7 +10,7 @@ use whyroad_lake::signals::write_signals;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{Column, FrameRange, Nanos, SignalTable};
 
-/// About so many rows of targets make a drive: three quarters of an hour in traffic.
+/// Rows of targets per drive, approximately: three quarters of an hour in traffic.
 const DRIVE_ROWS: usize = 100_000;
 const DRIVES_A_FILE: usize = 8;
 
@@ -66,7 +66,7 @@ pub fn write(dir: &Path, tables: &[SignalTable], rows: usize) -> Vec<PathBuf> {
     files.par_iter().map(one).collect()
 }
 
-/// The drives in these folders, their stores opened anew: nothing is known of them that is not in the files.
+/// The drives in these folders, their stores opened again: nothing is known of them that is not in the files.
 pub fn open(folders: &[PathBuf]) -> Vec<Stored> {
     let one = |folder: &PathBuf| {
         let file = Arc::new(SignalFile::open(folder).expect("readable").expect("there"));

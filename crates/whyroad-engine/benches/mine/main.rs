@@ -1,6 +1,6 @@
 //! How fast rules run on stored signals, as ratios measured in the same run on all cores:
 //! `cargo bench -p whyroad-mining --bench mine [-- [all|one|stl] [ROWS] [ROUNDS]]` (20 000 000 rows of targets and 3
-//! rounds unless said; some GB of temporary files). `mine/all`: all bundled rules against bare decoding of the columns
+//! rounds by default; some GB of temporary files). `mine/all`: all bundled rules against bare decoding of the columns
 //! that they use. `mine/one`: single rules against the same question to DuckDB and Polars. `mine/stl`: a formula's
 //! robustness against rtamt. Peers are asked through Python and left out, with a notice, where it lacks them. Every
 //! round begins at closed files; rounds are interleaved; the fastest counts. CPU seconds stand beside the seconds: on a

@@ -1,4 +1,4 @@
-"""Seconds that rtamt takes for `eventually[0:10] always[0:5] (x < 3)` over so many samples (argument 1), the fastest of
+"""Seconds that rtamt takes for `eventually[0:10] always[0:5] (x < 3)` over a number of samples (argument 1), the fastest of
 three, then the robustness of each sample."""
 
 import math

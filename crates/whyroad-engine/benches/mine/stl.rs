@@ -3,7 +3,7 @@
 
 use crate::cost::timed;
 use std::process::Command;
-use whyroad_mining::fast::places::Place;
+use whyroad_mining::fast::layout::RowSet;
 use whyroad_mining::fast::{Evaluation, Plan, Signals};
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::{Column, Nanos, SignalTable};
@@ -30,7 +30,7 @@ pub fn run(n: usize, rounds: usize) {
     let ours = || {
         let signals = Signals::of_table(&table);
         let evaluation = Evaluation::new(&plan, &signals);
-        evaluation.margins(when, Place::Drive, 0..n)
+        evaluation.margins(when, RowSet::Drive, 0..n)
     };
     let (mut best, mut margins) = (f64::INFINITY, Vec::new());
     for _ in 0..rounds * 5 {

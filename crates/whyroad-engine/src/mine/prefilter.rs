@@ -8,7 +8,7 @@ use whyroad_mining::fast::plan::PlanRule;
 use whyroad_mining::language::program::{NodeId, Op, Subject};
 use whyroad_mining::language::syntax::CompareOp;
 
-/// Statistics of the signals that a drive has, by name; `None` where the file tells none.
+/// Statistics of the signals that a drive has, by name; `None` where the file has none.
 pub type Ranges<'a> = BTreeMap<&'a str, Option<Range>>;
 
 /// What is known of a rule without reading values.

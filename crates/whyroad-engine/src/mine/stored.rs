@@ -5,7 +5,7 @@ use super::prefilter::{Verdict, verdict};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use whyroad_lake::signals::{Range, Scope, StoredColumn};
+use whyroad_lake::signals::{Range, StoredColumn, TableKind};
 use whyroad_lake::{LakeError, SignalFile};
 use whyroad_mining::episode::Found;
 use whyroad_mining::fast::bits::Bits;
@@ -65,8 +65,8 @@ pub fn find_stored(
 pub fn read(file: &SignalFile, drive: usize, signals: BTreeSet<&str>) -> Result<Columns<'static>, LakeError> {
     let mut out = Columns::new();
     let of = &file.contents().drives[drive];
-    for (scope, rows) in [(Scope::Frames, of.frames), (Scope::Targets, of.target_rows())] {
-        let names: Vec<&str> = signals.iter().copied().filter(|n| Scope::of(n) == scope).collect();
+    for (scope, rows) in [(TableKind::Frames, of.frames), (TableKind::Targets, of.target_rows())] {
+        let names: Vec<&str> = signals.iter().copied().filter(|n| TableKind::of(n) == scope).collect();
         if names.is_empty() {
             continue;
         }

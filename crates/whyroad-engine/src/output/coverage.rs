@@ -1,4 +1,4 @@
-//! `coverage.json`: what was looked for and what came of it, for every leaf of the taxonomy. Counted drive by drive, so
+//! `coverage.json`: what was searched for and what was found, for every leaf of the taxonomy. Counted drive by drive, so
 //! that no drive has to be kept.
 
 use crate::mine::MinedDrive;
@@ -10,9 +10,9 @@ use whyroad_model::{DriveId, ScenarioId};
 /// Whose rules were run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Searched {
-    /// Those of the framework: a leaf without one is told of as that.
+    /// Those of the framework: a leaf without one is reported as that.
     Framework,
-    /// One of the user's own: of other classes nothing is known, and nothing is told.
+    /// A custom rule: nothing is known of other classes, and they are left out.
     Question,
 }
 
@@ -39,7 +39,7 @@ impl Counts {
         Self { drives: Vec::new(), classes: rules.iter().map(|id| (id.clone(), Count::default())).collect() }
     }
 
-    /// Adds what came of a drive; drives come in the order of their ids.
+    /// Adds the results of a drive; drives come in the order of their ids.
     pub fn add(&mut self, drive: &MinedDrive) {
         let place = u32::try_from(self.drives.len()).unwrap_or(u32::MAX);
         self.drives.push(drive.drive_id.clone());
@@ -77,7 +77,7 @@ impl Counts {
         let leaves = taxonomy.leaves().filter_map(|(l1, l2, l3)| {
             let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
             match self.classes.iter().find(|(class, _)| *class == id) {
-                Some((_, count)) => Some(self.told(id, count)),
+                Some((_, count)) => Some(self.leaf_coverage(id, count)),
                 None => (searched == Searched::Framework).then(|| without_rule(id)),
             }
         });
@@ -86,7 +86,7 @@ impl Counts {
             taxonomy_version: taxonomy.version.clone(),
             drives: self.drives.clone(),
             leaves: leaves.collect(),
-            unresolved: upper.map(|(id, count)| self.told(id.clone(), count)).collect(),
+            unresolved: upper.map(|(id, count)| self.leaf_coverage(id.clone(), count)).collect(),
         }
     }
 
@@ -98,7 +98,7 @@ impl Counts {
         count.gaps.iter().map(gap).collect()
     }
 
-    fn told(&self, scenario_id: ScenarioId, count: &Count) -> LeafCoverage {
+    fn leaf_coverage(&self, scenario_id: ScenarioId, count: &Count) -> LeafCoverage {
         let blind: usize = count.gaps.values().map(Vec::len).sum();
         let drives_searched = (self.drives.len() - blind) as u64;
         let state = match (count.episodes, drives_searched) {

@@ -3,13 +3,13 @@
 //! message allows, frames are clamped to the clip.
 
 use whyroad_mining::episode::{Episode, Rank};
-use whyroad_mining::evaluate::STEP;
+use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
     EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, ScenarioPreLabel, TimeRange,
 };
 use whyroad_model::{ClipId, DriveId, FrameRange, Lang, Nanos};
 
-/// An episode with everything that is told about it.
+/// An episode with everything that is written about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MinedEpisode {
     /// The episode.
@@ -130,7 +130,7 @@ fn end_time(times: &[Nanos], end: usize) -> Nanos {
     }
 }
 
-/// Scores are told to four decimals, so that a result does not differ by the last bit of a sum.
+/// Scores have four decimals, so that a result does not differ by the last bit of a sum.
 fn rounded(score: f64) -> f64 {
     (score * 1e4).round() / 1e4
 }

@@ -2,7 +2,7 @@
 //! interrupted run goes on; a damaged store is made again; an unwritable lake is mined all the same.
 
 use std::path::{Path, PathBuf};
-use whyroad_engine::mine::{Evaluator, MinedLake, Options, derive_signals, mine_lake_with};
+use whyroad_engine::mine::{Evaluator, MineOptions, MinedLake, derive_signals, mine_lake_with};
 use whyroad_framework::Framework;
 use whyroad_ingest::{Options as Ingest, find_sources, read};
 use whyroad_lake::Lake;
@@ -26,7 +26,7 @@ fn lake(dir: &Path, names: &[&str]) -> Lake {
     lake
 }
 
-fn mine(lake: &Lake, rules: &RuleSet, options: Options) -> MinedLake {
+fn mine(lake: &Lake, rules: &RuleSet, options: MineOptions) -> MinedLake {
     let mined = mine_lake_with(lake, rules, &options, |_| ());
     assert!(mined.diagnostics.is_empty(), "{:?}", mined.diagnostics);
     mined
@@ -49,16 +49,17 @@ fn mined_again_it_says_the_same() {
     let dir = tempfile::tempdir().unwrap();
     let lake = lake(dir.path(), &["multilane", "back_street"]);
     let rules = rules();
-    let reference = mine(&lake, &rules, Options { evaluator: Evaluator::Reference, ..Options::default() });
+    let reference =
+        mine(&lake, &rules, MineOptions { evaluator: Evaluator::Reference, ..MineOptions::default() });
     assert!(!file(&lake, 0, "signals").exists(), "the reference keeps nothing");
     assert!(reference.drives.iter().any(|d| !d.episodes.is_empty()));
-    let first = mine(&lake, &rules, Options { jobs: Some(1), ..Options::default() });
+    let first = mine(&lake, &rules, MineOptions { jobs: Some(1), ..MineOptions::default() });
     assert_same(&first, &reference);
     // Kept.
-    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+    assert_same(&mine(&lake, &rules, MineOptions::default()), &reference);
     // Nothing is read but what was kept: the stored signals may be gone.
     std::fs::remove_dir_all(file(&lake, 0, "signals")).unwrap();
-    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+    assert_same(&mine(&lake, &rules, MineOptions::default()), &reference);
     assert!(!file(&lake, 0, "signals").exists(), "no rule was run, so no signal was wanted");
     // From stored signals.
     for drive in 0..2 {
@@ -66,7 +67,7 @@ fn mined_again_it_says_the_same() {
     }
     assert_eq!(derive_signals(&lake, None, |_| ()).0, 1, "one was gone");
     assert_eq!(derive_signals(&lake, Some(1), |_| ()).0, 0, "all are there");
-    assert_same(&mine(&lake, &rules, Options::default()), &reference);
+    assert_same(&mine(&lake, &rules, MineOptions::default()), &reference);
 }
 
 #[test]
@@ -74,27 +75,30 @@ fn only_what_is_new_is_run() {
     let dir = tempfile::tempdir().unwrap();
     let a = lake(dir.path(), &["multilane"]);
     let mut rules = rules();
-    mine(&a, &rules, Options::default());
+    mine(&a, &rules, MineOptions::default());
     let found = || std::fs::read(file(&a, 0, "found.json")).unwrap();
     let before = found();
-    mine(&a, &rules, Options::default());
+    mine(&a, &rules, MineOptions::default());
     assert_eq!(found(), before);
     // A changed rule is run again and gives what it now means.
     rules.rules[0].min_duration = Nanos(3_600_000_000_000);
     let changed = rules.rules[0].scenario.clone();
-    let mined = mine(&a, &rules, Options::default());
+    let mined = mine(&a, &rules, MineOptions::default());
     assert_ne!(found(), before);
     assert!(mined.drives[0].episodes.iter().all(|e| e.record.scenario_id != changed));
-    assert_same(&mined, &mine(&a, &rules, Options { evaluator: Evaluator::Reference, ..Options::default() }));
+    assert_same(
+        &mined,
+        &mine(&a, &rules, MineOptions { evaluator: Evaluator::Reference, ..MineOptions::default() }),
+    );
     // A new drive is added to what is known.
     let b = lake(dir.path(), &["back_street"]);
-    assert_eq!(mine(&b, &rules, Options::default()).drives.len(), 2);
+    assert_eq!(mine(&b, &rules, MineOptions::default()).drives.len(), 2);
     // What was interrupted (a drive done, another not) or damaged is made good.
-    let whole = mine(&b, &rules, Options::default());
+    let whole = mine(&b, &rules, MineOptions::default());
     std::fs::remove_file(file(&b, 0, "found.json")).unwrap();
     std::fs::write(file(&b, 1, "found.json"), b"{ half").unwrap();
     let stored = file(&b, 1, "signals/targets.parquet");
     let half = std::fs::read(&stored).unwrap();
     std::fs::write(&stored, &half[..half.len() / 2]).unwrap();
-    assert_same(&mine(&b, &rules, Options::default()), &whole);
+    assert_same(&mine(&b, &rules, MineOptions::default()), &whole);
 }

@@ -43,7 +43,7 @@ impl StoredColumn {
         })
     }
 
-    /// As a column of a signal table with so many rows.
+    /// As a column of a signal table with this number of rows.
     pub fn into_column(self, rows: usize) -> Column {
         let bitmap = |words| Bitmap { words, len: rows, ones: 0 };
         match self {

@@ -29,7 +29,7 @@ fn taken<'b>(bytes: &mut &'b [u8], n: usize) -> Option<&'b [u8]> {
     Some(head)
 }
 
-/// A length of four bytes, and so many bytes.
+/// A length of four bytes, and that number of bytes.
 pub(super) fn with_length<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
     let n = u32::from_le_bytes(taken(bytes, 4)?.try_into().ok()?);
     taken(bytes, usize::try_from(n).ok()?)

@@ -39,7 +39,7 @@ pub(super) struct Dense {
     pub known: Option<Bitmap>,
 }
 
-/// Reads a column of a row group with so many rows. An error is in words.
+/// Reads a column of a row group with this number of rows. The error is a text.
 pub(super) fn read(file: &mut File, column: &ColumnChunkMetaData, rows: usize) -> Result<Dense, String> {
     let (start, length) = column.byte_range();
     let words = |e: &dyn Display| format!("column {}: {e}", column.column_path());
@@ -55,7 +55,7 @@ pub(super) fn read(file: &mut File, column: &ColumnChunkMetaData, rows: usize) -
     let chunk = Arc::new(Chunk { start, bytes: bytes.into() });
     let pages = SerializedPageReader::new(chunk, column, rows, None).map_err(|e| words(&e))?;
     let mut decoder =
-        Decoder::new(column.column_type(), rows).ok_or_else(|| words(&"its type is none of ours"))?;
+        Decoder::new(column.column_type(), rows).ok_or_else(|| words(&"its type is not supported"))?;
     let mut known = (descriptor.max_def_level() > 0).then(|| Bitmap::with_capacity(rows));
     let mut done = 0;
     for page in pages {

@@ -13,21 +13,21 @@ use whyroad_model::{Nanos, SignalTable};
 
 /// Which of the two tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
-    /// A row a frame.
+pub enum TableKind {
+    /// One row per frame.
     Frames,
-    /// A row an object and frame.
+    /// One row per object and frame.
     Targets,
 }
 
-impl Scope {
+impl TableKind {
     /// Where a signal of this name is.
     pub fn of(signal: &str) -> Self {
         if signal.starts_with("target.") { Self::Targets } else { Self::Frames }
     }
 }
 
-/// What the file's statistics tell of a signal of one drive, without reading its values.
+/// What the file's statistics say about a signal of one drive, without reading its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// Least and greatest value of a number that is known anywhere; a flag counts as 0 and 1.
@@ -47,13 +47,13 @@ pub struct SignalFile {
 }
 
 impl SignalFile {
-    /// Opens the store in a folder. `None` where there is none; an error where there is one that cannot be what it
+    /// Opens the store in a folder. `None` without one; an error where there is one that cannot be what it
     /// says.
     pub fn open(dir: &Path) -> Result<Option<Self>, LakeError> {
         let Some((frames, contents)) = Table::open(&dir.join("frames.parquet"))? else { return Ok(None) };
         let path = dir.join("targets.parquet");
         let Some((targets, same)) = Table::open(&path)? else { return Ok(None) };
-        // Both are written with the same text: it is compared as it stands, and parsed once.
+        // Both are written with the same text: it is compared as text, and parsed once.
         if contents != same {
             return Err(LakeError::broken(&path, "it is not of the same drives as frames.parquet"));
         }
@@ -79,10 +79,10 @@ impl SignalFile {
         &self.contents
     }
 
-    fn table(&self, scope: Scope) -> &Table {
+    fn table(&self, scope: TableKind) -> &Table {
         match scope {
-            Scope::Frames => &self.frames,
-            Scope::Targets => &self.targets,
+            TableKind::Frames => &self.frames,
+            TableKind::Targets => &self.targets,
         }
     }
 
@@ -97,13 +97,13 @@ impl SignalFile {
     /// True where the drive's log supports a signal of this name.
     pub fn has(&self, drive: usize, signal: &str) -> bool {
         signal.contains('.')
-            && self.table(Scope::of(signal)).columns.contains_key(signal)
+            && self.table(TableKind::of(signal)).columns.contains_key(signal)
             && !self.contents.drives[drive].unavailable.contains_key(signal)
     }
 
-    /// What the statistics tell of a signal; `None` where there is no such column.
+    /// What the statistics say about a signal; `None` where there is no such column.
     pub fn range(&self, drive: usize, signal: &str) -> Option<Range> {
-        let table = self.table(Scope::of(signal));
+        let table = self.table(TableKind::of(signal));
         let column = *table.columns.get(signal)?;
         let Some(group) = table.metadata.row_groups().get(drive) else {
             return Some(Range { bounds: None, known: 0, rows: 0 });
@@ -134,14 +134,19 @@ impl SignalFile {
     }
 
     /// Reads these signals of a drive, all of one scope, in their order. Checks the order of the rows.
-    pub fn read(&self, drive: usize, scope: Scope, signals: &[&str]) -> Result<Vec<StoredColumn>, LakeError> {
+    pub fn read(
+        &self,
+        drive: usize,
+        scope: TableKind,
+        signals: &[&str],
+    ) -> Result<Vec<StoredColumn>, LakeError> {
         let (table, of) = (self.table(scope), &self.contents.drives[drive]);
         let rows = match scope {
-            Scope::Frames => {
+            TableKind::Frames => {
                 table.check_order(drive, std::iter::once(0..of.frames))?;
                 of.frames
             }
-            Scope::Targets => {
+            TableKind::Targets => {
                 table.check_order(drive, frames_of_targets(of))?;
                 of.target_rows()
             }
@@ -167,11 +172,11 @@ impl SignalFile {
             ..SignalTable::default()
         };
         let all = self.signals(drive);
-        for scope in [Scope::Frames, Scope::Targets] {
-            let names: Vec<&str> = all.iter().copied().filter(|n| Scope::of(n) == scope).collect();
-            let rows = if scope == Scope::Frames { of.frames } else { of.target_rows() };
+        for scope in [TableKind::Frames, TableKind::Targets] {
+            let names: Vec<&str> = all.iter().copied().filter(|n| TableKind::of(n) == scope).collect();
+            let rows = if scope == TableKind::Frames { of.frames } else { of.target_rows() };
             let columns =
-                if scope == Scope::Frames { &mut out.frame_columns } else { &mut out.target_columns };
+                if scope == TableKind::Frames { &mut out.frame_columns } else { &mut out.target_columns };
             for (name, stored) in names.iter().zip(self.read(drive, scope, &names)?) {
                 columns.insert((*name).to_owned(), stored.into_column(rows));
             }

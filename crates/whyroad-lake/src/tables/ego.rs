@@ -1,4 +1,4 @@
-//! `ego.parquet`: the recording vehicle, a row a frame.
+//! `ego.parquet`: the recording vehicle, one row per frame.
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
@@ -83,7 +83,7 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError
         reference_to_centre_m: first("reference_to_centre_m")?,
         motion: read_motion(t)?,
         bus: EgoBus {
-            // Lakes written before this column was there are still read: their buses told no speed.
+            // Lakes written before this column was there are still read: their buses have no speed.
             speed_mps: if t.has("bus_speed_mps") { number("bus_speed_mps")? } else { Vec::new() },
             steering: number("steering_rad")?,
             brake: flag("brake")?,

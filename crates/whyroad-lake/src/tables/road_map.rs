@@ -1,4 +1,4 @@
-//! `map.parquet`: everything the map tells, one row a feature, `feature` says which kind. Columns that do not
+//! `map.parquet`: everything in the map, one row per feature, whose kind is in `feature`. Columns that do not
 //! concern a kind are null or empty.
 
 use crate::LakeError;

@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_lake_from_before_the_sensor_model_columns_is_read_as_one_that_does_not_tell() {
-        let told = Track {
+        let stated = Track {
             id: "a".into(),
             frames: vec![0],
             motion: Motion::unknown(1),
@@ -186,7 +186,7 @@ mod tests {
         let drive = Drive {
             meta: whyroad_model::scene::DriveMeta { drive_id: "d".into(), ..Default::default() },
             times: vec![whyroad_model::Nanos(0)],
-            tracks: vec![told],
+            tracks: vec![stated],
             ..Drive::default()
         };
         let batch = to_table(&drive).finish().unwrap();

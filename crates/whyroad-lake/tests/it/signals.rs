@@ -1,9 +1,9 @@
 //! Stored signals: what is written is read, bit by bit; what the files promise is checked; a store of other content
-//! or another version is none.
+//! or another version is ignored.
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use whyroad_lake::signals::{Range, Scope, write_signals};
+use whyroad_lake::signals::{Range, TableKind, write_signals};
 use whyroad_lake::{Lake, LakeError, SignalFile};
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::scene::DriveMeta;
@@ -133,10 +133,10 @@ fn several_drives_are_a_row_group_each() {
     assert_eq!(file.read_table(1).unwrap().drive_id, "e".into());
     // The order of the rows is checked on the first read only; what is read does not depend on it.
     let fresh = SignalFile::open(dir.path()).unwrap().unwrap();
-    let first = fresh.read(1, Scope::Targets, &["target.n"]).unwrap();
+    let first = fresh.read(1, TableKind::Targets, &["target.n"]).unwrap();
     assert_eq!(first.len(), 1);
-    assert_eq!(fresh.read(1, Scope::Targets, &["target.n"]).unwrap(), first);
-    assert_eq!(file.read(1, Scope::Targets, &["target.n"]).unwrap(), first);
+    assert_eq!(fresh.read(1, TableKind::Targets, &["target.n"]).unwrap(), first);
+    assert_eq!(file.read(1, TableKind::Targets, &["target.n"]).unwrap(), first);
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn rows_out_of_order_are_an_error() {
     let file = SignalFile::open(dir.path()).unwrap().unwrap();
     // Not only the first time.
     for _ in 0..2 {
-        let read = file.read(0, Scope::Targets, &["target.n"]);
+        let read = file.read(0, TableKind::Targets, &["target.n"]);
         assert!(matches!(read, Err(LakeError::RowOrder { row: 0, .. })));
     }
 }

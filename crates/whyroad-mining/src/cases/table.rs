@@ -3,7 +3,7 @@
 use super::file::{CaseText, Reason};
 use super::trace::time as duration;
 use super::trace::{self, Segment, segments};
-use crate::evaluate::STEP;
+use crate::interpret::STEP;
 use crate::language::check::nearest;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -89,22 +89,22 @@ pub(super) fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Resul
     let values = trace::expand(segments, n);
     match kind {
         SignalKind::Number(dimension) => {
-            let number = |v: &trace::Value| match v {
-                trace::Value::Number(x, unit) if unit == dimension => Ok(*x),
-                trace::Value::Number(_, unit) => Err(units_differ(*dimension, *unit)),
-                trace::Value::Word(w) if w == "unknown" => Ok(f64::NAN),
-                trace::Value::Word(w) if w == "never" => Ok(f64::INFINITY),
-                trace::Value::Word(w) => {
+            let number = |v: &trace::TraceValue| match v {
+                trace::TraceValue::Number(x, unit) if unit == dimension => Ok(*x),
+                trace::TraceValue::Number(_, unit) => Err(units_differ(*dimension, *unit)),
+                trace::TraceValue::Word(w) if w == "unknown" => Ok(f64::NAN),
+                trace::TraceValue::Word(w) if w == "never" => Ok(f64::INFINITY),
+                trace::TraceValue::Word(w) => {
                     Err(Bilingual::new(format!("'{w}' 不是数"), format!("'{w}' is not a number")))
                 }
             };
             values.iter().map(number).collect::<Result<_, _>>().map(Column::Number)
         }
         SignalKind::Flag => {
-            let flag = |v: &trace::Value| match v {
-                trace::Value::Word(w) if w == "true" => Ok(Tri::True),
-                trace::Value::Word(w) if w == "false" => Ok(Tri::False),
-                trace::Value::Word(w) if w == "unknown" => Ok(Tri::Unknown),
+            let flag = |v: &trace::TraceValue| match v {
+                trace::TraceValue::Word(w) if w == "true" => Ok(Tri::True),
+                trace::TraceValue::Word(w) if w == "false" => Ok(Tri::False),
+                trace::TraceValue::Word(w) if w == "unknown" => Ok(Tri::Unknown),
                 _ => {
                     Err(Bilingual::new("应为 true、false 或 unknown", "it is a flag: true, false or unknown"))
                 }
@@ -112,12 +112,12 @@ pub(super) fn column(segments: &[Segment], kind: &SignalKind, n: usize) -> Resul
             values.iter().map(flag).collect::<Result<_, _>>().map(Column::Flag)
         }
         SignalKind::Category(names) => {
-            let code = |v: &trace::Value| match v {
-                trace::Value::Word(w) if w == "unknown" => Some(UNKNOWN_CODE),
-                trace::Value::Word(w) => {
+            let code = |v: &trace::TraceValue| match v {
+                trace::TraceValue::Word(w) if w == "unknown" => Some(UNKNOWN_CODE),
+                trace::TraceValue::Word(w) => {
                     names.iter().position(|n| n == w).and_then(|i| u16::try_from(i).ok())
                 }
-                trace::Value::Number(..) => None,
+                trace::TraceValue::Number(..) => None,
             };
             let all = names.join(", ");
             let codes = values.iter().map(code).collect::<Option<_>>().ok_or_else(|| {

@@ -2,7 +2,7 @@
 //! A segment is a value or a ramp, and how long it lasts; the last one goes on to the end.
 
 use super::file::Reason;
-use crate::evaluate::STEP;
+use crate::interpret::STEP;
 use crate::language::Span;
 use crate::language::token::unknown_unit;
 use whyroad_model::units::{Dimension, Unit};
@@ -10,7 +10,7 @@ use whyroad_model::{Bilingual, Nanos};
 
 /// A value at one moment.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum TraceValue {
     /// In the base unit of its dimension.
     Number(f64, Dimension),
     /// `true`, `left`, `unknown`, `never` (infinite).
@@ -20,24 +20,24 @@ pub enum Value {
 /// A stretch of a trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    from: Value,
-    to: Option<Value>,
+    from: TraceValue,
+    to: Option<TraceValue>,
     lasts: Option<Nanos>,
 }
 
 /// `0.5 s`, `true`, `left`.
-pub fn value(text: &str) -> Result<Value, Reason> {
+pub fn value(text: &str) -> Result<TraceValue, Reason> {
     let text = text.trim();
     let (number, unit) = text.split_once(' ').unwrap_or((text, ""));
-    let Ok(number) = number.parse::<f64>() else { return Ok(Value::Word(text.to_owned())) };
+    let Ok(number) = number.parse::<f64>() else { return Ok(TraceValue::Word(text.to_owned())) };
     let unit = Unit::parse(unit.trim()).ok_or_else(|| unknown_unit(unit, Span::default()).message)?;
-    Ok(Value::Number(number * unit.to_base, unit.dimension))
+    Ok(TraceValue::Number(number * unit.to_base, unit.dimension))
 }
 
 /// `0.5 s`.
 pub fn time(text: &str) -> Result<Nanos, Reason> {
     match value(text)? {
-        Value::Number(seconds, Dimension::Time) => Ok(Nanos::from_secs_f64(seconds)),
+        TraceValue::Number(seconds, Dimension::Time) => Ok(Nanos::from_secs_f64(seconds)),
         _ => Err(Bilingual::new(
             format!("'{text}' 不是时长，应如 0.5 s"),
             format!("'{text}' is not a time such as 0.5 s"),
@@ -63,7 +63,7 @@ pub fn segments(text: &str) -> Result<Vec<Segment>, Reason> {
 
 /// One value a frame of `n` frames. A ramp starts at its first value and would reach the second one where the
 /// next segment begins.
-pub fn expand(segments: &[Segment], n: usize) -> Vec<Value> {
+pub fn expand(segments: &[Segment], n: usize) -> Vec<TraceValue> {
     let mut out = Vec::with_capacity(n);
     for (i, s) in segments.iter().enumerate() {
         let left = n.saturating_sub(out.len());
@@ -74,8 +74,8 @@ pub fn expand(segments: &[Segment], n: usize) -> Vec<Value> {
         };
         for k in 0..frames {
             out.push(match (&s.from, &s.to) {
-                (Value::Number(a, unit), Some(Value::Number(b, _))) => {
-                    Value::Number(a + (b - a) * k as f64 / frames as f64, *unit)
+                (TraceValue::Number(a, unit), Some(TraceValue::Number(b, _))) => {
+                    TraceValue::Number(a + (b - a) * k as f64 / frames as f64, *unit)
                 }
                 (from, _) => from.clone(),
             });

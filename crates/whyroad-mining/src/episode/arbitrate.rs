@@ -1,17 +1,17 @@
-//! One primary class a decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
+//! One primary class per decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
 //!
 //! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
 //! already has its keyframe in the neighbourhood. Nothing is dropped but an L2's episode of which a leaf of
-//! the same L2 tells more, and a decision moment (`other`) that some class explains.
+//! the same L2 says more, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};
-use crate::evaluate::CLOCK_TOLERANCE;
+use crate::interpret::CLOCK_TOLERANCE;
 use crate::rule::Precedence;
 use crate::rule::other::is_decision_moment;
 use std::collections::BTreeMap;
 use whyroad_model::{Nanos, ScenarioId};
 
-/// Drops what a leaf tells better, orders the rest by keyframe, and ranks it.
+/// Drops what a leaf describes better, orders the rest by keyframe, and ranks it.
 pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let mut episodes = without_explained(without_resolved(episodes), times, precedence);
     episodes.sort_by(|a, b| {
@@ -45,7 +45,7 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
 }
 
 /// Of the decision moments, those that no episode of a class explains: it has its keyframe near, or its time range
-/// holds the moment. Of several near ones, the first stands for all.
+/// holds the moment. Of several near ones, the first represents all.
 fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let (mut moments, mut out): (Vec<Episode>, Vec<Episode>) =
         episodes.into_iter().partition(is_decision_moment);
@@ -62,7 +62,7 @@ fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Prece
     out
 }
 
-/// An L2's own rule stands for "this L2, variant unknown": where a leaf of it matched the same target at the
+/// An L2's own rule means "this L2, variant unknown": where a leaf of it matched the same target at the
 /// same time, the variant is known. An L2 about the ego alone (a lane change) may have a leaf about a target (the
 /// vehicle overtaken): whichever target it is, the variant is known.
 fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {

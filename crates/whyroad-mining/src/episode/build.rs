@@ -3,7 +3,7 @@
 use super::moment::{Known, Sought, resolve};
 use super::pairs;
 use super::{Episode, Rank, score};
-use crate::evaluate::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
+use crate::interpret::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
 use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::{Listed, Rule};
 use serde_json::Value;
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::messages::MatchedCondition;
 use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
 
-/// What came of one rule on one drive.
+/// The results of one rule on one drive.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Found {
     /// Episodes in order of targets, then time.
@@ -206,7 +206,7 @@ fn named(rule: &Rule, roles: Roles<'_>) -> BTreeMap<String, TrackId> {
     }
 }
 
-/// The first way that finds the keyframe, with its rule in words.
+/// The first expression that finds the keyframe, with its rule in words.
 fn keyframe<'a>(
     rule: &'a Rule,
     known: Known,

@@ -1,6 +1,6 @@
 //! Where a moment of the labelling spec lies in one episode.
 
-use crate::evaluate::{Evaluator, Pass, Row, Series};
+use crate::interpret::{Evaluator, Pass, Row, Series};
 use crate::language::program::{Moment, NodeId};
 use whyroad_model::{Nanos, Tri};
 

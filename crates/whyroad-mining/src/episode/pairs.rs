@@ -1,8 +1,8 @@
 //! Rules that bind two objects: which pairs are worth judging. All pairs of a crowded drive are many, and nearly
 //! all fail for the target alone (it is not even the lead), which is looked at first.
 
-use crate::evaluate::{Evaluator, Roles, Series};
-use crate::language::program::{NodeId, Op, Program, Scope};
+use crate::interpret::{Evaluator, Roles, Series};
+use crate::language::program::{NodeId, Op, Program, ValueScope};
 use crate::rule::{Rule, SecondRole};
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{SignalTable, Tri};
@@ -23,14 +23,10 @@ pub(crate) fn partners<'a>(
 
 /// The number of the target's rows when what the rule asks of the target alone (or of the drive) is false at every one:
 /// no pair with this target can match, and all these rows are decided. `None` when a pair can match.
-pub(super) fn hopeless<'a>(
-    rule: &'a Rule,
-    alone: Roles<'a>,
-    evaluator: &mut Evaluator<'a>,
-) -> Option<usize> {
+pub(super) fn hopeless<'a>(rule: &'a Rule, alone: Roles<'a>, evaluator: &mut Evaluator<'a>) -> Option<usize> {
     let mut parts = Vec::new();
     conjuncts(&rule.program, rule.when, &mut parts);
-    parts.retain(|id| matches!(rule.program.node(*id).scope, Scope::Frame | Scope::Target));
+    parts.retain(|id| matches!(rule.program.node(*id).scope, ValueScope::Frame | ValueScope::Target));
     let mut pass = evaluator.pass_of(alone);
     let n = evaluator.rows(&pass).len();
     let mut open = vec![true; n];

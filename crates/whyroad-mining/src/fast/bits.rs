@@ -220,7 +220,7 @@ impl Bits {
         Runs { bits: self, at: rows.start, end: rows.end.min(self.len) }
     }
 
-    /// The first row from `at` on, before `end`, whose bit is `wanted`; `end` when there is none.
+    /// The first row from `at` on, before `end`, whose bit is `wanted`; `end` if not found.
     fn next(&self, at: usize, end: usize, wanted: bool) -> usize {
         if at >= end {
             return end;
@@ -267,7 +267,7 @@ impl Bits {
     }
 }
 
-/// The lowest bits to the places that are set in `into`. These are few stretches, nearly always one.
+/// The lowest bits to the positions that are set in `into`. These are few stretches, nearly always one.
 fn deposited(mut bits: u64, mut into: u64) -> u64 {
     if into == u64::MAX {
         return bits;
@@ -346,7 +346,7 @@ mod tests {
             copied.copy_from(&bits, a..b, to);
             prop_assert_eq!(back(&copied)[to..to + b - a].to_vec(), v[a..b].to_vec());
             prop_assert_eq!(copied.count(), bits.count_in(a..b));
-            // Each set bit in its place again, with the bits of another vector.
+            // Each set bit at its position again, with the bits of another vector.
             let taken: Vec<bool> = (0..n).filter(|i| v[*i]).map(|i| i % 3 == 0).collect();
             let spread = of(&taken).spread_over(&bits);
             for (i, was) in v.iter().enumerate() {

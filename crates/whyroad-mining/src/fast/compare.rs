@@ -55,7 +55,7 @@ pub(super) fn holds(op: CompareOp, a: f64, b: f64) -> bool {
 
 /// Up to 64 rows to a word.
 pub(super) fn compare_word(op: CompareOp, rows: &[f64], b: f64) -> u64 {
-    // One loop an operator: the operator is no longer asked for in each row.
+    // One loop per operator: no row has to look at it again.
     match op {
         CompareOp::Less => pack(rows, |a| a < b),
         CompareOp::LessOrEqual => pack(rows, |a| a <= b),

@@ -3,34 +3,34 @@
 
 use super::bits::Bits;
 use super::compare::pack_all;
+use super::layout::{RowLayout, RowSet};
 use super::numbers::Numbers;
-use super::places::{Place, Places};
 use super::plan::Plan;
-use super::signals::{Signals, Value};
+use super::signals::{NodeValue, Signals};
 use super::temporal::{self, Stretches};
 use super::truth::Truth;
 use super::windows;
-use crate::evaluate::Moments;
-use crate::language::program::{NodeId, Op, Scope, Subject};
+use crate::interpret::Moments;
+use crate::language::program::{NodeId, Op, Subject, ValueScope};
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
 
-/// Values by node and place.
-type Memo<V> = RefCell<HashMap<(NodeId, Place), V>>;
+/// Values by node and row set.
+type Memo<V> = RefCell<HashMap<(NodeId, RowSet), V>>;
 
 /// A plan on a drive. Keeps what it has computed.
 pub struct Evaluation<'a> {
     pub(super) plan: &'a Plan<'a>,
     pub(super) signals: &'a Signals<'a>,
     /// The rows of the drive and of its objects.
-    pub places: Places,
-    of_drive: RefCell<Vec<Option<Value<'a>>>>,
-    of_objects: RefCell<Vec<Option<Value<'a>>>>,
-    of_one: Memo<Value<'a>>,
-    of_pair: Memo<Value<'a>>,
-    of_episode: Memo<Value<'a>>,
+    pub layout: RowLayout,
+    of_drive: RefCell<Vec<Option<NodeValue<'a>>>>,
+    of_objects: RefCell<Vec<Option<NodeValue<'a>>>>,
+    of_one: Memo<NodeValue<'a>>,
+    of_pair: Memo<NodeValue<'a>>,
+    of_episode: Memo<NodeValue<'a>>,
     pub(super) margins: Memo<Rc<Vec<f64>>>,
     pub(super) episode: Cell<Option<Moments>>,
 }
@@ -42,7 +42,7 @@ impl<'a> Evaluation<'a> {
         Self {
             plan,
             signals,
-            places: Places::new(&signals.times, &signals.targets),
+            layout: RowLayout::new(&signals.times, &signals.targets),
             of_drive: RefCell::new(vec![None; n]),
             of_objects: RefCell::new(vec![None; n]),
             of_one: RefCell::default(),
@@ -60,73 +60,73 @@ impl<'a> Evaluation<'a> {
         self.margins.borrow_mut().retain(|(id, _), _| !self.plan.node(*id).needs_episode);
     }
 
-    /// Where a node has its own rows, seen from a place, and the node that stands for it there. `None` where
+    /// Where a node has its own rows, seen from a row set, and the node that stands for it there. `None` where
     /// nobody has the role that it speaks of.
-    pub(super) fn home(&self, id: NodeId, place: Place) -> Option<(NodeId, Place)> {
+    pub(super) fn home(&self, id: NodeId, row_set: RowSet) -> Option<(NodeId, RowSet)> {
         let node = self.plan.node(id);
-        match (node.scope, place) {
-            (Scope::Frame, _) => Some((id, Place::Drive)),
-            (Scope::Target, Place::Objects | Place::Object(_)) => Some((id, place)),
-            (Scope::Target, Place::Pair(target, _)) => Some((id, Place::Object(target))),
-            (Scope::Second, Place::Pair(_, second)) => Some((node.as_target?, Place::Object(second))),
-            (Scope::Pair, Place::Pair(..)) => Some((id, place)),
+        match (node.scope, row_set) {
+            (ValueScope::Frame, _) => Some((id, RowSet::Drive)),
+            (ValueScope::Target, RowSet::Objects | RowSet::Object(_)) => Some((id, row_set)),
+            (ValueScope::Target, RowSet::Pair(target, _)) => Some((id, RowSet::Object(target))),
+            (ValueScope::Second, RowSet::Pair(_, second)) => Some((node.as_target?, RowSet::Object(second))),
+            (ValueScope::Pair, RowSet::Pair(..)) => Some((id, row_set)),
             _ => None,
         }
     }
 
-    /// The values of a node on the rows of a place.
-    pub fn value(&self, id: NodeId, place: Place) -> Value<'a> {
-        let Some((own, home)) = self.home(id, place) else {
-            return Value::Numbers(Numbers::Same(f64::NAN, self.places.len(place)));
+    /// The values of a node on the rows of a row set.
+    pub fn value(&self, id: NodeId, row_set: RowSet) -> NodeValue<'a> {
+        let Some((own, home)) = self.home(id, row_set) else {
+            return NodeValue::Numbers(Numbers::Same(f64::NAN, self.layout.len(row_set)));
         };
-        if let Some(done) = self.remembered(id, place) {
+        if let Some(done) = self.remembered(id, row_set) {
             return done;
         }
-        let value = match (home == place, home, place) {
+        let value = match (home == row_set, home, row_set) {
             (true, ..) => self.compute(own, home),
-            (false, Place::Drive, Place::Objects) => self.spread(self.value(own, Place::Drive)),
+            (false, RowSet::Drive, RowSet::Objects) => self.spread(self.value(own, RowSet::Drive)),
             _ => {
-                let (from, to) = (self.places.segment(home), self.places.segment(place));
+                let (from, to) = (self.layout.segment(home), self.layout.segment(row_set));
                 let start = to.row - from.row.min(to.row);
                 self.value(own, home).slice(start..start + to.len)
             }
         };
-        self.remember(id, place, &value);
+        self.remember(id, row_set, &value);
         value
     }
 
-    fn remembered(&self, id: NodeId, place: Place) -> Option<Value<'a>> {
+    fn remembered(&self, id: NodeId, row_set: RowSet) -> Option<NodeValue<'a>> {
         if self.plan.node(id).needs_episode {
-            return self.of_episode.borrow().get(&(id, place)).cloned();
+            return self.of_episode.borrow().get(&(id, row_set)).cloned();
         }
-        match place {
-            Place::Drive => self.of_drive.borrow()[id.0].clone(),
-            Place::Objects => self.of_objects.borrow()[id.0].clone(),
-            Place::Object(i) => {
+        match row_set {
+            RowSet::Drive => self.of_drive.borrow()[id.0].clone(),
+            RowSet::Objects => self.of_objects.borrow()[id.0].clone(),
+            RowSet::Object(i) => {
                 if let Some(of_all) = &self.of_objects.borrow()[id.0] {
-                    return Some(of_all.slice(self.places.objects[i].range()));
+                    return Some(of_all.slice(self.layout.objects[i].range()));
                 }
-                self.of_one.borrow().get(&(id, place)).cloned()
+                self.of_one.borrow().get(&(id, row_set)).cloned()
             }
-            Place::Pair(..) => self.of_pair.borrow().get(&(id, place)).cloned(),
+            RowSet::Pair(..) => self.of_pair.borrow().get(&(id, row_set)).cloned(),
         }
     }
 
     /// The values of a node for all objects, where they have been computed.
-    pub(super) fn of_all_objects(&self, id: NodeId) -> Option<Value<'a>> {
+    pub(super) fn of_all_objects(&self, id: NodeId) -> Option<NodeValue<'a>> {
         self.of_objects.borrow()[id.0].clone()
     }
 
-    fn remember(&self, id: NodeId, place: Place, value: &Value<'a>) {
+    fn remember(&self, id: NodeId, row_set: RowSet, value: &NodeValue<'a>) {
         if self.plan.node(id).needs_episode {
-            self.of_episode.borrow_mut().insert((id, place), value.clone());
+            self.of_episode.borrow_mut().insert((id, row_set), value.clone());
             return;
         }
-        match place {
-            Place::Drive => self.of_drive.borrow_mut()[id.0] = Some(value.clone()),
-            Place::Objects => self.of_objects.borrow_mut()[id.0] = Some(value.clone()),
-            Place::Object(_) => drop(self.of_one.borrow_mut().insert((id, place), value.clone())),
-            Place::Pair(..) => drop(self.of_pair.borrow_mut().insert((id, place), value.clone())),
+        match row_set {
+            RowSet::Drive => self.of_drive.borrow_mut()[id.0] = Some(value.clone()),
+            RowSet::Objects => self.of_objects.borrow_mut()[id.0] = Some(value.clone()),
+            RowSet::Object(_) => drop(self.of_one.borrow_mut().insert((id, row_set), value.clone())),
+            RowSet::Pair(..) => drop(self.of_pair.borrow_mut().insert((id, row_set), value.clone())),
         }
     }
 
@@ -136,9 +136,9 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Values of the drive's rows, repeated for each object.
-    fn spread(&self, of_drive: Value<'a>) -> Value<'a> {
-        let n = self.places.object_rows;
-        let objects = &self.places.objects;
+    fn spread(&self, of_drive: NodeValue<'a>) -> NodeValue<'a> {
+        let n = self.layout.object_rows;
+        let objects = &self.layout.objects;
         let bits = |from: &Bits| {
             let mut out = Bits::zeros(n);
             for s in objects {
@@ -147,80 +147,84 @@ impl<'a> Evaluation<'a> {
             Rc::new(out)
         };
         match of_drive {
-            Value::Truth(t) => Value::Truth(Truth { yes: bits(&t.yes), known: bits(&t.known) }),
-            Value::Numbers(Numbers::Same(x, _)) => Value::Numbers(Numbers::Same(x, n)),
-            Value::Numbers(v) => {
+            NodeValue::Truth(t) => NodeValue::Truth(Truth { yes: bits(&t.yes), known: bits(&t.known) }),
+            NodeValue::Numbers(Numbers::Same(x, _)) => NodeValue::Numbers(Numbers::Same(x, n)),
+            NodeValue::Numbers(v) => {
                 let v = v.values();
                 let all = objects.iter().flat_map(|s| v[s.row..s.row + s.len].iter().copied());
-                Value::Numbers(Numbers::of(all.collect::<Vec<_>>()))
+                NodeValue::Numbers(Numbers::of(all.collect::<Vec<_>>()))
             }
-            Value::Words(w) => {
+            NodeValue::Words(w) => {
                 let codes = w.codes();
                 let all = objects.iter().flat_map(|s| codes[s.row..s.row + s.len].iter().copied());
-                Value::Words(super::signals::Words::of(all.collect(), w.names.clone()))
+                NodeValue::Words(super::signals::Words::of(all.collect(), w.names.clone()))
             }
         }
     }
 
     /// The numbers of a node; NaN where it has none.
-    pub fn numbers(&self, id: NodeId, place: Place) -> Numbers<'a> {
-        match self.value(id, place) {
-            Value::Numbers(v) => v,
-            _ => Numbers::Same(f64::NAN, self.places.len(place)),
+    pub fn numbers(&self, id: NodeId, row_set: RowSet) -> Numbers<'a> {
+        match self.value(id, row_set) {
+            NodeValue::Numbers(v) => v,
+            _ => Numbers::Same(f64::NAN, self.layout.len(row_set)),
         }
     }
 
-    /// The truth of a condition; unknown where the node is none.
-    pub fn truth(&self, id: NodeId, place: Place) -> Truth {
-        match self.value(id, place) {
-            Value::Truth(t) => t,
-            _ => Truth::unknown(self.places.len(place)),
+    /// The truth of a condition; unknown where the node is not a condition.
+    pub fn truth(&self, id: NodeId, row_set: RowSet) -> Truth {
+        match self.value(id, row_set) {
+            NodeValue::Truth(t) => t,
+            _ => Truth::unknown(self.layout.len(row_set)),
         }
     }
 
-    fn compute(&self, id: NodeId, place: Place) -> Value<'a> {
-        let n = self.places.len(place);
+    fn compute(&self, id: NodeId, row_set: RowSet) -> NodeValue<'a> {
+        let n = self.layout.len(row_set);
         let node = self.plan.node(id);
-        let numbers = |id: &NodeId| self.numbers(*id, place);
-        let truth = |id: &NodeId| self.truth(*id, place);
-        let segments = self.places.segments(place);
-        let on = Stretches { rows: &self.places.rows, segments: &segments };
+        let numbers = |id: &NodeId| self.numbers(*id, row_set);
+        let truth = |id: &NodeId| self.truth(*id, row_set);
+        let segments = self.layout.segments(row_set);
+        let on = Stretches { rows: &self.layout.rows, segments: &segments };
         match &node.op {
-            Op::Constant(x) => Value::Numbers(Numbers::Same(*x, n)),
+            Op::Constant(x) => NodeValue::Numbers(Numbers::Same(*x, n)),
             Op::Signal(name) => self
                 .signals
-                .value(name, &self.places, place)
-                .unwrap_or(Value::Numbers(Numbers::Same(f64::NAN, n))),
+                .value(name, &self.layout, row_set)
+                .unwrap_or(NodeValue::Numbers(Numbers::Same(f64::NAN, n))),
             // Its rows are always those of its twin.
-            Op::SecondSignal(_) => Value::Numbers(Numbers::Same(f64::NAN, n)),
-            Op::Negate(a) => Value::Numbers(numbers(a).map(|x| -x)),
-            Op::Absolute(a) => Value::Numbers(numbers(a).map(f64::abs)),
-            Op::Add(a, b) => Value::Numbers(numbers(a).zip(&numbers(b), |x, y| x + y)),
-            Op::Subtract(a, b) => Value::Numbers(numbers(a).zip(&numbers(b), |x, y| x - y)),
-            Op::Multiply(a, b) => Value::Numbers(numbers(a).zip(&numbers(b), |x, y| x * y)),
-            Op::Least(a, d) => Value::Numbers(windows::past_extreme(&numbers(a), on, *d, |x, y| x < y)),
-            Op::Greatest(a, d) => Value::Numbers(windows::past_extreme(&numbers(a), on, *d, |x, y| x > y)),
-            Op::Share(c, d) => Value::Numbers(windows::past_share(&truth(c), on, *d)),
-            Op::MatchLeast(a) => self.extreme_in_match(*a, place, f64::min),
-            Op::MatchGreatest(a) => self.extreme_in_match(*a, place, f64::max),
-            Op::AtKeyframe(a) => self.at_keyframe(*a, place),
-            Op::Truth(b) => Value::Truth(Truth::constant(*b, n)),
-            Op::Compare { op, left, right, .. } => Value::Truth(numbers(left).compare(*op, &numbers(right))),
-            Op::Member(a, words) => Value::Truth(member(&self.value(*a, place), words, n)),
-            Op::Known(a) => Value::Truth(Truth::certain(known(&self.value(*a, place)))),
-            Op::Not(a) => Value::Truth(truth(a).negated()),
-            Op::And(all) => Value::Truth(self.conjunction(all, place)),
-            Op::Or(all) => Value::Truth(self.disjunction(all, place)),
-            Op::For(a, d) => Value::Truth(temporal::held_for(&truth(a), on, *d)),
-            Op::Within(a, d) => Value::Truth(temporal::within(&truth(a), on, *d)),
-            Op::Previously(a, Some(d)) => Value::Truth(temporal::previously(&truth(a), on, *d)),
-            Op::Previously(a, None) => Value::Truth(temporal::ever_before(&truth(a), on)),
-            Op::Since(a, b) => Value::Truth(temporal::since(&truth(a), &truth(b), on)),
-            Op::Until(a, b) => Value::Truth(temporal::until(&truth(a), &truth(b), on)),
-            Op::Bridge(a, d) => Value::Truth(temporal::bridged(&truth(a), on, *d)),
-            Op::AtLeast { of, count, subject } => Value::Truth(self.at_least(*of, *count, *subject)),
-            Op::Before(a) => Value::Truth(temporal::before(&truth(a), on)),
-            Op::InMatch(a) => Value::Truth(self.in_match(*a, place)),
+            Op::SecondSignal(_) => NodeValue::Numbers(Numbers::Same(f64::NAN, n)),
+            Op::Negate(a) => NodeValue::Numbers(numbers(a).map(|x| -x)),
+            Op::Absolute(a) => NodeValue::Numbers(numbers(a).map(f64::abs)),
+            Op::Add(a, b) => NodeValue::Numbers(numbers(a).zip(&numbers(b), |x, y| x + y)),
+            Op::Subtract(a, b) => NodeValue::Numbers(numbers(a).zip(&numbers(b), |x, y| x - y)),
+            Op::Multiply(a, b) => NodeValue::Numbers(numbers(a).zip(&numbers(b), |x, y| x * y)),
+            Op::Least(a, d) => NodeValue::Numbers(windows::past_extreme(&numbers(a), on, *d, |x, y| x < y)),
+            Op::Greatest(a, d) => {
+                NodeValue::Numbers(windows::past_extreme(&numbers(a), on, *d, |x, y| x > y))
+            }
+            Op::Share(c, d) => NodeValue::Numbers(windows::past_share(&truth(c), on, *d)),
+            Op::MatchLeast(a) => self.extreme_in_match(*a, row_set, f64::min),
+            Op::MatchGreatest(a) => self.extreme_in_match(*a, row_set, f64::max),
+            Op::AtKeyframe(a) => self.at_keyframe(*a, row_set),
+            Op::Truth(b) => NodeValue::Truth(Truth::constant(*b, n)),
+            Op::Compare { op, left, right, .. } => {
+                NodeValue::Truth(numbers(left).compare(*op, &numbers(right)))
+            }
+            Op::Member(a, words) => NodeValue::Truth(member(&self.value(*a, row_set), words, n)),
+            Op::Known(a) => NodeValue::Truth(Truth::certain(known(&self.value(*a, row_set)))),
+            Op::Not(a) => NodeValue::Truth(truth(a).negated()),
+            Op::And(all) => NodeValue::Truth(self.conjunction(all, row_set)),
+            Op::Or(all) => NodeValue::Truth(self.disjunction(all, row_set)),
+            Op::For(a, d) => NodeValue::Truth(temporal::held_for(&truth(a), on, *d)),
+            Op::Within(a, d) => NodeValue::Truth(temporal::within(&truth(a), on, *d)),
+            Op::Previously(a, Some(d)) => NodeValue::Truth(temporal::previously(&truth(a), on, *d)),
+            Op::Previously(a, None) => NodeValue::Truth(temporal::ever_before(&truth(a), on)),
+            Op::Since(a, b) => NodeValue::Truth(temporal::since(&truth(a), &truth(b), on)),
+            Op::Until(a, b) => NodeValue::Truth(temporal::until(&truth(a), &truth(b), on)),
+            Op::Bridge(a, d) => NodeValue::Truth(temporal::bridged(&truth(a), on, *d)),
+            Op::AtLeast { of, count, subject } => NodeValue::Truth(self.at_least(*of, *count, *subject)),
+            Op::Before(a) => NodeValue::Truth(temporal::before(&truth(a), on)),
+            Op::InMatch(a) => NodeValue::Truth(self.in_match(*a, row_set)),
         }
     }
 
@@ -231,11 +235,15 @@ impl<'a> Evaluation<'a> {
         all.into_iter()
     }
 
-    /// Kleene conjunction of these conditions on the rows of a place.
-    pub fn conjunction(&self, all: &[NodeId], place: Place) -> Truth {
-        let mut out = Truth::constant(true, self.places.len(place));
+    /// Kleene conjunction of these conditions on the rows of a row set.
+    pub fn conjunction(&self, all: &[NodeId], row_set: RowSet) -> Truth {
+        let mut out = Truth::constant(true, self.layout.len(row_set));
         for id in self.in_order(all) {
-            out = if out.is_everywhere() { self.truth(*id, place) } else { out.and(&self.truth(*id, place)) };
+            out = if out.is_everywhere() {
+                self.truth(*id, row_set)
+            } else {
+                out.and(&self.truth(*id, row_set))
+            };
             if out.is_nowhere() {
                 break;
             }
@@ -243,10 +251,10 @@ impl<'a> Evaluation<'a> {
         out
     }
 
-    fn disjunction(&self, all: &[NodeId], place: Place) -> Truth {
-        let mut out = Truth::constant(false, self.places.len(place));
+    fn disjunction(&self, all: &[NodeId], row_set: RowSet) -> Truth {
+        let mut out = Truth::constant(false, self.layout.len(row_set));
         for id in self.in_order(all) {
-            out = if out.is_nowhere() { self.truth(*id, place) } else { out.or(&self.truth(*id, place)) };
+            out = if out.is_nowhere() { self.truth(*id, row_set) } else { out.or(&self.truth(*id, row_set)) };
             if out.is_everywhere() {
                 break;
             }
@@ -256,12 +264,12 @@ impl<'a> Evaluation<'a> {
 
     /// At least `count` of the objects that are seen at a frame meet the condition: a counter a row.
     fn at_least(&self, of: NodeId, count: usize, subject: Subject) -> Truth {
-        let n = self.places.rows.len();
+        let n = self.layout.rows.len();
         if !self.counts_can_be_told(of) {
             return Truth::unknown(n);
         }
         let (mut sure, mut possible) = (vec![0u32; n], vec![0u32; n]);
-        for (i, object) in self.places.objects.iter().enumerate() {
+        for (i, object) in self.layout.objects.iter().enumerate() {
             if !subject.admits(self.signals.targets[i].class) {
                 continue;
             }
@@ -271,7 +279,7 @@ impl<'a> Evaluation<'a> {
             }
         }
         let enough = |counters: &[u32], hole: bool| {
-            Bits::collect(n, |i| match self.places.rows[i].frame {
+            Bits::collect(n, |i| match self.layout.rows[i].frame {
                 Some(_) => counters[i] as usize >= count,
                 // In a gap nothing is seen, and nothing known.
                 None => hole,
@@ -280,7 +288,7 @@ impl<'a> Evaluation<'a> {
         Truth::bounded(enough(&sure, false), &enough(&possible, true))
     }
 
-    /// False where a signal of the condition is lacking: not even that there are no objects could be told.
+    /// False where a signal of the condition is lacking: not even the absence of objects is known.
     pub(super) fn counts_can_be_told(&self, of: NodeId) -> bool {
         let mut todo = vec![of];
         while let Some(id) = todo.pop() {
@@ -299,44 +307,46 @@ impl<'a> Evaluation<'a> {
     /// Of a condition about the target; all objects are computed at once unless it depends on an episode.
     pub(super) fn truth_of_object(&self, of: NodeId, object: usize) -> Truth {
         if !self.plan.node(of).needs_episode {
-            self.truth(of, Place::Objects);
+            self.truth(of, RowSet::Objects);
         }
-        self.truth(of, Place::Object(object))
+        self.truth(of, RowSet::Object(object))
     }
 
-    fn at_keyframe(&self, of: NodeId, place: Place) -> Value<'a> {
-        let n = self.places.len(place);
-        let row = self.keyframe_row(place);
-        match self.value(of, place) {
-            Value::Truth(t) => Value::Truth(match row.map(|r| t.at(r)).and_then(whyroad_model::Tri::known) {
-                Some(value) => Truth::constant(value, n),
-                None => Truth::unknown(n),
-            }),
-            Value::Numbers(v) => Value::Numbers(Numbers::Same(row.map_or(f64::NAN, |r| v.at(r)), n)),
-            Value::Words(w) => {
+    fn at_keyframe(&self, of: NodeId, row_set: RowSet) -> NodeValue<'a> {
+        let n = self.layout.len(row_set);
+        let row = self.keyframe_row(row_set);
+        match self.value(of, row_set) {
+            NodeValue::Truth(t) => {
+                NodeValue::Truth(match row.map(|r| t.at(r)).and_then(whyroad_model::Tri::known) {
+                    Some(value) => Truth::constant(value, n),
+                    None => Truth::unknown(n),
+                })
+            }
+            NodeValue::Numbers(v) => NodeValue::Numbers(Numbers::Same(row.map_or(f64::NAN, |r| v.at(r)), n)),
+            NodeValue::Words(w) => {
                 let code = row.map_or(UNKNOWN_CODE, |r| w.codes()[r]);
-                Value::Words(super::signals::Words::of(vec![code; n], w.names.clone()))
+                NodeValue::Words(super::signals::Words::of(vec![code; n], w.names.clone()))
             }
         }
     }
 
-    /// The keyframe as a row of a place.
-    pub(super) fn keyframe_row(&self, place: Place) -> Option<usize> {
-        self.places.position(place, self.episode.get()?.keyframe)
+    /// The keyframe as a row of a row set.
+    pub(super) fn keyframe_row(&self, row_set: RowSet) -> Option<usize> {
+        self.layout.position(row_set, self.episode.get()?.keyframe)
     }
 
-    /// Rows of a place from the first to the last frame of the match.
-    pub(super) fn match_rows(&self, place: Place) -> Option<std::ops::Range<usize>> {
+    /// Rows of a row set from the first to the last frame of the match.
+    pub(super) fn match_rows(&self, row_set: RowSet) -> Option<std::ops::Range<usize>> {
         let matched = self.episode.get()?.matched;
-        let from = self.places.position(place, matched.start)?;
-        let to = self.places.position(place, matched.end.checked_sub(1)?)?;
+        let from = self.layout.position(row_set, matched.start)?;
+        let to = self.layout.position(row_set, matched.end.checked_sub(1)?)?;
         (from <= to).then_some(from..to + 1)
     }
 
-    fn in_match(&self, of: NodeId, place: Place) -> Truth {
-        let n = self.places.len(place);
-        let Some(rows) = self.match_rows(place) else { return Truth::unknown(n) };
-        let c = self.truth(of, place);
+    fn in_match(&self, of: NodeId, row_set: RowSet) -> Truth {
+        let n = self.layout.len(row_set);
+        let Some(rows) = self.match_rows(row_set) else { return Truth::unknown(n) };
+        let c = self.truth(of, row_set);
         if c.yes.any_in(rows.clone()) {
             Truth::constant(true, n)
         } else if c.known.count_in(rows.clone()) == rows.len() {
@@ -346,24 +356,24 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    fn extreme_in_match(&self, of: NodeId, place: Place, pick: fn(f64, f64) -> f64) -> Value<'a> {
-        let v = self.numbers(of, place);
-        let known = self.match_rows(place).into_iter().flatten().map(|i| v.at(i)).filter(|x| !x.is_nan());
-        Value::Numbers(Numbers::Same(known.reduce(pick).unwrap_or(f64::NAN), v.len()))
+    fn extreme_in_match(&self, of: NodeId, row_set: RowSet, pick: fn(f64, f64) -> f64) -> NodeValue<'a> {
+        let v = self.numbers(of, row_set);
+        let known = self.match_rows(row_set).into_iter().flatten().map(|i| v.at(i)).filter(|x| !x.is_nan());
+        NodeValue::Numbers(Numbers::Same(known.reduce(pick).unwrap_or(f64::NAN), v.len()))
     }
 }
 
-fn member(of: &Value<'_>, words: &[String], n: usize) -> Truth {
-    let Value::Words(of) = of else { return Truth::unknown(n) };
+fn member(of: &NodeValue<'_>, words: &[String], n: usize) -> Truth {
+    let NodeValue::Words(of) = of else { return Truth::unknown(n) };
     let wanted: Vec<bool> = of.names.iter().map(|name| words.contains(name)).collect();
     let yes = pack_all(of.codes(), |c| wanted.get(usize::from(c)).copied().unwrap_or(false));
     Truth::new(yes, pack_all(of.codes(), |c| usize::from(c) < wanted.len()))
 }
 
-fn known(of: &Value<'_>) -> Bits {
+fn known(of: &NodeValue<'_>) -> Bits {
     match of {
-        Value::Truth(t) => (*t.known).clone(),
-        Value::Numbers(v) => (*v.known()).clone(),
-        Value::Words(w) => pack_all(w.codes(), |c| c != UNKNOWN_CODE),
+        NodeValue::Truth(t) => (*t.known).clone(),
+        NodeValue::Numbers(v) => (*v.known()).clone(),
+        NodeValue::Words(w) => pack_all(w.codes(), |c| c != UNKNOWN_CODE),
     }
 }

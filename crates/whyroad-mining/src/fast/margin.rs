@@ -1,13 +1,13 @@
 //! Margins, only where they are asked for: on the rows of an episode, and on those around them that an operator
-//! over time looks at. The definitions are those of `crate::evaluate`; what differs is which rows are computed,
+//! over time looks at. The definitions are those of `crate::interpret`; what differs is which rows are computed,
 //! and that a moving window keeps its extreme instead of looking for it.
 
 use super::evaluation::Evaluation;
-use super::places::Place;
-use super::signals::Value;
+use super::layout::RowSet;
+use super::signals::NodeValue;
 use super::temporal::reaches;
 use super::truth::Truth;
-use crate::evaluate::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row};
+use crate::interpret::{CLOCK_TOLERANCE, MARGIN_LIMIT, Row};
 use crate::language::program::{NodeId, Op, Subject};
 use std::ops::Range;
 use std::rc::Rc;
@@ -18,50 +18,50 @@ mod rows;
 use rows::{best_of_even, compared, greatest_ahead, settle, settled, sliding};
 
 impl Evaluation<'_> {
-    /// Margins of a condition on these rows of a place that is not all objects; NaN where it is unknown.
-    pub fn margins(&self, id: NodeId, place: Place, rows: Range<usize>) -> Vec<f64> {
-        let Some((own, home)) = self.home(id, place) else { return vec![f64::NAN; rows.len()] };
-        if home != place {
-            let by = self.places.segment(place).row - self.places.segment(home).row;
+    /// Margins of a condition on these rows of a row set that is not all objects; NaN where it is unknown.
+    pub fn margins(&self, id: NodeId, row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+        let Some((own, home)) = self.home(id, row_set) else { return vec![f64::NAN; rows.len()] };
+        if home != row_set {
+            let by = self.layout.segment(row_set).row - self.layout.segment(home).row;
             return self.margins(own, home, rows.start + by..rows.end + by);
         }
         let op = &self.plan.node(id).op;
         match op {
-            Op::Not(a) => return self.margins(*a, place, rows).into_iter().map(|m| -m).collect(),
+            Op::Not(a) => return self.margins(*a, row_set, rows).into_iter().map(|m| -m).collect(),
             Op::Compare { op, left, right, scale } => {
-                let (a, b) = (self.numbers(*left, place), self.numbers(*right, place));
+                let (a, b) = (self.numbers(*left, row_set), self.numbers(*right, row_set));
                 return compared(*op, &a, &b, *scale, rows);
             }
             Op::Before(a) => {
                 let first = rows.start.saturating_sub(1)..rows.end.saturating_sub(1);
                 let unknown = usize::from(rows.start == 0 && !rows.is_empty());
-                return [vec![f64::NAN; unknown], self.margins(*a, place, first)].concat();
+                return [vec![f64::NAN; unknown], self.margins(*a, row_set, first)].concat();
             }
             Op::AtKeyframe(a) => {
-                let at = self.keyframe_row(place).map(|k| self.margins(*a, place, k..k + 1)[0]);
+                let at = self.keyframe_row(row_set).map(|k| self.margins(*a, row_set, k..k + 1)[0]);
                 return vec![at.unwrap_or(f64::NAN); rows.len()];
             }
-            Op::Previously(a, None) => return self.ever_before(id, *a, place)[rows].to_vec(),
-            Op::Since(a, b) => return self.of_since(id, (*a, *b), place, rows),
-            Op::Until(a, b) => return self.of_until(id, (*a, *b), place, rows),
+            Op::Previously(a, None) => return self.ever_before(id, *a, row_set)[rows].to_vec(),
+            Op::Since(a, b) => return self.of_since(id, (*a, *b), row_set, rows),
+            Op::Until(a, b) => return self.of_until(id, (*a, *b), row_set, rows),
             _ => {}
         }
-        let Some((truth, by)) = self.seen(id, place) else { return vec![f64::NAN; rows.len()] };
-        let mut out = self.raw_margins(op, place, rows.clone(), &|i| truth.at(by + i));
+        let Some((truth, by)) = self.seen(id, row_set) else { return vec![f64::NAN; rows.len()] };
+        let mut out = self.raw_margins(op, row_set, rows.clone(), &|i| truth.at(by + i));
         settle(&mut out, &truth, by + rows.start);
         out
     }
 
-    /// The truth of a condition, and with which row of it the place begins: that of all objects is not cut, where it is
-    /// at hand. `None` where the node is no condition.
-    fn seen(&self, id: NodeId, place: Place) -> Option<(Truth, usize)> {
-        if let (Place::Object(i), false) = (place, self.plan.node(id).needs_episode)
-            && let Some(Value::Truth(of_all)) = self.of_all_objects(id)
+    /// The truth of a condition, and with which row of it the row set begins: that of all objects is not cut, where it is
+    /// at hand. `None` where the node is not a condition.
+    fn seen(&self, id: NodeId, row_set: RowSet) -> Option<(Truth, usize)> {
+        if let (RowSet::Object(i), false) = (row_set, self.plan.node(id).needs_episode)
+            && let Some(NodeValue::Truth(of_all)) = self.of_all_objects(id)
         {
-            return Some((of_all, self.places.objects[i].start));
+            return Some((of_all, self.layout.objects[i].start));
         }
-        match self.value(id, place) {
-            Value::Truth(truth) => Some((truth, 0)),
+        match self.value(id, row_set) {
+            NodeValue::Truth(truth) => Some((truth, 0)),
             _ => None,
         }
     }
@@ -70,14 +70,14 @@ impl Evaluation<'_> {
     fn of_each(
         &self,
         all: &[NodeId],
-        place: Place,
+        row_set: RowSet,
         rows: &Range<usize>,
         start: f64,
         pick: impl Fn(f64, f64) -> f64,
     ) -> Vec<f64> {
         let mut out = vec![start; rows.len()];
         for id in all {
-            let of = self.margins(*id, place, rows.clone());
+            let of = self.margins(*id, row_set, rows.clone());
             out.iter_mut().zip(of).for_each(|(o, m)| *o = pick(*o, m));
         }
         out
@@ -87,17 +87,17 @@ impl Evaluation<'_> {
     fn raw_margins(
         &self,
         op: &Op,
-        place: Place,
+        row_set: RowSet,
         rows: Range<usize>,
         truth: &dyn Fn(usize) -> Tri,
     ) -> Vec<f64> {
         let n = rows.len();
         match op {
-            Op::And(all) => self.of_each(all, place, &rows, MARGIN_LIMIT, f64::min),
-            Op::Or(all) => self.of_each(all, place, &rows, -MARGIN_LIMIT, f64::max),
-            Op::For(a, d) => self.of_for(*a, place, rows, *d),
+            Op::And(all) => self.of_each(all, row_set, &rows, MARGIN_LIMIT, f64::min),
+            Op::Or(all) => self.of_each(all, row_set, &rows, -MARGIN_LIMIT, f64::max),
+            Op::For(a, d) => self.of_for(*a, row_set, rows, *d),
             Op::Within(a, d) => {
-                let on = self.rows_of(place);
+                let on = self.rows_of(row_set);
                 let horizon = |i: usize| on[i].time + *d + CLOCK_TOLERANCE;
                 // Windows only ever move forward, and so does where they end.
                 let mut end = rows.start;
@@ -111,14 +111,14 @@ impl Evaluation<'_> {
                     })
                     .collect();
                 let to = ends.last().map_or(rows.end, |end| rows.start + end);
-                greatest_ahead(&self.margins(*a, place, rows.start..to), &ends)
+                greatest_ahead(&self.margins(*a, row_set, rows.start..to), &ends)
             }
             Op::Previously(a, Some(d)) => {
-                let on = self.rows_of(place);
+                let on = self.rows_of(row_set);
                 let start =
                     |i: usize| (0..i).rev().take_while(|&j| reaches(on, i, j, *d)).last().unwrap_or(i);
                 let from = if rows.is_empty() { rows.start } else { start(rows.start) };
-                let of = self.margins(*a, place, from..rows.end);
+                let of = self.margins(*a, row_set, from..rows.end);
                 let mut begin = from;
                 let windows = rows.map(|i| {
                     while begin < i && !reaches(on, i, begin, *d) {
@@ -128,10 +128,10 @@ impl Evaluation<'_> {
                 });
                 sliding(&of, windows, f64::NEG_INFINITY, |x, y| x > y)
             }
-            Op::Bridge(a, d) => self.of_bridge(*a, place, rows, *d),
+            Op::Bridge(a, d) => self.of_bridge(*a, row_set, rows, *d),
             Op::AtLeast { of, count, subject } => self.of_count(*of, *count, *subject, rows),
             Op::InMatch(a) => {
-                let of = self.match_rows(place).map(|m| self.margins(*a, place, m)).unwrap_or_default();
+                let of = self.match_rows(row_set).map(|m| self.margins(*a, row_set, m)).unwrap_or_default();
                 vec![of.into_iter().fold(f64::NEG_INFINITY, f64::max); n]
             }
             // Flags and categories are true or false without degree.
@@ -139,14 +139,14 @@ impl Evaluation<'_> {
         }
     }
 
-    fn rows_of(&self, place: Place) -> &[Row] {
-        let segment = self.places.segment(place);
-        &self.places.rows[segment.row..segment.row + segment.len]
+    fn rows_of(&self, row_set: RowSet) -> &[Row] {
+        let segment = self.layout.segment(row_set);
+        &self.layout.rows[segment.row..segment.row + segment.len]
     }
 
     /// The best window of length `d` around the row, judged by its worst row.
-    fn of_for(&self, a: NodeId, place: Place, rows: Range<usize>, d: Nanos) -> Vec<f64> {
-        let on = self.rows_of(place);
+    fn of_for(&self, a: NodeId, row_set: RowSet, rows: Range<usize>, d: Nanos) -> Vec<f64> {
+        let on = self.rows_of(row_set);
         let enough = |from: usize, to: usize| on[to - 1].end - on[from].time + CLOCK_TOLERANCE >= d;
         if rows.is_empty() {
             return Vec::new();
@@ -167,7 +167,7 @@ impl Evaluation<'_> {
             ends.push(end);
         }
         let reach = first..ends.last().copied().unwrap_or(rows.end).max(rows.end);
-        let of = self.margins(a, place, reach);
+        let of = self.margins(a, row_set, reach);
         let width = ends.first().map_or(0, |end| end - first);
         let best = if width > 0 && ends.iter().enumerate().all(|(k, end)| end - first - k == width) {
             best_of_even(&of, width, ends.len(), rows.start - first..rows.end - first)
@@ -188,8 +188,8 @@ impl Evaluation<'_> {
     }
 
     /// The row's own margin or, if that is better, the lesser one of two rows that fill the break around it.
-    fn of_bridge(&self, a: NodeId, place: Place, rows: Range<usize>, d: Nanos) -> Vec<f64> {
-        let on = self.rows_of(place);
+    fn of_bridge(&self, a: NodeId, row_set: RowSet, rows: Range<usize>, d: Nanos) -> Vec<f64> {
+        let on = self.rows_of(row_set);
         let close = |from: Nanos, to: Nanos| to - from <= d + CLOCK_TOLERANCE;
         let (Some(lowest), Some(highest)) = (rows.clone().next(), rows.clone().last()) else {
             return Vec::new();
@@ -198,7 +198,7 @@ impl Evaluation<'_> {
         let first = before(lowest).last().unwrap_or(lowest);
         let after = (highest + 1..on.len()).take_while(|&k| close(on[highest].time, on[k].time));
         let reach = first..after.last().unwrap_or(highest) + 1;
-        let (of, truth) = (self.margins(a, place, reach.clone()), self.truth(a, place));
+        let (of, truth) = (self.margins(a, row_set, reach.clone()), self.truth(a, row_set));
         let cell = |i: usize| (truth.at(i), of[i - reach.start]);
         let each = rows.map(|i| {
             let mut best = cell(i).1.max(-MARGIN_LIMIT);
@@ -216,10 +216,10 @@ impl Evaluation<'_> {
     /// The margin of the object that is last needed to make up the number.
     fn of_count(&self, of: NodeId, count: usize, subject: Subject, rows: Range<usize>) -> Vec<f64> {
         let mut cells: Vec<Vec<f64>> = vec![Vec::new(); rows.len()];
-        for (i, object) in self.places.objects.iter().enumerate() {
+        for (i, object) in self.layout.objects.iter().enumerate() {
             let (from, to) = (rows.start.max(object.row), rows.end.min(object.row + object.len));
             if from < to && subject.admits(self.signals.targets[i].class) {
-                let of = self.margins(of, Place::Object(i), from - object.row..to - object.row);
+                let of = self.margins(of, RowSet::Object(i), from - object.row..to - object.row);
                 (from..to)
                     .zip(of)
                     .filter(|(_, m)| !m.is_nan())
@@ -237,28 +237,28 @@ impl Evaluation<'_> {
     }
 
     /// The best margin of all rows before: for all rows at once, and kept.
-    fn ever_before(&self, id: NodeId, a: NodeId, place: Place) -> Rc<Vec<f64>> {
-        if let Some(done) = self.margins.borrow().get(&(id, place)) {
+    fn ever_before(&self, id: NodeId, a: NodeId, row_set: RowSet) -> Rc<Vec<f64>> {
+        if let Some(done) = self.margins.borrow().get(&(id, row_set)) {
             return done.clone();
         }
-        let n = self.places.len(place);
-        let truth = self.truth(id, place);
+        let n = self.layout.len(row_set);
+        let truth = self.truth(id, row_set);
         let mut best = f64::NEG_INFINITY;
         let mut out = Vec::with_capacity(n);
-        for (i, m) in self.margins(a, place, 0..n).into_iter().enumerate() {
+        for (i, m) in self.margins(a, row_set, 0..n).into_iter().enumerate() {
             out.push(settled(truth.at(i), best));
             best = best.max(m);
         }
         let out = Rc::new(out);
-        self.margins.borrow_mut().insert((id, place), out.clone());
+        self.margins.borrow_mut().insert((id, row_set), out.clone());
         out
     }
 
     /// Looks back, ever farther, until what was before no longer matters: nearly always not far.
-    fn of_since(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
-        let (truth, by) = self.seen(id, place).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
+    fn of_since(&self, id: NodeId, of: (NodeId, NodeId), row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+        let (truth, by) = self.seen(id, row_set).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
         let (mut parts, mut from, mut stride) =
-            (vec![self.cells(of, place, rows.clone())], rows.start, STRIDE);
+            (vec![self.cells(of, row_set, rows.clone())], rows.start, STRIDE);
         loop {
             let before = from.checked_sub(1).map_or(Tri::Unknown, |i| truth.at(by + i));
             let cells = || parts.iter().rev().flatten();
@@ -266,16 +266,16 @@ impl Evaluation<'_> {
                 return out.split_off(rows.start - from);
             }
             let begin = from.saturating_sub(stride);
-            parts.push(self.cells(of, place, begin..from));
+            parts.push(self.cells(of, row_set, begin..from));
             (from, stride) = (begin, 2 * stride);
         }
     }
 
     /// As [`Self::of_since`], the other way in time.
-    fn of_until(&self, id: NodeId, of: (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<f64> {
-        let n = self.places.len(place);
-        let (truth, by) = self.seen(id, place).unwrap_or_else(|| (Truth::unknown(n), 0));
-        let (mut parts, mut to, mut stride) = (vec![self.cells(of, place, rows.clone())], rows.end, STRIDE);
+    fn of_until(&self, id: NodeId, of: (NodeId, NodeId), row_set: RowSet, rows: Range<usize>) -> Vec<f64> {
+        let n = self.layout.len(row_set);
+        let (truth, by) = self.seen(id, row_set).unwrap_or_else(|| (Truth::unknown(n), 0));
+        let (mut parts, mut to, mut stride) = (vec![self.cells(of, row_set, rows.clone())], rows.end, STRIDE);
         loop {
             let after = if to < n { truth.at(by + to) } else { Tri::Unknown };
             let cells = || parts.iter().rev().flat_map(|p| p.iter().rev());
@@ -285,14 +285,14 @@ impl Evaluation<'_> {
                 return out;
             }
             let end = (to + stride).min(n);
-            parts.push(self.cells(of, place, to..end));
+            parts.push(self.cells(of, row_set, to..end));
             (to, stride) = (end, 2 * stride);
         }
     }
 
-    fn cells(&self, (a, b): (NodeId, NodeId), place: Place, rows: Range<usize>) -> Vec<Cell> {
-        let (of_a, of_b) = (self.margins(a, place, rows.clone()), self.margins(b, place, rows.clone()));
-        let cut = |id| self.seen(id, place).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
+    fn cells(&self, (a, b): (NodeId, NodeId), row_set: RowSet, rows: Range<usize>) -> Vec<Cell> {
+        let (of_a, of_b) = (self.margins(a, row_set, rows.clone()), self.margins(b, row_set, rows.clone()));
+        let cut = |id| self.seen(id, row_set).unwrap_or_else(|| (Truth::unknown(rows.end), 0));
         let ((a, from_a), (b, from_b)) = (cut(a), cut(b));
         let cell = |(i, (m, n))| Cell { a: (a.at(from_a + i), m), b: (b.at(from_b + i), n) };
         rows.clone().zip(of_a.into_iter().zip(of_b)).map(cell).collect()

@@ -32,7 +32,7 @@ pub struct NumberColumn<'a> {
 /// A number a row.
 #[derive(Clone, Debug)]
 pub enum Numbers<'a> {
-    /// The same in so many rows.
+    /// The same value in this number of rows.
     Same(f64, usize),
     /// Some rows of a column.
     Column(Rc<NumberColumn<'a>>, Range<usize>),

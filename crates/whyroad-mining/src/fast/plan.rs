@@ -1,6 +1,6 @@
 //! All rules as one program: what several rules ask is one node, and is evaluated once a drive.
 
-use crate::language::program::{Moment, NodeId, Op, Scope};
+use crate::language::program::{Moment, NodeId, Op, ValueScope};
 use crate::rule::{Rule, RuleSet};
 use std::collections::{BTreeSet, HashMap};
 
@@ -10,10 +10,10 @@ pub struct PlanNode {
     /// What it computes; operands are nodes of the plan.
     pub op: Op,
     /// Rows of its value.
-    pub scope: Scope,
+    pub scope: ValueScope,
     /// True when the value depends on an episode.
     pub needs_episode: bool,
-    /// Of a node of [`Scope::Second`]: the same about the target. Its values for all objects serve both roles.
+    /// Of a node of [`ValueScope::Second`]: the same about the target. Its values for all objects serve both roles.
     pub as_target: Option<NodeId>,
 }
 
@@ -82,7 +82,7 @@ impl<'r> Plan<'r> {
             let later_signals = later.filter(|s| !when_signals.contains(s)).collect();
             let mut alone = plan.conjuncts(nodes[rule.when.0]);
             let alone_second = alone.iter().filter_map(|id| plan.node(*id).as_target).collect();
-            alone.retain(|id| matches!(plan.node(*id).scope, Scope::Frame | Scope::Target));
+            alone.retain(|id| matches!(plan.node(*id).scope, ValueScope::Frame | ValueScope::Target));
             plan.rules.push(PlanRule {
                 rule,
                 nodes,
@@ -118,13 +118,13 @@ impl<'r> Plan<'r> {
         }
         let operands = op.operands();
         let scope = match &op {
-            Op::Signal(name) if name.starts_with("target.") => Scope::Target,
-            Op::SecondSignal(_) => Scope::Second,
-            Op::AtLeast { .. } => Scope::Frame,
-            _ => operands.iter().map(|o| self.node(*o).scope).fold(Scope::Frame, Scope::join),
+            Op::Signal(name) if name.starts_with("target.") => ValueScope::Target,
+            Op::SecondSignal(_) => ValueScope::Second,
+            Op::AtLeast { .. } => ValueScope::Frame,
+            _ => operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join),
         };
         let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
-        let as_target = (scope == Scope::Second).then(|| {
+        let as_target = (scope == ValueScope::Second).then(|| {
             let twin = |id: NodeId| self.nodes[id.0].as_target.unwrap_or(id);
             match &op {
                 Op::SecondSignal(name) => Op::Signal(name.clone()),

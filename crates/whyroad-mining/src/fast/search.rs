@@ -4,21 +4,21 @@ mod build;
 
 use super::bits::Bits;
 use super::evaluation::Evaluation;
-use super::places::{Place, Segment};
+use super::layout::{RowSet, Segment};
 use super::plan::{Plan, PlanRule};
 use super::signals::Signals;
 use super::truth::Truth;
 use crate::drive::{DriveEpisodes, arbitrated};
 use crate::episode::Found;
-use crate::evaluate::{CLOCK_TOLERANCE, Row};
+use crate::interpret::{CLOCK_TOLERANCE, Row};
 use crate::rule::{Rule, RuleSet};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use whyroad_model::SignalTable;
 
-/// The matches of one rule at one place, in order.
+/// The matches of one rule on one row set, in order.
 struct Matches {
-    place: Place,
+    row_set: RowSet,
     /// First and last row of each.
     rows: Vec<(usize, usize)>,
 }
@@ -72,9 +72,9 @@ impl<'a> Search<'a> {
         let rule = &self.evaluation.plan.rules[candidates.rule];
         let mut found = Found::default();
         for matches in &candidates.matches {
-            let when = self.evaluation.truth(rule.node(rule.rule.when), matches.place);
+            let when = self.evaluation.truth(rule.node(rule.rule.when), matches.row_set);
             for rows in &matches.rows {
-                found.episodes.extend(build::episode(&self.evaluation, rule, matches.place, &when, *rows));
+                found.episodes.extend(build::episode(&self.evaluation, rule, matches.row_set, &when, *rows));
             }
         }
         if found.episodes.is_empty() {
@@ -99,21 +99,21 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let when = of.node(of.rule.when);
     let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default() };
     let Some(subject) = of.rule.subject else {
-        let truth = evaluation.truth(when, Place::Drive);
-        let segment = evaluation.places.segment(Place::Drive);
-        out.take(of.rule, Place::Drive, &truth, segment, &evaluation.places.rows);
+        let truth = evaluation.truth(when, RowSet::Drive);
+        let segment = evaluation.layout.segment(RowSet::Drive);
+        out.take(of.rule, RowSet::Drive, &truth, segment, &evaluation.layout.rows);
         return out;
     };
     let admitted = |i: usize| subject.admits(evaluation.signals.targets[i].class);
-    let rows = &evaluation.places.rows;
+    let rows = &evaluation.layout.rows;
     if of.rule.second.is_some() {
         let pairs = Pairs {
             evaluation,
             of,
-            target: evaluation.conjunction(&of.alone, Place::Objects).possible(),
-            second: evaluation.conjunction(&of.alone_second, Place::Objects).possible(),
+            target: evaluation.conjunction(&of.alone, RowSet::Objects).possible(),
+            second: evaluation.conjunction(&of.alone_second, RowSet::Objects).possible(),
         };
-        for (i, object) in evaluation.places.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
+        for (i, object) in evaluation.layout.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
             if pairs.target.any_in(object.range()) {
                 out.take_pairs(&pairs, i);
             } else {
@@ -123,14 +123,14 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
         }
         return out;
     }
-    let truth = evaluation.truth(when, Place::Objects);
+    let truth = evaluation.truth(when, RowSet::Objects);
     let nowhere = truth.yes.none();
-    for (i, object) in evaluation.places.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
+    for (i, object) in evaluation.layout.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
         // Once it is known that something is known, rows without a match have nothing more to say.
         if nowhere && out.decided.known {
             break;
         }
-        out.take(of.rule, Place::Object(i), &truth, *object, rows);
+        out.take(of.rule, RowSet::Object(i), &truth, *object, rows);
     }
     out
 }
@@ -146,33 +146,33 @@ impl Candidates {
         let Pairs { evaluation, of, .. } = pairs;
         let Some(role) = &of.rule.second else { return };
         let targets = &evaluation.signals.targets;
-        for second in evaluation.places.seen_with(target) {
+        for second in evaluation.layout.seen_with(target) {
             if targets[second].first_row == targets[target].first_row
                 || !role.subject.admits(targets[second].class)
             {
                 continue;
             }
-            let place = Place::Pair(target, second);
-            let segment = evaluation.places.segment(place);
+            let row_set = RowSet::Pair(target, second);
+            let segment = evaluation.layout.segment(row_set);
             if pairs.hopeless(target, second, segment) {
                 self.decide(segment.len > 0, segment.len > 0);
                 continue;
             }
-            let truth = evaluation.truth(of.node(of.rule.when), place);
-            self.take(of.rule, place, &truth, segment, &evaluation.places.rows);
-            if self.matches.last().is_none_or(|m| m.place != place) {
+            let truth = evaluation.truth(of.node(of.rule.when), row_set);
+            self.take(of.rule, row_set, &truth, segment, &evaluation.layout.rows);
+            if self.matches.last().is_none_or(|m| m.row_set != row_set) {
                 evaluation.forget_pairs();
             }
         }
     }
 
     /// The matches in one stretch of a column.
-    fn take(&mut self, rule: &Rule, place: Place, truth: &Truth, segment: Segment, rows: &[Row]) {
+    fn take(&mut self, rule: &Rule, row_set: RowSet, truth: &Truth, segment: Segment, rows: &[Row]) {
         let rows = &rows[segment.row..segment.row + segment.len];
         self.decide(segment.len > 0, !self.decided.known && truth.known.any_in(segment.range()));
         let found = matches(rule, truth, segment.range(), rows);
         if !found.is_empty() {
-            self.matches.push(Matches { place, rows: found });
+            self.matches.push(Matches { row_set, rows: found });
         }
     }
 }
@@ -190,7 +190,7 @@ impl Pairs<'_, '_> {
     /// True when in every row of the pair one of the two is known not to do.
     fn hopeless(&self, target: usize, second: usize, rows: Segment) -> bool {
         let of_object = |bits: &Bits, i: usize| {
-            let object = self.evaluation.places.objects[i];
+            let object = self.evaluation.layout.objects[i];
             let start = object.start + rows.row - object.row;
             bits.slice(start..start + rows.len)
         };

@@ -1,8 +1,8 @@
 //! What the fast evaluator reads: the columns of one drive, wherever they come from. Borrowed from a
 //! [`SignalTable`], or owned as a store decoded them.
 
+use super::layout::{RowLayout, RowSet};
 use super::numbers::{NumberColumn, Numbers};
-use super::places::{Place, Places};
 use super::truth::Truth;
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -58,7 +58,7 @@ impl<'a> Words<'a> {
 
 /// The values of a node.
 #[derive(Clone, Debug)]
-pub enum Value<'a> {
+pub enum NodeValue<'a> {
     /// Of a condition.
     Truth(Truth),
     /// Of a number.
@@ -67,7 +67,7 @@ pub enum Value<'a> {
     Words(Words<'a>),
 }
 
-impl Value<'_> {
+impl NodeValue<'_> {
     /// These rows alone.
     #[must_use]
     pub fn slice(&self, rows: Range<usize>) -> Self {
@@ -128,25 +128,25 @@ impl<'a> Signals<'a> {
         self.columns.get(name).or_else(|| self.more.get()?.get(name))
     }
 
-    /// The values of a signal at a place; `None` where the drive has it not.
-    pub fn value(&'a self, name: &str, places: &Places, place: Place) -> Option<Value<'a>> {
+    /// The values of a signal on a row set; `None` where the drive has it not.
+    pub fn value(&'a self, name: &str, layout: &RowLayout, row_set: RowSet) -> Option<NodeValue<'a>> {
         let column = self.column(name)?;
         let of_target = name.starts_with("target.");
         Some(match column {
             SignalColumn::Numbers(column) => {
-                Value::Numbers(match places.stored_rows(place, of_target, column.len()) {
+                NodeValue::Numbers(match layout.stored_rows(row_set, of_target, column.len()) {
                     Some(rows) => Numbers::Column(column.clone(), rows),
-                    None => Numbers::of(cut(places, place, of_target, column.values(), f64::NAN)),
+                    None => Numbers::of(cut(layout, row_set, of_target, column.values(), f64::NAN)),
                 })
             }
             SignalColumn::Flags(values) => {
-                Value::Truth(packed(&cut(places, place, of_target, values, Tri::Unknown)))
+                NodeValue::Truth(packed(&cut(layout, row_set, of_target, values, Tri::Unknown)))
             }
-            SignalColumn::Packed(truth) => Value::Truth(cut_packed(places, place, of_target, truth)),
+            SignalColumn::Packed(truth) => NodeValue::Truth(cut_packed(layout, row_set, of_target, truth)),
             SignalColumn::Words(codes, names) => {
-                let codes = cut(places, place, of_target, codes, UNKNOWN_CODE);
+                let codes = cut(layout, row_set, of_target, codes, UNKNOWN_CODE);
                 let rows = 0..codes.len();
-                Value::Words(Words { codes: Rc::new(codes), rows, names: names.clone() })
+                NodeValue::Words(Words { codes: Rc::new(codes), rows, names: names.clone() })
             }
         })
     }
@@ -174,13 +174,13 @@ impl<'a> SignalColumn<'a> {
 }
 
 fn cut<'v, T: Copy>(
-    places: &Places,
-    place: Place,
+    layout: &RowLayout,
+    row_set: RowSet,
     of_target: bool,
     values: &'v [T],
     hole: T,
 ) -> Cow<'v, [T]> {
-    if of_target { places.of_objects(values, place, hole) } else { places.of_frames(values, hole) }
+    if of_target { layout.of_objects(values, row_set, hole) } else { layout.of_frames(values, hole) }
 }
 
 fn packed(values: &[Tri]) -> Truth {
@@ -188,11 +188,11 @@ fn packed(values: &[Tri]) -> Truth {
     Truth::new(yes, super::compare::pack_all(values, |t| t != Tri::Unknown))
 }
 
-fn cut_packed(places: &Places, place: Place, of_target: bool, truth: &Truth) -> Truth {
-    if let Some(rows) = places.stored_rows(place, of_target, truth.len()) {
+fn cut_packed(layout: &RowLayout, row_set: RowSet, of_target: bool, truth: &Truth) -> Truth {
+    if let Some(rows) = layout.stored_rows(row_set, of_target, truth.len()) {
         return truth.slice(rows);
     }
     // Rows of gaps come in between: rare, and worth no code of its own.
     let values: Vec<Tri> = (0..truth.len()).map(|i| truth.at(i)).collect();
-    packed(&cut(places, place, of_target, &values, Tri::Unknown))
+    packed(&cut(layout, row_set, of_target, &values, Tri::Unknown))
 }

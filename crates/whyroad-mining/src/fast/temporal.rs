@@ -1,13 +1,13 @@
 //! The operators over time as operations on runs: the work is in the number of changes, not of rows times window.
-//! What each means stands in `crate::evaluate::temporal`; a property test holds the two equal.
+//! `crate::interpret::temporal` defines what each means; a property test keeps the two equal.
 //!
 //! All are monotone, so each is done twice with the same code: on what is surely true, and on what is possible
 //! (true or unknown), the outside of the recording included.
 
 use super::bits::Bits;
-use super::places::Segment;
+use super::layout::Segment;
 use super::truth::Truth;
-use crate::evaluate::{CLOCK_TOLERANCE, Row, STEP};
+use crate::interpret::{CLOCK_TOLERANCE, Row, STEP};
 use std::ops::Range;
 use whyroad_model::Nanos;
 
@@ -125,7 +125,7 @@ pub fn previously(c: &Truth, on: Stretches<'_>, d: Nanos) -> Truth {
                 possible_out.set_range(moved(i..i + 1, segment.start));
             }
         }
-        // Up to here the window looks beyond the recording; in the first row there is none.
+        // Up to here the window looks beyond the recording; in the first row it is empty.
         let open = first_in(1, n, |i| !reaches(rows, i, 0, d) || begins_inside(rows, i, d));
         possible_out.set_range(moved(0..(1 + open).min(n), segment.start));
     }

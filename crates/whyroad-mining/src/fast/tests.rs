@@ -4,10 +4,10 @@
 
 mod random;
 
-use super::places::Place;
+use super::layout::RowSet;
 use super::{Evaluation, Plan, Signals, find_all};
 use crate::episode::{Episode, Found, find};
-use crate::evaluate::{Evaluator, Moments, Roles, Series};
+use crate::interpret::{Evaluator, Moments, Roles, Series};
 use crate::rule::Rule;
 use proptest::prelude::*;
 use random::{rule, table};
@@ -34,18 +34,18 @@ fn same_values(rule: &Rule, table: &SignalTable) {
     let mut reference = Evaluator::new(&rule.program, table);
     let n = table.times.len();
     let episode = Moments { keyframe: n / 2, matched: FrameRange::new(n / 3, n / 2 + 1) };
-    let mut passes = vec![(Place::Drive, Roles::default())];
+    let mut passes = vec![(RowSet::Drive, Roles::default())];
     for (i, a) in table.targets.iter().enumerate() {
-        passes.push((Place::Object(i), Roles { target: Some(a), second: None }));
+        passes.push((RowSet::Object(i), Roles { target: Some(a), second: None }));
         for (k, b) in table.targets.iter().enumerate().filter(|(k, _)| *k != i) {
             if !a.frames.intersect(b.frames).is_empty() {
-                passes.push((Place::Pair(i, k), Roles { target: Some(a), second: Some(b) }));
+                passes.push((RowSet::Pair(i, k), Roles { target: Some(a), second: Some(b) }));
             }
         }
     }
     for moments in [None, Some(episode)] {
         fast.set_episode(moments);
-        for (place, roles) in &passes {
+        for (row_set, roles) in &passes {
             let mut pass = reference.pass_of(*roles);
             if let Some(moments) = moments {
                 pass = reference.at_episode(&pass, moments);
@@ -54,10 +54,10 @@ fn same_values(rule: &Rule, table: &SignalTable) {
                 let local = crate::language::NodeId(i);
                 let of = plan.rules[0].node(local);
                 let what =
-                    || format!("{:?} at {place:?} of {:?}", rule.program.nodes[i].op, rule.program.nodes);
+                    || format!("{:?} at {row_set:?} of {:?}", rule.program.nodes[i].op, rule.program.nodes);
                 match reference.series(local, &mut pass).as_ref() {
                     Series::Truths(t) => {
-                        let truth = fast.truth(of, *place);
+                        let truth = fast.truth(of, *row_set);
                         let rows = t.value.len();
                         assert_eq!(
                             (0..truth.len()).map(|k| truth.at(k)).collect::<Vec<_>>(),
@@ -67,7 +67,7 @@ fn same_values(rule: &Rule, table: &SignalTable) {
                         );
                         // Any part alone is what it is in the whole.
                         for part in [0..rows, rows / 3..rows / 2, rows / 2..rows] {
-                            let margins = fast.margins(of, *place, part.clone());
+                            let margins = fast.margins(of, *row_set, part.clone());
                             for (a, b) in margins.iter().zip(&t.margin[part.clone()]) {
                                 let equal = (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-9;
                                 assert!(equal, "{margins:?}\nagainst\n{:?}\n{}", &t.margin[part], what());
@@ -76,7 +76,7 @@ fn same_values(rule: &Rule, table: &SignalTable) {
                         }
                     }
                     Series::Numbers(v) => {
-                        let numbers = fast.numbers(of, *place);
+                        let numbers = fast.numbers(of, *row_set);
                         for (k, x) in v.iter().enumerate() {
                             let y = numbers.at(k);
                             assert!(*x == y || (x.is_nan() && y.is_nan()), "{x} against {y}: {}", what());

@@ -5,10 +5,10 @@ mod atoms;
 mod calls;
 mod compare;
 mod define;
+mod describe;
 mod every;
 mod moments;
 mod names;
-mod tell;
 mod words;
 
 pub use names::nearest;
@@ -16,7 +16,7 @@ pub use names::nearest;
 use words::{kind_en, kind_zh, mismatch};
 
 use super::Fault;
-use super::program::{Kind, NodeId, Op, Program, Scope, Subject};
+use super::program::{NodeId, Op, Program, Subject, ValueKind, ValueScope};
 use super::syntax::{ArithmeticOp, Expr, ExprKind, Extent, Quantity, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::Nanos;
@@ -51,13 +51,13 @@ pub struct RoleNames {
     pub second: Option<String>,
 }
 
-/// What a name of the rule stands for.
+/// What a name of the rule means.
 #[derive(Clone, Debug)]
 pub(crate) struct Definition {
     expr: Expr,
     node: NodeId,
     extent: Extent,
-    told: tell::Told,
+    text: describe::DefinitionText,
 }
 
 /// Whom `target.` means.
@@ -90,7 +90,7 @@ impl<'a> Checker<'a> {
     pub fn condition(&mut self, expr: &Expr) -> Lowered {
         let id = self.lower(expr)?;
         match &self.program.node(id).kind {
-            Kind::Condition => Ok(id),
+            ValueKind::Condition => Ok(id),
             other => Err(Fault::new(
                 "rule.type",
                 expr.span,
@@ -104,7 +104,7 @@ impl<'a> Checker<'a> {
     fn number(&mut self, expr: &Expr) -> Result<(NodeId, Dimension), Fault> {
         let id = self.lower(expr)?;
         match &self.program.node(id).kind {
-            Kind::Number(d) => Ok((id, *d)),
+            ValueKind::Number(d) => Ok((id, *d)),
             other => Err(Fault::new(
                 "rule.type",
                 expr.span,
@@ -131,7 +131,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A name where a time is needed that is no parameter: either no name at all, or that of something else.
+    /// A name where a time is needed that is not a parameter: either unknown, or of something else.
     fn unknown_duration(&self, expr: &Expr) -> Result<Nanos, Fault> {
         if let ExprKind::Name(name) = &expr.kind
             && self.catalogue.get(name).is_none()
@@ -148,13 +148,13 @@ impl<'a> Checker<'a> {
     pub fn lower(&mut self, expr: &Expr) -> Lowered {
         match &expr.kind {
             ExprKind::Number(q) => {
-                Ok(self.program.add(Op::Constant(q.base()), Kind::Number(q.unit.dimension)))
+                Ok(self.program.add(Op::Constant(q.base()), ValueKind::Number(q.unit.dimension)))
             }
             ExprKind::Name(name) => self.name(name, expr.span),
             ExprKind::Call(name, arguments) => self.call(name, arguments, expr.span),
             ExprKind::Negate(of) => {
                 let (id, d) = self.number(of)?;
-                Ok(self.program.add(Op::Negate(id), Kind::Number(d)))
+                Ok(self.program.add(Op::Negate(id), ValueKind::Number(d)))
             }
             ExprKind::Arithmetic(op, a, b) => self.arithmetic(*op, a, b, expr.span),
             ExprKind::Not(of) => {
@@ -227,12 +227,12 @@ impl<'a> Checker<'a> {
     }
 
     fn flag(&mut self, op: Op) -> NodeId {
-        self.program.add(op, Kind::Condition)
+        self.program.add(op, ValueKind::Condition)
     }
 
     fn name(&mut self, name: &str, span: Span) -> Lowered {
         if let Some(q) = self.parameters.get(name) {
-            return Ok(self.program.add(Op::Constant(q.base()), Kind::Number(q.unit.dimension)));
+            return Ok(self.program.add(Op::Constant(q.base()), ValueKind::Number(q.unit.dimension)));
         }
         if let Some(definition) = self.definitions.get(name) {
             return Ok(definition.node);
@@ -303,11 +303,11 @@ impl<'a> Checker<'a> {
                         ));
                     }
                 };
-                Ok(self.program.add(Op::Multiply(x, y), Kind::Number(d)))
+                Ok(self.program.add(Op::Multiply(x, y), ValueKind::Number(d)))
             }
             _ if dx != dy => Err(mismatch(span, dx, dy)),
-            ArithmeticOp::Add => Ok(self.program.add(Op::Add(x, y), Kind::Number(dx))),
-            ArithmeticOp::Subtract => Ok(self.program.add(Op::Subtract(x, y), Kind::Number(dx))),
+            ArithmeticOp::Add => Ok(self.program.add(Op::Add(x, y), ValueKind::Number(dx))),
+            ArithmeticOp::Subtract => Ok(self.program.add(Op::Subtract(x, y), ValueKind::Number(dx))),
         }
     }
 
@@ -321,14 +321,14 @@ impl<'a> Checker<'a> {
 
     /// True when the node's value belongs to an object.
     pub fn is_of_target(&self, id: NodeId) -> bool {
-        self.program.node(id).scope != Scope::Frame
+        self.program.node(id).scope != ValueScope::Frame
     }
 }
 
-fn kind_of(def: &SignalDef) -> Kind {
+fn kind_of(def: &SignalDef) -> ValueKind {
     match &def.kind {
-        SignalKind::Number(d) => Kind::Number(*d),
-        SignalKind::Flag => Kind::Condition,
-        SignalKind::Category(names) => Kind::Category(names.to_vec()),
+        SignalKind::Number(d) => ValueKind::Number(*d),
+        SignalKind::Flag => ValueKind::Condition,
+        SignalKind::Category(names) => ValueKind::Category(names.to_vec()),
     }
 }

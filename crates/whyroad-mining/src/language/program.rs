@@ -1,5 +1,5 @@
 //! A checked program: an arena of operations over signals, all numbers in base units. Equal operations are
-//! one node, so that a condition that several leaves share is evaluated once a drive.
+//! one node, so that a condition that several leaves share is evaluated once per drive.
 
 use super::syntax::CompareOp;
 use std::collections::BTreeSet;
@@ -12,25 +12,25 @@ pub struct NodeId(pub usize);
 
 /// Over which rows a node has a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Scope {
-    /// One value a frame of the drive.
+pub enum ValueScope {
+    /// One value per frame of the drive.
     Frame,
-    /// One value a frame of each object that can be the rule's target (its first role).
+    /// One value per frame of each object that can be the rule's target (its first role).
     Target,
-    /// One value a frame of each object that can take the rule's second role.
+    /// One value per frame of each object that can take the rule's second role.
     Second,
-    /// One value for each pair of a target and another object, a frame in which both are seen.
+    /// One value for each pair of a target and another object and frame in which both are seen.
     Pair,
 }
 
-impl Scope {
+impl ValueScope {
     /// The rows of what is made of parts with these rows.
     #[must_use]
-    pub fn join(self, other: Scope) -> Scope {
+    pub fn join(self, other: ValueScope) -> ValueScope {
         match (self, other) {
-            (Scope::Frame, s) | (s, Scope::Frame) => s,
+            (ValueScope::Frame, s) | (s, ValueScope::Frame) => s,
             (a, b) if a == b => a,
-            _ => Scope::Pair,
+            _ => ValueScope::Pair,
         }
     }
 }
@@ -73,7 +73,7 @@ impl Subject {
 
 /// Type of a node's value.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum ValueKind {
     /// A number in the dimension's base unit.
     Number(Dimension),
     /// Three-valued truth.
@@ -144,8 +144,8 @@ pub enum Op {
     Until(NodeId, NodeId),
     /// True, and also where it is not but breaks off for no longer than so much between two frames at which it is.
     Bridge(NodeId, Nanos),
-    /// At least so many objects that are seen at the frame meet a condition of [`Scope::Target`], in which the
-    /// target stands for each of them in turn. The value is of [`Scope::Frame`].
+    /// At least `count` objects that are seen at the frame meet a condition of [`ValueScope::Target`], in which the
+    /// target is each of them in turn. The value is of [`ValueScope::Frame`].
     AtLeast {
         /// The condition.
         of: NodeId,
@@ -173,9 +173,9 @@ pub struct Node {
     /// What it computes.
     pub op: Op,
     /// Type of its value.
-    pub kind: Kind,
+    pub kind: ValueKind,
     /// Rows of its value.
-    pub scope: Scope,
+    pub scope: ValueScope,
     /// True when the value depends on an episode: on where its keyframe or its match is.
     pub needs_episode: bool,
 }
@@ -237,7 +237,7 @@ pub struct Atom {
     pub measured: NodeId,
     /// The signals it reads.
     pub signals: BTreeSet<String>,
-    /// Unit that the measured number is told in.
+    /// Unit in which the measured number is shown.
     pub unit: &'static Unit,
 }
 
@@ -255,16 +255,16 @@ impl Program {
     }
 
     /// Adds a node, or finds the equal one.
-    pub fn add(&mut self, op: Op, kind: Kind) -> NodeId {
+    pub fn add(&mut self, op: Op, kind: ValueKind) -> NodeId {
         if let Some(i) = self.nodes.iter().position(|n| n.op == op && n.kind == kind) {
             return NodeId(i);
         }
         let operands = op.operands();
         let scope = match &op {
-            Op::Signal(name) if name.starts_with("target.") => Scope::Target,
-            Op::SecondSignal(_) => Scope::Second,
-            Op::AtLeast { .. } => Scope::Frame,
-            _ => operands.iter().map(|o| self.node(*o).scope).fold(Scope::Frame, Scope::join),
+            Op::Signal(name) if name.starts_with("target.") => ValueScope::Target,
+            Op::SecondSignal(_) => ValueScope::Second,
+            Op::AtLeast { .. } => ValueScope::Frame,
+            _ => operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join),
         };
         let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
         self.nodes.push(Node { op, kind, scope, needs_episode });

@@ -24,11 +24,11 @@ impl Span {
 pub struct Expr {
     /// What it is.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Where it is in the text.
     pub span: Span,
 }
 
-/// How large an expression is, what stands for its names included.
+/// How large an expression is, its names expanded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Number of expressions from the whole to its deepest part, each in the one before.
@@ -38,7 +38,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// More than any person writes is refused: what reads, tells and evaluates expressions goes into them by
+    /// More than any person writes is refused: what reads, prints and evaluates expressions goes into them by
     /// recursion, and definitions that name each other twice double at every step.
     pub const MOST: Extent = Extent { height: 100, size: 20_000 };
 
@@ -49,7 +49,7 @@ impl Extent {
 }
 
 impl Expr {
-    /// How large this is; `named` says it of what stands for a name.
+    /// How large this is; `named` says it of what a name means.
     pub fn extent(&self, named: &dyn Fn(&str) -> Extent) -> Extent {
         let below = match &self.kind {
             ExprKind::Name(name) => named(name),
@@ -132,7 +132,7 @@ pub enum ExprKind {
 pub struct Quantity {
     /// In `unit`.
     pub value: f64,
-    /// As written; the ratio's empty unit when there is none.
+    /// As written; the ratio's empty unit without one.
     pub unit: &'static Unit,
 }
 

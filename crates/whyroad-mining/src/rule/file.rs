@@ -91,7 +91,7 @@ fn scenarios(
     Checked { found, ..checked }
 }
 
-/// The rule of a file that holds a `mining:` block, or only what stands in one: it belongs to no class, and its moments
+/// The rule of a file that holds a `mining:` block, or only the content of one: it belongs to no class, and its moments
 /// are those of the match.
 pub fn bare_rule(file: SourceFile<'_>, catalogue: &Catalogue) -> Result<Rule, Vec<Diagnostic>> {
     let yaml = yaml::parse(file.text).map_err(|e| vec![unreadable(file, &e)])?;

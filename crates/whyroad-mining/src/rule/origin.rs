@@ -1,5 +1,5 @@
 //! From faults of the rule language to diagnostics at the position of what is wrong. The YAML tree knows where each
-//! text stands, and a fault knows which part of the text is meant.
+//! text is, and a fault knows which part of the text is meant.
 
 use crate::language::Fault;
 use whyroad_framework::ExpressionSource;

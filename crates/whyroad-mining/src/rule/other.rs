@@ -1,5 +1,5 @@
 //! `other`: decision moments (changes of meta action with an effect) that no class explains. A growing `other` is what
-//! tells a framework's owner that a class is missing or a rule is blind (LABELING.md 1).
+//! shows a framework's owner that a class is missing or a rule is blind (LABELING.md 1).
 //!
 //! It is a rule like any other, run with the framework's; [`crate::episode::arbitrate`] drops what is explained.
 
@@ -13,7 +13,7 @@ use whyroad_signals::Catalogue;
 /// True at a decision moment, whatever made it one.
 const DECISION_MOMENT: &str = "ego.responds";
 
-/// The time range of a moment that no class tells the range of: what led to it, and what came of it (the effect that
+/// The time range of a moment whose range no class defines: what led to it, and its effect (the effect that
 /// makes a moment one is seen within 3 s).
 const BEFORE: Nanos = Nanos(-2_000_000_000);
 const AFTER: Nanos = Nanos(3_000_000_000);

@@ -3,9 +3,9 @@
 mod clause;
 mod source;
 
-use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
+use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
 use crate::language::parse::too_large;
-use crate::language::program::{Kind, Op};
+use crate::language::program::{Op, ValueKind};
 use crate::language::syntax::Span;
 use crate::language::{Checker, Fault};
 use clause::Reader;
@@ -38,14 +38,14 @@ pub fn parse_query(text: &str, file: &str, framework: &Framework) -> Result<Mini
     Err(vec![Diagnostic { code: "mine.query.scenario", ..problem }.at(location)])
 }
 
-/// All that is wrong with the form of a query, as the checker of messages tells it.
+/// All that is wrong with the form of a query, as the checker of messages reports it.
 fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Error) -> Vec<Diagnostic> {
     let mut found = check_message(text, MessageKind::MiningQuery, &ClassIndex::new(framework));
     // A class may be written by a short name here.
     found.retain(|d| d.severity == Severity::Error && d.code != "label.scenario.unknown");
     for d in &mut found {
         d.location.file = Some(file.to_owned());
-        // A text that is no JSON is no label either.
+        // For this checker, a text that is not JSON is an invalid label.
         if d.code == "label.json.syntax" {
             d.code = "mine.query.syntax";
         }
@@ -76,7 +76,7 @@ pub fn compile_query(
     let mut checker = Checker::new(catalogue);
     let mut found = Vec::new();
     let mut conditions = Vec::new();
-    let mut told = Told::default();
+    let mut described = RuleParts::default();
     let source = QueryText::new(text, file);
     let mut reader = Reader { checker: &mut checker, catalogue, source: &source, found: Vec::new() };
     for (i, clause) in query.conditions.iter().enumerate() {
@@ -84,7 +84,7 @@ pub fn compile_query(
         let Some(expr) = reader.clause(clause, &pointer) else { continue };
         let sane = if reader.checker.extent(&expr).is_sane() { Ok(()) } else { Err(too_large(expr.span)) };
         let whole = sane.and_then(|()| reader.checker.condition(&expr)).and_then(|id| {
-            told.add(reader.checker, &expr, PartPlace::When)?;
+            described.add(reader.checker, &expr, PartPlace::When)?;
             Ok(id)
         });
         match whole {
@@ -127,7 +127,7 @@ pub fn compile_query(
     if !found.is_empty() {
         return Err(found);
     }
-    let when = checker.program.add(Op::And(conditions.clone()), Kind::Condition);
+    let when = checker.program.add(Op::And(conditions.clone()), ValueKind::Condition);
     let of_target = conditions.iter().any(|id| checker.is_of_target(*id));
     let any = of_target.then_some(crate::language::Subject::Any);
     Ok(Rule {
@@ -137,8 +137,8 @@ pub fn compile_query(
         second: None,
         when,
         require: vec![],
-        atoms: told.atoms,
-        parts: told.parts,
+        atoms: described.atoms,
+        parts: described.parts,
         listed: Listed::All,
         min_duration: Nanos::from_secs_f64(bounds.condition_duration_min.unwrap_or(0.0)),
         max_duration: bounds.condition_duration_max.map(Nanos::from_secs_f64),

@@ -37,7 +37,7 @@ pub struct RuleSheet {
 }
 
 impl RuleSheet {
-    /// The rule of a leaf or of an L2; `None` where there is none.
+    /// The rule of a leaf or of an L2; `None` without one.
     pub fn of(framework: &Framework, class: &ScenarioId) -> Option<RuleSheet> {
         let own = framework.rule(class)?;
         let l2 = ScenarioId { l3: None, ..class.clone() };

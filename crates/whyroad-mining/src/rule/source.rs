@@ -2,8 +2,8 @@
 
 use super::block;
 use super::origin::Origin;
-use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
-use crate::language::program::{Kind, Moment, NodeId, Op, Subject};
+use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
+use crate::language::program::{Moment, NodeId, Op, Subject, ValueKind};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
 use std::collections::BTreeSet;
@@ -80,11 +80,11 @@ pub fn compile(
     c.parameters(&block.parameters);
     c.define(&block.define);
     let subject = roles.target;
-    let mut told = Told::default();
+    let mut described = RuleParts::default();
     let when: Vec<NodeId> =
-        block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut told)).collect();
+        block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut described)).collect();
     let require: Vec<NodeId> =
-        block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut told)).collect();
+        block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut described)).collect();
     let mut time = |node: Option<&Node>| node.and_then(|n| c.time(n));
     let min_duration = time(block.min_duration).unwrap_or_default();
     let max_duration = time(block.max_duration);
@@ -104,7 +104,7 @@ pub fn compile(
     let timing = spec.map_or_else(Timing::of_match, |s| c.timing(s, subject));
     let when = match when.as_slice() {
         [one] => *one,
-        all => c.checker.program.add(Op::And(all.to_vec()), Kind::Condition),
+        all => c.checker.program.add(Op::And(all.to_vec()), ValueKind::Condition),
     };
     if !c.found.is_empty() {
         return Err(c.found);
@@ -116,8 +116,8 @@ pub fn compile(
         second: roles.second,
         when,
         require,
-        atoms: told.atoms,
-        parts: told.parts,
+        atoms: described.atoms,
+        parts: described.parts,
         listed: Listed::Holding,
         min_duration,
         max_duration,
@@ -152,14 +152,14 @@ impl Compiler<'_> {
         self.found.push(self.origin.file.at(entry.mark, &entry.node.pointer, fault));
     }
 
-    fn condition(&mut self, node: &Node, place: PartPlace, told: &mut Told) -> Option<NodeId> {
+    fn condition(&mut self, node: &Node, place: PartPlace, described: &mut RuleParts) -> Option<NodeId> {
         let text = node.text().unwrap_or_default();
         let expr = parse::parse(text).map_err(|fault| self.report(node, fault)).ok()?;
         let checked = self.checker.condition(&expr).and_then(|id| {
             if place == PartPlace::When && self.checker.program.node(id).needs_episode {
                 return Err(needs_a_match(text));
             }
-            told.add(&mut self.checker, &expr, place)?;
+            described.add(&mut self.checker, &expr, place)?;
             Ok(id)
         });
         match checked {

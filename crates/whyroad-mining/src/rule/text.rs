@@ -2,13 +2,13 @@
 //! labelling spec: its moments are those of the match itself.
 
 use super::source::{DEFAULT_MERGE_GAP, needs_a_match};
-use super::{Listed, PartPlace, Rule, TARGET, Timing, Told};
+use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
 use crate::language::program::Subject;
 use crate::language::{Checker, parse};
 use whyroad_model::{Diagnostic, Location, Nanos, ScenarioId};
 use whyroad_signals::Catalogue;
 
-/// The rule of a text. Without a `target`, one that speaks of `target.*` is about any object. `name` stands for a
+/// The rule of a text. Without a `target`, one that uses `target.*` is about any object. `name` stands for a
 /// file's name in diagnostics.
 pub fn compile_text(
     text: &str,
@@ -18,13 +18,13 @@ pub fn compile_text(
     name: &str,
 ) -> Result<Rule, Box<Diagnostic>> {
     let mut checker = Checker::new(catalogue);
-    let mut told = Told::default();
+    let mut described = RuleParts::default();
     let checked = parse::parse(text).and_then(|expr| {
         let when = checker.condition(&expr)?;
         if checker.program.node(when).needs_episode {
             return Err(needs_a_match(text));
         }
-        told.add(&mut checker, &expr, PartPlace::When)?;
+        described.add(&mut checker, &expr, PartPlace::When)?;
         Ok(when)
     });
     let place = Location { file: Some(name.to_owned()), line: Some(1), ..Location::default() };
@@ -37,8 +37,8 @@ pub fn compile_text(
         second: None,
         when,
         require: vec![],
-        atoms: told.atoms,
-        parts: told.parts,
+        atoms: described.atoms,
+        parts: described.parts,
         listed: Listed::Holding,
         min_duration: Nanos::default(),
         max_duration: None,

@@ -17,8 +17,8 @@ use whyroad_signals::Catalogue;
 
 static FILES: LazyLock<BTreeMap<String, String>> = LazyLock::new(Framework::bundled_files);
 
-/// What is found can be told, with its place.
-fn told(found: &[Diagnostic]) {
+/// What is found can be printed, with its location.
+fn printed(found: &[Diagnostic]) {
     for d in found {
         assert!(
             !diagnostic::render_text(d, Lang::En).is_empty()
@@ -96,7 +96,7 @@ fn any_text() -> impl Strategy<Value = String> {
     prop_oneof![3 => of_words(), 1 => "\\PC{0,80}", 1 => any::<String>()]
 }
 
-/// Replaces the part from `at` of so many characters.
+/// Replaces the part from `at` of `len` characters.
 fn spliced(text: &str, at: prop::sample::Index, len: usize, by: &str) -> String {
     let from = at.index(text.chars().count() + 1);
     text.chars().take(from).chain(by.chars()).chain(text.chars().skip(from + len)).collect()
@@ -127,9 +127,9 @@ const LABEL: &str = include_str!("../../../../examples/cutin_urgent_example.en.j
 
 fn query(text: &str) {
     match parse_query(text, "q.json", Framework::bundled()) {
-        Err(found) => told(&found),
+        Err(found) => printed(&found),
         Ok(q) => match compile_query(&q, Catalogue::bundled(), text, "q.json") {
-            Err(found) => told(&found),
+            Err(found) => printed(&found),
             Ok(rule) => run(rule),
         },
     }
@@ -142,7 +142,7 @@ proptest! {
     fn a_rule_in_one_line(text in any_text()) {
         let class: ScenarioId = "proactive.turn.straight".parse().unwrap();
         match compile_text(&text, None, &class, Catalogue::bundled(), "--rule") {
-            Err(d) => told(&[*d]),
+            Err(d) => printed(&[*d]),
             Ok(rule) => run(rule),
         }
     }
@@ -156,8 +156,8 @@ proptest! {
     #[test]
     fn a_label(text in prop_oneof![any::<String>(), any_text()], (at, len, by) in splice()) {
         let checker = Checker::new(Framework::bundled());
-        told(&checker.check_text(&text));
-        told(&checker.check_text(&spliced(LABEL, at, len, &by)));
+        printed(&checker.check_text(&text));
+        printed(&checker.check_text(&spliced(LABEL, at, len, &by)));
     }
 }
 
@@ -167,7 +167,7 @@ proptest! {
 
     #[test]
     fn a_file_of_rules(text in any_text(), (at, len, by) in splice()) {
-        let check = |text: &str| told(&check_file(SourceFile { name: "mine.yaml", text }, None, &FILES, Catalogue::bundled()).found);
+        let check = |text: &str| printed(&check_file(SourceFile { name: "mine.yaml", text }, None, &FILES, Catalogue::bundled()).found);
         check(&text);
         check(&format!("target: any\nwhen: {text}\n"));
         check(&spliced(&FILES["scenarios/reactive_agent/cutin.yaml"], at, len, &by));
@@ -179,12 +179,12 @@ proptest! {
         for text in [text, spliced(yaml, at, len, &by)] {
             let (taxonomy, found) = read_taxonomy("schema/scenario_taxonomy.yaml", &text);
             prop_assert!(taxonomy.is_some() || !found.is_empty());
-            told(&found);
+            printed(&found);
         }
         let mut files = FILES.clone();
         let name = file.get(&files.keys().cloned().collect::<Vec<_>>()).clone();
         let changed = spliced(&files[&name], at, len, &by);
         files.insert(name, changed);
-        told(&Framework::from_files(&files).1);
+        printed(&Framework::from_files(&files).1);
     }
 }

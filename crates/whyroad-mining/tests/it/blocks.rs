@@ -1,4 +1,4 @@
-//! A `mining:` block with faults is told all of them, each where it stands (lines and columns counted by hand), and a
+//! A `mining:` block with faults: all of them are reported, each at its position (lines and columns counted by hand), and a
 //! bare rule is held to the cases beside it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -34,11 +34,11 @@ const FAULTY: &str = r#"mining:
 #[test]
 fn every_fault_of_a_block_is_told_where_it_stands() {
     let found = check(FAULTY, None).found;
-    let mut told: Vec<(usize, usize, &str)> = found
+    let mut reported: Vec<(usize, usize, &str)> = found
         .iter()
         .map(|d| (d.location.line.unwrap_or(0), d.location.column.unwrap_or(0), d.message.en.as_str()))
         .collect();
-    told.sort_unstable();
+    reported.sort_unstable();
     let expected = [
         (2, 11, "'vehicel' is not a kind of target"),
         (5, 5, "a parameter has a value and a reason, as in { value: 3 m, reason: \"...\" }"),
@@ -55,7 +55,7 @@ fn every_fault_of_a_block_is_told_where_it_stands() {
         (16, 3, "max_duration is text, not a mapping"),
         (17, 17, "the expression should end here; found 'whithin'"),
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let hint = |part: &str| {
         let d = found.iter().find(|d| d.message.en.contains(part)).unwrap();
         (d.hint.as_ref().unwrap().en.clone(), d.hint.as_ref().unwrap().zh.clone())
@@ -74,8 +74,8 @@ fn a_block_is_a_mapping_with_a_condition() {
         ("mining:\n  target: any\n  when: []\n", "`when`, the condition that makes a match, is missing"),
     ] {
         let found = check(text, None).found;
-        let told: Vec<&str> = found.iter().map(|d| d.message.en.as_str()).collect();
-        assert_eq!(told, [said], "{text}");
+        let reported: Vec<&str> = found.iter().map(|d| d.message.en.as_str()).collect();
+        assert_eq!(reported, [said], "{text}");
     }
 }
 
@@ -121,13 +121,13 @@ cases:
 fn a_bare_rule_is_held_to_the_cases_beside_it() {
     let checked = check(RULE, Some(CASES));
     assert_eq!((checked.rules, checked.cases), (1, 4));
-    let told: Vec<(Option<usize>, &str)> = checked
+    let reported: Vec<(Option<usize>, &str)> = checked
         .found
         .iter()
         .map(|d| (d.location.line, d.message.en.split(" fails: ").last().unwrap()))
         .collect();
     assert_eq!(
-        told,
+        reported,
         [
             (Some(10), "1 expected, found nothing"),
             (Some(16), "target.distance: units do not match: the signal has m, this has s"),

@@ -14,9 +14,10 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
         Lang::Zh => writeln!(out, "{} 个行程，未变 {}，{}", c.drives, c.unchanged, totals.join("，")),
         Lang::En => writeln!(out, "{} drives, {} unchanged, {}", c.drives, c.unchanged, totals.join(", ")),
     };
-    for (drives, zh, en) in
-        [(&c.only_before, "仅前者搜索", "searched only before"), (&c.only_after, "仅后者搜索", "searched only after")]
-    {
+    for (drives, zh, en) in [
+        (&c.only_before, "仅前者搜索", "searched only before"),
+        (&c.only_after, "仅后者搜索", "searched only after"),
+    ] {
         if !drives.is_empty() {
             let names: Vec<String> = drives.iter().take(5).map(ToString::to_string).collect();
             let more = if drives.len() > 5 { ", …" } else { "" };
@@ -26,7 +27,9 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
     if let (Some(gained), Some(lost)) = (c.total_accepted(Change::Gained), c.total_accepted(Change::Lost)) {
         let _ = match lang {
             Lang::Zh => writeln!(out, "与已接受标签相比：新增 {gained} 个、丢失 {lost} 个经人工接受的时刻"),
-            Lang::En => writeln!(out, "against accepted labels: gains {gained}, loses {lost} that people accepted"),
+            Lang::En => {
+                writeln!(out, "against accepted labels: gains {gained}, loses {lost} that people accepted")
+            }
         };
     }
     let changed: Vec<_> = c.classes.iter().filter(|(_, of)| !of.changes.is_empty()).collect();

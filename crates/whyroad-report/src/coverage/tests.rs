@@ -57,9 +57,9 @@ fn missing_signals_of_several_drives_are_named_once() {
         drives: vec![drive.into()],
         missing_signals: signals.iter().map(|s| (*s).to_owned()).collect(),
     };
-    let mut told = leaf("reactive_rule.traffic_light.red_stop", CoverageState::NotObservable);
-    told.gaps = vec![gap("a", &["light.state", "ego.speed"]), gap("b", &["light.state"])];
-    let coverage = Coverage { leaves: vec![told], ..Coverage::default() };
+    let mut found = leaf("reactive_rule.traffic_light.red_stop", CoverageState::NotObservable);
+    found.gaps = vec![gap("a", &["light.state", "ego.speed"]), gap("b", &["light.state"])];
+    let coverage = Coverage { leaves: vec![found], ..Coverage::default() };
     let taxonomy = taxonomy();
     let rows = rows(&taxonomy, &coverage);
     let row = rows.iter().find(|r| r.state == CoverageState::NotObservable).unwrap();

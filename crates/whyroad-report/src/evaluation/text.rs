@@ -54,7 +54,7 @@ pub fn render(evaluation: &Evaluation, lang: Lang) -> String {
             out,
             "{unjudged} {}",
             pick(
-                "个片段的类别在真值中未声明完整，或只对应可选的真值，未作评判",
+                "个事件的类别在真值中未声明完整，或只对应可选的真值，未作评判",
                 "episodes not judged: the truth is not declared complete for their class, or only an optional entry matches"
             ),
         );
@@ -84,7 +84,7 @@ fn row(c: &ClassFigures) -> String {
     )
 }
 
-/// Three decimals; `-` where there is no value.
+/// Three decimals; `-` without a value.
 fn figure(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{v:.3}"))
 }

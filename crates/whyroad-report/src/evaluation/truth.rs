@@ -11,11 +11,11 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId, Location, Nanos, ScenarioId,
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TruthEntry {
-    /// Leaf, or L2 where the variant is not told.
+    /// Leaf, or L2 where the variant is not known.
     pub scenario_id: ScenarioId,
     /// Drive.
     pub drive_id: DriveId,
-    /// Target; absent where there is none or any will do.
+    /// Target; absent without one, or where any will do.
     #[serde(default)]
     pub target_id: Option<TrackId>,
     /// Start of the time range.
@@ -47,7 +47,7 @@ pub struct Complete {
 /// What one or more truth files say.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TruthSet {
-    /// One a file that declares it.
+    /// One per file that declares it.
     pub complete: Vec<Complete>,
     /// In the order of the files.
     pub entries: Vec<TruthEntry>,
@@ -71,7 +71,7 @@ impl TruthSet {
         self.complete.iter().any(holds)
     }
 
-    /// Adds what `text` says; a line that cannot be read is an error with its place and does not stop the rest. Class
+    /// Adds what `text` says; a line that cannot be read is an error with its location and does not stop the rest. Class
     /// ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
     pub fn read(
         &mut self,
@@ -88,7 +88,7 @@ impl TruthSet {
                     Diagnostic::error("evaluate.truth.line", why)
                         .with_hint(Bilingual::new(
                             r#"每行一条：{"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
-                            r#"one entry a line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
+                            r#"one entry per line: {"scenario_id", "drive_id", "target_id"?, "start_ns", "keyframe_ns", "end_ns", "optional"?}"#,
                         ))
                         .at(Location { column, ..place.clone() })
                         .in_file(file),
@@ -110,7 +110,7 @@ impl TruthSet {
                 Err(e) => refuse(
                     Bilingual::new(
                         format!("该行不是真值记录，已跳过：{e}"),
-                        format!("this line is no entry of a truth file and is left out: {e}"),
+                        format!("this line is not an entry of a truth file and is skipped: {e}"),
                     ),
                     Some(e.column().max(1)),
                 ),

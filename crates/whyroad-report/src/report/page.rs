@@ -68,7 +68,7 @@ pub(super) fn render(
         .raw("</div>");
     m.raw("<p id=\"detail\" class=\"faint\" aria-live=\"polite\">");
     m.say(
-        "把鼠标移到格子上查看详情，点击跳到表格并筛选片段。",
+        "把鼠标移到格子上查看详情，点击跳到表格并筛选事件。",
         "Point at a cell for details; click it for its line in the table and its episodes.",
     );
     m.raw("</p>");
@@ -115,7 +115,7 @@ fn header(
         m.raw("<div><dd>").int(n).raw("</dd><dt>").say(zh, en).raw("</dt></div>");
     };
     figure(m, drives.len(), "个行程", "drives");
-    figure(m, episodes, "个片段", "episodes");
+    figure(m, episodes, "个事件", "episodes");
     m.raw("<div><dd>")
         .int(coverage::counts(rows).found)
         .raw("<small> / ")
@@ -155,7 +155,7 @@ fn drives_table(m: &mut Markup, drives: &[DriveLine]) {
         .raw("</th><th class=\"n\">");
     m.say("目标数", "objects")
         .raw("</th><th class=\"n\">")
-        .say("片段数", "episodes")
+        .say("事件数", "episodes")
         .raw("</th><th>")
         .say("许可", "licence");
     m.raw("</th><th>").say("记录中缺少", "the log lacks").raw("</th></tr></thead><tbody>");
@@ -182,9 +182,9 @@ fn episodes_section(
     cards: &[Card],
     episodes: usize,
 ) {
-    m.raw("<section id=\"episodes\"><h2>").say("片段", "Episodes").raw("</h2>");
+    m.raw("<section id=\"episodes\"><h2>").say("事件", "Episodes").raw("</h2>");
     if episodes == 0 {
-        m.raw("<p>").say("没有找到片段。", "Nothing was found.").raw("</p></section>");
+        m.raw("<p>").say("没有找到事件。", "No episodes found.").raw("</p></section>");
         return;
     }
     let mut per_leaf: BTreeMap<&ScenarioId, usize> = BTreeMap::new();
@@ -215,7 +215,7 @@ fn episodes_section(
     m.raw("</output></form>");
     if cards.len() < episodes {
         m.raw("<p class=\"warning\">")
-            .say("页面只显示部分片段；未显示：", "The page does not hold all episodes; left out: ");
+            .say("页面只显示部分事件；未显示：", "The page does not hold all episodes; left out: ");
         m.int(episodes - cards.len()).raw("</p>");
     }
     key(m);

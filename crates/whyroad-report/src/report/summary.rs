@@ -36,7 +36,7 @@ pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> M
     m.raw("<table class=\"leaves\"><thead><tr><th>").say("场景", "scenario").raw("</th><th>ID</th><th>");
     m.say("状态", "state")
         .raw("</th><th class=\"n\">")
-        .say("片段数", "episodes")
+        .say("事件数", "episodes")
         .raw("</th><th class=\"n\">");
     m.say("其中主场景", "primary")
         .raw("</th><th class=\"n\">")
@@ -52,7 +52,7 @@ pub(super) fn table(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> M
             for row in l2 {
                 leaf(&mut m, row);
             }
-            for row in unresolved.iter().filter(|u| u.l2.id == l2[0].l2.id && u.told.episodes > 0) {
+            for row in unresolved.iter().filter(|u| u.l2.id == l2[0].l2.id && u.found.episodes > 0) {
                 without_variant(&mut m, row);
             }
         }
@@ -98,10 +98,10 @@ fn without_variant(m: &mut Markup, row: &UnresolvedRow<'_>) {
     m.raw("<tr class=\"unresolved\"><td>").both(&row.l2.name).raw(" <div class=\"faint definition\">");
     m.say("属于该 L2，但记录不足以判定变体", "of this L2; the recording does not tell the variant")
         .raw("</div></td><td><code>");
-    m.text(&row.told.scenario_id.to_string())
+    m.text(&row.found.scenario_id.to_string())
         .raw("</code></td><td class=\"state faint\">")
         .say("变体未定", "variant not known");
-    for count in [row.told.episodes, row.told.primary_episodes, row.told.drives_searched] {
+    for count in [row.found.episodes, row.found.primary_episodes, row.found.drives_searched] {
         m.raw("</td><td class=\"n\">").int(count);
     }
     m.raw("</td><td></td></tr>");

@@ -116,7 +116,7 @@ pub(super) fn render(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> 
         let l2s = groups(group, |r| r.l2.id.clone());
         let weights: Vec<f64> = l2s.iter().map(|g| g.len() as f64).collect();
         for (l2, area) in l2s.iter().zip(squarify(&weights, inner)) {
-            let more = unresolved.iter().find(|u| u.l2.id == l2[0].l2.id).map_or(0, |u| u.told.episodes);
+            let more = unresolved.iter().find(|u| u.l2.id == l2[0].l2.id).map_or(0, |u| u.found.episodes);
             l2_block(&mut m, l2, more, area.inset(1.0, 1.0));
         }
         m.raw("</g>");

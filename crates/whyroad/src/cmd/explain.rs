@@ -1,7 +1,7 @@
-//! `whyroad explain`: why a class (or a rule of one's own) was found in a clip or not, condition by condition over
+//! `whyroad explain`: why a class (or a custom rule) was found in a clip or not, condition by condition over
 //! time.
 
-mod svg;
+mod chart;
 mod text;
 
 use super::inspect::drive_of;
@@ -21,6 +21,7 @@ use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
+use whyroad_render::truths;
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad explain`.
@@ -29,7 +30,7 @@ pub(crate) struct Args {
     /// Leaf, or L2 with a rule of its own (full or unambiguous short id); `other` for decision moments
     #[arg(value_name = "CLASS", required_unless_present = "rule")]
     class: Option<String>,
-    /// A rule of your own instead of a class: its text, or a .yaml file that holds one
+    /// A custom rule instead of a class: its text, or a .yaml file that holds one
     #[arg(long, value_name = "TEXT|FILE", conflicts_with = "class")]
     rule: Option<String>,
     /// Lake that holds the clip
@@ -111,7 +112,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let shown = Shown { class: &rule.scenario, clip: &args.clip, explanation: &explanation };
     output::put(&text::render(&shown, global.lang));
     if let Some(file) = &args.svg {
-        std::fs::write(file, svg::render(&shown, global.lang))
+        std::fs::write(file, truths::render(&chart::chart(&shown, global.lang)))
             .with_context(|| format!("cannot write {}", file.display()))?;
     }
     Ok(output::FINE)

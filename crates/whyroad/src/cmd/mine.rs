@@ -9,7 +9,7 @@ use plan::{CustomRule, rule_name};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use table::Results;
-use whyroad_engine::mine::{Evaluator, Options, mine_each};
+use whyroad_engine::mine::{Evaluator, MineOptions, mine_each};
 use whyroad_engine::output::FolderWriter;
 use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError};
@@ -101,7 +101,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if let Some(limit) = args.limit {
         plan.questions.iter_mut().for_each(|q| q.limit = Some(limit));
     }
-    let options = Options {
+    let options = MineOptions {
         jobs: args.jobs.map(usize::from),
         evaluator: if args.evaluator == "reference" { Evaluator::Reference } else { Evaluator::Fast },
         lang: global.lang,

@@ -45,7 +45,7 @@ proptest! {
 /// A rule that cannot hold, by the statistics of one signal; whether that is *known* depends on the object's class.
 #[test]
 fn what_cannot_hold_is_still_not_observable_where_nothing_is_known() {
-    use crate::language::program::{Kind, Op, Program, Subject};
+    use crate::language::program::{Op, Program, Subject, ValueKind};
     use crate::language::syntax::CompareOp;
     use whyroad_model::signal::TargetSpan;
     use whyroad_model::units::Dimension;
@@ -53,14 +53,17 @@ fn what_cannot_hold_is_still_not_observable_where_nothing_is_known() {
     const N: f64 = f64::NAN;
     let rule = |subject| {
         let mut program = Program::default();
-        let number = Kind::Number(Dimension::Length);
+        let number = ValueKind::Number(Dimension::Length);
         let bound = program.add(Op::Constant(-5.0), number.clone());
         let less = |name: &str, program: &mut Program| {
             let left = program.add(Op::Signal(name.into()), number.clone());
-            program.add(Op::Compare { op: CompareOp::Less, left, right: bound, scale: 1.0 }, Kind::Condition)
+            program.add(
+                Op::Compare { op: CompareOp::Less, left, right: bound, scale: 1.0 },
+                ValueKind::Condition,
+            )
         };
         let all = vec![less("target.gap", &mut program), less("target.ttc", &mut program)];
-        let when = program.add(Op::And(all), Kind::Condition);
+        let when = program.add(Op::And(all), ValueKind::Condition);
         let mut rule = random::plain_rule(program, when);
         rule.subject = Some(subject);
         rule

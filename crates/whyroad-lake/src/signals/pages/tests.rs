@@ -98,7 +98,7 @@ fn written(batch: &RecordBatch, manner: Manner) -> File {
 }
 
 /// A value a row, as text; `-` where it is unknown.
-fn told(dense: &Dense, rows: usize) -> Vec<String> {
+fn printed(dense: &Dense, rows: usize) -> Vec<String> {
     let mut values: Vec<String> = match &dense.values {
         Values::Numbers(v) => v.iter().map(f64::to_string).collect(),
         Values::Integers(v) => v.iter().map(|x| x.to_string()).collect(),
@@ -143,7 +143,7 @@ proptest! {
         let metadata = ParquetMetaDataReader::new().parse_and_finish(&file).unwrap();
         for (i, column) in read_back.columns().iter().enumerate() {
             let dense = read(&mut file, metadata.row_group(0).column(i), rows).unwrap();
-            prop_assert_eq!(told(&dense, rows), expected(column), "column {}", i);
+            prop_assert_eq!(printed(&dense, rows), expected(column), "column {}", i);
             let nulls = column.null_count();
             prop_assert_eq!(dense.known.as_ref().map_or(0, |k| rows - k.ones), nulls);
         }

@@ -1,8 +1,8 @@
 //! What margins need row by row: comparisons, agreement with the truth, moving extremes.
 
-use crate::evaluate::{MARGIN_LIMIT, compare};
 use crate::fast::numbers::Numbers;
 use crate::fast::truth::Truth;
+use crate::interpret::{MARGIN_LIMIT, compare};
 use crate::language::syntax::CompareOp;
 use std::ops::Range;
 use whyroad_model::Tri;
@@ -16,7 +16,7 @@ pub fn compared(
     rows: Range<usize>,
 ) -> Vec<f64> {
     let (a, b) = (left.slice(rows.clone()), right.slice(rows));
-    // One loop an operator: the operator is no longer asked for in each row.
+    // One loop per operator: no row has to look at it again.
     match op {
         CompareOp::Less | CompareOp::LessOrEqual => each(&a, &b, |x, y| of_difference(x, y, y - x, scale)),
         CompareOp::Greater | CompareOp::GreaterOrEqual => {
@@ -83,7 +83,7 @@ fn greatest_of(values: &[f64], width: usize, n: usize) -> Vec<f64> {
 }
 
 /// Of all windows of one width that hold a row, the best one as judged by its worst known row; minus infinity where no
-/// window holds the row. There are so many windows, the first one beginning with the first value, each one row after
+/// window holds the row. There are `windows` of them, the first one beginning with the first value, each one row after
 /// the other.
 pub fn best_of_even(values: &[f64], width: usize, windows: usize, rows: Range<usize>) -> Vec<f64> {
     let known = values.iter().map(|x| if x.is_nan() { f64::INFINITY } else { *x });
@@ -108,7 +108,7 @@ fn picked(mut of_some: Vec<f64>, width: usize, n: usize, pick: impl Fn(f64, f64)
     of_some.iter().zip(ahead).take(n).map(|(x, y)| pick(*x, *y)).collect()
 }
 
-/// Extreme of the known values in each of these windows, which only ever move forward; `none` where there is none.
+/// Extreme of the known values in each of these windows, which only ever move forward; `none` where nothing is known.
 pub fn sliding(
     values: &[f64],
     windows: impl Iterator<Item = (usize, usize)>,

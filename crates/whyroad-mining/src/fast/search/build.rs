@@ -3,12 +3,12 @@
 
 use crate::episode::moment::{REACH, Sought};
 use crate::episode::{Episode, Rank, score};
-use crate::evaluate::{Moments, Row};
 use crate::fast::evaluation::Evaluation;
-use crate::fast::places::Place;
+use crate::fast::layout::RowSet;
 use crate::fast::plan::PlanRule;
-use crate::fast::signals::Value;
+use crate::fast::signals::NodeValue;
 use crate::fast::truth::Truth;
+use crate::interpret::{Moments, Row};
 use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::Listed;
 use serde_json::Value as Json;
@@ -21,14 +21,14 @@ use whyroad_model::{Bilingual, FrameRange, Nanos, Tri};
 pub(super) fn episode(
     evaluation: &Evaluation<'_>,
     of: &PlanRule<'_>,
-    place: Place,
+    row_set: RowSet,
     when: &Truth,
     (first, last): (usize, usize),
 ) -> Option<Episode> {
     let rule = of.rule;
     let clock = Clock { evaluation };
     evaluation.set_episode(None);
-    let mut building = Building { evaluation, of, place, first, last, keyframe: None };
+    let mut building = Building { evaluation, of, row_set, first, last, keyframe: None };
     let rows = building.rows();
     // Rows of a match begin and end with a frame: a gap is never true.
     let matched = FrameRange::new(rows[first].frame?, rows[last].frame? + 1);
@@ -38,7 +38,7 @@ pub(super) fn episode(
     // A keyframe may lie outside the match: the conditions are judged at the nearest frame of the match.
     let judged = keyframe.clamp(matched.start, matched.end - 1);
     evaluation.set_episode(Some(Moments { keyframe: judged, matched }));
-    let row = evaluation.places.position(place, judged)?;
+    let row = evaluation.layout.position(row_set, judged)?;
     for id in &rule.require {
         if building.truth_at(*id, row) != Tri::True {
             return None;
@@ -46,7 +46,7 @@ pub(super) fn episode(
     }
     let mut margin = building.mean_margin(when);
     for id in &rule.require {
-        margin = margin.min(evaluation.margins(of.node(*id), place, row..row + 1)[0]);
+        margin = margin.min(evaluation.margins(of.node(*id), row_set, row..row + 1)[0]);
     }
     let bound = |ways: &[Moment], sought, default: Nanos| {
         ways.iter().find_map(|m| building.resolve(m, sought)).unwrap_or(default)
@@ -60,12 +60,12 @@ pub(super) fn episode(
     let after = (end + rule.timing.after).min(until.max(end));
     let second = rule.timing.second_keyframe.iter().find_map(|m| building.resolve(m, Sought::Keyframe));
     let id = |i: usize| evaluation.signals.targets[i].id.clone();
-    let target = match place {
-        Place::Object(i) | Place::Pair(i, _) => Some(id(i)),
-        Place::Drive | Place::Objects => None,
+    let target = match row_set {
+        RowSet::Object(i) | RowSet::Pair(i, _) => Some(id(i)),
+        RowSet::Drive | RowSet::Objects => None,
     };
-    let roles = match (&rule.second, place) {
-        (Some(role), Place::Pair(a, b)) => {
+    let roles = match (&rule.second, row_set) {
+        (Some(role), RowSet::Pair(a, b)) => {
             BTreeMap::from([(rule.target_role.clone(), id(a)), (role.name.clone(), id(b))])
         }
         _ => BTreeMap::new(),
@@ -92,7 +92,7 @@ pub(super) fn episode(
 struct Building<'e, 'a> {
     evaluation: &'e Evaluation<'a>,
     of: &'e PlanRule<'e>,
-    place: Place,
+    row_set: RowSet,
     first: usize,
     last: usize,
     /// Time of the keyframe, once it is known.
@@ -101,12 +101,12 @@ struct Building<'e, 'a> {
 
 impl<'e> Building<'e, '_> {
     fn rows(&self) -> &'e [Row] {
-        let segment = self.evaluation.places.segment(self.place);
-        &self.evaluation.places.rows[segment.row..segment.row + segment.len]
+        let segment = self.evaluation.layout.segment(self.row_set);
+        &self.evaluation.layout.rows[segment.row..segment.row + segment.len]
     }
 
     fn truth(&self, id: NodeId) -> Truth {
-        self.evaluation.truth(self.of.node(id), self.place)
+        self.evaluation.truth(self.of.node(id), self.row_set)
     }
 
     fn truth_at(&self, id: NodeId, row: usize) -> Tri {
@@ -167,7 +167,7 @@ impl<'e> Building<'e, '_> {
     }
 
     fn extreme(&self, x: NodeId, better: fn(f64, f64) -> bool) -> Option<usize> {
-        let Value::Numbers(v) = self.evaluation.value(self.of.node(x), self.place) else { return None };
+        let NodeValue::Numbers(v) = self.evaluation.value(self.of.node(x), self.row_set) else { return None };
         let known = self.matched().filter(|&i| !v.at(i).is_nan());
         known.reduce(|best, i| if better(v.at(i), v.at(best)) { i } else { best })
     }
@@ -175,29 +175,29 @@ impl<'e> Building<'e, '_> {
     /// Mean over the rows of the match in which the condition held.
     fn mean_margin(&self, when: &Truth) -> f64 {
         let id = self.of.node(self.of.rule.when);
-        let margins = self.evaluation.margins(id, self.place, self.matched());
+        let margins = self.evaluation.margins(id, self.row_set, self.matched());
         let held = when.yes.positions(self.matched()).map(|i| margins[i - self.first]);
         let (sum, n) = held.fold((0.0, 0), |(sum, n), m| (sum + m, n + 1));
         sum / f64::from(n)
     }
 
     fn conditions(&self, row: usize) -> Vec<MatchedCondition> {
-        let told =
+        let listed =
             |a: &&Atom| self.of.rule.listed == Listed::All || self.truth_at(a.condition, row) == Tri::True;
         let one =
             |a: &Atom| MatchedCondition { condition: a.text.clone(), actual_value: self.measured(a, row) };
-        self.of.rule.atoms.iter().filter(told).map(one).collect()
+        self.of.rule.atoms.iter().filter(listed).map(one).collect()
     }
 
     /// The measured value in the atom's unit, to four decimals; null when unknown or infinite.
     fn measured(&self, atom: &Atom, row: usize) -> Json {
-        match self.evaluation.value(self.of.node(atom.measured), self.place) {
-            Value::Numbers(v) => {
+        match self.evaluation.value(self.of.node(atom.measured), self.row_set) {
+            NodeValue::Numbers(v) => {
                 let rounded = (v.at(row) / atom.unit.to_base * 1e4).round() / 1e4;
                 serde_json::Number::from_f64(rounded).map_or(Json::Null, Json::Number)
             }
-            Value::Truth(t) => t.at(row).known().map_or(Json::Null, Json::Bool),
-            Value::Words(w) => {
+            NodeValue::Truth(t) => t.at(row).known().map_or(Json::Null, Json::Bool),
+            NodeValue::Words(w) => {
                 let code = usize::from(w.codes()[row]);
                 w.names.get(code).map_or(Json::Null, |n| Json::String(n.clone()))
             }
@@ -216,8 +216,8 @@ impl Clock<'_, '_> {
     }
 
     fn end(&self, frame: usize) -> Nanos {
-        let places = &self.evaluation.places;
-        places.rows[places.row_of_frame[frame]].end
+        let layout = &self.evaluation.layout;
+        layout.rows[layout.row_of_frame[frame]].end
     }
 
     /// The frame that begins nearest to `time`; the earlier one of two that are equally near.

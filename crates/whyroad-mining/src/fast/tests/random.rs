@@ -1,7 +1,7 @@
 //! Random signal tables and random rules. A program is built by instructions that take their operands from what
 //! was built before, so that every kind of operation meets every other.
 
-use crate::language::program::{Kind, Moment, NodeId, Op, Program, Scope, Subject};
+use crate::language::program::{Moment, NodeId, Op, Program, Subject, ValueKind, ValueScope};
 use crate::language::syntax::CompareOp;
 use crate::rule::{Listed, Rule, SecondRole, Timing};
 use proptest::prelude::*;
@@ -124,13 +124,13 @@ struct Pool {
     conditions: Vec<NodeId>,
 }
 
-const NUMBER: Kind = Kind::Number(Dimension::Speed);
+const NUMBER: ValueKind = ValueKind::Number(Dimension::Speed);
 
 impl Pool {
     /// The signals and a constant.
     fn new(roles: usize) -> Self {
         let mut pool = Pool { program: Program::default(), numbers: vec![], conditions: vec![] };
-        let words = || Kind::Category(WORDS.map(str::to_owned).to_vec());
+        let words = || ValueKind::Category(WORDS.map(str::to_owned).to_vec());
         let signal = |prefix: &str, name: &str, second: bool| {
             let full = format!("{prefix}.{name}");
             if second { Op::SecondSignal(full) } else { Op::Signal(full) }
@@ -142,11 +142,11 @@ impl Pool {
                 let id = pool.program.add(signal(prefix, name, second), NUMBER);
                 pool.numbers.push(id);
             }
-            let flag = pool.program.add(signal(prefix, "f", second), Kind::Condition);
+            let flag = pool.program.add(signal(prefix, "f", second), ValueKind::Condition);
             let category = pool.program.add(signal(prefix, "c", second), words());
             let member = Op::Member(category, vec!["left".into(), "none".into()]);
-            let known = pool.program.add(Op::Known(category), Kind::Condition);
-            let member = pool.program.add(member, Kind::Condition);
+            let known = pool.program.add(Op::Known(category), ValueKind::Condition);
+            let member = pool.program.add(member, ValueKind::Condition);
             pool.conditions.extend([flag, member, known]);
         }
         pool
@@ -167,7 +167,7 @@ impl Pool {
     }
 
     fn add_condition(&mut self, op: Op) {
-        let id = self.program.add(op, Kind::Condition);
+        let id = self.program.add(op, ValueKind::Condition);
         self.conditions.push(id);
     }
 
@@ -212,7 +212,7 @@ impl Pool {
             26 => self.add_condition(Op::Before(p)),
             27 => self.add_condition(Op::AtKeyframe(p)),
             28 => self.add_condition(Op::InMatch(p)),
-            29 if matches!(self.program.node(p).scope, Scope::Frame | Scope::Target) => {
+            29 if matches!(self.program.node(p).scope, ValueScope::Frame | ValueScope::Target) => {
                 let subject = if a % 2 == 0 { Subject::Any } else { Subject::Vehicle };
                 self.add_condition(Op::AtLeast { of: p, count: b % 3, subject });
             }

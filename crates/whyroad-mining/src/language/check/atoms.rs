@@ -1,7 +1,7 @@
-//! The parts of a condition that a person is told about: each comparison with what it measured. Parts of a
-//! conjunction, a disjunction or a duration are told one by one, anything else as a whole.
+//! The parts of a condition that are shown to people: each comparison with what it measured. Parts of a
+//! conjunction, a disjunction or a duration are listed one by one, anything else as a whole.
 
-use super::super::program::{Atom, Kind, NodeId, Op};
+use super::super::program::{Atom, NodeId, Op, ValueKind};
 use super::super::syntax::{Expr, ExprKind, Quantity};
 use super::compare::{Extreme, extreme_of};
 use super::{Checker, Fault};
@@ -19,9 +19,9 @@ impl Checker<'_> {
             }
             _ => {
                 let mut atoms = Vec::new();
-                self.definitions_told(expr, &mut atoms)?;
+                self.definitions_in_text(expr, &mut atoms)?;
                 self.atoms(expr, &mut atoms)?;
-                out.push((self.tell(expr), self.condition(expr)?, atoms));
+                out.push((self.text_for_people(expr), self.condition(expr)?, atoms));
                 Ok(())
             }
         }
@@ -59,24 +59,24 @@ impl Checker<'_> {
         }
     }
 
-    /// Of a condition that is too long to be told with all its names replaced: each definition that its text speaks of,
+    /// Of a condition that is too long to be shown with all its names replaced: each definition that its text names,
     /// and what these compare.
     fn named_atoms(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<(), Fault> {
-        for name in self.definitions_told(expr, out)? {
+        for name in self.definitions_in_text(expr, out)? {
             let definition = self.definitions[&name].expr.clone();
             self.comparisons(&definition, out)?;
         }
         Ok(())
     }
 
-    /// Each definition that the text of a condition speaks of, as an atom: its name and what it stands for.
-    fn definitions_told(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<Vec<String>, Fault> {
-        let names = if self.is_short(expr) { Vec::new() } else { self.names_told(expr) };
+    /// Each definition that the text of a condition names, as an atom: its name and what it means.
+    fn definitions_in_text(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<Vec<String>, Fault> {
+        let names = if self.is_short(expr) { Vec::new() } else { self.names_in_text(expr) };
         for name in &names {
             let definition = self.definitions[name].expr.clone();
             let condition = self.condition(&definition)?;
             let atom = Atom {
-                text: format!("{name}: {}", self.tell_by_names(&definition)),
+                text: format!("{name}: {}", self.text_by_names(&definition)),
                 condition,
                 measured: condition,
                 signals: self.program.signals(condition),
@@ -108,11 +108,11 @@ impl Checker<'_> {
         let condition = self.condition(expr)?;
         let measured = self.measure(measured, condition)?;
         let base = match &self.program.node(measured).kind {
-            Kind::Number(d) => d.base(),
+            ValueKind::Number(d) => d.base(),
             _ => &UNITS[0],
         };
         let atom = Atom {
-            text: self.tell(expr),
+            text: self.text_for_people(expr),
             condition,
             measured,
             signals: self.program.signals(condition),
@@ -124,7 +124,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// The node that tells what was measured: the number, or, where the condition speaks of many, what sums it up.
+    /// The node of what was measured: the number, or, where the condition is about many, what sums it up.
     fn measure(&mut self, expr: &Expr, condition: NodeId) -> Result<NodeId, Fault> {
         if let Some((which, of)) = extreme_of(expr) {
             let of = self.lower(of)?;

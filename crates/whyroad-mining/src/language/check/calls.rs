@@ -1,7 +1,7 @@
 //! Operators that are written as calls.
 
 use super::super::Fault;
-use super::super::program::{Kind, NodeId, Op, Scope, Subject};
+use super::super::program::{NodeId, Op, Subject, ValueKind, ValueScope};
 use super::super::syntax::{Expr, ExprKind, Span};
 use super::words::unknown_call;
 use super::{Checker, Lowered, Meaning};
@@ -12,16 +12,16 @@ impl Checker<'_> {
         match (name, arguments) {
             ("abs", [x]) => {
                 let (id, d) = self.number(x)?;
-                Ok(self.program.add(Op::Absolute(id), Kind::Number(d)))
+                Ok(self.program.add(Op::Absolute(id), ValueKind::Number(d)))
             }
             ("min" | "max", [x, time]) => {
                 let ((id, d), time) = (self.number(x)?, self.duration(time)?);
                 let op = if name == "min" { Op::Least(id, time) } else { Op::Greatest(id, time) };
-                Ok(self.program.add(op, Kind::Number(d)))
+                Ok(self.program.add(op, ValueKind::Number(d)))
             }
             ("share", [c, time]) => {
                 let (id, time) = (self.condition(c)?, self.duration(time)?);
-                Ok(self.program.add(Op::Share(id, time), Kind::Number(Dimension::Ratio)))
+                Ok(self.program.add(Op::Share(id, time), ValueKind::Number(Dimension::Ratio)))
             }
             ("rises" | "falls", [c]) => {
                 let now = self.condition(c)?;
@@ -85,15 +85,15 @@ impl Checker<'_> {
         (self.subject, self.meaning) = outer;
         let id = id?;
         match self.program.node(id).scope {
-            Scope::Target => Ok((id, stated.or(prefix).unwrap_or(Subject::Any))),
-            Scope::Frame => Err(Fault::new(
+            ValueScope::Target => Ok((id, stated.or(prefix).unwrap_or(Subject::Any))),
+            ValueScope::Frame => Err(Fault::new(
                 "rule.target",
                 of.span,
                 format!("{name} 的条件没有说到 target.*"),
                 format!("the condition in {name} says nothing of target.*"),
             )
             .hint("例如 exists(target.gap < 20 m)", "as in exists(target.gap < 20 m)")),
-            Scope::Second | Scope::Pair => Err(Fault::new(
+            ValueScope::Second | ValueScope::Pair => Err(Fault::new(
                 "rule.target",
                 of.span,
                 format!("{name} 之内不能用第二个角色"),

@@ -2,7 +2,7 @@
 //! over objects, an extreme over the match), which become conditions that can answer unknown.
 
 use super::super::Fault;
-use super::super::program::{Kind, NodeId, Op};
+use super::super::program::{NodeId, Op, ValueKind};
 use super::super::syntax::{CompareOp, Expr, ExprKind, Span};
 use super::words::{kind_en, kind_zh, mismatch};
 use super::{Checker, Lowered, names, nearest};
@@ -14,24 +14,28 @@ impl Checker<'_> {
             return special;
         }
         let left = self.lower(a)?;
-        if let Kind::Category(members) = self.program.node(left).kind.clone() {
+        if let ValueKind::Category(members) = self.program.node(left).kind.clone() {
             return self.compare_category(op, left, &members, b, a.span.to(b.span));
         }
         let right = self.lower(b)?;
         let span = a.span.to(b.span);
         let (l, r) = (self.program.node(left).kind.clone(), self.program.node(right).kind.clone());
         match (l, r) {
-            (Kind::Number(x), Kind::Number(y)) if x == y => {
+            (ValueKind::Number(x), ValueKind::Number(y)) if x == y => {
                 let scale = self.scale(left).or_else(|| self.scale(right)).unwrap_or(1.0);
                 Ok(self.flag(Op::Compare { op, left, right, scale }))
             }
-            (Kind::Number(x), Kind::Number(Dimension::Ratio)) if matches!(b.kind, ExprKind::Number(_)) => {
+            (ValueKind::Number(x), ValueKind::Number(Dimension::Ratio))
+                if matches!(b.kind, ExprKind::Number(_)) =>
+            {
                 let base = x.base().symbol;
                 Err(mismatch(span, x, Dimension::Ratio)
                     .hint(format!("请写上单位，例如 {base}"), format!("write the unit, such as {base}")))
             }
-            (Kind::Number(x), Kind::Number(y)) => Err(mismatch(span, x, y)),
-            (Kind::Condition, Kind::Condition) if op == CompareOp::Equal || op == CompareOp::NotEqual => {
+            (ValueKind::Number(x), ValueKind::Number(y)) => Err(mismatch(span, x, y)),
+            (ValueKind::Condition, ValueKind::Condition)
+                if op == CompareOp::Equal || op == CompareOp::NotEqual =>
+            {
                 let (both, neither) = {
                     let (nl, nr) = (self.flag(Op::Not(left)), self.flag(Op::Not(right)));
                     (self.flag(Op::And(vec![left, right])), self.flag(Op::And(vec![nl, nr])))
@@ -71,7 +75,7 @@ impl Checker<'_> {
     pub(super) fn membership(&mut self, of: &Expr, members: &[(String, Span)]) -> Lowered {
         let id = self.lower(of)?;
         match self.program.node(id).kind.clone() {
-            Kind::Category(known) => self.member(id, &known, members),
+            ValueKind::Category(known) => self.member(id, &known, members),
             other => Err(Fault::new(
                 "rule.type",
                 of.span,

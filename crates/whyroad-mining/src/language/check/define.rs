@@ -1,5 +1,5 @@
 //! Names that a rule gives: to numbers (`parameters`) and to conditions or numbers made of others (`define`). A name
-//! means one thing in a rule, and a definition is made of what stands before it; so reading one always ends.
+//! means one thing in a rule, and a definition uses only what is defined before it; so reading one always ends.
 
 use super::super::Fault;
 use super::super::parse;
@@ -22,7 +22,7 @@ impl Checker<'_> {
             )
             .hint(
                 "定义只能用到写在它前面的名称；若指的是类别的取值，请给定义换一个名称",
-                "a definition is made of what stands before it; if a value of a category is meant, call the definition otherwise",
+                "a definition can use only those before it; if a value of a category is meant, call the definition otherwise",
             ));
         }
         let extent = self.extent(&expr);
@@ -30,8 +30,8 @@ impl Checker<'_> {
             return Err(parse::too_large(expr.span));
         }
         let node = self.lower(&expr)?;
-        let told = self.told(&expr, &self.program.node(node).kind);
-        self.definitions.insert(name.to_owned(), Definition { expr, node, extent, told });
+        let text = self.definition_text(&expr, &self.program.node(node).kind);
+        self.definitions.insert(name.to_owned(), Definition { expr, node, extent, text });
         Ok(())
     }
 

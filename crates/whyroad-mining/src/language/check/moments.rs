@@ -1,5 +1,5 @@
 //! Moments of labelling specs: `min(rises(target.turn_signal in {left, right}), keyframe - 5 s)`. The same
-//! grammar as conditions; what makes it a moment is where it stands.
+//! grammar as conditions; what makes it a moment is its position in the rule.
 
 use super::super::program::Moment;
 use super::super::syntax::{ArithmeticOp, Expr, ExprKind};

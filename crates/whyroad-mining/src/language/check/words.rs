@@ -1,7 +1,7 @@
 //! How faults name types, dimensions and operators, in both languages.
 
-use super::super::program::Kind;
 use super::super::Fault;
+use super::super::program::ValueKind;
 use super::super::syntax::Span;
 use super::names::nearest;
 use whyroad_model::units::Dimension;
@@ -101,18 +101,18 @@ fn dimension_zh(d: Dimension) -> String {
     with_unit(word, d)
 }
 
-pub(super) fn kind_en(k: &Kind) -> String {
+pub(super) fn kind_en(k: &ValueKind) -> String {
     match k {
-        Kind::Number(d) => dimension_en(*d),
-        Kind::Condition => "a condition".to_owned(),
-        Kind::Category(_) => "a category".to_owned(),
+        ValueKind::Number(d) => dimension_en(*d),
+        ValueKind::Condition => "a condition".to_owned(),
+        ValueKind::Category(_) => "a category".to_owned(),
     }
 }
 
-pub(super) fn kind_zh(k: &Kind) -> String {
+pub(super) fn kind_zh(k: &ValueKind) -> String {
     match k {
-        Kind::Number(d) => dimension_zh(*d),
-        Kind::Condition => "条件".to_owned(),
-        Kind::Category(_) => "类别".to_owned(),
+        ValueKind::Number(d) => dimension_zh(*d),
+        ValueKind::Condition => "条件".to_owned(),
+        ValueKind::Category(_) => "类别".to_owned(),
     }
 }

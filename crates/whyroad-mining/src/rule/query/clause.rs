@@ -107,7 +107,7 @@ impl Reader<'_, '_> {
 
     fn comparison(&mut self, c: &QueryCondition, pointer: &str) -> Option<Expr> {
         let checked = expression(c, self.catalogue).and_then(|expr| {
-            self.checker.condition(&expr).map_err(|f| (Part::of(&f), f))?;
+            self.checker.condition(&expr).map_err(|f| (ComparisonPart::of(&f), f))?;
             Ok(expr)
         });
         let (part, fault) = match checked {
@@ -115,10 +115,10 @@ impl Reader<'_, '_> {
             Err(at) => at,
         };
         let location = match part {
-            Part::Whole => self.source.comparison(pointer),
-            Part::Field => self.source.location(&format!("{pointer}/field")),
-            Part::Value => self.source.location(&format!("{pointer}/value")),
-            Part::Unit => self.source.location(&format!("{pointer}/unit")),
+            ComparisonPart::Whole => self.source.comparison(pointer),
+            ComparisonPart::Field => self.source.location(&format!("{pointer}/field")),
+            ComparisonPart::Value => self.source.location(&format!("{pointer}/value")),
+            ComparisonPart::Unit => self.source.location(&format!("{pointer}/unit")),
         };
         self.found.push(fault.at(location));
         None
@@ -132,7 +132,7 @@ fn seconds(value: f64) -> Expr {
 
 /// Which field of a condition a fault is about.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
+enum ComparisonPart {
     Whole,
     Field,
     Value,
@@ -142,21 +142,21 @@ enum Part {
 const FIELD: Span = Span { start: 1, end: 1 };
 const VALUE: Span = Span { start: 2, end: 2 };
 
-impl Part {
-    /// The parts of the expression below are told apart by their spans.
-    fn of(fault: &Fault) -> Part {
+impl ComparisonPart {
+    /// The parts of the expression below are distinguished by their spans.
+    fn of(fault: &Fault) -> ComparisonPart {
         match fault.span {
-            FIELD => Part::Field,
-            VALUE => Part::Value,
-            _ => Part::Whole,
+            FIELD => ComparisonPart::Field,
+            VALUE => ComparisonPart::Value,
+            _ => ComparisonPart::Whole,
         }
     }
 }
 
-fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Part, Fault)> {
+fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (ComparisonPart, Fault)> {
     let field = Expr { kind: ExprKind::Name(c.field.clone()), span: FIELD };
     let whole = FIELD.to(VALUE);
-    let wrong = |zh: &str, en: &str| (Part::Value, Fault::new("rule.type", VALUE, zh, en));
+    let wrong = |zh: &str, en: &str| (ComparisonPart::Value, Fault::new("rule.type", VALUE, zh, en));
     let op = match c.operator {
         QueryOperator::Gt => CompareOp::Greater,
         QueryOperator::Ge => CompareOp::GreaterOrEqual,
@@ -178,7 +178,7 @@ fn expression(c: &QueryCondition, catalogue: &Catalogue) -> Result<Expr, (Part, 
         Value::Number(n) => {
             let unit = match (&c.unit, catalogue.get(&c.field).map(|d| &d.kind)) {
                 (Some(symbol), _) => {
-                    Unit::parse(symbol).ok_or_else(|| (Part::Unit, unknown_unit(symbol, VALUE)))?
+                    Unit::parse(symbol).ok_or_else(|| (ComparisonPart::Unit, unknown_unit(symbol, VALUE)))?
                 }
                 (None, Some(SignalKind::Number(d))) => d.base(),
                 (None, _) => &UNITS[0],

@@ -72,7 +72,7 @@ fn stated<'de, D: Deserializer<'de>>(d: D) -> Result<Option<Option<bool>>, D::Er
     Option::<bool>::deserialize(d).map(Some)
 }
 
-/// Reads sequences; a line that is none is an error with its place and does not stop the rest.
+/// Reads sequences; a line that is not one is an error with its location and does not stop the rest.
 pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
     let (mut sequences, mut problems) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
@@ -83,7 +83,7 @@ pub fn read(text: &str, file: &str) -> (Vec<Sequence>, Vec<Diagnostic>) {
                     "evaluate.sequence.line",
                     Bilingual::new(
                         format!("该行不是序列，已跳过：{e}"),
-                        format!("this line is no sequence and is left out: {e}"),
+                        format!("this line is not a sequence and is skipped: {e}"),
                     ),
                 )
                 .with_hint(Bilingual::new(

@@ -20,11 +20,11 @@ fn figures_are_those_of_the_challenge() {
     };
     let scores = score(&read("truth.jsonl"), &read("predictions.jsonl")).unwrap();
     let expected: serde_json::Value = serde_json::from_str(&file("expected.json")).unwrap();
-    let told: serde_json::Value = serde_json::to_value(&scores).unwrap();
+    let found: serde_json::Value = serde_json::to_value(&scores).unwrap();
     let mut compared = 0;
     for figure in ["hota_temporal", "hota_track", "timestamp_balanced_accuracy", "log_balanced_accuracy"] {
         for (prompt, value) in expected[figure].as_object().unwrap() {
-            let (a, b) = (told["prompts"][prompt][figure].as_f64().unwrap(), value.as_f64().unwrap());
+            let (a, b) = (found["prompts"][prompt][figure].as_f64().unwrap(), value.as_f64().unwrap());
             assert!((a - b).abs() < 1e-9, "{figure} of {prompt:?}: {a} against {b}");
             compared += 1;
         }

@@ -3,7 +3,7 @@
 
 use super::super::{Row, Truths, previously, within};
 use super::*;
-use crate::evaluate::timeline::Timeline;
+use crate::interpret::timeline::Timeline;
 use proptest::prelude::*;
 
 fn tri() -> impl Strategy<Value = Tri> {

@@ -79,7 +79,7 @@ fn of_pair(text: &str) -> String {
     let roles = Roles { target: Some(&t.targets[0]), second: Some(&t.targets[1]) };
     let mut pass = evaluator.pass_of(roles);
     let Series::Truths(t) = evaluator.series(id, &mut pass).as_ref().clone() else { panic!("{text}") };
-    told(text, &t)
+    text_of(text, &t)
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn an_episode_is_looked_at_as_a_whole() {
         let matched = FrameRange::new(matched.0, matched.1);
         let mut pass = evaluator.at_episode(&pass, Moments { keyframe, matched });
         let Series::Truths(t) = evaluator.series(id, &mut pass).as_ref().clone() else { panic!("{text}") };
-        told(text, &t)
+        text_of(text, &t)
     };
     assert_eq!(of("least(target.gap) < 5 m", 0, (0, 2)), "1111");
     assert_eq!(of("least(target.gap) > 5 m", 0, (0, 2)), "0000");

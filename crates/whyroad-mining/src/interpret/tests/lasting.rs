@@ -72,7 +72,7 @@ fn short_breaks_are_bridged() {
     let text = "ego.brake for 0.5 s gaps 0.1 s";
     let of = |a: &str| of(text, a, &a.replace(|_| true, "0"));
     assert_eq!(of("00110110000"), "00111110000");
-    assert_eq!(of("001100110000"), "000000000000", "a break of 0.2 s is no short one");
+    assert_eq!(of("001100110000"), "000000000000", "a break of 0.2 s is not short");
     assert_eq!(of("0011?110000"), "00111110000", "held or not, the break is short");
     assert_eq!(of("00110?10000"), "00?????0000", "the last but one decides how long the break is");
     // The last frame may be a break that ended just after it.

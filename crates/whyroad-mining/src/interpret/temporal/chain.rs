@@ -3,7 +3,7 @@
 //! taken as true bound all others: where the two agree it is known.
 
 use super::{CLOCK_TOLERANCE, Row, Truths};
-use crate::evaluate::MARGIN_LIMIT;
+use crate::interpret::MARGIN_LIMIT;
 use whyroad_model::{Nanos, Tri};
 
 /// Truth and margin of one row.

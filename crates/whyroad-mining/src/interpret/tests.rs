@@ -35,11 +35,11 @@ fn truths(text: &str, table: &SignalTable, target: Option<usize>) -> String {
     let mut evaluator = Evaluator::new(&checker.program, table);
     let mut pass = evaluator.pass(target.map(|t| &table.targets[t]));
     let Series::Truths(t) = evaluator.series(id, &mut pass).as_ref().clone() else { panic!("{text}") };
-    told(text, &t)
+    text_of(text, &t)
 }
 
 /// `1`, `0`, `?` a row, after a look at the margins.
-fn told(text: &str, t: &Truths) -> String {
+fn text_of(text: &str, t: &Truths) -> String {
     for (v, m) in t.value.iter().zip(&t.margin) {
         let agrees = match v {
             Tri::True => *m >= 0.0,

@@ -12,7 +12,7 @@ mod timeline;
 pub use temporal::{CLOCK_TOLERANCE, Truths};
 pub use timeline::{Row, STEP, Timeline};
 
-use crate::language::program::{NodeId, Op, Program, Scope};
+use crate::language::program::{NodeId, Op, Program, ValueScope};
 use crate::language::syntax::CompareOp;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -69,12 +69,12 @@ pub struct Roles<'a> {
 
 impl Roles<'_> {
     /// Which nodes have their rows in a pass with these roles.
-    fn scope(self) -> Scope {
+    fn scope(self) -> ValueScope {
         match (self.target, self.second) {
-            (None, None) => Scope::Frame,
-            (Some(_), None) => Scope::Target,
-            (None, Some(_)) => Scope::Second,
-            (Some(_), Some(_)) => Scope::Pair,
+            (None, None) => ValueScope::Frame,
+            (Some(_), None) => ValueScope::Target,
+            (None, Some(_)) => ValueScope::Second,
+            (Some(_), Some(_)) => ValueScope::Pair,
         }
     }
 }
@@ -144,7 +144,7 @@ impl<'a> Evaluator<'a> {
             // What does not depend on the target has its meaning over the whole drive, not over the rows in
             // which the target happens to be seen; what depends on one object of a pair, over all rows of that one.
             self.of_fewer_roles(id, pass)
-        } else if node.scope == Scope::Frame && !node.needs_episode {
+        } else if node.scope == ValueScope::Frame && !node.needs_episode {
             match self.of_drive[id.0].clone() {
                 Some(done) => done,
                 None => {

@@ -1,7 +1,7 @@
-//! Which rows a value has: those of the drive, of all objects one after another, of one object, of a pair.
+//! Row sets: which rows a value has: those of the drive, of all objects one after another, of one object, of a pair.
 //! A *segment* is an unbroken stretch of the drive's rows; operators over time never look out of theirs.
 
-use crate::evaluate::{Row, Timeline};
+use crate::interpret::{Row, Timeline};
 use std::borrow::Cow;
 use std::ops::Range;
 use whyroad_model::signal::TargetSpan;
@@ -9,7 +9,7 @@ use whyroad_model::{FrameRange, Nanos};
 
 /// Rows of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Place {
+pub enum RowSet {
     /// All rows of the drive.
     Drive,
     /// The rows of all objects, one object after another, as one long column.
@@ -40,7 +40,7 @@ impl Segment {
 
 /// The rows of a drive, its gaps included, and where its objects are in them.
 #[derive(Clone, Debug)]
-pub struct Places {
+pub struct RowLayout {
     /// Rows of the drive.
     pub rows: Vec<Row>,
     /// Row of each frame.
@@ -60,7 +60,7 @@ pub struct Places {
     longest: usize,
 }
 
-impl Places {
+impl RowLayout {
     /// Of a drive with these frame times and objects.
     pub fn new(times: &[Nanos], targets: &[TargetSpan]) -> Self {
         let timeline = Timeline::new(times);
@@ -105,20 +105,20 @@ impl Places {
     }
 
     /// The stretches of which a column there is made.
-    pub fn segments(&self, place: Place) -> Cow<'_, [Segment]> {
-        match place {
-            Place::Drive => Cow::Borrowed(std::slice::from_ref(&self.drive)),
-            Place::Objects => Cow::Borrowed(&self.objects),
-            _ => Cow::Owned(vec![self.segment(place)]),
+    pub fn segments(&self, row_set: RowSet) -> Cow<'_, [Segment]> {
+        match row_set {
+            RowSet::Drive => Cow::Borrowed(std::slice::from_ref(&self.drive)),
+            RowSet::Objects => Cow::Borrowed(&self.objects),
+            _ => Cow::Owned(vec![self.segment(row_set)]),
         }
     }
 
-    /// The stretch of a place that has one.
-    pub fn segment(&self, place: Place) -> Segment {
-        match place {
-            Place::Drive | Place::Objects => self.drive,
-            Place::Object(i) => Segment { start: 0, ..self.objects[i] },
-            Place::Pair(a, b) => {
+    /// The stretch of a row set that has one.
+    pub fn segment(&self, row_set: RowSet) -> Segment {
+        match row_set {
+            RowSet::Drive | RowSet::Objects => self.drive,
+            RowSet::Object(i) => Segment { start: 0, ..self.objects[i] },
+            RowSet::Pair(a, b) => {
                 let (a, b) = (self.objects[a], self.objects[b]);
                 let row = a.row.max(b.row);
                 let end = (a.row + a.len).min(b.row + b.len);
@@ -128,10 +128,10 @@ impl Places {
     }
 
     /// Rows of a column there.
-    pub fn len(&self, place: Place) -> usize {
-        match place {
-            Place::Objects => self.object_rows,
-            _ => self.segment(place).len,
+    pub fn len(&self, row_set: RowSet) -> usize {
+        match row_set {
+            RowSet::Objects => self.object_rows,
+            _ => self.segment(row_set).len,
         }
     }
 
@@ -147,9 +147,9 @@ impl Places {
         seen
     }
 
-    /// The row of a frame in a place with one segment.
-    pub fn position(&self, place: Place, frame: usize) -> Option<usize> {
-        let segment = self.segment(place);
+    /// The row of a frame in a row set with one segment.
+    pub fn position(&self, row_set: RowSet, frame: usize) -> Option<usize> {
+        let segment = self.segment(row_set);
         let row = self.row_of_frame.get(frame)?.checked_sub(segment.row)?;
         (row < segment.len).then_some(row)
     }
@@ -165,29 +165,29 @@ impl Places {
     }
 
     /// The values of a signal of the objects there: as they are, or with `hole` in each gap.
-    pub fn of_objects<'v, T: Copy>(&self, values: &'v [T], place: Place, hole: T) -> Cow<'v, [T]> {
-        match place {
-            Place::Objects if self.dense && values.len() == self.object_rows => Cow::Borrowed(values),
-            Place::Objects => {
+    pub fn of_objects<'v, T: Copy>(&self, values: &'v [T], row_set: RowSet, hole: T) -> Cow<'v, [T]> {
+        match row_set {
+            RowSet::Objects if self.dense && values.len() == self.object_rows => Cow::Borrowed(values),
+            RowSet::Objects => {
                 let mut all = Vec::with_capacity(self.object_rows);
                 for i in 0..self.objects.len() {
                     all.extend_from_slice(&self.of_object(values, i, hole));
                 }
                 Cow::Owned(all)
             }
-            Place::Object(i) => self.of_object(values, i, hole),
-            Place::Drive | Place::Pair(..) => Cow::Owned(vec![hole; self.len(place)]),
+            RowSet::Object(i) => self.of_object(values, i, hole),
+            RowSet::Drive | RowSet::Pair(..) => Cow::Owned(vec![hole; self.len(row_set)]),
         }
     }
 
-    /// The rows of a stored column of `len` values that are the rows of a place, where they are some of them just
+    /// The rows of a stored column of `len` values that are the rows of a row set, where they are some of them just
     /// as they are.
-    pub fn stored_rows(&self, place: Place, of_target: bool, len: usize) -> Option<Range<usize>> {
-        let rows = match place {
+    pub fn stored_rows(&self, row_set: RowSet, of_target: bool, len: usize) -> Option<Range<usize>> {
+        let rows = match row_set {
             _ if self.gaps => return None,
-            Place::Drive if !of_target => 0..self.rows.len(),
-            Place::Objects if of_target && self.dense => 0..self.object_rows,
-            Place::Object(i) if of_target => self.first_rows[i]..self.first_rows[i] + self.objects[i].len,
+            RowSet::Drive if !of_target => 0..self.rows.len(),
+            RowSet::Objects if of_target && self.dense => 0..self.object_rows,
+            RowSet::Object(i) if of_target => self.first_rows[i]..self.first_rows[i] + self.objects[i].len,
             _ => return None,
         };
         (rows.end <= len).then_some(rows)

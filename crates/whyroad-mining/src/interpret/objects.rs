@@ -3,7 +3,7 @@
 
 use super::temporal::Truths;
 use super::{Evaluator, MARGIN_LIMIT, Moments, Pass, Roles, Series};
-use crate::language::program::{NodeId, Scope, Subject};
+use crate::language::program::{NodeId, Subject, ValueScope};
 use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::{FrameRange, Tri};
@@ -12,10 +12,10 @@ impl<'a> Evaluator<'a> {
     /// A node that depends on fewer roles than the pass has, over all its own rows, cut to those of the pass.
     pub(super) fn of_fewer_roles(&mut self, id: NodeId, pass: &Pass<'a>) -> Rc<Series> {
         let roles = match self.program.node(id).scope {
-            Scope::Frame => Roles::default(),
-            Scope::Target => Roles { second: None, ..pass.roles },
-            Scope::Second => Roles { target: None, ..pass.roles },
-            Scope::Pair => pass.roles,
+            ValueScope::Frame => Roles::default(),
+            ValueScope::Target => Roles { second: None, ..pass.roles },
+            ValueScope::Second => Roles { target: None, ..pass.roles },
+            ValueScope::Pair => pass.roles,
         };
         if roles.scope() != self.program.node(id).scope {
             // The pass has nobody in the role: nothing is known.
@@ -57,7 +57,7 @@ impl<'a> Evaluator<'a> {
         let of_target = |s: &String| s.starts_with("target.");
         let signals = self.program.signals(of);
         if signals.iter().filter(|s| of_target(s)).any(|s| !self.table.target_columns.contains_key(s)) {
-            // Not even that there are no objects could be told.
+            // Not even the absence of objects is known.
             return Truths::unknown(n);
         }
         let mut seen: Vec<Vec<(Tri, f64)>> = vec![Vec::new(); n];

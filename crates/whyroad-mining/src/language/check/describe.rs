@@ -1,11 +1,11 @@
-//! Conditions in words, for telling a person.
+//! Conditions as text for people.
 
-use super::super::program::Kind;
+use super::super::program::ValueKind;
 use super::super::syntax::{ArithmeticOp, Expr, ExprKind};
 use super::Checker;
 use std::fmt::Write as _;
 
-/// Up to so many characters a condition is told with all names replaced.
+/// Longest text, in characters, in which all names are replaced.
 const SHORT: usize = 90;
 
 /// In longer ones, the names of definitions that would be longer than this are kept.
@@ -14,46 +14,46 @@ const LONG_NAME: usize = 36;
 /// What becomes of the names of definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Names {
-    /// They give way to what they stand for.
+    /// They are replaced by what they mean.
     Replaced,
     /// Those of longer conditions stay.
     Kept,
 }
 
-/// How a definition is told. Made once, when it is read: a text that names others twice does not grow with what these
+/// The text of a definition. Made once, when it is read: a text that names others twice does not grow with what these
 /// name.
 #[derive(Clone, Debug)]
-pub(super) struct Told {
-    /// With all names replaced; none where that is longer than [`SHORT`].
+pub(super) struct DefinitionText {
+    /// With all names replaced; unset where that is longer than [`SHORT`].
     whole: Option<String>,
     /// With the names of longer conditions kept.
     named: String,
-    /// Whether its own name is kept where it is spoken of.
+    /// Whether its own name is kept where it is used.
     kept: bool,
 }
 
 impl Checker<'_> {
     /// The texts of a definition with this expression and value.
-    pub(super) fn told(&self, expr: &Expr, kind: &Kind) -> Told {
+    pub(super) fn definition_text(&self, expr: &Expr, kind: &ValueKind) -> DefinitionText {
         let named = self.words(expr, Names::Kept);
         let length = named.chars().count();
-        let longest = if *kind == Kind::Condition { LONG_NAME } else { SHORT };
-        Told { whole: self.whole(expr), named, kept: length > longest }
+        let longest = if *kind == ValueKind::Condition { LONG_NAME } else { SHORT };
+        DefinitionText { whole: self.whole(expr), named, kept: length > longest }
     }
 
-    /// The expression in words, all names replaced by what they stand for as far as that is short.
+    /// The expression in words, all names replaced by what they mean as far as that is short.
     #[cfg(test)]
     pub fn describe(&self, expr: &Expr) -> String {
         self.words(expr, Names::Replaced)
     }
 
-    /// The expression for a person: all names replaced by what they stand for where that stays short, else with the
-    /// names of its conditions kept ([`Self::names_told`]).
-    pub fn tell(&self, expr: &Expr) -> String {
-        self.whole(expr).unwrap_or_else(|| self.tell_by_names(expr))
+    /// The expression for a person: all names replaced by what they mean where that stays short, else with the
+    /// names of its conditions kept ([`Self::names_in_text`]).
+    pub fn text_for_people(&self, expr: &Expr) -> String {
+        self.whole(expr).unwrap_or_else(|| self.text_by_names(expr))
     }
 
-    /// True where [`Self::tell`] replaces all names.
+    /// True where [`Self::text_for_people`] replaces all names.
     pub(super) fn is_short(&self, expr: &Expr) -> bool {
         self.whole(expr).is_some()
     }
@@ -68,26 +68,26 @@ impl Checker<'_> {
 
     fn names_long(&self, expr: &Expr) -> bool {
         match &expr.kind {
-            ExprKind::Name(n) => self.definitions.get(n).is_some_and(|d| d.told.whole.is_none()),
+            ExprKind::Name(n) => self.definitions.get(n).is_some_and(|d| d.text.whole.is_none()),
             _ => expr.parts().into_iter().any(|e| self.names_long(e)),
         }
     }
 
     /// The expression with the names of longer conditions kept.
-    pub(super) fn tell_by_names(&self, expr: &Expr) -> String {
+    pub(super) fn text_by_names(&self, expr: &Expr) -> String {
         self.words(expr, Names::Kept)
     }
 
-    /// The conditions whose names are in [`Self::tell_by_names`], and those that their own texts speak of: each once,
+    /// The conditions whose names are in [`Self::text_by_names`], and those that their own texts speak of: each once,
     /// in the order in which one comes upon them.
-    pub(super) fn names_told(&self, expr: &Expr) -> Vec<String> {
+    pub(super) fn names_in_text(&self, expr: &Expr) -> Vec<String> {
         let mut seen = Vec::new();
         self.collect_names(expr, &mut seen);
-        let told = |n: &String| {
+        let is_kept = |n: &String| {
             let definition = &self.definitions[n];
-            definition.told.kept && self.program.node(definition.node).kind == Kind::Condition
+            definition.text.kept && self.program.node(definition.node).kind == ValueKind::Condition
         };
-        seen.into_iter().filter(told).collect()
+        seen.into_iter().filter(is_kept).collect()
     }
 
     fn collect_names(&self, expr: &Expr, seen: &mut Vec<String>) {
@@ -113,9 +113,9 @@ impl Checker<'_> {
         };
         match &expr.kind {
             ExprKind::Number(q) => format!("{}{}", q.value, q.unit.symbol),
-            ExprKind::Name(n) => match (self.definitions.get(n).map(|d| &d.told), names) {
-                (Some(Told { whole: Some(text), .. }), Names::Replaced)
-                | (Some(Told { named: text, kept: false, .. }), Names::Kept) => text.clone(),
+            ExprKind::Name(n) => match (self.definitions.get(n).map(|d| &d.text), names) {
+                (Some(DefinitionText { whole: Some(text), .. }), Names::Replaced)
+                | (Some(DefinitionText { named: text, kept: false, .. }), Names::Kept) => text.clone(),
                 _ => n.clone(),
             },
             ExprKind::Call(n, arguments) => {

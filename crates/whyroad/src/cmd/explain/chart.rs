@@ -1,0 +1,65 @@
+//! An explanation as rows of a chart over time: the whole rule, each of its parts, and what a part is made of.
+
+use super::Shown;
+use super::text::{actual, below, mark, single, text_of, verdict, whole};
+use whyroad_mining::explain::{AtomCourse, Cell, Course};
+use whyroad_model::Lang;
+use whyroad_render::truths::{TruthChart, TruthRow};
+
+/// How far the conditions of a part are indented, px.
+const INDENT: usize = 18;
+
+/// What [`whyroad_render::truths::render`] draws.
+pub(super) fn chart(shown: &Shown<'_>, lang: Lang) -> TruthChart {
+    let e = shown.explanation;
+    let (truth_words, note) = match lang {
+        Lang::Zh => (["成立", "不成立", "未知"], "是、否、？ 与 [实际值] 均指竖线处"),
+        Lang::En => (["true", "false", "unknown"], "yes, no, ? and [values] are those at the upright line"),
+    };
+    TruthChart {
+        title: verdict(shown, lang),
+        frames: e.when.cells.len(),
+        rows: rows(shown, lang),
+        moment: e.moment,
+        truth_words,
+        note,
+    }
+}
+
+fn rows(shown: &Shown<'_>, lang: Lang) -> Vec<TruthRow> {
+    let e = shown.explanation;
+    if e.parts.is_empty() {
+        return Vec::new();
+    }
+    let mut out = vec![row(&e.when, whole(lang), 0, lang)];
+    for part in &e.parts {
+        let text = with_value(text_of(part, lang), single(part), lang);
+        out.push(row(&part.course, &text, 0, lang));
+        if single(part).is_none() {
+            out.extend(below(part).map(|atom| {
+                row(&atom.course, &with_value(atom.text.clone(), Some(atom), lang), INDENT, lang)
+            }));
+        }
+    }
+    out
+}
+
+fn row(course: &Course, text: &str, indent: usize, lang: Lang) -> TruthRow {
+    let cell = |c: &Cell| match c {
+        Cell::Known(truth) => Some(*truth),
+        Cell::Absent => None,
+    };
+    TruthRow {
+        text: format!("{} {text}", mark(course.truth, lang).trim()),
+        indent,
+        truth: course.truth,
+        cells: course.cells.iter().map(cell).collect(),
+    }
+}
+
+fn with_value(text: String, atom: Option<&AtomCourse>, lang: Lang) -> String {
+    match atom.and_then(|a| actual(a, lang)) {
+        Some(value) => format!("{text}  [{value}]"),
+        None => text,
+    }
+}
