@@ -4,7 +4,7 @@ use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{CLIP_FRAMES, DriveMeta, FRAME_RATE_HZ};
 use whyroad_model::{ClipId, Drive, FrameRange, Nanos};
 
-/// One entry a clip, in the order of time, without pre-labels (those are mining's).
+/// One entry per clip, in the order of time, without pre-labels (those are mining's).
 ///
 /// A clip's length reaches from its first frame to one nominal frame period after its last, so 200 frames
 /// at exactly 10 Hz are 20.0 s and the last frame's time lies inside. Rounded to 1 ms.

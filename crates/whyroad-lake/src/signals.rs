@@ -1,6 +1,6 @@
 //! Signal tables on disk: what was derived from a drive, kept so that it is derived once. Two Parquet files, `frames`
-//! (one row per frame) and `targets` (one row per object and frame), plain enough for SQL; only the columns asked for are
-//! read.
+//! (one row per frame) and `targets` (one row per object and frame), plain enough for SQL; only the columns asked for
+//! are read.
 //!
 //! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
 //! order of target, then frame, without a hole; `whyroad.signals` in the metadata names the drive's content, the

@@ -40,7 +40,7 @@ pub enum Cell {
 /// A condition over the frames of the clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
-    /// One a frame.
+    /// One per frame.
     pub cells: Vec<Cell>,
     /// Truth at the moment that is explained.
     pub truth: Tri,

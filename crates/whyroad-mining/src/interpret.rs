@@ -24,7 +24,7 @@ use whyroad_model::{Column, FrameRange, SignalTable, Tri};
 /// Margins are cut off here; flags and categories, which are true or false without degree, have it in full.
 pub const MARGIN_LIMIT: f64 = 2.0;
 
-/// The values of a node, one a row.
+/// The values of a node, one per row.
 #[derive(Clone, Debug)]
 pub enum Series {
     /// Numbers; NaN is unknown.

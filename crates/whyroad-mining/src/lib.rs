@@ -1,4 +1,5 @@
-//! Rules to programs to episodes: the rule language, the interpreter that defines it, the fast evaluator, episode building, arbitration.
+//! Rules to programs to episodes: the rule language, the interpreter that defines it, the fast evaluator, episode
+//! building, arbitration.
 //!
 //! Evaluation is a pure function of one drive's signals: no I/O, no clock, and no knowledge of what a
 //! scenario is about. Scenarios are defined in `scenarios/`.

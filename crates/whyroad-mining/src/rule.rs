@@ -50,7 +50,7 @@ pub const TARGET: &str = "target";
 /// An executable rule.
 #[derive(Clone, Debug)]
 pub struct Rule {
-    /// The leaf, or the L2 where the rule cannot tell the variant.
+    /// The leaf, or the L2 where the rule does not determine the variant.
     pub scenario: ScenarioId,
     /// What the target can be; `None` when the rule speaks of the ego alone.
     pub subject: Option<Subject>,

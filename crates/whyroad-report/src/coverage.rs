@@ -30,7 +30,7 @@ pub struct LeafRow<'a> {
     pub gaps: &'a [DriveGap],
 }
 
-/// Episodes that are known to be of an L2 while the variant is not: the recording does not tell it.
+/// Episodes that are known to be of an L2 while the variant is not: the recording does not show it.
 #[derive(Clone, Debug)]
 pub struct UnresolvedRow<'a> {
     /// Kind of trigger.

@@ -1,5 +1,5 @@
-//! `coverage.json`: what was searched for and what was found, for every leaf of the taxonomy. Counted drive by drive, so
-//! that no drive has to be kept.
+//! `coverage.json`: what was searched for and what was found, for every leaf of the taxonomy. Counted drive by drive,
+//! so that no drive has to be kept.
 
 use crate::mine::MinedDrive;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Bits a row, 64 a word, the first row in the lowest bit: which rows are null, and flags, as they come out of pages.
+//! Bits per row, 64 a word, the first row in the lowest bit: which rows are null, and flags, as they come out of pages.
 
 /// Bits that are appended.
 #[derive(Clone, Debug, Default, PartialEq)]

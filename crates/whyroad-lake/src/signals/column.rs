@@ -7,14 +7,14 @@ use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::{Column, Tri};
 
-/// A column as it was decoded. Bits are 64 rows a word, the first row in the lowest bit; those beyond the end are 0.
+/// A column as it was decoded. Bits are 64 rows per word, the first row in the lowest bit; those beyond the end are 0.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StoredColumn {
     /// The numbers of those rows in which it is known, one after another; which rows these are, unless all are.
     Numbers(Vec<f64>, Option<Vec<u64>>),
     /// Which are true of those rows in which it is known, one after another; which rows these are, unless all are.
     Flags(Vec<u64>, Option<Vec<u64>>),
-    /// Codes into words, one a row.
+    /// Codes into words, one per row.
     Words(Vec<u16>, Arc<[String]>),
 }
 
@@ -64,7 +64,7 @@ pub(super) fn words(of: &StoredDrive, name: &str) -> Arc<[String]> {
     of.words.get(name).map(|w| w.as_slice().into()).unwrap_or_default()
 }
 
-/// A value a row: `hole` where nothing is known.
+/// A value per row: `hole` where nothing is known.
 fn spread<T: Copy>(values: Vec<T>, known: Option<&Bitmap>, rows: usize, hole: T) -> Vec<T> {
     let Some(known) = known else { return values };
     let mut values = values.into_iter();

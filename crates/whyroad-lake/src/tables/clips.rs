@@ -1,4 +1,5 @@
-//! `clips.parquet`: clip metadata (DATA_FORMAT.md 3.1), one row per clip, the nested fields as a struct of the same names.
+//! `clips.parquet`: clip metadata (DATA_FORMAT.md 3.1), one row per clip, the nested fields as a struct of the
+//! same names.
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder};

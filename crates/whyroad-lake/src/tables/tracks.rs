@@ -75,7 +75,7 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let points = t.numbers("interior_points")?;
     let signals: Vec<Option<TurnSignal>> = t.members("turn_signal")?;
 
-    // Lakes written before these two columns are read as sources that do not tell: what they are.
+    // Lakes written before these two columns are read as sources that state nothing, which they are.
     let shares = if t.has("visible_share") { t.numbers("visible_share")? } else { Vec::new() };
     let occluders = if t.has("occluder") { Some(t.texts_or_null("occluder")?) } else { None };
 

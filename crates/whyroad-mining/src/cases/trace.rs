@@ -61,7 +61,7 @@ pub fn segments(text: &str) -> Result<Vec<Segment>, Reason> {
     text.split(',').map(one).collect()
 }
 
-/// One value a frame of `n` frames. A ramp starts at its first value and would reach the second one where the
+/// One value per frame of `n` frames. A ramp starts at its first value and would reach the second one where the
 /// next segment begins.
 pub fn expand(segments: &[Segment], n: usize) -> Vec<TraceValue> {
     let mut out = Vec::with_capacity(n);

@@ -1,4 +1,4 @@
-//! A bit a row, 64 rows a word, the first row in the lowest bit. What boolean conditions are made of in the fast
+//! A bit per row, 64 rows per word, the first row in the lowest bit. What boolean conditions are made of in the fast
 //! evaluator: `and`, `or`, `not` of 64 rows are one instruction. Bits beyond the last row are always 0.
 
 use std::ops::Range;
@@ -58,7 +58,7 @@ impl Bits {
         self.len == 0
     }
 
-    /// 64 rows a word.
+    /// 64 rows per word.
     pub fn words(&self) -> &[u64] {
         &self.words
     }

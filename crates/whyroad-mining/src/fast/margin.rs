@@ -52,8 +52,8 @@ impl Evaluation<'_> {
         out
     }
 
-    /// The truth of a condition, and with which row of it the row set begins: that of all objects is not cut, where it is
-    /// at hand. `None` where the node is not a condition.
+    /// The truth of a condition, and with which row of it the row set begins: that of all objects is not cut, where it
+    /// is at hand. `None` where the node is not a condition.
     fn seen(&self, id: NodeId, row_set: RowSet) -> Option<(Truth, usize)> {
         if let (RowSet::Object(i), false) = (row_set, self.plan.node(id).needs_episode)
             && let Some(NodeValue::Truth(of_all)) = self.of_all_objects(id)

@@ -1,4 +1,4 @@
-//! All rules as one program: what several rules ask is one node, and is evaluated once a drive.
+//! All rules as one program: what several rules ask is one node, and is evaluated once per drive.
 
 use crate::language::program::{Moment, NodeId, Op, ValueScope};
 use crate::rule::{Rule, RuleSet};

@@ -14,7 +14,7 @@ use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
 
-/// One signal: a value a frame, or a value a row of the targets' table.
+/// One signal: a value per frame, or a value per row of the targets' table.
 #[derive(Debug)]
 pub enum SignalColumn<'a> {
     /// Numbers.

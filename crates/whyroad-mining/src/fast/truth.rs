@@ -1,4 +1,4 @@
-//! Three-valued truth in two bits a row: *yes* (known to be true) and *known*. Kleene logic on 64 rows at a time.
+//! Three-valued truth in two bits per row: *yes* (known to be true) and *known*. Kleene logic on 64 rows at a time.
 
 use super::bits::Bits;
 use std::ops::Range;

@@ -14,7 +14,7 @@ use whyroad_model::{Nanos, Tri};
 /// time in a rule is met when it is missed by no more than this.
 pub const CLOCK_TOLERANCE: Nanos = Nanos(10_000_000);
 
-/// Truth and margin, one a row. The margin is NaN exactly where the truth is unknown, at least 0 where it is
+/// Truth and margin, one per row. The margin is NaN exactly where the truth is unknown, at least 0 where it is
 /// true and at most 0 where it is false.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truths {

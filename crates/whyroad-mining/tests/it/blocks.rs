@@ -1,5 +1,5 @@
-//! A `mining:` block with faults: all of them are reported, each at its position (lines and columns counted by hand), and a
-//! bare rule is held to the cases beside it.
+//! A `mining:` block with faults: all of them are reported, each at its position (lines and columns counted by hand),
+//! and a bare rule is checked against the cases beside it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::collections::BTreeMap;

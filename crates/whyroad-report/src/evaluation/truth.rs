@@ -71,8 +71,8 @@ impl TruthSet {
         self.complete.iter().any(holds)
     }
 
-    /// Adds what `text` says; a line that cannot be read is an error with its location and does not stop the rest. Class
-    /// ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
+    /// Adds what `text` says; a line that cannot be read is an error with its location and does not stop the rest.
+    /// Class ids that `is_class` does not know are errors too: a typo must not become a class that is never found.
     pub fn read(
         &mut self,
         text: &str,

@@ -96,7 +96,7 @@ fn leaf(m: &mut Markup, row: &LeafRow<'_>) {
 /// What was found of an L2 without its variant; not a leaf, and in no count of leaves.
 fn without_variant(m: &mut Markup, row: &UnresolvedRow<'_>) {
     m.raw("<tr class=\"unresolved\"><td>").both(&row.l2.name).raw(" <div class=\"faint definition\">");
-    m.say("属于该 L2，但记录不足以判定变体", "of this L2; the recording does not tell the variant")
+    m.say("属于该 L2，但记录不足以判定变体", "of this L2; the recording does not show the variant")
         .raw("</div></td><td><code>");
     m.text(&row.found.scenario_id.to_string())
         .raw("</code></td><td class=\"state faint\">")

@@ -97,7 +97,7 @@ fn written(batch: &RecordBatch, manner: Manner) -> File {
     file
 }
 
-/// A value a row, as text; `-` where it is unknown.
+/// A value per row, as text; `-` where it is unknown.
 fn printed(dense: &Dense, rows: usize) -> Vec<String> {
     let mut values: Vec<String> = match &dense.values {
         Values::Numbers(v) => v.iter().map(f64::to_string).collect(),
