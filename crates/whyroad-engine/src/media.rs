@@ -10,7 +10,7 @@ pub(crate) use images::kind_by_extension as image_kind_by_extension;
 use images::NamedImage;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use whyroad_lake::{Lake, LakeError};
+use whyroad_lake::Lake;
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, DriveId, Nanos};
 

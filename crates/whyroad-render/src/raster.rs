@@ -175,8 +175,8 @@ fn surface(canvas: &mut Canvas, view: &View, lane: &Lane) {
 fn lights(canvas: &mut Canvas, view: &View, drive: &Drive, frame: usize, map: &RoadMap) {
     let Some(time) = drive.times.get(frame) else { return };
     for lane in &map.lanes {
-        let states = drive.lights.iter().flatten().filter(|l| l.lane_id == lane.id && l.time <= *time);
-        let (Some(state), Some(end)) = (states.last(), lane.centre.last()) else { continue };
+        let mut states = drive.lights.iter().flatten().filter(|l| l.lane_id == lane.id && l.time <= *time);
+        let (Some(state), Some(end)) = (states.next_back(), lane.centre.last()) else { continue };
         let color = match state.colour {
             LightColour::Red => RED,
             LightColour::Yellow | LightColour::RedYellow | LightColour::FlashingYellow => YELLOW,
