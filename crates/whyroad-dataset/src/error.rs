@@ -32,6 +32,13 @@ pub const CODES: &[&str] = &[
     "dataset.sample.count",
     "dataset.sample.repeated",
     "dataset.shortfall",
+    "doubtful.probability.missing",
+    "score.prediction.line",
+    "score.prediction.repeated",
+    "score.class.unknown",
+    "score.sample.unknown",
+    "score.sample.missing",
+    "score.trajectory.short",
 ];
 
 /// A command that could not be done at all.

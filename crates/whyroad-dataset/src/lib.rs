@@ -6,10 +6,13 @@
 //! It derives nothing itself: speeds, accelerations and classes come from [`whyroad_engine::states`]. It opens no
 //! store of the labelling service: labels come as lines of its export.
 
+pub mod baseline;
 pub mod build;
 pub mod diff;
+pub mod doubtful;
 pub mod release;
 pub mod sample;
+pub mod score;
 pub mod spec;
 pub mod verify;
 

@@ -56,6 +56,28 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ("dataset diff", &[("What changed", "whyroad dataset diff release-1 release-2")]),
     ("dataset show", &[("By the beginning of its id", "whyroad dataset show release 3f2a")]),
     (
+        "dataset score",
+        &[("On the test split, with a page", "whyroad dataset score release predictions.jsonl --page score.html")],
+    ),
+    (
+        "dataset doubtful",
+        &[
+            ("Decisions, by the baseline", "whyroad dataset doubtful release --target longitudinal"),
+            (
+                "Send the 50 most doubtful classes back for review",
+                "whyroad dataset doubtful release --limit 50 --to-tasks review --lake lake --data labels",
+            ),
+        ],
+    ),
+    ("baseline train", &[("Into a model file", "whyroad baseline train release --out baseline.json")]),
+    (
+        "baseline evaluate",
+        &[(
+            "By leaf, with a page",
+            "whyroad baseline evaluate release --model baseline.json --page baseline.html",
+        )],
+    ),
+    (
         "inspect",
         &[
             ("The whole lake", "whyroad inspect --lake lake"),

@@ -78,6 +78,8 @@ enum Command {
     Restore(cmd::backup::RestoreArgs),
     /// Build, check, compare and show data sets
     Dataset(cmd::dataset::Args),
+    /// Train and evaluate a model from the history alone, which any other model should beat
+    Baseline(cmd::baseline::Args),
     /// Write the coverage report
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
@@ -117,6 +119,7 @@ fn main() -> ExitCode {
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),
         Command::Dataset(a) => cmd::dataset::run(&cli.global, a),
+        Command::Baseline(a) => cmd::baseline::run(&cli.global, a),
         Command::Report(a) => cmd::report::run(&cli.global, a),
         Command::Demo(a) => cmd::demo::run(&cli.global, a),
         Command::Completions(a) => cmd::shell::completions(a),

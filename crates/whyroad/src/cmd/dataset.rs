@@ -1,7 +1,9 @@
 //! `whyroad dataset`: releases that a trainer reads, from labels and a lake.
 
 mod build;
+mod doubtful;
 mod query;
+pub(crate) mod score;
 mod show;
 mod verify;
 
@@ -32,6 +34,10 @@ enum What {
     Diff(show::DiffArgs),
     /// Show a sample: its label, and the drive, episode, label version and rule version that it comes from
     Show(show::Args),
+    /// Score a model's predictions on a split: decisions, class, trajectory, with intervals
+    Score(score::Args),
+    /// List labels that are probably wrong, and send them back for review
+    Doubtful(doubtful::Args),
 }
 
 #[derive(clap::Args)]
@@ -48,6 +54,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         What::Verify(a) => verify::run(global, &a),
         What::Diff(a) => show::diff(global, &a),
         What::Show(a) => show::run(global, &a),
+        What::Score(a) => score::run(global, &a),
+        What::Doubtful(a) => doubtful::run(global, &a),
     }
 }
 

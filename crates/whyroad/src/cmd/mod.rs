@@ -2,6 +2,7 @@
 
 pub(crate) mod accounts;
 pub(crate) mod backup;
+pub(crate) mod baseline;
 pub(crate) mod compare;
 pub(crate) mod dataset;
 pub(crate) mod demo;

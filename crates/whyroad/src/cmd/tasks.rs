@@ -13,7 +13,7 @@ use std::sync::Arc;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
-use whyroad_server::domain::task::CreateTasks;
+use whyroad_server::domain::task::{CreateTasks, Imported};
 use whyroad_server::service::transfer::{self, ExportFormat};
 use whyroad_server::service::{create, projects, tasks};
 use whyroad_server::store::Store;
@@ -236,11 +236,22 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     Ok(output::FINE)
 }
 
+/// Tasks from lines of tasks, episodes or labels; labels become drafts.
+pub(crate) fn import_lines(
+    global: &Global,
+    store: &store_args::StoreArgs,
+    lake: &Path,
+    project: &str,
+    lines: &str,
+) -> anyhow::Result<Imported> {
+    let (app, project) = service(global, store, lake, &[], project)?;
+    transfer::import(&app, &project, lines, None).map_err(|p| error(&p, global.lang))
+}
+
 fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let text =
         std::fs::read_to_string(&a.file).with_context(|| format!("cannot read {}", a.file.display()))?;
-    let (app, project) = service(global, &a.store, &a.lake, &[], &a.project)?;
-    let made = transfer::import(&app, &project, &text, None).map_err(|p| error(&p, global.lang))?;
+    let made = import_lines(global, &a.store, &a.lake, &a.project, &text)?;
     for lost in &made.lost {
         say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));
     }
