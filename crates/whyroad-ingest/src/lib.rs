@@ -10,6 +10,7 @@ mod leftover;
 mod options;
 mod origin;
 pub mod report;
+pub mod rows;
 mod run;
 mod source;
 

@@ -5,6 +5,7 @@
 pub mod agreement;
 pub mod check;
 pub mod draft;
+pub mod import;
 pub mod merge;
 
 #[cfg(test)]

@@ -156,6 +156,19 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             "whyroad tasks import drafts.jsonl --project first --lake lake --data labels",
         )],
     ),
+    (
+        "labels import",
+        &[
+            (
+                "Reasoning texts of PhysicalAI-AV, for drives of `ingest pai`",
+                "whyroad labels import ood-reasoning pai/reasoning --lake lake --out drafts.jsonl",
+            ),
+            (
+                "Output of the auto-labeler, all of one class",
+                "whyroad labels import auto-labeler run1 --scenario cutin.urgent --lake lake --out drafts.jsonl",
+            ),
+        ],
+    ),
     ("accounts list", &[("Accounts of a store", "whyroad accounts list --data labels")]),
     ("accounts password", &[("A new password, printed once", "whyroad accounts password ada --data labels")]),
     ("backup", &[("One file", "whyroad backup --data labels --out labels.backup")]),

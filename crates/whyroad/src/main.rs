@@ -70,6 +70,8 @@ enum Command {
     Serve(cmd::serve::Args),
     /// Make, list, export and import labelling tasks
     Tasks(cmd::tasks::Args),
+    /// Import causal texts of other tools as drafts of labels
+    Labels(cmd::labels::Args),
     /// List the accounts of the labelling service, and give one a new password
     Accounts(cmd::accounts::Args),
     /// Write the store of the labelling service into one file
@@ -115,6 +117,7 @@ fn main() -> ExitCode {
         Command::Compare(a) => cmd::compare::run(&cli.global, a),
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
+        Command::Labels(a) => cmd::labels::run(&cli.global, a),
         Command::Accounts(a) => cmd::accounts::run(&cli.global, a),
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),

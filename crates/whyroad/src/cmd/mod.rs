@@ -10,6 +10,7 @@ pub(crate) mod evaluate;
 pub(crate) mod explain;
 pub(crate) mod ingest;
 pub(crate) mod inspect;
+pub(crate) mod labels;
 pub(crate) mod media;
 pub(crate) mod mine;
 pub(crate) mod report;

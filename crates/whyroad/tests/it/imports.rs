@@ -80,6 +80,7 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("parquet", &["whyroad-fuzz", "whyroad-lake", "whyroad-engine", "whyroad-ingest", "whyroad-dataset"]),
     ("arrow-ipc", &["whyroad-ingest", "whyroad-fuzz"]),
     ("quick-xml", &["whyroad-ingest"]),
+    ("zip", &["whyroad-ingest"]),
     ("axum", &["whyroad-server"]),
     ("rusqlite", &["whyroad-server"]),
     ("postgres", &["whyroad-server"]),

@@ -16,6 +16,7 @@ mod imports;
 mod ingest;
 mod ingest_again;
 mod inspect;
+mod labels;
 mod media;
 mod mine;
 mod mine_again;
