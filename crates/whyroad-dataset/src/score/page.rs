@@ -8,7 +8,7 @@ use whyroad_model::Lang;
 use whyroad_render::markup::Markup;
 
 const STYLE: &str = "<style>body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:75em;padding:0 1em}\
-table{border-collapse:collapse;margin:.5em 0 2em}th,td{border-bottom:1px solid #999;padding:.2em .7em;text-align:right;\
+table{border-collapse:collapse;margin:.5em 0 2em}th,td{border-bottom:1px solid #999;padding:.2em .7em;text-align:right;white-space:nowrap;\
 font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}small{color:#555}svg{max-width:100%}\
 body:has(#zh:checked) span[lang=en],body:has(#en:checked) span[lang=zh]{display:none}\
 @media print{.choose{display:none}}</style>";
