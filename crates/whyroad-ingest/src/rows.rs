@@ -1,5 +1,5 @@
-//! Rows of other people's Parquet files as JSON objects: for tables whose cells are texts and lists, such as causal texts.
-//! Numbers, texts, truth values, lists and structs; any other type is null. Not for recorded signals.
+//! Rows of other people's Parquet files as JSON objects: for tables whose cells are texts and lists, such as causal
+//! texts. Numbers, texts, truth values, lists and structs; any other type is null. Not for recorded signals.
 
 use crate::encodings::columns::read_parquet;
 use arrow_array::cast::AsArray;

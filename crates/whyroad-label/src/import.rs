@@ -2,7 +2,8 @@
 //! [`draft`] places what was read in a drive. Nothing here opens a file: tables come as rows, texts as texts.
 //!
 //! A text is all that these sources have. None states a decision of our closed sets (their meta actions say how the car
-//! moved, not what it decided), so the decisions of a draft are null, and what cannot be carried over is counted by field.
+//! moved, not what it decided), so the decisions of a draft are null, and what cannot be carried over is counted by
+//! field.
 
 pub mod alpamayo2;
 pub mod auto_labeler;

@@ -1,5 +1,5 @@
-//! Members of a ZIP archive, read one at a time by name and without unpacking. Stored members only: the archives that we
-//! read hold compressed files already. Nothing is written, so names of members cannot lead out of a folder.
+//! Members of a ZIP archive, read one at a time by name and without unpacking. Stored members only: the archives that
+//! we read hold compressed files already. Nothing is written, so names of members cannot lead out of a folder.
 
 use std::fs::File;
 use std::io::{BufReader, Read as _};

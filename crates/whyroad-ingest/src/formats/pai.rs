@@ -1,10 +1,10 @@
-//! PhysicalAI-AV (nvidia/PhysicalAI-Autonomous-Vehicles on Hugging Face), as it is downloaded: tables and archives by chunk,
-//! clips of 20 s. One clip is one drive.
+//! PhysicalAI-AV (nvidia/PhysicalAI-Autonomous-Vehicles on Hugging Face), as it is downloaded: tables and archives by
+//! chunk, clips of 20 s. One clip is one drive.
 //!
 //! Poses are the rig's (rear axle, on the ground) in the rig's frame at the clip's start, and become those of the box
 //! centre where the vehicle's dimensions are there. The set has no map, lanes, lights, route or bus. Not read: pictures
-//! (they are named, and stay where they are), lidar, radar, accelerations and curvature of `egomotion`, which follow from
-//! the poses, and month and hour of `data_collection`.
+//! (they are named, and stay where they are), lidar, radar, accelerations and curvature of `egomotion`, which follow
+//! from the poses, and month and hour of `data_collection`.
 
 mod camera;
 mod egomotion;

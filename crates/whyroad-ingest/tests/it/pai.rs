@@ -1,5 +1,5 @@
-//! A tree in the layout of PhysicalAI-AV, made by `tests/fixtures/pai/make.py` and read by the publisher's own package in
-//! `python/tests/test_pai_fixture.py`. Expected values are the script's closed form, computed here independently.
+//! A tree in the layout of PhysicalAI-AV, made by `tests/fixtures/pai/make.py` and read by the publisher's own package
+//! in `python/tests/test_pai_fixture.py`. Expected values are the script's closed form, computed here independently.
 #![allow(clippy::unwrap_used)]
 
 use std::fs;

@@ -72,8 +72,8 @@ fn others_of_content(out: &mut Reading, content: &Value) {
     }
 }
 
-/// Counts the meta actions of a clip: how the car moved, for which a label has no field. A line that is not a meta action
-/// is reported.
+/// Counts the meta actions of a clip: how the car moved, for which a label has no field. A line that is not a meta
+/// action is reported.
 pub fn read_meta_actions(file: &str, lines: &str) -> Reading {
     let mut out = Reading::default();
     for (i, line) in lines.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {

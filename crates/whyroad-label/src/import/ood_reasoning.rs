@@ -1,5 +1,5 @@
-//! `reasoning/ood_reasoning.parquet` of PhysicalAI-AV and of trees in its layout: one row per clip, `events` as JSON text
-//! or as a list. Every event becomes a label, not only the first.
+//! `reasoning/ood_reasoning.parquet` of PhysicalAI-AV and of trees in its layout: one row per clip, `events` as JSON
+//! text or as a list. Every event becomes a label, not only the first.
 
 use super::{FRAME_US, Reading, Reasoning, Row, TEXTS, cot_or_coc, findings, text, whole};
 use serde_json::Value;

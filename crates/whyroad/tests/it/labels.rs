@@ -1,4 +1,5 @@
-//! `whyroad labels import` as a user runs it: drives of the PhysicalAI-AV fixture, texts of four tools, drafts in a store.
+//! `whyroad labels import` as a user runs it: drives of the PhysicalAI-AV fixture, texts of four tools, drafts in a
+//! store.
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use crate::session::{Run, whyroad_in};

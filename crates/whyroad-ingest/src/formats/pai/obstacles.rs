@@ -1,5 +1,5 @@
-//! `obstacle.offline`: boxes of other road users in the rig **at each row's own time**. No row does not mean that nothing
-//! was there: a clip without rows has unknown objects.
+//! `obstacle.offline`: boxes of other road users in the rig **at each row's own time**. No row does not mean that
+//! nothing was there: a clip without rows has unknown objects.
 
 use super::egomotion::PoseTrack;
 use crate::assemble::frames::{Sample, Sampled, median};
@@ -61,6 +61,7 @@ pub(super) fn read(table: &Columns, poses: &PoseTrack, ego_centre: [f64; 3]) -> 
     for i in 0..times.len() {
         if frames[i].as_deref().is_some_and(|f| f != RIG) {
             out.count.drop_rows("unknown_frame", 1);
+            out.invalid_example.get_or_insert_with(|| format!("row {}", i + 1));
             continue;
         }
         let at = |columns: &[Vec<f64>; 3]| [columns[0][i], columns[1][i], columns[2][i]];
@@ -128,8 +129,8 @@ impl Obstacles {
     }
 }
 
-/// Our class; `None` for a word that the format does not define. `rider` is a person on a two-wheeler, of which the format
-/// does not say whether it has a motor.
+/// Our class; `None` for a word that the format does not define. `rider` is a person on a two-wheeler, of which the
+/// format does not say whether it has a motor.
 pub(super) fn class_of(word: &str) -> Option<ObjectClass> {
     Some(match word {
         "automobile" => ObjectClass::Car,

@@ -1,5 +1,5 @@
-//! The tree of a PhysicalAI-AV download: `features.csv` says where the files of a feature are, `clip_index.parquet` which
-//! clip is in which chunk. Only what has been downloaded is there.
+//! The tree of a PhysicalAI-AV download: `features.csv` says where the files of a feature are, `clip_index.parquet`
+//! which clip is in which chunk. Only what has been downloaded is there.
 
 use crate::encodings::columns::{Columns, read_parquet};
 use crate::encodings::zip_members::ZipMembers;
@@ -17,7 +17,8 @@ const COLLECTION: &str = "metadata/data_collection.parquet";
 pub(super) struct Feature {
     /// Path below the tree, with `{chunk_id:04d}`.
     chunk_path: String,
-    /// Names of a clip's files in the archive, with `{clip_id}`, by what they are. Empty for a feature that is one table.
+    /// Names of a clip's files in the archive, with `{clip_id}`, by what they are. Empty for a feature that is one
+    /// table.
     files: BTreeMap<String, String>,
 }
 
