@@ -21,7 +21,7 @@ import { troubles } from "./troubles.mjs";
 const executablePath = chromium();
 if (!executablePath) {
   console.log("skipped: no Chromium");
-  process.exit(0);
+  process.exit((process.env.WHYROAD_REQUIRE ?? "").split(",").includes("chromium") ? 1 : 0);
 }
 
 const scratch = mkdtempSync(join(tmpdir(), "whyroad-e2e-"));

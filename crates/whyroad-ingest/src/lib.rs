@@ -34,3 +34,7 @@ pub fn codes() -> Vec<&'static str> {
         .chain(of_adapters)
         .collect()
 }
+
+#[cfg(test)]
+#[path = "../../whyroad-model/testing/require.rs"]
+mod require;

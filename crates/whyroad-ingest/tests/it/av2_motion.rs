@@ -20,7 +20,7 @@ fn scenario() -> Option<PathBuf> {
     );
     let path = root.join("av2/motion_forecasting").join(ID);
     if !path.exists() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return None;
     }
     Some(path)

@@ -21,7 +21,7 @@ fn log(prefix: &str) -> Option<PathBuf> {
             .find(|p| p.file_name().unwrap().to_string_lossy().starts_with(prefix))
     });
     if found.is_none() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
     }
     found
 }

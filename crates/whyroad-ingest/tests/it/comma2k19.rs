@@ -15,7 +15,7 @@ fn data(path: &str) -> Option<PathBuf> {
     );
     let path = root.join(path);
     if !path.exists() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return None;
     }
     Some(path)

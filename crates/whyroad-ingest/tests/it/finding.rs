@@ -90,7 +90,7 @@ fn the_recorded_data_is_taken_or_named() {
         PathBuf::from,
     );
     if !root.is_dir() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     }
     let (sources, problems) = find_sources(None, &[root]);

@@ -1,5 +1,7 @@
 //! Integration tests of the ingest: one module per format.
 
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod av2_broken;
 mod av2_motion;
 mod av2_real;

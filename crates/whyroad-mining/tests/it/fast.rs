@@ -41,7 +41,7 @@ fn on_recorded_drives() {
         PathBuf::from,
     );
     if !base.join("av2").is_dir() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     }
     let (drives, _) = both(&base.join("av2"));

@@ -1,6 +1,8 @@
 //! Integration tests of rules, cases, queries and the fast evaluator, in one binary.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod any_text;
 mod arbitration;
 mod blocks;

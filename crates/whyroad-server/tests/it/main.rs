@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
 
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod access;
 mod attacks;
 mod clock;

@@ -26,12 +26,7 @@ impl Server {
     /// Starts a server; `None`, with a line that says so, on a machine without PostgreSQL.
     pub fn start() -> Option<Self> {
         let Some(programs) = programs() else {
-            let required = std::env::var("WHYROAD_REQUIRE").unwrap_or_default();
-            assert!(
-                !required.split(',').any(|r| r == "postgres"),
-                "PostgreSQL is required and not installed"
-            );
-            println!("skipped: no PostgreSQL");
+            crate::require::skipped("postgres", "no PostgreSQL");
             return None;
         };
         let dir = tempfile::tempdir().unwrap();

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod behaviour;
 mod crime;
 mod criticality;

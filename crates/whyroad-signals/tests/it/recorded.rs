@@ -20,7 +20,7 @@ fn log(prefix: &str) -> Option<(whyroad_model::Drive, Table)> {
         .map(|entry| entry.path())
         .find(|p| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with(prefix)));
     let Some(folder) = folder else {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return None;
     };
     let (sources, _) = find_sources(None, &[folder]);

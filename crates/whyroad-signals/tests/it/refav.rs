@@ -169,7 +169,7 @@ fn recorded_logs_give_refavs_counts() {
         compared += 1;
     }
     if compared == 0 {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
     }
     assert!(compared == 0 || compared >= 20, "{compared}");
 }

@@ -64,7 +64,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 fn visible_shares_go_with_lidar_points() {
     let rows = rows();
     if rows.is_empty() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     }
     let of = |from: f64, to: f64| rows.iter().filter(move |r| r.tall && r.share >= from && r.share < to);

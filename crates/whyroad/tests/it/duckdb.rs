@@ -1,5 +1,5 @@
 //! The SQL of the documentation, run by DuckDB (its Python package) on a lake of different logs. Where DuckDB is not
-//! installed the test says so, and fails when `WHYROAD_REQUIRE` names it.
+//! installed the test says so, and fails when `WHYROAD_REQUIRE` names `python`.
 #![allow(clippy::unwrap_used)]
 
 use crate::session::{root, whyroad_in};
@@ -11,17 +11,20 @@ for query in sys.stdin.read().split('\\0'):
     print(len(duckdb.sql(query).fetchall()))
 ";
 
+/// The interpreter that has the packages: `WHYROAD_PYTHON`, or the one of the machine.
+fn python() -> String {
+    std::env::var("WHYROAD_PYTHON").unwrap_or_else(|_| "python3".to_owned())
+}
+
 fn is_installed() -> bool {
-    let import = Command::new("python3").args(["-c", "import duckdb"]).output();
+    let import = Command::new(python()).args(["-c", "import duckdb"]).output();
     import.is_ok_and(|o| o.status.success())
 }
 
 #[test]
 fn the_documented_queries_run_on_a_lake_of_different_logs() {
     if !is_installed() {
-        let required = std::env::var("WHYROAD_REQUIRE").unwrap_or_default();
-        assert!(!required.split(',').any(|what| what == "duckdb"), "WHYROAD_REQUIRE names duckdb");
-        eprintln!("skipped: no duckdb");
+        crate::require::skipped("python", "no duckdb");
         return;
     }
     let dir = tempfile::tempdir().unwrap();
@@ -40,7 +43,7 @@ fn the_documented_queries_run_on_a_lake_of_different_logs() {
     let queries: Vec<&str> =
         page.split("```sql\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
     assert!(queries.len() >= 2, "{page}");
-    let mut python = Command::new("python3")
+    let mut python = Command::new(python())
         .args(["-c", RUN])
         .current_dir(dir.path())
         .stdin(std::process::Stdio::piped())

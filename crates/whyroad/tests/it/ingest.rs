@@ -93,7 +93,7 @@ fn every_recorded_av2_log_goes_in() {
     let data = std::env::var_os("WHYROAD_DATA").map_or_else(|| root().join("../shared/data"), PathBuf::from);
     let logs = data.join("av2/sensor_logs");
     if !logs.is_dir() {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     }
     let dir = tempfile::tempdir().unwrap();

@@ -1,5 +1,7 @@
 //! The commands as their users run them: one test binary for the whole crate.
 
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 #[path = "../../../whyroad-server/tests/it/postgres_server.rs"]
 mod postgres;
 mod service;

@@ -42,7 +42,7 @@ struct Found {
 
 fn episodes(drive: &str) -> Option<Vec<Found>> {
     let Some(dir) = &*MINED else {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return None;
     };
     let text = std::fs::read_to_string(dir.path().join("out/episodes.jsonl")).unwrap();

@@ -128,7 +128,7 @@ fn lint_reads_a_taxonomy_page() {
 fn lint_names_the_counts_that_differ_in_the_given_taxonomy() {
     let page = root().join("../shared/spec/TAXONOMY.md");
     if !page.exists() {
-        eprintln!("skipped: no specification texts beside the repository");
+        crate::require::skipped("specification", "no specification texts beside the repository");
         return;
     }
     let run = whyroad(&["taxonomy", "lint", "../shared/spec/TAXONOMY.md", "--format", "json"]);

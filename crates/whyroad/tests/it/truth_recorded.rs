@@ -28,7 +28,7 @@ fn whyroad(args: &[&str]) -> String {
 #[test]
 fn what_a_person_saw_is_found() {
     let Some(data) = data() else {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     };
     let dir = tempfile::tempdir().unwrap();

@@ -47,7 +47,7 @@ fn every_frame_decodes_as_cantools_decodes_it() {
     let raw =
         data.join("comma2k19/Example_1/b0c9d2329ad1606b|2018-08-02--08-34-47/40/processed_log/CAN/raw_can");
     let Ok(dbc) = std::fs::read(data.join("opendbc/_toyota_2017.dbc")) else {
-        println!("skipped: no recorded data");
+        crate::require::skipped("recorded", "no recorded data");
         return;
     };
     let dbc = CanDatabase::parse(&String::from_utf8_lossy(&dbc)).unwrap();
