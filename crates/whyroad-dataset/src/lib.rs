@@ -10,6 +10,7 @@ pub mod baseline;
 pub mod build;
 pub mod diff;
 pub mod doubtful;
+pub mod export;
 pub mod release;
 pub mod sample;
 pub mod score;

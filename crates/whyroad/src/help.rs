@@ -52,6 +52,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ),
         ],
     ),
+    (
+        "dataset export",
+        &[("For ms-swift, Chinese traces only", "whyroad dataset export ms-swift release --out swift --traces zh")],
+    ),
     ("dataset verify", &[("Everything", "whyroad dataset verify release")]),
     ("dataset diff", &[("What changed", "whyroad dataset diff release-1 release-2")]),
     ("dataset show", &[("By the beginning of its id", "whyroad dataset show release 3f2a")]),

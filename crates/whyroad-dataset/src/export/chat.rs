@@ -114,8 +114,8 @@ fn decisions(sample: &Sample, lang: Lang) -> String {
     let name = |text: Option<&whyroad_framework::decisions::DecisionText>| {
         text.map_or_else(|| none.to_owned(), |t| t.name.get(lang).to_owned())
     };
-    let first = name(longitudinal.and_then(|d| sets.longitudinal.get(&d)));
-    let mut second = name(lateral.and_then(|d| sets.lateral.get(&d)));
+    let first = name(sets.longitudinal.iter().find(|d| Some(d.id) == longitudinal).map(|d| &d.text));
+    let mut second = name(sets.lateral.iter().find(|d| Some(d.id) == lateral).map(|d| &d.text));
     if let Some(side) = side {
         second += &match (side, lang) {
             (LateralDirection::Left, Lang::Zh) => "（左）".to_owned(),

@@ -16,7 +16,7 @@ use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray, StructAr
 use arrow_schema::{DataType, Field, Fields, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::sync::Arc;
@@ -135,7 +135,7 @@ fn hf_schema() -> SchemaRef {
         }
     }
     let info = json!({ "info": { "features": features } }).to_string();
-    Arc::new(Schema::new_with_metadata(fields, [("huggingface".to_owned(), info)].into()))
+    Arc::new(Schema::new_with_metadata(fields, HashMap::from([("huggingface".to_owned(), info)])))
 }
 
 fn image_fields() -> Fields {

@@ -6,6 +6,7 @@ use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ pub(super) fn bytes(columns: Columns, index: Option<&str>) -> Result<Vec<u8>, Da
     let fields: Vec<Field> =
         columns.iter().map(|(n, c)| Field::new(n, c.data_type().clone(), true)).collect();
     let metadata = index.map(|index| ("pandas".to_owned(), pandas(&fields, index).to_string()));
-    let schema = Arc::new(Schema::new_with_metadata(fields, metadata.into_iter().collect()));
+    let schema = Arc::new(Schema::new_with_metadata(fields, metadata.into_iter().collect::<HashMap<String, String>>()));
     let arrays = columns.into_iter().map(|(_, c)| c).collect();
     let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(|e| broken(&e))?;
     let mut out = Vec::new();

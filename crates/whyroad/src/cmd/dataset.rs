@@ -2,6 +2,7 @@
 
 mod build;
 mod doubtful;
+mod export;
 mod query;
 pub(crate) mod score;
 mod show;
@@ -30,6 +31,8 @@ enum What {
     Build(build::Args),
     /// Check a release: hashes, leaks between splits, near-duplicates, licences, labels
     Verify(verify::Args),
+    /// Write a view of a release for a trainer or another tool
+    Export(export::Args),
     /// Compare two releases
     Diff(show::DiffArgs),
     /// Show a sample: its label, and the drive, episode, label version and rule version that it comes from
@@ -52,6 +55,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         What::Init(a) => init(&a),
         What::Build(a) => build::run(global, a),
         What::Verify(a) => verify::run(global, &a),
+        What::Export(a) => export::run(global, &a),
         What::Diff(a) => show::diff(global, &a),
         What::Show(a) => show::run(global, &a),
         What::Score(a) => score::run(global, &a),

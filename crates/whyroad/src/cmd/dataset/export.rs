@@ -1,0 +1,93 @@
+//! `whyroad dataset export`: a view of a release for a trainer or another tool.
+
+use super::refused;
+use crate::output::DataFormat;
+use crate::{Global, output};
+use std::path::PathBuf;
+use std::process::{Command, ExitCode, Stdio};
+use whyroad_dataset::export::{ExportFormat, ExportOptions, Exported, TraceLanguage, export};
+use whyroad_dataset::{Release, SplitName};
+use whyroad_model::Lang;
+
+/// Arguments of `whyroad dataset export`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Format
+    #[arg(value_name = "FORMAT", value_parser = format_names())]
+    to: String,
+    /// The release
+    #[arg(value_name = "RELEASE")]
+    release: PathBuf,
+    /// Folder for the export; must be missing or empty
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Language of traces and prompts; `both` writes one record per language
+    #[arg(long, value_name = "LANG", default_value = "both", value_parser = ["zh", "en", "both"])]
+    traces: String,
+    /// Only this split
+    #[arg(long, value_name = "SPLIT", value_parser = ["train", "val", "test"])]
+    split: Option<String>,
+    /// How to print the summary
+    #[arg(long, value_enum, default_value = "text")]
+    format: DataFormat,
+}
+
+fn format_names() -> Vec<&'static str> {
+    ExportFormat::ALL.map(ExportFormat::name).to_vec()
+}
+
+pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
+    let Some(to) = ExportFormat::from_name(&a.to) else {
+        anyhow::bail!("'{}' is not an export format", a.to);
+    };
+    let release = match Release::open(&a.release) {
+        Ok(release) => release,
+        Err(e) => return Ok(refused(global, &e)),
+    };
+    let options = ExportOptions {
+        language: match a.traces.as_str() {
+            "zh" => TraceLanguage::Chinese,
+            "en" => TraceLanguage::English,
+            _ => TraceLanguage::Both,
+        },
+        split: SplitName::ALL.into_iter().find(|s| Some(s.name()) == a.split.as_deref()),
+        ffmpeg: ffmpeg(),
+    };
+    let bar = output::progress(release.manifest.counts.samples);
+    let exported = export(&release, to, &a.out, &options, &mut || bar.inc(1));
+    bar.finish_and_clear();
+    match exported {
+        Ok(exported) => {
+            output::put(&match a.format {
+                DataFormat::Json => format!("{:#}\n", serde_json::to_value(&exported)?),
+                DataFormat::Text => text(&exported, global.lang),
+            });
+            Ok(output::FINE)
+        }
+        Err(e) => Ok(refused(global, &e)),
+    }
+}
+
+/// The ffmpeg of the machine, where there is one.
+fn ffmpeg() -> Option<PathBuf> {
+    let program = PathBuf::from("ffmpeg");
+    let found = Command::new(&program).arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    found.is_ok_and(|s| s.success()).then_some(program)
+}
+
+fn text(e: &Exported, lang: Lang) -> String {
+    let mut out = match lang {
+        Lang::Zh => format!("{} 个样本，{} 条记录，{} 个文件\n", e.samples, e.records, e.files),
+        Lang::En => format!("{} samples, {} records, {} files\n", e.samples, e.records, e.files),
+    };
+    for (reason, samples) in &e.left_out {
+        out += &match lang {
+            Lang::Zh => format!("未导出 {} 个：{reason}（export.json 列出编号）\n", samples.len()),
+            Lang::En => format!("{} left out: {reason} (ids in export.json)\n", samples.len()),
+        };
+    }
+    for note in &e.notes {
+        out += &format!("{note}\n");
+    }
+    out
+}
