@@ -143,15 +143,15 @@ pub fn export(
     fs::create_dir_all(out).map_err(DatasetError::io(out))?;
     let mut exported = Exported::default();
     let mut writer: Box<dyn SampleWriter> = match format {
-        ExportFormat::Jsonl => Box::new(jsonl::Writer::default()),
+        ExportFormat::Jsonl => Box::new(jsonl::Writer),
         ExportFormat::MsSwift => Box::new(ms_swift::Writer::default()),
         ExportFormat::LlamaFactory => Box::new(llama_factory::Writer::new(release)),
-        ExportFormat::Qwen => Box::new(qwen::Writer::default()),
+        ExportFormat::Qwen => Box::new(qwen::Writer),
         ExportFormat::Lerobot => Box::new(lerobot::Writer::default()),
         ExportFormat::HuggingFace => Box::new(huggingface::Writer::new(release)),
         ExportFormat::WebDataset => Box::new(webdataset::Writer::default()),
         ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
-        ExportFormat::OpenLabel => Box::new(openlabel::Writer::default()),
+        ExportFormat::OpenLabel => Box::new(openlabel::Writer),
     };
     let mut folder = Folder { root: out.to_owned(), lines: BTreeMap::new(), files: 0 };
     let splits = match options.split {
@@ -244,7 +244,8 @@ impl Folder {
 
     /// Writes a whole file as indented JSON.
     fn json(&mut self, name: &str, value: &impl Serialize) -> Result<(), DatasetError> {
-        let text = serde_json::to_string_pretty(value).map_err(|e| DatasetError::broken(&self.root.join(name), e))?;
+        let text = serde_json::to_string_pretty(value)
+            .map_err(|e| DatasetError::broken(&self.root.join(name), e))?;
         self.write(name, (text + "\n").as_bytes())
     }
 

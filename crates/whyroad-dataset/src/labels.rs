@@ -155,7 +155,7 @@ pub(crate) fn read(
     }
     writer.finish()?;
     out.hash = hash.finalize().to_hex().to_string();
-    out.items.sort_by(|a, b| a.id.cmp(&b.id));
+    out.items.sort_by_key(|a| a.id);
     Ok(out)
 }
 

@@ -17,6 +17,9 @@ const ENDLESS: Duration = Duration::from_secs(60);
 /// Inputs do not grow beyond this.
 const MAX_BYTES: usize = 1 << 20;
 
+/// Reads bytes; what it makes of them is dropped.
+pub type Parser = Box<dyn Fn(&[u8])>;
+
 /// A parser of untrusted bytes.
 pub struct Target {
     /// Name on the command line.
@@ -26,7 +29,7 @@ pub struct Target {
     /// Repairs checksums after a mutation, so that the bytes behind them are reached.
     pub repair: fn(&mut Vec<u8>),
     /// The parser.
-    pub run: Box<dyn Fn(&[u8])>,
+    pub run: Parser,
 }
 
 /// How long a target is run.

@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use whyroad_engine::mine::{MineOptions, mine_lake_with, signals_of};
 use whyroad_framework::Framework;
+use whyroad_lake::mined::episode_table;
 use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
+use whyroad_model::catalogue::SignalScope;
 use whyroad_model::{DriveId, Lang, ScenarioId};
 use whyroad_signals::Catalogue;
-use whyroad_lake::mined::episode_table;
-use whyroad_model::catalogue::SignalScope;
 
 /// Opens a lake, as `whyroad ingest --lake DIR` made it.
 #[pyfunction]

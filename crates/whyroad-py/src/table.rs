@@ -1,7 +1,7 @@
 //! Record batches across the border to Python: the Arrow PyCapsule interface (C data interface streams), both ways.
 
 use crate::error::of_arrow;
-use arrow_array::ffi_stream::{ArrowArrayStreamReader, FFI_ArrowArrayStream};
+use arrow_array::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use arrow_array::{RecordBatch, RecordBatchIterator, RecordBatchReader};
 use arrow_schema::SchemaRef;
 use pyo3::exceptions::PyTypeError;
@@ -38,7 +38,7 @@ impl Table {
         let _ = requested_schema;
         let batches = self.batches.clone().into_iter().map(Ok);
         let reader = RecordBatchIterator::new(batches, self.schema.clone());
-        PyCapsule::new(py, FFI_ArrowArrayStream::new(Box::new(reader)), Some(STREAM.to_owned()))
+        PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(Box::new(reader)), STREAM)
     }
 
     /// Number of rows.
@@ -73,7 +73,7 @@ impl Table {
 }
 
 /// Takes over the Arrow stream of any object that has `__arrow_c_stream__`.
-pub fn stream_of(object: &Bound<'_, PyAny>) -> PyResult<ArrowArrayStreamReader> {
+pub fn stream_of(object: &Bound<'_, PyAny>) -> PyResult<RecordBatchStreamReader> {
     let capsule = object.call_method0("__arrow_c_stream__").map_err(|_| {
         PyTypeError::new_err(
             "an Arrow table is needed: an object with __arrow_c_stream__ (pyarrow, Polars, pandas 3)",
@@ -84,12 +84,12 @@ pub fn stream_of(object: &Bound<'_, PyAny>) -> PyResult<ArrowArrayStreamReader> 
     // SAFETY: the capsule has the name that the Arrow PyCapsule interface prescribes, so it holds a valid
     // `ArrowArrayStream`. `from_raw` moves it out and leaves a released stream, which the capsule's destructor accepts.
     #[allow(unsafe_code)]
-    let reader = unsafe { ArrowArrayStreamReader::from_raw(pointer.as_ptr()) };
+    let reader = unsafe { RecordBatchStreamReader::from_raw(pointer.as_ptr()) };
     reader.map_err(of_arrow)
 }
 
 /// All batches of a stream.
-pub fn read_all(reader: ArrowArrayStreamReader) -> PyResult<(SchemaRef, Vec<RecordBatch>)> {
+pub fn read_all(reader: RecordBatchStreamReader) -> PyResult<(SchemaRef, Vec<RecordBatch>)> {
     let schema = reader.schema();
     let batches = reader.collect::<Result<_, _>>().map_err(of_arrow)?;
     Ok((schema, batches))

@@ -5,7 +5,7 @@ use anyhow::{Context as _, bail};
 use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Framework;
-use whyroad_model::{Diagnostic, diagnostic};
+use whyroad_model::Diagnostic;
 
 /// The framework in force, with what is wrong in it said on stderr. An error when it has no usable taxonomy.
 pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {

@@ -54,14 +54,20 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ),
     (
         "dataset export",
-        &[("For ms-swift, Chinese traces only", "whyroad dataset export ms-swift release --out swift --traces zh")],
+        &[(
+            "For ms-swift, Chinese traces only",
+            "whyroad dataset export ms-swift release --out swift --traces zh",
+        )],
     ),
     ("dataset verify", &[("Everything", "whyroad dataset verify release")]),
     ("dataset diff", &[("What changed", "whyroad dataset diff release-1 release-2")]),
     ("dataset show", &[("By the beginning of its id", "whyroad dataset show release 3f2a")]),
     (
         "dataset score",
-        &[("On the test split, with a page", "whyroad dataset score release predictions.jsonl --page score.html")],
+        &[(
+            "On the test split, with a page",
+            "whyroad dataset score release predictions.jsonl --page score.html",
+        )],
     ),
     (
         "dataset doubtful",

@@ -30,8 +30,12 @@ const FUTURE_S: f32 = 6.4;
 /// Clips of a chunk.
 const PER_CHUNK: usize = 100;
 /// Cameras that the loader takes by default.
-const CAMERAS: [&str; 4] =
-    ["camera_cross_left_120fov", "camera_front_wide_120fov", "camera_cross_right_120fov", "camera_front_tele_30fov"];
+const CAMERAS: [&str; 4] = [
+    "camera_cross_left_120fov",
+    "camera_front_wide_120fov",
+    "camera_cross_right_120fov",
+    "camera_front_tele_30fov",
+];
 /// Frames per second of a pseudo-clip's video.
 const VIDEO_HZ: u32 = 10;
 
@@ -80,7 +84,8 @@ impl SampleWriter for Writer {
             TraceLanguage::English => &[(Lang::En, "en")],
             TraceLanguage::Both => &[(Lang::Zh, "zh"), (Lang::En, "en")],
         };
-        let texts: Vec<_> = languages.iter().filter_map(|(l, n)| Some((trace(sample, *l)?, *l, *n))).collect();
+        let texts: Vec<_> =
+            languages.iter().filter_map(|(l, n)| Some((trace(sample, *l)?, *l, *n))).collect();
         if texts.is_empty() {
             exported.leave_out(sample, "no trace in this language");
             return Ok(());
@@ -102,7 +107,11 @@ impl SampleWriter for Writer {
                 split: split.name(),
                 cluster: sample.scenario_id.clone(),
                 trace: text.to_owned(),
-                route: if lang == Lang::Zh { sample.route_text_zh.clone() } else { sample.route_text_en.clone() },
+                route: if lang == Lang::Zh {
+                    sample.route_text_zh.clone()
+                } else {
+                    sample.route_text_en.clone()
+                },
                 meta_action: meta_action_at_t0(sample),
                 cameras,
             });
@@ -124,11 +133,21 @@ impl SampleWriter for Writer {
         folder.write("reasoning/ood_reasoning.parquet", &bytes(self.reasoning(), Some("clip_id"))?)?;
         folder.json("navigation.json", &self.navigation())?;
         let chunks = self.clips.last().map_or(0, |c| c.chunk + 1);
-        folder.write("training.yaml", training(chunks, self.clips.iter().any(|c| c.route.is_some())).as_bytes())?;
+        folder.write(
+            "training.yaml",
+            training(chunks, self.clips.iter().any(|c| c.route.is_some())).as_bytes(),
+        )?;
         for (reason, clips) in &self.preflight {
-            exported.notes.push(format!("{} of {} clips: {reason} (preflight.json)", clips.len(), self.clips.len()));
+            exported.notes.push(format!(
+                "{} of {} clips: {reason} (preflight.json)",
+                clips.len(),
+                self.clips.len()
+            ));
         }
-        folder.json("preflight.json", &json!({ "clips": self.clips.len(), "dropped_by_the_loader": self.preflight }))
+        folder.json(
+            "preflight.json",
+            &json!({ "clips": self.clips.len(), "dropped_by_the_loader": self.preflight }),
+        )
     }
 }
 
@@ -183,9 +202,10 @@ impl Writer {
     }
 
     fn reasoning(&self) -> Columns {
-        let events = self.clips.iter().map(|c| {
-            json!([{ "event_start_timestamp": T0_US, "cot": c.trace, "coc": c.trace }]).to_string()
-        });
+        let events = self
+            .clips
+            .iter()
+            .map(|c| json!([{ "event_start_timestamp": T0_US, "cot": c.trace, "coc": c.trace }]).to_string());
         let texts = |of: &dyn Fn(&Clip) -> String| -> ArrayRef {
             Arc::new(StringArray::from_iter_values(self.clips.iter().map(of)))
         };
@@ -227,7 +247,9 @@ fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
         out.push(format!("cameras are missing: {}", missing.join(", ")));
     }
     if sample.ego.reference != "rear_axle" {
-        out.push("poses are of the box center, not of the rear axle (sample.reference in the spec)".to_owned());
+        out.push(
+            "poses are of the box center, not of the rear axle (sample.reference in the spec)".to_owned(),
+        );
     }
     out
 }
@@ -318,7 +340,9 @@ fn cameras(
     };
     let mut written = Vec::new();
     for (camera, images) in by_camera {
-        let Some(name) = CAMERAS.into_iter().find(|c| *c == camera || c.strip_prefix("camera_") == Some(camera)) else {
+        let Some(name) =
+            CAMERAS.into_iter().find(|c| *c == camera || c.strip_prefix("camera_") == Some(camera))
+        else {
             continue;
         };
         let Some(video) = encode(sample, &images, ffmpeg, &folder.root)? else {
@@ -342,7 +366,12 @@ fn cameras(
 }
 
 /// The images as a video with a key frame per image; `None` when ffmpeg refuses them.
-fn encode(sample: &Sample, images: &[usize], ffmpeg: &Path, root: &Path) -> Result<Option<Vec<u8>>, DatasetError> {
+fn encode(
+    sample: &Sample,
+    images: &[usize],
+    ffmpeg: &Path,
+    root: &Path,
+) -> Result<Option<Vec<u8>>, DatasetError> {
     let work = root.join(".frames");
     std::fs::create_dir_all(&work).map_err(DatasetError::io(&work))?;
     let format = &sample.images[images[0]].format;
@@ -410,7 +439,9 @@ fn meta_actions(sample: &Sample) -> String {
 fn meta_action_at_t0(sample: &Sample) -> String {
     let last = |column: &[Option<String>]| column.last().cloned().flatten();
     match (last(&sample.history.meta_longitudinal), last(&sample.history.meta_lateral)) {
-        (Some(long), Some(lat)) => format!("Longitudinal: {}.\nLateral: {}.", action_name(&long), action_name(&lat)),
+        (Some(long), Some(lat)) => {
+            format!("Longitudinal: {}.\nLateral: {}.", action_name(&long), action_name(&lat))
+        }
         _ => String::new(),
     }
 }
@@ -419,7 +450,8 @@ fn features_csv() -> String {
     let quoted = |value: Value| format!("\"{}\"", value.to_string().replace('"', "\"\""));
     let mut out = "feature,directory,chunk_path,clip_files_in_zip\n".to_owned();
     let egomotion = quoted(json!({ "egomotion": "{clip_id}.egomotion.parquet" }));
-    let _ = writeln!(out, "egomotion,labels,labels/egomotion/egomotion.chunk_{{chunk_id:04d}}.zip,{egomotion}");
+    let _ =
+        writeln!(out, "egomotion,labels,labels/egomotion/egomotion.chunk_{{chunk_id:04d}}.zip,{egomotion}");
     for camera in CAMERAS {
         let files = quoted(json!({
             "video": format!("{{clip_id}}.{camera}.mp4"),

@@ -71,12 +71,15 @@ fn question(sample: &Sample, lang: Lang) -> String {
         }
         Lang::En => {
             if !sample.images.is_empty() {
-                parts.push("The images show what the ego vehicle observed up to now, oldest first.".to_owned());
+                parts.push(
+                    "The images show what the ego vehicle observed up to now, oldest first.".to_owned(),
+                );
             }
             parts.extend(speeds.map(|s| format!("Ego speed: {s}.")));
             parts.extend(route.map(|r| format!("Route: {r}.")));
             parts.push(
-                "Explain what matters for the decision, and state the longitudinal and the lateral decision.".to_owned(),
+                "Explain what matters for the decision, and state the longitudinal and the lateral decision."
+                    .to_owned(),
             );
         }
     }

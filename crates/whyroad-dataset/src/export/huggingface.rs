@@ -79,7 +79,10 @@ impl SampleWriter for Writer {
         // Equal files: the release knows how many samples the split has.
         let plan = shards(split.name(), total, PER_FILE);
         let Some(shard) = plan.iter().find(|s| s.range.contains(&done)) else {
-            return Err(DatasetError::broken(&folder.root, "the release has more samples than its manifest says"));
+            return Err(DatasetError::broken(
+                &folder.root,
+                "the release has more samples than its manifest says",
+            ));
         };
         if shard.range.start == done {
             self.close(folder)?;
@@ -200,9 +203,18 @@ fn with_images(batch: &RecordBatch, schema: &SchemaRef) -> Result<RecordBatch, a
             .zip(hashes.as_string::<i32>().iter())
             .map(|(kind, hash)| Some(format!("{}.{}", hash?, kind?)))
             .collect();
-        let pair = StructArray::try_new(image_fields(), vec![part("bytes")?, Arc::new(paths)], images.nulls().cloned())?;
+        let pair = StructArray::try_new(
+            image_fields(),
+            vec![part("bytes")?, Arc::new(paths)],
+            images.nulls().cloned(),
+        )?;
         let of = |kind: DataType, values: ArrayRef| -> Result<ArrayRef, arrow_schema::ArrowError> {
-            Ok(Arc::new(ListArray::try_new(item(kind), list.offsets().clone(), values, list.nulls().cloned())?))
+            Ok(Arc::new(ListArray::try_new(
+                item(kind),
+                list.offsets().clone(),
+                values,
+                list.nulls().cloned(),
+            )?))
         };
         columns.push(of(DataType::Struct(image_fields()), Arc::new(pair))?);
         columns.push(of(DataType::Utf8, part("camera")?)?);
@@ -227,7 +239,14 @@ fn card(m: &Manifest) -> String {
     let _ = writeln!(out, "---\n\n# {title}\n\nVersion {}, {} samples.\n", m.version, m.counts.samples);
     out += "| licence of the drives | drives | samples | attribution |\n|---|---|---|---|\n";
     for l in &m.licences {
-        let _ = writeln!(out, "| {} | {} | {} | {} |", l.id, l.drives, l.samples, l.attribution.as_deref().unwrap_or(""));
+        let _ = writeln!(
+            out,
+            "| {} | {} | {} | {} |",
+            l.id,
+            l.drives,
+            l.samples,
+            l.attribution.as_deref().unwrap_or("")
+        );
     }
     out += "\n| scenario | train | val | test |\n|---|---|---|---|\n";
     for (class, by_split) in &m.counts.by_class {

@@ -21,8 +21,11 @@ pub(super) fn names(sample: &Sample) -> Vec<String> {
     for (i, image) in sample.images.iter().enumerate() {
         let before = sample.images[..i].iter().filter(|other| other.camera == image.camera).count();
         // A camera's name comes from a log: only letters, digits, - and _ reach a path.
-        let camera: String =
-            image.camera.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect();
+        let camera: String = image
+            .camera
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' })
+            .collect();
         out.push(format!("{camera}_{before}.{}", image.format));
     }
     out

@@ -20,7 +20,11 @@ impl SampleWriter for Writer {
     ) -> Result<(), DatasetError> {
         let paths = images::write(sample, folder)?;
         let without_bytes = Sample {
-            images: sample.images.iter().map(|i| crate::sample::Image { bytes: vec![], ..i.clone() }).collect(),
+            images: sample
+                .images
+                .iter()
+                .map(|i| crate::sample::Image { bytes: vec![], ..i.clone() })
+                .collect(),
             ..sample.clone()
         };
         let broken = |e| DatasetError::broken(&folder.root, e);

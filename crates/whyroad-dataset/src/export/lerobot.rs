@@ -8,7 +8,9 @@ use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
 use arrow_array::builder::{Float32Builder, ListBuilder, StringBuilder, StructBuilder};
-use arrow_array::{ArrayRef, FixedSizeListArray, Float32Array, Int64Array, ListArray, StringArray, new_null_array};
+use arrow_array::{
+    ArrayRef, FixedSizeListArray, Float32Array, Int64Array, ListArray, StringArray, new_null_array,
+};
 use arrow_schema::{DataType, Field, Fields};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -144,7 +146,9 @@ impl SampleWriter for Writer {
         folder.write("meta/tasks.parquet", &bytes(tasks, Some("task"))?)?;
         folder.write("meta/episodes/chunk-000/file-000.parquet", &bytes(self.episode_columns(), None)?)?;
         folder.json("meta/stats.json", &self.stats())?;
-        exported.notes.push("images are not part of this export: a LeRobot episode needs one per frame".to_owned());
+        exported
+            .notes
+            .push("images are not part of this export: a LeRobot episode needs one per frame".to_owned());
         folder.json("meta/info.json", &self.info())
     }
 }
@@ -299,7 +303,9 @@ fn language(sample: &Sample, language: TraceLanguage, first: f32) -> Vec<Row> {
     for part in [&sample.history, &sample.future] {
         for (i, t) in part.t_s.iter().enumerate() {
             let at = |column: &'_ [Option<String>]| column.get(i).cloned().flatten();
-            let (Some(long), Some(lat)) = (at(&part.meta_longitudinal), at(&part.meta_lateral)) else { continue };
+            let (Some(long), Some(lat)) = (at(&part.meta_longitudinal), at(&part.meta_lateral)) else {
+                continue;
+            };
             if last != Some((long.as_str(), lat.as_str())) {
                 rows.push(Row { content: format!("{long}, {lat}"), style: "motion", timestamp: t - first });
             }
@@ -345,7 +351,9 @@ fn persistent(rows: &[Arc<Vec<Row>>]) -> ArrayRef {
     for of_frame in rows {
         for row in of_frame.iter() {
             let s = list.values();
-            for (i, text) in [(0, Some("assistant")), (1, Some(row.content.as_str())), (2, Some(row.style)), (4, None)] {
+            for (i, text) in
+                [(0, Some("assistant")), (1, Some(row.content.as_str())), (2, Some(row.style)), (4, None)]
+            {
                 if let Some(b) = s.field_builder::<StringBuilder>(i) {
                     b.append_option(text);
                 }

@@ -43,11 +43,15 @@ impl SampleWriter for Writer {
         for Conversation { lang, question, trace, answer } in all {
             let user = json!({ "role": "user", "content": tagged(&question, paths.len()) });
             let messages = json!([user, { "role": "assistant", "content": answer }]);
-            folder.line(&format!("sft.{split}.jsonl"), &with_images(json!({ "messages": messages }), &paths))?;
+            folder
+                .line(&format!("sft.{split}.jsonl"), &with_images(json!({ "messages": messages }), &paths))?;
             exported.records += 1;
             for rejected in &sample.rejected {
                 // A returned version in the other language is no alternative to this answer.
-                let Some(text) = rejected.trace.as_deref().filter(|t| crate::labels::is_chinese(t) == (lang == whyroad_model::Lang::Zh))
+                let Some(text) = rejected
+                    .trace
+                    .as_deref()
+                    .filter(|t| crate::labels::is_chinese(t) == (lang == whyroad_model::Lang::Zh))
                 else {
                     continue;
                 };
@@ -76,7 +80,12 @@ impl SampleWriter for Writer {
         Ok(())
     }
 
-    fn finish(&mut self, _: &ExportOptions, _: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        _: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
         if self.rejected == 0 {
             exported.notes.push("no label was returned by a checker: there is no DPO file".to_owned());
         }

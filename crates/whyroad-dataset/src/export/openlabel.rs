@@ -124,7 +124,8 @@ fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<Stri
         for (row, t) in object.t_s.iter().enumerate() {
             let Some(frame) = times.iter().position(|f| (f - t).abs() < 0.01) else { continue };
             let at = |column: &[Option<f32>]| column.get(row).copied().flatten();
-            let (Some(x), Some(y), Some(heading)) = (at(&object.x), at(&object.y), at(&object.heading)) else {
+            let (Some(x), Some(y), Some(heading)) = (at(&object.x), at(&object.y), at(&object.heading))
+            else {
                 continue;
             };
             let (Some(length), Some(width)) = (object.length_m, object.width_m) else { continue };

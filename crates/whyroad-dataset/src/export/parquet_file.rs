@@ -19,7 +19,10 @@ pub(super) fn bytes(columns: Columns, index: Option<&str>) -> Result<Vec<u8>, Da
     let fields: Vec<Field> =
         columns.iter().map(|(n, c)| Field::new(n, c.data_type().clone(), true)).collect();
     let metadata = index.map(|index| ("pandas".to_owned(), pandas(&fields, index).to_string()));
-    let schema = Arc::new(Schema::new_with_metadata(fields, metadata.into_iter().collect::<HashMap<String, String>>()));
+    let schema = Arc::new(Schema::new_with_metadata(
+        fields,
+        metadata.into_iter().collect::<HashMap<String, String>>(),
+    ));
     let arrays = columns.into_iter().map(|(_, c)| c).collect();
     let batch = RecordBatch::try_new(schema.clone(), arrays).map_err(|e| broken(&e))?;
     let mut out = Vec::new();

@@ -7,7 +7,7 @@ use whyroad_framework::check::{Layout, Splitter};
 use whyroad_label::check::Checker;
 
 pub(super) fn targets() -> Vec<Target> {
-    let text = |name: &str, seeds: Vec<Vec<u8>>, run: Box<dyn Fn(&[u8])>| Target {
+    let text = |name: &str, seeds: Vec<Vec<u8>>, run: crate::harness::Parser| Target {
         name: name.to_owned(),
         seeds,
         repair: unchanged,

@@ -1,7 +1,5 @@
 //! Integration tests of the ingest: one module per format.
 
-#[path = "../../../whyroad-model/testing/require.rs"]
-mod require;
 mod av2_broken;
 mod av2_motion;
 mod av2_real;
@@ -10,6 +8,8 @@ mod finding;
 mod mcap;
 mod nuscenes;
 mod pai;
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod scenarionet;
 mod sumo;
 mod sumo_egos;

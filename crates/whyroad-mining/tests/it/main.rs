@@ -1,8 +1,6 @@
 //! Integration tests of rules, cases, queries and the fast evaluator, in one binary.
 #![allow(clippy::unwrap_used)]
 
-#[path = "../../../whyroad-model/testing/require.rs"]
-mod require;
 mod any_text;
 mod arbitration;
 mod blocks;
@@ -16,3 +14,5 @@ mod fast_truth;
 mod lint;
 mod names;
 mod query;
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;

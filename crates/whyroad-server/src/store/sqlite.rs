@@ -177,7 +177,7 @@ impl Tx for Plain<'_> {
     fn rows(&mut self, sql: &str, values: &[Value]) -> Answer<Vec<Row>> {
         holdable(values)?;
         let mut statement = self.0.prepare_cached(&numbered(sql)).map_err(problem)?;
-        let columns: Arc<[String]> = statement.column_names().into_iter().map(str::to_owned).collect();
+        let columns: Arc<[String]> = statement.column_names().map(str::to_owned).collect();
         let rows = statement.query_map(rusqlite::params_from_iter(values), |row| {
             let value = |i| {
                 Ok(match row.get_ref(i)? {

@@ -3,8 +3,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
 
-#[path = "../../../whyroad-model/testing/require.rs"]
-mod require;
 mod access;
 mod attacks;
 mod clock;
@@ -20,6 +18,8 @@ mod oidc;
 mod postgres_server;
 mod provider;
 mod recorded;
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod sessions;
 mod signer;
 mod store;

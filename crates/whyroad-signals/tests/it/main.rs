@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-#[path = "../../../whyroad-model/testing/require.rs"]
-mod require;
 mod behaviour;
 mod crime;
 mod criticality;
@@ -13,6 +11,8 @@ mod manoeuvres;
 mod map_parts;
 mod recorded;
 mod refav;
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod road_ahead;
 mod scene;
 mod sight;

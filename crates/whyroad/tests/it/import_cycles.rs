@@ -6,10 +6,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-<<<<<<< HEAD
-/// Circles that are allowed for now: crate and one file of each. Must stay empty.
-const ALLOWED: &[(&str, &str)] = &[];
-=======
 /// Circles that are allowed for now: crate and one file of each. Must stay empty.
 const ALLOWED: &[(&str, &str)] = &[];
 

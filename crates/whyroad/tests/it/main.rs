@@ -1,9 +1,9 @@
 //! The commands as their users run them: one test binary for the whole crate.
 
-#[path = "../../../whyroad-model/testing/require.rs"]
-mod require;
 #[path = "../../../whyroad-server/tests/it/postgres_server.rs"]
 mod postgres;
+#[path = "../../../whyroad-model/testing/require.rs"]
+mod require;
 mod service;
 mod session;
 

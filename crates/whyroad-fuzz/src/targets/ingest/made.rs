@@ -197,6 +197,7 @@ pub(super) fn unchunked_mcap() -> Vec<Vec<u8>> {
 }
 
 /// Puts right the lengths' and records' checksums of a TFRecord file, as far as its lengths lead.
+#[allow(clippy::ptr_arg, reason = "the type of a target's `repair`")]
 pub(super) fn repair_tfrecord(bytes: &mut Vec<u8>) {
     let mut at = 0;
     while let Some(length) = bytes.get(at..at + 8) {

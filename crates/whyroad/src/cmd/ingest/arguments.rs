@@ -4,7 +4,7 @@
 use super::ReportFormat;
 use clap::builder::ValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Arg, ArgAction, ArgMatches, Command, ValueEnum, value_parser};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use std::path::{Path, PathBuf};
 use whyroad_ingest::{AdapterRef, LICENCE, OptionSpec, OptionType, OptionValue, Options, START, formats};
 use whyroad_model::DriveId;

@@ -13,7 +13,7 @@ use whyroad_framework::markdown::read_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
 use whyroad_framework::version::Version;
 use whyroad_framework::{Framework, Taxonomy};
-use whyroad_model::{Diagnostic, Lang, diagnostic};
+use whyroad_model::{Diagnostic, Lang};
 
 pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> anyhow::Result<ExitCode> {
     let found = match (side(a, global.lang)?, side(b, global.lang)?) {
@@ -77,7 +77,7 @@ fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
 
 fn say(found: &[Diagnostic], lang: Lang) {
     for d in found {
-        tell!("{}", crate::output::render_text(d, lang));
+        tell!("{}", output::render_text(d, lang));
     }
 }
 

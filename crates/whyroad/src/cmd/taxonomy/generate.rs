@@ -123,7 +123,7 @@ fn stale(global: &Global, path: &Path, command: &str) {
     let message = Bilingual::new(format!("{name} 不是最新的"), format!("{name} is not up to date"));
     let hint = Bilingual::new(format!("运行 `{command}`"), format!("run `{command}`"));
     let d = Diagnostic::error("taxonomy.generated.stale", message).with_hint(hint).in_file(name.to_string());
-    tell!("{}", crate::output::render_text(&d, global.lang));
+    tell!("{}", output::render_text(&d, global.lang));
 }
 
 pub(super) fn schemas(global: &Global, action: Action, out: Option<&Path>) -> anyhow::Result<ExitCode> {

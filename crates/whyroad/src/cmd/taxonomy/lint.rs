@@ -72,7 +72,7 @@ pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
         FindingFormat::Json => output::put(&format!("{:#}\n", diagnostic::render_json(found, lang))),
         FindingFormat::Sarif => output::put(&format!("{:#}\n", diagnostic::render_sarif(found, lang))),
         FindingFormat::Text => {
-            let texts: Vec<String> = found.iter().map(|d| crate::output::render_text(d, lang)).collect();
+            let texts: Vec<String> = found.iter().map(|d| output::render_text(d, lang)).collect();
             output::put(&texts.join("\n"));
             let count = |s: Severity| found.iter().filter(|d| d.severity == s).count();
             say!("{}", diagnostic::summary(count(Severity::Error), count(Severity::Warning), lang));

@@ -17,7 +17,7 @@ pub(super) fn run(global: &Global, l1: Option<&str>, format: DataFormat) -> anyh
             Some(one) => vec![one.to_owned()],
             None => framework.taxonomy.l1.iter().map(|a| a.id.clone()).collect(),
         };
-        tell!("{}", crate::output::render_text(&class_not_found(id, &near), global.lang));
+        tell!("{}", output::render_text(&class_not_found(id, &near), global.lang));
         return Ok(output::FINDINGS);
     }
     let rows = rows(&framework, l1);

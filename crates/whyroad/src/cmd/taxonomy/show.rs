@@ -8,7 +8,7 @@ use whyroad_framework::listing::{Detail, detail};
 use whyroad_framework::spec::{BoundSpec, KeyframeSpec, MomentSpec};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_framework::{Framework, ResolvedSpec};
-use whyroad_model::{Bilingual, Lang, diagnostic, yaml};
+use whyroad_model::{Bilingual, Lang, yaml};
 
 pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
@@ -31,7 +31,7 @@ pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Re
             class_not_found(text, &near.iter().map(ToString::to_string).collect::<Vec<_>>())
         }
     };
-    tell!("{}", crate::output::render_text(&problem, global.lang));
+    tell!("{}", output::render_text(&problem, global.lang));
     Ok(output::FINDINGS)
 }
 
