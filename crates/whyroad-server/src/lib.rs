@@ -17,3 +17,7 @@ mod url;
 
 pub use api::server::serve;
 pub use app::App;
+
+#[cfg(test)]
+#[path = "../../whyroad-model/testing/require.rs"]
+mod require;

@@ -189,7 +189,11 @@ fn objects(out: &mut Features, sample: &Sample, speed: f64) {
     out.push(field(lead, &|o| o.vx - o.earlier_vx));
     for side in [1.0, -1.0] {
         let beside = nearest(&|o| {
-            o.x > -2.0 && o.y * side >= CORRIDOR_M && o.y * side < 6.0 && !o.vru && (o.vx.is_nan() || o.vx >= -1.0)
+            o.x > -2.0
+                && o.y * side >= CORRIDOR_M
+                && o.y * side < 6.0
+                && !o.vru
+                && (o.vx.is_nan() || o.vx >= -1.0)
         });
         out.push(field(beside, &|o| o.x));
         out.push(field(beside, &|o| o.y));

@@ -110,7 +110,7 @@ fn two_sources_with_one_name_are_two_drives() {
     let dir = tempfile::tempdir().unwrap();
     let lake = Lake::create_or_open(dir.path().join("lake")).unwrap();
     let log = fs::read_to_string(fixtures().join("crossroads.fcd.xml")).unwrap();
-    let mut write = |folder: &str, text: &str| {
+    let write = |folder: &str, text: &str| {
         let folder = dir.path().join(folder);
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("run.fcd.xml"), text).unwrap();

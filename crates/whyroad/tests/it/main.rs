@@ -1,4 +1,5 @@
 //! The commands as their users run them: one test binary for the whole crate.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 #[path = "../../../whyroad-server/tests/it/postgres_server.rs"]
 mod postgres;

@@ -1,5 +1,6 @@
 //! A small HTTP/1.1 client for tests and benches: one kept connection, JSON in and out. It speaks only what our own
 //! server speaks, and panics at what it does not understand: in a test that is the report.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};

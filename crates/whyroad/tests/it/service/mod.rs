@@ -1,4 +1,5 @@
 //! The real `whyroad serve`, started by a test on a port of its own, and people who call it.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![allow(dead_code)] // each test file uses its part of this
 
 pub mod http;

@@ -1,5 +1,6 @@
 //! Annotators who save at every change: what each of them was told is saved, to be held against what is there
 //! afterwards.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use super::http::Client;
 use serde_json::{Value, json};
