@@ -12,13 +12,14 @@ pub mod features;
 pub mod folds;
 pub mod learner;
 pub mod page;
+pub mod row;
+
+pub use row::{Row, Settings};
 
 use crate::score::Target;
 use crate::score::predictions::Prediction;
-use crate::score::truth::Truth;
-use crate::{DatasetError, Release, Sample, SplitName};
+use crate::{DatasetError, Release, SplitName};
 use calibration::temperature;
-use features::{Features, LastAction};
 use learner::{Boosted, Learner, Majority, Problem, RepeatLast};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,31 +29,6 @@ use std::path::Path;
 const FORMAT: &str = "whyroad-baseline";
 /// Version of the features and of the file; a model of another version is not read.
 const VERSION: u32 = 1;
-
-/// A sample as the baseline sees it.
-#[derive(Clone, Debug)]
-pub struct Row {
-    /// What is right.
-    pub truth: Truth,
-    /// What was known at t0.
-    pub features: Features,
-    /// The ego's last meta actions.
-    pub last: LastAction,
-    /// Sampling weight.
-    pub weight: f64,
-}
-
-impl Row {
-    /// From a sample.
-    pub fn of(sample: &Sample) -> Self {
-        Self {
-            truth: Truth::of(sample),
-            features: features::of(sample),
-            last: features::last_action(sample),
-            weight: sample.weight,
-        }
-    }
-}
 
 /// Reads the rows of a split; of all splits where none is named. Images and labels are not read.
 ///
@@ -107,21 +83,6 @@ impl Method {
             Self::Majority => "majority",
             Self::RepeatLast => "repeat_last",
         }
-    }
-}
-
-/// Settings of the training.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Trees per class.
-    pub rounds: usize,
-    /// Seed.
-    pub seed: u64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { rounds: 60, seed: 0 }
     }
 }
 

@@ -7,7 +7,10 @@ pub mod figures;
 pub mod page;
 pub mod predictions;
 pub mod resample;
+pub mod target;
 pub mod truth;
+
+pub use target::{NO_CHANGE, Options, Target};
 
 use crate::{DatasetError, Release, SplitName};
 use figures::{ClassFigures, Figures};
@@ -16,26 +19,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use truth::Truth;
 use whyroad_model::{Bilingual, Diagnostic};
-
-/// How a null decision is written where a class needs a name: "no change of decision".
-pub const NO_CHANGE: &str = "no_change";
-
-/// What to score and how the intervals are drawn.
-#[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Split that the predictions are for.
-    pub split: SplitName,
-    /// Bootstrap resamples.
-    pub resamples: usize,
-    /// Seed of the bootstrap.
-    pub seed: u64,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { split: SplitName::Test, resamples: 1000, seed: 0 }
-    }
-}
 
 /// The result.
 #[derive(Clone, Debug, Serialize)]
@@ -64,32 +47,6 @@ pub struct Score {
     pub by_place: BTreeMap<String, Figures>,
     /// By samples of the same leaf in the training split.
     pub by_rarity: BTreeMap<Rarity, Figures>,
-}
-
-/// What a model predicts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Target {
-    /// Longitudinal decision.
-    Longitudinal,
-    /// Lateral decision.
-    Lateral,
-    /// `scenario_id`.
-    Leaf,
-}
-
-impl Target {
-    /// All targets.
-    pub const ALL: [Self; 3] = [Self::Longitudinal, Self::Lateral, Self::Leaf];
-
-    /// `longitudinal`, `lateral`, `leaf`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Longitudinal => "longitudinal",
-            Self::Lateral => "lateral",
-            Self::Leaf => "leaf",
-        }
-    }
 }
 
 /// How many training samples have the leaf.

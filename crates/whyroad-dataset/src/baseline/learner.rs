@@ -2,7 +2,7 @@
 //! per class against the rest; unknown features stay unknown (NaN), the trees learn which side they go to.
 
 use super::features::LastAction;
-use super::{Row, Settings};
+use super::row::{Row, Settings};
 use crate::score::Target;
 use forust_ml::Matrix;
 use forust_ml::gradientbooster::GradientBooster;

@@ -3,6 +3,7 @@
 use super::compare::compare;
 use super::folds::out_of_fold;
 use super::*;
+use crate::Sample;
 use crate::doubtful::find;
 use crate::sample::{Object, Trajectory};
 use crate::score::Options;

@@ -2,8 +2,8 @@
 
 use super::predictions::{PredictedTrajectory, Prediction};
 use super::resample::{Estimate, Random, estimate};
+use super::target::{Options, Target};
 use super::truth::Truth;
-use super::{Options, Target};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Predictions as JSON Lines, one object per sample (`docs/reference/model-evaluation.md`). A field that is absent is
 //! not predicted; a decision that is `null` is "no change".
 
-use super::{NO_CHANGE, Target};
+use super::target::{NO_CHANGE, Target};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::BufRead;

@@ -1,6 +1,6 @@
 //! What a split says is right: the part of a sample that is scored, small enough to keep a split in memory.
 
-use super::{NO_CHANGE, Target};
+use super::target::{NO_CHANGE, Target};
 use crate::{DatasetError, Release, Sample, SplitName};
 
 /// One sample.

@@ -73,7 +73,11 @@ fn a_moment_may_use_the_parameters_of_its_rule() {
 
 #[test]
 fn an_entry_of_the_signal_catalogue_with_a_mistake_is_shown_in_its_file() {
-    let text = Framework::bundled().signals_yaml.replacen("name: ego.jerk", "name: ego.accel", 1);
+    let text = Framework::bundled().signals_yaml.replacen("name: ego.jerk", "name: ego.accel", 1).replacen(
+        "unit: m/s3",
+        "unit: m/s2",
+        1,
+    );
     let (_, found) = Catalogue::parse(&text);
     let line = text.lines().enumerate().filter(|(_, l)| l.ends_with("name: ego.accel")).nth(1).unwrap().0 + 1;
     // The entry's own name is missing now.

@@ -57,5 +57,5 @@ fn the_documented_queries_run_on_a_lake_of_different_logs() {
     let rows: Vec<usize> =
         String::from_utf8(run.stdout).unwrap().lines().map(|l| l.parse().unwrap()).collect();
     assert!(rows.iter().all(|n| *n > 0), "{rows:?}");
-    assert_eq!(rows[1], ids.len(), "a row for each drive");
+    assert_eq!(rows.last(), Some(&ids.len()), "a row for each drive in the last query");
 }

@@ -72,7 +72,7 @@ fn pictures_after_the_keyframe_are_kept_back_in_stage_one() {
             whyroad_lake::Lake::open(at.join("lake")).unwrap().read_drive(&drive.as_str().into()).unwrap();
         let lasts = (whole.times[whole.times.len() - 1] - whole.times[0]).as_secs_f64();
         assert_eq!(whole.media.unwrap().len(), (lasts * RATE_HZ + 1e-6) as usize + 1, "{drive}");
-        assert!(!whole.meta.missing.iter().any(|m| *m == whyroad_model::Need::CameraPictures));
+        assert!(!whole.meta.missing.contains(&whyroad_model::Need::CameraPictures));
     }
     let data = at.join("data");
     let folders = ["--data", data.to_str().unwrap(), "--media", at.to_str().unwrap()];

@@ -9,7 +9,7 @@ fn whyroad(arguments: &[&str]) -> Output {
 
 #[test]
 fn the_list_names_every_signal_of_the_catalogue() {
-    let output = whyroad(&["list", "--json"]);
+    let output = whyroad(&["list", "--format", "json"]);
     assert!(output.status.success());
     let listed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let catalogue = include_str!("../../../../schema/signals.yaml");

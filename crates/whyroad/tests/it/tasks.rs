@@ -64,7 +64,7 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     let labels = run(at, "tasks import labels.jsonl --project r --lake DEMO/lake");
     assert_eq!(labels.code, 3, "a line was lost");
     // The added line is the last one, and the exported drafts stand before it.
-    let last = format!("labels.jsonl:{}: it is no JSON", count + 1);
+    let last = format!("labels.jsonl:{}: not JSON", count + 1);
     assert!(labels.err.contains(&last), "{}", labels.err);
     assert!(labels.out.ends_with("1 lines not readable\n"), "{}", labels.out);
 }
@@ -80,7 +80,9 @@ fn what_is_not_there_is_told_and_makes_nothing() {
     let unknown = run(dir.path(), "tasks list --project x");
     assert!(unknown.err.contains("no project 'x'; existing: p"), "{}", unknown.err);
     assert!(
-        run(dir.path(), "tasks list --project p --state done").err.contains("'done' is no state: open, ")
+        run(dir.path(), "tasks list --project p --state done")
+            .err
+            .contains("'done' is not a task state: open, ")
     );
     let nowhere = run(dir.path(), "tasks create --from DEMO/lake --project p --lake DEMO/lake");
     assert!(nowhere.err.contains("episodes.jsonl"), "{}", nowhere.err);

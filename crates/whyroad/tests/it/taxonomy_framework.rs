@@ -55,7 +55,7 @@ fn lint_checks_what_is_written_in_the_rule_language() {
             "schema/signals.yaml",
             "name: ego.jerk\n    scope: frame",
             "name: ego.jerk\n    scope: target",
-            "signals.name",
+            "signals.changed",
             "",
         ),
     ] {

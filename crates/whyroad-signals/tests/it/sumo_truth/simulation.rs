@@ -53,7 +53,6 @@ pub struct Conflict {
 pub struct Simulation {
     pub name: &'static str,
     /// Vehicles with an SSM device, around which the log was recorded.
-    pub egos: &'static [&'static str],
     pub vehicles: BTreeMap<Step, BTreeMap<String, Vehicle>>,
     pub lane_changes: Vec<LaneChange>,
     pub conflicts: Vec<Conflict>,
@@ -105,10 +104,9 @@ fn series<T>(text: &str, value: impl Fn(&str) -> T) -> Vec<T> {
 }
 
 impl Simulation {
-    pub fn read((name, egos): (&'static str, &'static [&'static str])) -> Self {
+    pub fn read((name, _): (&'static str, &'static [&'static str])) -> Self {
         let mut s = Self {
             name,
-            egos,
             vehicles: BTreeMap::new(),
             lane_changes: Vec::new(),
             conflicts: Vec::new(),

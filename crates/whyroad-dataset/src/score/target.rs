@@ -1,0 +1,50 @@
+//! What a model predicts, and how it is scored.
+
+use crate::SplitName;
+use serde::Serialize;
+
+/// How a null decision is written where a class needs a name: "no change of decision".
+pub const NO_CHANGE: &str = "no_change";
+
+/// What to score and how the intervals are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Split that the predictions are for.
+    pub split: SplitName,
+    /// Bootstrap resamples.
+    pub resamples: usize,
+    /// Seed of the bootstrap.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { split: SplitName::Test, resamples: 1000, seed: 0 }
+    }
+}
+
+/// What a model predicts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// Longitudinal decision.
+    Longitudinal,
+    /// Lateral decision.
+    Lateral,
+    /// `scenario_id`.
+    Leaf,
+}
+
+impl Target {
+    /// All targets.
+    pub const ALL: [Self; 3] = [Self::Longitudinal, Self::Lateral, Self::Leaf];
+
+    /// `longitudinal`, `lateral`, `leaf`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Longitudinal => "longitudinal",
+            Self::Lateral => "lateral",
+            Self::Leaf => "leaf",
+        }
+    }
+}
