@@ -1,5 +1,5 @@
-//! Scenes and charts: the bird's-eye view of one moment as markup or PNG, the plot of one signal, bar charts, conditions
-//! over time.
+//! Scenes and charts: the bird's-eye view of one moment as markup or PNG, the plot of one signal, bar charts,
+//! conditions over time.
 //!
 //! Nothing here decides what is shown: callers choose the frame, the target and the signals.
 

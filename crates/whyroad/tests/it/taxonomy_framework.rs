@@ -53,8 +53,8 @@ fn lint_checks_what_is_written_in_the_rule_language() {
         ("schema/precedence.yaml", "- safety.aeb\n", "- safety.abe\n", "rule.precedence", ""),
         (
             "schema/signals.yaml",
-            "name: ego.jerk\n    scope: frame",
-            "name: ego.jerk\n    scope: target",
+            "scope: frame\n    type: number\n    unit: m/s3",
+            "scope: target\n    type: number\n    unit: m/s3",
             "signals.changed",
             "",
         ),
