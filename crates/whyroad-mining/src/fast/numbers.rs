@@ -1,7 +1,8 @@
 //! Numbers per row, and how they are compared. A store hands out the numbers of the known rows alone, one after
 //! another: they are compared as they are, and only the resulting bits are spread over the rows; so are the
-//! numbers where an operator needs one per row. A column that is compared again first gets the range of each 64 numbers (signals
-//! change slowly), so that most words are settled without looking at their numbers, however many rules ask.
+//! numbers where an operator needs one per row. A column that is compared again first gets the range of each 64
+//! numbers (signals change slowly), so that most words are settled without looking at their numbers, however many
+//! rules ask.
 
 use super::bits::Bits;
 use super::compare::{compare_columns, compare_slice, compare_word, holds, pack_all, range, settled};
