@@ -1,6 +1,7 @@
 """Fixtures: the bundled simulated drives, ingested, mined and built into a small release by the binary under test."""
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -23,7 +24,7 @@ def run(*args: str | Path) -> str:
 
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that `whyroad demo` writes: lake, mined episodes, labels, and a release."""
+    """The folder that `whyroad demo` writes: lake, mined episodes, label drafts."""
     out = tmp_path_factory.mktemp("demo") / "demo"
     run("demo", "--out", out)
     return out
@@ -31,7 +32,10 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def release(demo: Path) -> Path:
-    """The demo's release."""
-    found = sorted(p.parent for p in demo.rglob("manifest.json") if (p.parent / "data").is_dir())
-    assert found, "the demo builds a release"
-    return found[0]
+    """A release of drafts of the demo's episodes, with rendered bird's-eye images."""
+    spec, out = demo / "spec.yaml", demo / "release"
+    run("dataset", "init", spec)
+    text = re.sub(r"(?m)^( *images:).*$", r"\1 bev", spec.read_text(encoding="utf-8"), count=1)
+    spec.write_text(text, encoding="utf-8")
+    run("dataset", "build", "--spec", spec, "--labels", demo / "mined", "--drafts", "--lake", demo / "lake", "--out", out)
+    return out

@@ -76,7 +76,7 @@ impl SampleWriter for Writer {
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
         let Some(egomotion) = egomotion(sample) else {
-            exported.leave_out(sample, "a pose of the ego is unknown");
+            exported.leave_out(sample, "a pose, speed, acceleration or yaw rate of the ego is unknown");
             return Ok(());
         };
         let languages: &[(Lang, &str)] = match options.language {
@@ -281,9 +281,7 @@ fn egomotion(sample: &Sample) -> Option<Vec<u8>> {
     }
     let mut all: Columns = vec![("timestamp".to_owned(), Arc::new(Int64Array::from(time)))];
     for (name, column) in names.into_iter().zip(columns) {
-        // What is unknown stays unknown: null, not zero.
-        let known = column.into_iter().map(|v| v.is_finite().then_some(v));
-        all.push((name.to_owned(), Arc::new(known.collect::<Float64Array>())));
+        all.push((name.to_owned(), Arc::new(Float64Array::from(column))));
     }
     bytes(all, None).ok()
 }
@@ -300,7 +298,12 @@ fn state(t: &Trajectory, i: usize) -> Option<[f64; 14]> {
     let (speed, accel, rate) = (at(&t.speed), at(&t.accel), at(&t.yaw_rate));
     let (sin, cos) = heading.sin_cos();
     let half = heading / 2.0;
-    let curvature = if speed.abs() > 0.5 { rate / speed } else { f64::NAN };
+    // The reader interpolates every column and refuses values that are not finite. Below 0.5 m/s the direction of travel
+    // is not defined; the bound keeps the curvature finite there.
+    let curvature = rate / speed.abs().max(0.5) * if speed < 0.0 { -1.0 } else { 1.0 };
+    if !(speed.is_finite() && accel.is_finite() && rate.is_finite()) {
+        return None;
+    }
     Some([
         0.0,
         0.0,
