@@ -298,8 +298,8 @@ fn state(t: &Trajectory, i: usize) -> Option<[f64; 14]> {
     let (speed, accel, rate) = (at(&t.speed), at(&t.accel), at(&t.yaw_rate));
     let (sin, cos) = heading.sin_cos();
     let half = heading / 2.0;
-    // The reader interpolates every column and refuses values that are not finite. Below 0.5 m/s the direction of travel
-    // is not defined; the bound keeps the curvature finite there.
+    // The reader interpolates every column and refuses values that are not finite. Below 0.5 m/s the direction of
+    // travel is not defined; the bound keeps the curvature finite there.
     let curvature = rate / speed.abs().max(0.5) * if speed < 0.0 { -1.0 } else { 1.0 };
     if !(speed.is_finite() && accel.is_finite() && rate.is_finite()) {
         return None;
