@@ -80,7 +80,7 @@ fn plain_type(kind: &FieldType, objects: &[Object]) -> String {
         FieldType::Closed(name) => format!("Id<{name}>"),
         FieldType::Object(name) if borrows(kind, objects) => format!("Lean{name}<'t>"),
         FieldType::Object(name) => format!("Lean{name}"),
-        // Not kept one by one: `fold.rs` says what is kept.
+        // Not kept one by one: `form/lean/fields.rs` says what is kept.
         FieldType::List(of) => match &**of {
             FieldType::Object(name) => format!("Folded{name}s<'t>"),
             of => format!("Vec<{}>", plain_type(of, objects)),

@@ -1,22 +1,24 @@
 //! The checker of labels (DATA_FORMAT.md 4.3): documents in, findings out, each with a code, a location and a hint.
 //!
-//! A label takes the fast path first: one typed pass over its bytes ([`lean`]), and the rules ([`rules`]) with a sink
+//! A label takes the fast path first: one typed pass over its bytes ([`form::lean`]), and the rules ([`rulebook`]) with a sink
 //! that only notes whether there was a finding. If there is any doubt, the document is parsed again with spans
-//! (`whyroad_framework::check`), walked tolerantly ([`label`]), and the same rules report in words. Other messages are
+//! (`whyroad_framework::check`), walked tolerantly ([`form::tolerant`]), and the same rules report in words. Other messages are
 //! checked by whyroad-framework. Nothing here opens a file: `Splitter` takes bytes and gives documents.
 
+mod business;
+mod cause;
 mod clips;
 mod codes;
-mod label;
-mod lean;
-mod rules;
-mod trace;
+mod consistency;
+mod form;
+mod rulebook;
 mod view;
 
 pub use clips::{ClipFacts, ClipIndex};
 pub use codes::CODES;
 
-use rules::Rulebook;
+use form::{lean, tolerant};
+use rulebook::Rulebook;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{
     ClassIndex, Document, Finding, MessageKind, Origin, Sink, Verdict, Words, check_document, not_utf8,
@@ -92,7 +94,7 @@ impl<'f> Checker<'f> {
     /// The slow path: everything that is wrong with `text`, whatever the fast path thinks.
     fn explain(&self, text: &str, origin: &Origin, out: &mut Vec<Diagnostic>) -> Verdict {
         check_document(text, origin, &self.classes, out, |walk| {
-            let view = label::read(walk, &self.framework.decisions);
+            let view = tolerant::read(walk, &self.framework.decisions);
             self.rulebook().check(&view, walk);
         })
     }

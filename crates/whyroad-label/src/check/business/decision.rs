@@ -5,7 +5,7 @@ use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::label_fields::pointer;
 
 /// A direction where one belongs, none where none does, and one that the decision can have.
-pub(super) fn direction(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn direction(label: &View<'_>, sink: &mut dyn Sink) {
     const AT: &str = pointer::DRIVING_DECISION_LATERAL_DIRECTION;
     let allowed = match label.lateral {
         Slot::Is(l) => l.directions(),
@@ -50,7 +50,7 @@ pub(super) fn direction(label: &View<'_>, sink: &mut dyn Sink) {
 }
 
 /// Something caused the decision.
-pub(super) fn components(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn components(label: &View<'_>, sink: &mut dyn Sink) {
     if label.components.get().is_some_and(|c| c.count == 0) {
         sink.report(Finding::error("label.components.empty", pointer::CRITICAL_COMPONENTS), &|| {
             Words::new("critical_components 为空", "critical_components is empty")

@@ -4,9 +4,9 @@
 mod fields;
 mod values;
 
-pub(super) use fields::LeanCocLabel;
+pub(in crate::check) use fields::LeanCocLabel;
 
-use super::view::{CauseView, CausesView, KeyframeView, View};
+use crate::check::view::{CauseView, CausesView, KeyframeView, View};
 use fields::{LeanCause, LeanCauses, LeanKeyframe, LeanLinked};
 use values::Text;
 use whyroad_framework::check::Slot;

@@ -1,6 +1,6 @@
 //! The slow path for labels: the basic level of DATA_FORMAT.md 4.3, field by field, into a [`View`].
 
-use super::view::{CauseView, CausesView, Components, KeyframeView, LinkedComponent, View};
+use crate::check::view::{CauseView, CausesView, Components, KeyframeView, LinkedComponent, View};
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::Slot;
 use whyroad_framework::check::closed_set::{ClosedSet, choose, keyframe_type};
@@ -13,7 +13,7 @@ use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{ProvenanceSource, Uncertainty};
 
 /// Reads a label. What is missing or of the wrong form is reported and becomes a hole in the view.
-pub(super) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
+pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
     let mut v = View::default();
     let Some(mut o) = walk.object(walk.root, String::new()) else { return v };
     v.version = text(walk, &mut o, name::VERSION);

@@ -1,14 +1,12 @@
-//! The business and consistency rules of DATA_FORMAT.md 4.3 over a [`View`]. Each rule is next to its
+//! The rules of DATA_FORMAT.md 4.3 and LABELING.md 6 over a [`View`], in order. Each rule is next to its
 //! wording; the wording is only made when it is read, so that the fast path pays for the
 //! question alone.
 
-mod causal;
-mod class;
-mod decision;
-mod moment;
-mod text;
-
+use super::business::{class, decision};
+use super::cause::links;
 use super::clips::{ClipFacts, ClipIndex};
+use super::consistency::{moment, trace_rules};
+use super::form::version;
 use super::view::View;
 use whyroad_framework::check::class_index::{ClassIndex, Found};
 use whyroad_framework::check::{Finding, Sink, Words, scenario};
@@ -25,7 +23,7 @@ pub(super) struct Rulebook<'f> {
 impl Rulebook<'_> {
     /// Runs every rule.
     pub fn check(&self, label: &View<'_>, sink: &mut dyn Sink) {
-        text::version(label, sink);
+        version::version(label, sink);
         let prescribed = match scenario::check(&label.scenario, self.classes, pointer::SCENARIO, sink) {
             Some(Found::Class(p)) => Some(p),
             _ => None,
@@ -38,12 +36,12 @@ impl Rulebook<'_> {
         moment::keyframe(label, clip, sink);
         decision::direction(label, sink);
         decision::components(label, sink);
-        causal::ids(label, sink);
-        causal::evidence(label, sink);
-        causal::causes(label, sink);
-        causal::second_keyframe(label, prescribed, sink);
-        causal::secondary(label, self.classes, sink);
-        text::trace(label, self.lexicon, sink);
+        links::ids(label, sink);
+        links::evidence(label, sink);
+        links::causes(label, sink);
+        links::second_keyframe(label, prescribed, sink);
+        links::secondary(label, self.classes, sink);
+        trace_rules::trace(label, self.lexicon, sink);
     }
 
     fn clip(&self, label: &View<'_>, sink: &mut dyn Sink) -> Option<&ClipFacts> {

@@ -7,7 +7,7 @@ use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
 /// What the class prescribes.
-pub(super) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
+pub(in crate::check) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
     let s = &label.scenario;
     let name = || {
         let l3 = s.l3.get().filter(|l3| *l3 != OTHER);

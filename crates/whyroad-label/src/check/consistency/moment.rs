@@ -14,7 +14,7 @@ const DEFAULT_RATE_HZ: f64 = 10.0;
 const ROUNDING_S: f64 = 0.001;
 
 /// `time_range`: in order, in the clip, frames where the timestamps are.
-pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
+pub(in crate::check) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
     if let (Some(start), Some(end)) = (label.start.get(), label.end.get())
         && start >= end
     {
@@ -60,7 +60,7 @@ pub(super) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut 
 }
 
 /// The keyframe: its type's range, in `time_range` and in the clip, its frame where its timestamp is.
-pub(super) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
+pub(in crate::check) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sink: &mut dyn Sink) {
     let k = &label.keyframe;
     keyframe_range(label, sink);
     if let (Some(t), Some(start), Some(end)) = (k.timestamp.get(), label.start.get(), label.end.get()) {

@@ -9,7 +9,7 @@ use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
 
 /// Component ids are unique: each names one component.
-pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
     for (i, c) in label.linked.iter().enumerate() {
         let Some(id) = c.id.get() else { continue };
         let Some(first) = label.linked[..i].iter().find(|o| o.id == Slot::Is(id)) else { continue };
@@ -27,7 +27,7 @@ pub(super) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
 }
 
 /// What was only to be seen after the keyframe caused nothing. Of two keyframes the later one counts.
-pub(super) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     let second = label.second.get().and_then(|k| k.timestamp.get());
     let Some(keyframe) = label.keyframe.timestamp.get().max(second) else { return };
     for c in &label.linked {
@@ -70,7 +70,7 @@ const LATERAL: CauseChannel = CauseChannel {
 };
 
 /// Each decision names a component, or is UNOBSERVED with a reason.
-pub(super) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
     let known: Vec<&str> = label.linked.iter().filter_map(|c| c.id.get()).collect();
     let longitudinal = label.longitudinal.get().map(|d| d.id());
@@ -148,7 +148,7 @@ fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sin
 }
 
 /// The second keyframe: there where the class has two, not before the first, in the time range.
-pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
+pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink: &mut dyn Sink) {
     let second = match &label.second {
         Slot::Is(k) => k,
         Slot::Broken => return,
@@ -196,7 +196,7 @@ pub(super) fn second_keyframe(label: &View<'_>, class: Option<&Prescribed>, sink
 }
 
 /// Secondary triggers are classes, and others than the primary one.
-pub(super) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn Sink) {
+pub(in crate::check) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn Sink) {
     let s = &label.scenario;
     let primary = [s.l1.get(), s.l2.get(), s.l3.get()].into_iter().flatten().collect::<Vec<_>>().join(".");
     for (i, id) in label.secondary.iter().enumerate().filter_map(|(i, s)| Some((i, s.get()?))) {

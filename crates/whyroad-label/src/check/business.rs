@@ -1,0 +1,4 @@
+//! Business rules (DATA_FORMAT.md 4.3): what the class prescribes, and which decisions go together.
+
+pub(super) mod class;
+pub(super) mod decision;

@@ -1,0 +1,3 @@
+//! Causes (LABELING.md 6): each decision has one that was there to be seen.
+
+pub(super) mod links;

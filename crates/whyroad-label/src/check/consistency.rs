@@ -1,0 +1,5 @@
+//! Consistency (DATA_FORMAT.md 4.3): times with one another, and the trace with the decisions.
+
+pub(super) mod moment;
+mod trace;
+pub(super) mod trace_rules;

@@ -1,0 +1,5 @@
+//! Form (DATA_FORMAT.md 4.3, basic): two readers of a label that give the same view of it, and the format version.
+
+pub(super) mod lean;
+pub(super) mod tolerant;
+pub(super) mod version;
