@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the bundled drives anew: `python3 make.py [OUT_DIR]` (default: this folder).
+"""Makes the bundled drives again: `python3 make.py [OUT_DIR]` (default: this folder).
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). For each drive the network is built from its
 hand-written sources, the simulation is stepped with its script (what cars and people are told to do,

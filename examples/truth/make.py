@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the simulations with known truth anew: `python3 make.py [OUT_DIR]` (default: this folder).
+"""Makes the simulations with known truth again: `python3 make.py [OUT_DIR]` (default: this folder).
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). Two networks: a grid of four crossroads, two of them with lights, and a
 motorway with an on-ramp. Traffic is drawn with a fixed seed. Beside what a log has (`fcd`, `net`, `tls`) the simulator's own

@@ -1,4 +1,4 @@
-//! Labels in: JSON lines of the service's export (`tasks export --format tasks`), plain labels (DATA_FORMAT.md 4), or
+//! Labels in: JSON lines of the service's export (`tasks export --content tasks`), plain labels (DATA_FORMAT.md 4), or
 //! episodes as `whyroad mine` writes them, which are drafted by rule when drafts are asked for. Each line is kept or
 //! dropped with a reason; what is kept goes to a record file, and a short [`Item`] stays in memory.
 

@@ -53,7 +53,7 @@ pub fn schemas(framework: &Framework) -> Vec<SchemaFile> {
     rules::classes(&mut scenario_label["$defs"]["ScenarioLabel"], &["l3"], &framework.taxonomy);
     let mut clip_metadata = of::<ClipMetadataMessage>(
         "clip_metadata",
-        "DATA_FORMAT.md 3.1: what a labeller is told about a clip.",
+        "DATA_FORMAT.md 3.1: what an annotator knows about a clip.",
     );
     rules::classes(&mut clip_metadata["$defs"]["PreLabelScenario"], &["l3"], &framework.taxonomy);
     let mut pre_label = of::<ScenarioPreLabelMessage>(

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     let targets = whyroad_fuzz::all();
     if let Some(unknown) = names.iter().find(|n| targets.iter().all(|t| t.name != **n)) {
         let known: Vec<&str> = targets.iter().map(|t| t.name.as_str()).collect();
-        eprintln!("there is no target '{unknown}'; the targets are {}", known.join(", "));
+        eprintln!("target '{unknown}' not found; the targets are {}", known.join(", "));
         return ExitCode::from(2);
     }
     let chosen = targets.iter().filter(|t| names.is_empty() || names.contains(&t.name));

@@ -9,24 +9,30 @@ use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::{Drive, DriveId};
 
+/// What is fixed about a format.
+#[derive(Clone, Copy, Debug)]
+pub struct FormatAbout {
+    /// Name on the command line and in `DriveMeta::format`.
+    pub name: &'static str,
+    /// One line for the help text: what the format is.
+    pub summary: &'static str,
+    /// An example call for the help text, after `whyroad ingest`.
+    pub example: &'static str,
+    /// Options of this format.
+    pub options: &'static [OptionSpec],
+    /// Codes of the diagnostics of this format; each has a page in `docs/diagnostics/`.
+    pub codes: &'static [&'static str],
+}
+
 /// A recorded format.
 pub trait Adapter: Sync {
+    /// What is fixed about the format.
+    fn about(&self) -> &'static FormatAbout;
+
     /// Name on the command line and in `DriveMeta::format`.
-    fn name(&self) -> &'static str;
-
-    /// One line for the help text: what the format is.
-    fn about(&self) -> &'static str;
-
-    /// An example call for the help text, after `whyroad ingest`.
-    fn example(&self) -> &'static str;
-
-    /// Options of this format.
-    fn options(&self) -> &'static [OptionSpec] {
-        &[]
+    fn name(&self) -> &'static str {
+        self.about().name
     }
-
-    /// Codes of the diagnostics of this format; each has a page in `docs/diagnostics/`.
-    fn codes(&self) -> Vec<&'static str>;
 
     /// Sources at or below `path`, sorted.
     fn find(&self, path: &Path) -> io::Result<Vec<Located>>;

@@ -14,7 +14,7 @@ pub mod rows;
 mod run;
 mod source;
 
-pub use adapter::{Adapter, AdapterRef, DriveSink, Located, SkipReason, Source};
+pub use adapter::{Adapter, AdapterRef, DriveSink, FormatAbout, Located, SkipReason, Source};
 pub use assemble::{kinematics, plausibility};
 pub use encodings::can;
 pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, pai, scenarionet, sumo, table, waymo};
@@ -24,7 +24,7 @@ pub use run::{batches, find_sources, ingest, ingest_each, read};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {
-    let of_adapters = formats::ALL.iter().flat_map(|a| a.0.codes());
+    let of_adapters = formats::ALL.iter().flat_map(|a| a.0.about().codes.iter().copied());
     run::CODES
         .iter()
         .chain(leftover::CODES)

@@ -50,7 +50,7 @@ pub fn draft(
     if !class.is_leaf() {
         notes.push(Bilingual::new(
             "记录不足以判定变体（L3），请标注员确定",
-            "the recording does not tell the variant (L3): choose it",
+            "the recording does not show the variant (L3): choose it",
         ));
     }
 

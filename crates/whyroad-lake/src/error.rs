@@ -30,7 +30,7 @@ pub enum LakeError {
         found: u32,
     },
     /// No such drive.
-    #[error("there is no drive '{0}' in the lake")]
+    #[error("drive '{0}' not found in the lake")]
     DriveMissing(DriveId),
     /// The drive breaks a promise of the scene tables and was not written.
     #[error("drive '{drive}' is not valid: {reason}")]

@@ -12,7 +12,7 @@ pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
     }
     let frames = drive.times.len();
     if frames == 0 {
-        return Some("there is no frame".into());
+        return Some("it has no frame".into());
     }
     if let Some(i) = drive.times.windows(2).position(|w| w[0] >= w[1]) {
         return Some(format!("frame {} is not later than the frame before it", i + 1));

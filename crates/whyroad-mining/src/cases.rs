@@ -12,9 +12,9 @@ pub use file::{CaseKind, Reason};
 use crate::drive::mine_drive;
 use crate::episode::Episode;
 use crate::interpret::STEP;
-use crate::rule::{OTHER, RuleSet};
+use crate::rule::{OTHER, Rule, RuleSet};
 use file::{CaseFile, CaseText};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use table::table;
 use whyroad_model::yaml::{self, DecodeError};
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
@@ -29,47 +29,104 @@ pub struct Tally {
     pub failures: Vec<Diagnostic>,
 }
 
-/// Runs all cases of one file against `rules`.
-pub fn run_cases(file: &str, text: &str, rules: &RuleSet, catalogue: &Catalogue) -> Tally {
-    let mut tally = Tally::default();
-    let tree = yaml::parse(text).map_err(DecodeError::from);
-    let read = tree.and_then(|root| Ok((yaml::from_node::<CaseFile>(&root)?, root)));
-    let (parsed, root) = match read {
-        Ok(read) => read,
-        Err(DecodeError { message, mark }) => {
-            let words = Bilingual::new(
-                format!("用例文件无法读取：{message}"),
-                format!("the cases cannot be read: {message}"),
-            );
-            tally.failures.push(said(file, mark.map(|m| m.line), words));
-            return tally;
-        }
-    };
-    let nodes = root.get("cases").map_or(&[][..], |n| n.items());
-    for (case, node) in parsed.cases.iter().zip(nodes) {
-        let l1 = parsed.l1.clone().unwrap_or_else(|| OTHER.to_owned());
-        let scenario = ScenarioId { l1, l2: parsed.l2.clone(), l3: case.leaf.clone() };
-        let line = Some(node.get("name").unwrap_or(node).mark.line);
-        if let Err(reason) = run(case, &parsed.base, &scenario, rules, catalogue) {
-            tally.failures.push(failure(file, line, &case.name, &reason));
-        }
-        *tally.cases.entry((scenario, case.kind)).or_default() += 1;
-    }
-    tally
+/// What the cases of a framework are run against.
+#[derive(Clone, Copy, Debug)]
+pub struct CaseRunner<'a> {
+    /// The rules in force.
+    pub rules: &'a RuleSet,
+    /// The signals that the cases may state.
+    pub catalogue: &'a Catalogue,
+    /// Rule files in which faults were reported. Cases beside one whose rule could not be made are skipped: their
+    /// failure would only repeat the fault.
+    pub faulty: &'a BTreeSet<String>,
 }
 
-/// Runs the cases of every `scenarios/**/*.cases.yaml` among the texts of a framework, by relative path.
-pub fn run_all_cases(files: &BTreeMap<String, String>, rules: &RuleSet, catalogue: &Catalogue) -> Tally {
-    let mut all = Tally::default();
-    let beside = files.iter().filter(|(p, _)| p.starts_with("scenarios/") && p.ends_with(".cases.yaml"));
-    for (path, text) in beside {
-        let tally = run_cases(path, text, rules, catalogue);
-        all.failures.extend(tally.failures);
-        for (key, n) in tally.cases {
-            *all.cases.entry(key).or_default() += n;
+/// Cases of one class that has no usable rule.
+struct Unruled {
+    cases: usize,
+    first_line: Option<usize>,
+}
+
+impl CaseRunner<'_> {
+    /// Runs the cases of every `scenarios/**/*.cases.yaml` among the texts of a framework, by relative path.
+    pub fn run_all(&self, files: &BTreeMap<String, String>) -> Tally {
+        let mut all = Tally::default();
+        let beside =
+            files.iter().filter(|(p, _)| p.starts_with("scenarios/") && p.ends_with(CASES_EXTENSION));
+        for (path, text) in beside {
+            let tally = self.run(path, text);
+            all.failures.extend(tally.failures);
+            for (key, n) in tally.cases {
+                *all.cases.entry(key).or_default() += n;
+            }
         }
+        all
     }
-    all
+
+    /// Runs all cases of one file.
+    pub fn run(&self, file: &str, text: &str) -> Tally {
+        let mut tally = Tally::default();
+        let tree = yaml::parse(text).map_err(DecodeError::from);
+        let read = tree.and_then(|root| Ok((yaml::from_node::<CaseFile>(&root)?, root)));
+        let (parsed, root) = match read {
+            Ok(read) => read,
+            Err(DecodeError { message, mark }) => {
+                let words = Bilingual::new(
+                    format!("用例文件无法读取：{message}"),
+                    format!("the cases cannot be read: {message}"),
+                );
+                tally.failures.push(said(file, mark.map(|m| m.line), words));
+                return tally;
+            }
+        };
+        let nodes = root.get("cases").map_or(&[][..], |n| n.items());
+        let mut unruled: BTreeMap<ScenarioId, Unruled> = BTreeMap::new();
+        for (case, node) in parsed.cases.iter().zip(nodes) {
+            let l1 = parsed.l1.clone().unwrap_or_else(|| OTHER.to_owned());
+            let scenario = ScenarioId { l1, l2: parsed.l2.clone(), l3: case.leaf.clone() };
+            let line = Some(node.get("name").unwrap_or(node).mark.line);
+            let Some(rule) = self.rules.rules.iter().find(|r| r.scenario == scenario) else {
+                unruled.entry(scenario).or_insert(Unruled { cases: 0, first_line: line }).cases += 1;
+                continue;
+            };
+            if let Err(reason) = run(case, &parsed.base, rule, self) {
+                tally.failures.push(failure(file, line, &case.name, &reason));
+            }
+            *tally.cases.entry((scenario, case.kind)).or_default() += 1;
+        }
+        tally.failures.extend(self.unruled(file, &unruled));
+        tally
+    }
+
+    /// One note for all cases that faulty rules keep from running; else an error for each class that has no rule.
+    fn unruled(&self, file: &str, unruled: &BTreeMap<ScenarioId, Unruled>) -> Vec<Diagnostic> {
+        let rule_file = file.strip_suffix(CASES_EXTENSION).map(|stem| format!("{stem}.yaml"));
+        if rule_file.is_none_or(|f| !self.faulty.contains(&f)) {
+            let one = |(class, u): (&ScenarioId, &Unruled)| {
+                let n = u.cases;
+                let zh = format!("{class} 没有挖掘规则，它的 {n} 个用例未运行");
+                let en = format!("{class} has no mining rule; {} not run", counted(n));
+                said(file, u.first_line, Bilingual::new(zh, en))
+            };
+            return unruled.iter().map(one).collect();
+        }
+        let cases: usize = unruled.values().map(|u| u.cases).sum();
+        if cases == 0 {
+            return vec![];
+        }
+        let classes: Vec<String> = unruled.keys().map(ToString::to_string).collect();
+        let message = Bilingual::new(
+            format!("{cases} 个用例未运行，因为所属规则有错误：{}", classes.join("、")),
+            format!("{} not run, because the rule has faults: {}", counted(cases), classes.join(", ")),
+        );
+        vec![Diagnostic::note("rule.case.skipped", message).in_file(file)]
+    }
+}
+
+const CASES_EXTENSION: &str = ".cases.yaml";
+
+fn counted(cases: usize) -> String {
+    if cases == 1 { "1 case was".to_owned() } else { format!("{cases} cases were") }
 }
 
 fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {
@@ -91,14 +148,11 @@ fn said(file: &str, line: Option<usize>, message: Bilingual) -> Diagnostic {
 fn run(
     case: &CaseText,
     base: &BTreeMap<String, String>,
-    scenario: &ScenarioId,
-    rules: &RuleSet,
-    catalogue: &Catalogue,
+    rule: &Rule,
+    runner: &CaseRunner<'_>,
 ) -> Result<(), Reason> {
-    let rule =
-        rules.rules.iter().find(|r| r.scenario == *scenario).ok_or_else(|| {
-            Bilingual::new(format!("{scenario} 没有规则"), format!("{scenario} has no rule"))
-        })?;
+    let CaseRunner { rules, catalogue, .. } = *runner;
+    let scenario = &rule.scenario;
     let table = table(case, base, catalogue)?;
     for signal in rule.signals() {
         let said = table.frame_columns.contains_key(&signal)

@@ -35,6 +35,7 @@ pub const CODES: &[&str] = &[
     "rule.name",
     "rule.precedence",
     "rule.case",
+    "rule.case.skipped",
     "mine.drive.unreadable",
     "mine.store.unwritable",
     "mine.query.syntax",

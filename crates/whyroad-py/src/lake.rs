@@ -73,7 +73,7 @@ impl Lake {
         for name in &names {
             let Some((def, _)) = catalogue.resolve(name) else {
                 let near = catalogue.similar(name).join(", ");
-                return Err(PyKeyError::new_err(format!("there is no signal '{name}'; similar: {near}")));
+                return Err(PyKeyError::new_err(format!("signal '{name}' not found; similar: {near}")));
             };
             let of = if def.id.scope() == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
             if *rows.get_or_insert(of) != of {
@@ -118,7 +118,7 @@ impl Lake {
         let class = match scenario {
             Some(text) => match framework.taxonomy.resolve(text) {
                 whyroad_framework::Resolution::Found(id) => Some(id),
-                _ => return Err(PyKeyError::new_err(format!("there is no class '{text}'"))),
+                _ => return Err(PyKeyError::new_err(format!("class '{text}' not found"))),
             },
             None => None,
         };

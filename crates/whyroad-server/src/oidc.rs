@@ -37,7 +37,7 @@ pub fn refused_token(reason: Reason) -> Problem {
         403,
         "oidc.token",
         format!("身份提供方的令牌未通过检查（{reason}），未登录"),
-        format!("the identity provider's token did not pass the checks ({reason}): nobody was signed in"),
+        format!("the identity provider's token did not pass the checks ({reason}): sign-in refused"),
     )
     .with(json!({ "reason": reason }))
 }

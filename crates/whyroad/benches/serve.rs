@@ -1,5 +1,5 @@
 //! The labelling service under load: `cargo bench -p whyroad --bench serve [-- ANNOTATORS SECONDS]` (200 and 20 unless
-//! said). `serve/<n>`: so many annotators, each with a task of their own and a connection of their own, each saving a
+//! said). `serve/<n>`: n annotators, each with a separate task and connection, each saving a
 //! change every second, as the page does while somebody types. The service is the real one, on SQLite in a temporary
 //! folder; every answer was given after its commit was on disk. `WHYROAD_BIN` names another build of the program.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // printing is what a bench is for; a panic is its report

@@ -6,11 +6,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_model::Diagnostic;
+use whyroad_signals::Catalogue;
 
-/// The framework in force, with what is wrong in it said on stderr. An error when it has no usable taxonomy.
+/// The framework in force, with what is wrong in it, its signal catalogue included, reported on stderr. An error when it
+/// has no usable taxonomy.
 pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic>)> {
     let Some(dir) = &global.framework else { return Ok((Framework::bundled().clone(), Vec::new())) };
-    let (framework, found) = read(dir)?;
+    let (framework, mut found) = read(dir)?;
+    if let Some(framework) = &framework {
+        found.extend(placed(Some(dir), Catalogue::parse(&framework.signals_yaml).1));
+    }
     for d in &found {
         tell!("{}", crate::output::render_text(d, global.lang));
     }

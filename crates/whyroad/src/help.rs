@@ -92,6 +92,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("The whole lake", "whyroad inspect --lake lake"),
             ("One clip, every signal", "whyroad inspect --lake lake --clip drive_000"),
+            ("As JSON", "whyroad inspect --lake lake --format json"),
         ],
     ),
     (
@@ -108,16 +109,29 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "mine",
         &[
             ("All rules", "whyroad mine --lake lake --out mined"),
-            ("One class", "whyroad mine --lake lake --scenario cutin --out mined-cutin"),
-            ("A custom rule", "whyroad mine --lake lake --rule 'target.gap < 10 m for 1 s' --out close"),
+            ("One class", "whyroad mine --lake lake --scenario cutin --limit 100 --out mined-cutin"),
+            (
+                "A custom rule",
+                "whyroad mine --lake lake --rule 'target.ttc < 2 s for 0.5 s' --name close --out close",
+            ),
+            (
+                "A query, result as JSON",
+                "whyroad mine --lake lake --query query.json --out asked --format json",
+            ),
         ],
     ),
     (
         "explain",
-        &[(
-            "Why a class was found in a clip, or why not",
-            "whyroad explain cutin.urgent --lake lake --clip drive_000",
-        )],
+        &[
+            (
+                "Why a class was found in a clip, or why not",
+                "whyroad explain cutin.urgent --lake lake --clip drive_000",
+            ),
+            (
+                "For a program: every condition over time",
+                "whyroad explain cutin.urgent --lake lake --clip drive_000 --format json",
+            ),
+        ],
     ),
     (
         "rules check",
@@ -185,7 +199,13 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ("restore", &[("Into an empty store", "whyroad restore --from labels.backup --data labels-2")]),
     (
         "report",
-        &[("A page to open in a browser", "whyroad report --lake lake --mined mined --out report.html")],
+        &[
+            ("A page to open in a browser", "whyroad report --lake lake --mined mined --out report.html"),
+            (
+                "In Chinese, at most 100 episodes with an image",
+                "whyroad report --lake lake --mined mined --max-episodes 100 --lang zh",
+            ),
+        ],
     ),
     ("demo", &[("Everything, into a folder", "whyroad demo --out demo")]),
     ("completions", &[("For bash", "whyroad completions bash")]),
@@ -258,6 +278,53 @@ mod tests {
         let of_nothing: Vec<&str> =
             EXAMPLES.iter().map(|(p, _)| *p).filter(|p| !all.iter().any(|path| path == p)).collect();
         assert!(of_nothing.is_empty(), "examples of commands that do not exist: {of_nothing:?}");
+    }
+
+    /// Commands without `--format`, each with the reason.
+    const WITHOUT_FORMAT: &[(&str, &str)] = &[
+        ("taxonomy docs", "writes files"),
+        ("taxonomy schemas", "writes files"),
+        ("dataset init", "writes a file"),
+        ("baseline train", "writes a file"),
+        ("signals derive", "writes files"),
+        ("backup", "writes a file"),
+        ("restore", "fills a store"),
+        ("serve", "runs until it is stopped"),
+        ("tasks export", "prints JSON Lines only"),
+        ("demo", "writes a report, shows the other commands"),
+        ("completions", "prints a script"),
+        ("man", "writes files"),
+    ];
+
+    fn find<'c>(command: &'c Command, path: &str) -> &'c Command {
+        path.split(' ').fold(command, |c, word| c.find_subcommand(word).expect("a command"))
+    }
+
+    #[test]
+    fn every_command_that_prints_data_takes_format_json() {
+        let (line, mut all) = (Cli::command(), Vec::new());
+        leaves(&line, "", &mut all);
+        for path in &all {
+            let option = find(&line, path).get_arguments().find(|a| a.get_long() == Some("format"));
+            let reason = WITHOUT_FORMAT.iter().find(|(p, _)| p == path);
+            assert_eq!(option.is_some(), reason.is_none(), "{path}: --format or a reason why it has none");
+            let Some(option) = option else { continue };
+            let values: Vec<String> =
+                option.get_possible_values().iter().map(|v| v.get_name().to_owned()).collect();
+            assert_eq!(values[..2], ["text", "json"], "{path}");
+            assert_eq!(option.get_default_values(), ["text"], "{path}");
+            assert_eq!(option.get_value_names().unwrap_or_default(), ["FORMAT"], "{path}");
+        }
+        assert!(all.len() > WITHOUT_FORMAT.len() * 2, "{all:?}");
+    }
+
+    #[test]
+    fn examples_are_written_here_alone() {
+        // `with_examples` would replace what a command states itself.
+        let (line, mut all) = (Cli::command(), Vec::new());
+        leaves(&line, "", &mut all);
+        let own: Vec<&String> = all.iter().filter(|p| find(&line, p).get_after_help().is_some()).collect();
+        assert!(own.is_empty(), "{own:?}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::process::ExitCode;
 use whyroad_model::{Diagnostic, Lang};
 
@@ -29,6 +30,51 @@ pub(crate) enum DataFormat {
     Text,
     /// One JSON document
     Json,
+}
+
+/// `--format` of a command that prints data: the same option everywhere.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct Print {
+    /// How to print the result
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub format: DataFormat,
+}
+
+impl Print {
+    /// Prints `data` as JSON, or the text that `text` makes for people.
+    pub fn put<T: Serialize + ?Sized>(self, data: &T, text: impl FnOnce() -> String) -> anyhow::Result<()> {
+        match self.format {
+            DataFormat::Json => put_json(data)?,
+            DataFormat::Text => put(&text()),
+        }
+        Ok(())
+    }
+}
+
+/// How a command prints what it found wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum FindingFormat {
+    /// For people
+    #[default]
+    Text,
+    /// One JSON document: diagnostics and counts
+    Json,
+    /// SARIF 2.1.0, for code hosting and editors
+    Sarif,
+}
+
+/// `--format` of a command that prints findings.
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(crate) struct PrintFindings {
+    /// How to print findings
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    pub format: FindingFormat,
+}
+
+/// Writes a JSON document to stdout, indented.
+pub(crate) fn put_json<T: Serialize + ?Sized>(data: &T) -> anyhow::Result<()> {
+    put(&format!("{}\n", serde_json::to_string_pretty(data)?));
+    Ok(())
 }
 
 /// A diagnostic as text, colored where the stream is a terminal: `tell!` and `put` remove colors elsewhere.

@@ -1,5 +1,5 @@
 """Which scenes are played on which road. Next to scenes that are of a class stand some that look like it and are not (`decoy_*`): people
-on the pavement, cars that reverse in their drive, and so on. Numbers are drawn anew each time."""
+on the pavement, cars that reverse in their drive, and so on. Numbers are drawn again each time."""
 
 from scenes_lanes import (
     cutin_large, cutin_slow, cutin_urgent, decoy_joins_behind, decoy_overtaken, escape, from_kerb, gains_speed, gives_up,

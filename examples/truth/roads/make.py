@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the drives with known truth for the road and the rules anew: `python3 make.py [seen|unseen] [OUT_DIR]`.
+"""Makes the drives with known truth for the road and the rules again: `python3 make.py [seen|unseen] [OUT_DIR]`.
 
 Needs SUMO 1.28.0 and pyarrow (`pip install eclipse-sumo==1.28.0 pyarrow`). Both sets come from the same scripts with another seed
 and on roads of another speed limit: other layouts, sizes, speeds and orders. Beside a set's drives stands its `truth.jsonl`. Two runs give equal bytes.

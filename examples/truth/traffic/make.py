@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the traffic sets anew: `python3 make.py [seen|unseen|second|fresh|all] [OUT_DIR [NETWORK ...]]` (default: all, this folder).
+"""Makes the traffic sets again: `python3 make.py [seen|unseen|second|fresh|all] [OUT_DIR [NETWORK ...]]` (default: all, this folder).
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). For each network of `networks.py` the traffic of `demand.py` is simulated; what a
 recording has (positions around the egos, network, lights) is kept, and `truth.jsonl` is derived by `truth.py` from everything that the

@@ -150,7 +150,7 @@ test("a lost lease stops the sending and keeps the text; with a new lease it goe
   draft.close();
 });
 
-test("undo takes back a deed as a whole, typing in one go as one step, and redo brings it back", () => {
+test("undo takes back an action as a whole, typing in one go as one step, and redo brings it back", () => {
   const draft = opened({ coc_trace: "", driving_decision: { longitudinal: "resume" }, causes: { longitudinal: { components: ["c1"] } } });
   draft.set("/coc_trace", "a");
   draft.set("/coc_trace", "ab");

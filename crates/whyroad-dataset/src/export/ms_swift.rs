@@ -87,7 +87,7 @@ impl SampleWriter for Writer {
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
         if self.rejected == 0 {
-            exported.notes.push("no label was returned by a checker: there is no DPO file".to_owned());
+            exported.notes.push("no label was returned by a checker: no DPO file was written".to_owned());
         }
         exported.notes.push(
             "swift sft --dataset sft.train.jsonl --val_dataset sft.val.jsonl (run it inside this folder: image paths are relative)"

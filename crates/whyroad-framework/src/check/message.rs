@@ -1,4 +1,4 @@
-//! The messages that are not labels (DATA_FORMAT.md 2.2, 3 and 5). There is no fast path; nobody checks gigabytes of
+//! The messages that are not labels (DATA_FORMAT.md 2.2, 3 and 5). A fast path is not needed; nobody checks gigabytes of
 //! these.
 
 mod kind;

@@ -106,7 +106,7 @@ fn wrong(
     sink.report(Finding::error("label.scenario.unknown", pointer), &|| {
         let words = Words::new(
             format!("没有名为 '{id}' 的 {} 类别", key.to_uppercase()),
-            format!("there is no {} class '{id}'", key.to_uppercase()),
+            format!("{} class '{id}' not found", key.to_uppercase()),
         );
         let (l1, l2) = match level {
             Level::L1 => (None, None),

@@ -85,7 +85,7 @@ fn directions(f: &mut Fields, r: &mut FileReport) -> Vec<LateralDirection> {
         match LateralDirection::from_id(&text) {
             Some(d) => out.push(d),
             None => {
-                differs(node, format!("方向 '{text}' 不存在"), format!("there is no direction '{text}'"), r)
+                differs(node, format!("方向 '{text}' 不存在"), format!("direction '{text}' not found"), r)
             }
         }
     }

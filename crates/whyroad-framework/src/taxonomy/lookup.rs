@@ -4,7 +4,7 @@ use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 
 /// `text` names no class; `near` are the ids to suggest, best first.
 pub fn class_not_found(text: &str, near: &[String]) -> Diagnostic {
-    let message = Bilingual::new(format!("没有类别 '{text}'"), format!("there is no class '{text}'"));
+    let message = Bilingual::new(format!("没有类别 '{text}'"), format!("class '{text}' not found"));
     let d = Diagnostic::error("taxonomy.class.unknown", message);
     match near {
         [] => d.with_hint(Bilingual::new(

@@ -277,7 +277,7 @@ fn check_against(taxonomy: &Taxonomy, against: &[(ScenarioId, ScenarioId, &Node)
         } else if !taxonomy.contains(id) {
             let mut d = Diagnostic::error(
                 "taxonomy.against.unknown",
-                Bilingual::new(format!("类别 '{id}' 不存在"), format!("there is no class '{id}'")),
+                Bilingual::new(format!("类别 '{id}' 不存在"), format!("class '{id}' not found")),
             );
             if let Some(near) = taxonomy.nearest(&id.to_string()).first() {
                 d = d.with_hint(suggestion(&near.to_string()));
@@ -412,7 +412,7 @@ fn read_members<T>(
                 };
                 let message = Bilingual::new(
                     format!("驾驶决策 '{text}' 不存在"),
-                    format!("there is no driving decision '{text}' on this channel"),
+                    format!("driving decision '{text}' not found on this channel"),
                 );
                 r.push(
                     Diagnostic::error("taxonomy.decision.unknown", message).with_hint(hint),

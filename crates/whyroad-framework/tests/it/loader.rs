@@ -104,7 +104,7 @@ const D: &str = "schema/driving_decisions.yaml";
 const S1: &str = "scenarios/reactive_agent.yaml";
 const S2: &str = "scenarios/reactive_agent/cutin.yaml";
 
-/// File, text, its replacement, the findings with the line where a person would mend it (counted in the texts above;
+/// File, text, its replacement, the findings with the line where a person would fix it (counted in the texts above;
 /// no line where the file is the real one, which may change).
 const BROKEN: &[(&str, &str, &str, &[&str])] = &[
     (T, "version: \"1.0.0\"", "version: 1.0", &["taxonomy.version:1"]),

@@ -61,7 +61,7 @@ pub(crate) fn for_each_tag(path: &Path, mut visit: impl FnMut(Tag)) -> Result<()
                 visit(Tag::Close(e.name().into_inner()));
             }
             Ok(Event::Eof) if depth > 0 => return Err("the file ends inside an element".to_owned()),
-            Ok(Event::Eof) if seen == 0 => return Err("there is no XML element in it".to_owned()),
+            Ok(Event::Eof) if seen == 0 => return Err("the file has no XML element".to_owned()),
             Ok(Event::Eof) => return Ok(()),
             Ok(_) => {}
             Err(e) => return Err(format!("at byte {}: {e}", reader.buffer_position())),

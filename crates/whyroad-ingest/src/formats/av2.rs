@@ -12,7 +12,7 @@ mod map;
 pub(crate) mod map_file;
 mod pose;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::kinematics;
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::se3::{self, Se3};
@@ -39,20 +39,16 @@ const POSE: &str = "city_SE3_egovehicle.feather";
 pub struct Av2;
 
 impl Adapter for Av2 {
-    fn name(&self) -> &'static str {
-        "av2"
-    }
-
-    fn about(&self) -> &'static str {
-        "Argoverse 2 sensor logs: a folder with annotations.feather, poses and a map"
-    }
-
-    fn example(&self) -> &'static str {
-        "av2 path/to/sensor_logs --lake lake"
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "av2",
+                summary: "Argoverse 2 sensor logs: a folder with annotations.feather, poses and a map",
+                example: "av2 path/to/sensor_logs --lake lake",
+                options: &[],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

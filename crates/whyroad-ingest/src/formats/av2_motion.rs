@@ -10,12 +10,12 @@ mod scenario;
 
 use super::av2::ego_box::FORD_FUSION;
 use super::av2::map_file::read_map;
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::Sampled;
 use crate::assemble::geometry::{centre_line, distance};
 use crate::assemble::kinematics::MAX_GAP_S;
 use crate::encodings::columns::read_parquet;
-use crate::options::{OptionSpec, Options, START};
+use crate::options::{Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, impossible_speeds};
 pub(crate) use findings::CODES;
@@ -33,24 +33,16 @@ const REVISION: u32 = 1;
 pub struct Av2Motion;
 
 impl Adapter for Av2Motion {
-    fn name(&self) -> &'static str {
-        "av2-motion"
-    }
-
-    fn about(&self) -> &'static str {
-        "Argoverse 2 motion forecasting: a folder with scenario_*.parquet and a map"
-    }
-
-    fn example(&self) -> &'static str {
-        "av2-motion path/to/scenarios --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[START] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "av2-motion",
+                summary: "Argoverse 2 motion forecasting: a folder with scenario_*.parquet and a map",
+                example: "av2-motion path/to/scenarios --lake lake",
+                options: &[START],
+                codes: CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
@@ -87,7 +79,7 @@ fn read_scenario(dir: &Path, options: &Options, report: &mut SourceReport) -> Op
     let Some(file) = scenario_file(dir) else {
         report
             .diagnostics
-            .push(findings::unreadable(&dir.display().to_string(), "there is no scenario_*.parquet"));
+            .push(findings::unreadable(&dir.display().to_string(), "scenario_*.parquet is missing"));
         return None;
     };
     let label = file.display().to_string();

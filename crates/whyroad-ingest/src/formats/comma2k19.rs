@@ -13,7 +13,7 @@ mod radar;
 mod recording;
 mod state_sources;
 
-use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
 use crate::encodings::can::CanDatabase;
 use crate::options::{OptionSpec, OptionType, Options, START};
 use crate::report::SourceReport;
@@ -40,24 +40,16 @@ const WEEK_S: i64 = 604_800;
 pub struct Comma2k19;
 
 impl Adapter for Comma2k19 {
-    fn name(&self) -> &'static str {
-        "comma2k19"
-    }
-
-    fn about(&self) -> &'static str {
-        "comma2k19 routes: folders of one-minute segments with poses, raw CAN and radar"
-    }
-
-    fn example(&self) -> &'static str {
-        "comma2k19 path/to/routes --dbc car.dbc --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[DBC, START] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "comma2k19",
+                summary: "comma2k19 routes: folders of one-minute segments with poses, raw CAN and radar",
+                example: "comma2k19 path/to/routes --dbc car.dbc --lake lake",
+                options: &[DBC, START],
+                codes: CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

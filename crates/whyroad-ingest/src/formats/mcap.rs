@@ -11,7 +11,7 @@ pub(crate) mod findings;
 mod mapping;
 mod rows;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::mcap_records::{self, Channel};
@@ -46,24 +46,16 @@ const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicl
 pub struct Mcap;
 
 impl Adapter for Mcap {
-    fn name(&self) -> &'static str {
-        "mcap"
-    }
-
-    fn about(&self) -> &'static str {
-        "MCAP recordings: ROS 2 (CDR), protobuf and JSON messages"
-    }
-
-    fn example(&self) -> &'static str {
-        "mcap drive.mcap --mapping topics.yaml --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[MAPPING, LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "mcap",
+                summary: "MCAP recordings: ROS 2 (CDR), protobuf and JSON messages",
+                example: "mcap drive.mcap --mapping topics.yaml --lake lake",
+                options: &[MAPPING, LICENCE],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
@@ -87,7 +79,7 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     (drive, report)
 }
 
-/// A topic: its rule, how its messages are decoded, and what came of them.
+/// A topic: its rule, how its messages are decoded, and the results.
 struct Topic {
     rule: Rule,
     schema: String,
@@ -339,7 +331,7 @@ fn tracks(
 ) -> Vec<Track> {
     let count = &mut recording.object_rows;
     let (world, own) = poses.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
-    let mut strangers: BTreeMap<String, usize> = BTreeMap::new();
+    let mut foreign: BTreeMap<String, usize> = BTreeMap::new();
     let mut objects: BTreeMap<String, (String, BTreeMap<i64, Sample>)> = BTreeMap::new();
     for row in std::mem::take(&mut recording.objects) {
         let id = row.frame_id.as_str();
@@ -349,7 +341,7 @@ fn tracks(
         });
         let pose = match frame {
             None => {
-                *strangers.entry(row.frame_id.clone()).or_default() += 1;
+                *foreign.entry(row.frame_id.clone()).or_default() += 1;
                 count.drop_rows("unknown_frame", 1);
                 continue;
             }
@@ -372,7 +364,7 @@ fn tracks(
             None => count.keep("track", 1),
         }
     }
-    report.diagnostics.extend(strangers.iter().map(|(id, n)| findings::frame(label, id, *n)));
+    report.diagnostics.extend(foreign.iter().map(|(id, n)| findings::frame(label, id, *n)));
     let (mut out, mut unknown, mut impossible) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
     for (id, (name, samples)) in objects {
         let class =

@@ -12,11 +12,11 @@ pub(crate) mod findings;
 mod map;
 mod tables;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::frames::{Sample, Sampled, every_tenth};
 use crate::assemble::kinematics;
 use crate::assemble::se3::{self, Se3};
-use crate::options::{LICENCE, OptionSpec, Options};
+use crate::options::{LICENCE, Options};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
 use bus::BusReading;
@@ -46,24 +46,16 @@ const AXLE_TO_CENTRE_M: f64 = 1.385;
 pub struct NuScenes;
 
 impl Adapter for NuScenes {
-    fn name(&self) -> &'static str {
-        "nuscenes"
-    }
-
-    fn about(&self) -> &'static str {
-        "nuScenes: a folder with the JSON tables; CAN bus and map expansions beside it"
-    }
-
-    fn example(&self) -> &'static str {
-        "nuscenes path/to/v1.0-mini --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "nuscenes",
+                summary: "nuScenes: a folder with the JSON tables; CAN bus and map expansions beside it",
+                example: "nuscenes path/to/v1.0-mini --lake lake",
+                options: &[LICENCE],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

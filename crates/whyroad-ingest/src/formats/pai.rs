@@ -12,10 +12,10 @@ mod findings;
 mod obstacles;
 mod tree;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::kinematics::MAX_GAP_S;
 use crate::encodings::columns::{Columns, read_parquet_bytes};
-use crate::options::{LICENCE, OptionSpec, Options, START};
+use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
 use egomotion::PoseTrack;
@@ -44,24 +44,16 @@ const UNCOVERED_S: f64 = 0.5;
 pub struct PhysicalAiAv;
 
 impl Adapter for PhysicalAiAv {
-    fn name(&self) -> &'static str {
-        "pai"
-    }
-
-    fn about(&self) -> &'static str {
-        "PhysicalAI-AV: a folder with features.csv, clip_index.parquet and downloaded chunks"
-    }
-
-    fn example(&self) -> &'static str {
-        "pai path/to/PhysicalAI-Autonomous-Vehicles --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[START, LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "pai",
+                summary: "PhysicalAI-AV: a folder with features.csv, clip_index.parquet and downloaded chunks",
+                example: "pai path/to/PhysicalAI-Autonomous-Vehicles --lake lake",
+                options: &[START, LICENCE],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

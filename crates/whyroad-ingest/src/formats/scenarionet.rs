@@ -10,11 +10,11 @@ pub(crate) mod findings;
 mod map;
 mod tracks;
 
-use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
 use crate::assemble::frames::{Frames, median};
 use crate::assemble::lane_lights;
 use crate::encodings::pickle::{self, Value};
-use crate::options::{LICENCE, OptionSpec, Options, START};
+use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{
     ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds, resampled,
@@ -41,24 +41,16 @@ const NOT_SCENARIOS: [&str; 2] = ["dataset_summary.pkl", "dataset_mapping.pkl"];
 pub struct ScenarioNet;
 
 impl Adapter for ScenarioNet {
-    fn name(&self) -> &'static str {
-        "scenarionet"
-    }
-
-    fn about(&self) -> &'static str {
-        "ScenarioNet and MetaDrive scenarios: pickles, one scenario each"
-    }
-
-    fn example(&self) -> &'static str {
-        "scenarionet path/to/database --licence CC-BY-4.0 --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[START, LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "scenarionet",
+                summary: "ScenarioNet and MetaDrive scenarios: pickles, one scenario each",
+                example: "scenarionet path/to/database --licence CC-BY-4.0 --lake lake",
+                options: &[START, LICENCE],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
@@ -211,11 +203,11 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
 /// Tracks and times of a scenario; or where something is missing, and what.
 fn parts(root: Value<'_>) -> Result<(Value<'_>, Vec<f64>), (&'static str, String)> {
     if root.entries().is_none() {
-        return Err(("", "is no dict".into()));
+        return Err(("", "is not a dict".into()));
     }
     let tracks = root.get("tracks").ok_or(("/tracks", "is missing".to_owned()))?;
     if tracks.entries().is_none() {
-        return Err(("/tracks", "is no dict".into()));
+        return Err(("/tracks", "is not a dict".into()));
     }
     let ts = root.get("metadata").and_then(|m| m.get("ts").or_else(|| m.get("timestep")));
     let times =

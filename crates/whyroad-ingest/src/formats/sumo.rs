@@ -28,9 +28,9 @@ mod vehicle_types;
 
 pub use options::{EGO, EGO_SHARE, LIGHTS, NET, OCCLUSION, SEED, SENSOR_RANGE, TYPES};
 
-use crate::adapter::{Adapter, DriveSink, Located, SkipReason, Source, whole};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, SkipReason, Source, whole};
 use crate::encodings::compressed::without_ending;
-use crate::options::{OptionSpec, Options};
+use crate::options::Options;
 use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
 use fcd::{Fcd, Object};
@@ -53,24 +53,16 @@ const REVISION: u32 = 7;
 pub struct Sumo;
 
 impl Adapter for Sumo {
-    fn name(&self) -> &'static str {
-        "sumo"
-    }
-
-    fn about(&self) -> &'static str {
-        "SUMO simulations: floating car data (FCD) as XML or CSV, with the network"
-    }
-
-    fn example(&self) -> &'static str {
-        "sumo path/to/runs --ego ego --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        options::ALL
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "sumo",
+                summary: "SUMO simulations: floating car data (FCD) as XML or CSV, with the network",
+                example: "sumo path/to/runs --ego ego --lake lake",
+                options: options::ALL,
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

@@ -19,8 +19,8 @@ mod signs;
 mod states;
 mod words;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source, whole};
-use crate::options::{LICENCE, OptionSpec, Options, START};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
+use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible_span, resampled};
 pub(crate) use findings::CODES;
@@ -39,24 +39,16 @@ const REVISION: u32 = 3;
 pub struct Table;
 
 impl Adapter for Table {
-    fn name(&self) -> &'static str {
-        "table"
-    }
-
-    fn about(&self) -> &'static str {
-        "tables: Parquet or CSV files in the documented layout, for any other log"
-    }
-
-    fn example(&self) -> &'static str {
-        "table path/to/drives --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[START, LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "table",
+                summary: "tables: Parquet or CSV files in the documented layout, for any other log",
+                example: "table path/to/drives --lake lake",
+                options: &[START, LICENCE],
+                codes: CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

@@ -8,12 +8,12 @@
 pub(crate) mod findings;
 mod scenario;
 
-use crate::adapter::{Adapter, DriveSink, Located, Source};
+use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::feature_map;
 use crate::assemble::frames::{Frames, Sampled, median};
 use crate::assemble::lane_lights;
 use crate::encodings::tfrecord;
-use crate::options::{LICENCE, OptionSpec, Options, START};
+use crate::options::{LICENCE, Options, START};
 use crate::report::{RowCount, SourceReport};
 use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, impossible_speeds, resampled,
@@ -35,24 +35,16 @@ const MAX_GAP_S: f64 = 0.25;
 pub struct WaymoMotion;
 
 impl Adapter for WaymoMotion {
-    fn name(&self) -> &'static str {
-        "waymo-motion"
-    }
-
-    fn about(&self) -> &'static str {
-        "Waymo Open Motion Dataset: TFRecord files of scenarios"
-    }
-
-    fn example(&self) -> &'static str {
-        "waymo-motion path/to/tfrecords --lake lake"
-    }
-
-    fn options(&self) -> &'static [OptionSpec] {
-        const { &[START, LICENCE] }
-    }
-
-    fn codes(&self) -> Vec<&'static str> {
-        findings::CODES.to_vec()
+    fn about(&self) -> &'static FormatAbout {
+        const {
+            &FormatAbout {
+                name: "waymo-motion",
+                summary: "Waymo Open Motion Dataset: TFRecord files of scenarios",
+                example: "waymo-motion path/to/tfrecords --lake lake",
+                options: &[START, LICENCE],
+                codes: findings::CODES,
+            }
+        }
     }
 
     fn find(&self, path: &Path) -> io::Result<Vec<Located>> {

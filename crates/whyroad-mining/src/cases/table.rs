@@ -154,7 +154,7 @@ fn no_signal(written: &str, meant: &str, catalogue: &Catalogue) -> Reason {
         Some(near) => (format!("；是否想写 '{near}'？"), format!("; did you mean '{near}'?")),
         None => (String::new(), String::new()),
     };
-    Bilingual::new(format!("没有名为 '{written}' 的信号{zh}"), format!("there is no signal '{written}'{en}"))
+    Bilingual::new(format!("没有名为 '{written}' 的信号{zh}"), format!("signal '{written}' not found{en}"))
 }
 
 /// A column like `like` for all objects, in which nothing is said yet.

@@ -106,7 +106,7 @@ impl Lexer<'_> {
             '!' => fault.hint("非写作 not", "write `not`"),
             '/' => fault.hint(
                 "规则中没有除法；比较 x < 2 * y，或乘以小数",
-                "there is no division: compare x < 2 * y, or multiply by a fraction",
+                "division is not supported: compare x < 2 * y, or multiply by a fraction",
             ),
             '（' | '）' | '｛' | '｝' | '，' | '＜' | '＞' | '＝' | '＋' | '－' | '＊' | '％' => {
                 fault.hint("请用半角符号", "write the half-width sign")

@@ -5,12 +5,12 @@ use super::block::duplicates;
 use super::lint::lint;
 use super::origin::{Origin, SourceFile};
 use super::{OTHER, Rule, RuleSet, source};
-use crate::cases::run_cases;
+use crate::cases::CaseRunner;
 use crate::language::{Fault, Span};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_model::yaml::{self, Node, SyntaxError};
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
 /// What was checked, and what is wrong with it.
@@ -77,7 +77,13 @@ fn scenarios(
         let rules = rules.restricted_to(std::slice::from_ref(class));
         checked.rules = rules.rules.len();
         if let Some(cases) = cases {
-            let tally = run_cases(cases.name, cases.text, &rules, catalogue);
+            let has_faults = |d: &Diagnostic| {
+                d.severity == Severity::Error && d.location.file.as_deref() == Some(own.as_str())
+            };
+            let beside = cases.name.replace(".cases.yaml", ".yaml");
+            let faulty = found.iter().any(has_faults).then_some(beside).into_iter().collect();
+            let runner = CaseRunner { rules: &rules, catalogue, faulty: &faulty };
+            let tally = runner.run(cases.name, cases.text);
             checked.cases = tally.cases.values().sum();
             checked.found = tally.failures;
         }
@@ -124,6 +130,7 @@ fn bare(file: SourceFile<'_>, cases: Option<SourceFile<'_>>, yaml: &Node, catalo
         Err(found) => return Checked { found, ..Checked::default() },
     };
     let rules = RuleSet { rules: vec![rule], ..RuleSet::default() };
-    let tally = cases.map(|c| run_cases(c.name, c.text, &rules, catalogue)).unwrap_or_default();
+    let runner = CaseRunner { rules: &rules, catalogue, faulty: &BTreeSet::new() };
+    let tally = cases.map(|c| runner.run(c.name, c.text)).unwrap_or_default();
     Checked { rules: 1, cases: tally.cases.values().sum(), found: tally.failures }
 }

@@ -303,7 +303,7 @@ pub(super) fn needs_a_match(text: &str) -> Fault {
         "rule.type",
         span,
         "when 里还没有匹配：at keyframe、least、greatest 只能用于 require、start、end",
-        "there is no match yet in `when`: at keyframe, least and greatest belong in require, start and end",
+        "`when` has no match yet: at keyframe, least and greatest belong in require, start and end",
     )
 }
 

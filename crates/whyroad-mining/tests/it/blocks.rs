@@ -45,10 +45,10 @@ fn every_fault_of_a_block_is_told_where_it_stands() {
         (6, 5, "the parameter has no reason"),
         (7, 5, "the parameter has no value"),
         (7, 12, "unknown field 'valeu'"),
-        (9, 9, "there is no signal or parameter 'b'"),
+        (9, 9, "signal or parameter 'b' not found"),
         (10, 9, "units do not match: a length (m) and a number without a unit"),
         (11, 5, "c is text, not a list"),
-        (12, 10, "there is no signal or parameter 'target.distnace'"),
+        (12, 10, "signal or parameter 'target.distnace' not found"),
         (13, 3, "unknown field 'mindur'"),
         (14, 17, "expected a time"),
         (15, 14, "expected a time"),
@@ -131,7 +131,7 @@ fn a_bare_rule_is_held_to_the_cases_beside_it() {
         [
             (Some(10), "1 expected, found nothing"),
             (Some(16), "target.distance: units do not match: the signal has m, this has s"),
-            (Some(22), "there is no signal 'target.distanc'; did you mean 'target.distance'?"),
+            (Some(22), "signal 'target.distanc' not found; did you mean 'target.distance'?"),
         ]
     );
     assert!(checked.found.iter().all(|d| d.message.zh.contains("不成立：")), "{:?}", checked.found);

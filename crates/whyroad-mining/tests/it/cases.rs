@@ -1,10 +1,10 @@
 //! The cases beside the rules, all of them; and the proof that the harness can fail.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
 use whyroad_mining::RuleSet;
-use whyroad_mining::cases::{CaseKind, run_cases};
-use whyroad_model::{Lang, diagnostic};
+use whyroad_mining::cases::{CaseKind, CaseRunner};
+use whyroad_model::{Lang, Severity, diagnostic};
 use whyroad_signals::Catalogue;
 
 fn case_files() -> BTreeMap<String, String> {
@@ -21,8 +21,9 @@ fn every_rule_keeps_its_cases() {
     let mut cases = BTreeMap::new();
     let files = case_files();
     let mut failures = String::new();
+    let runner = CaseRunner { rules: &rules, catalogue: Catalogue::bundled(), faulty: &BTreeSet::new() };
     for (file, text) in &files {
-        let tally = run_cases(file, text, &rules, Catalogue::bundled());
+        let tally = runner.run(file, text);
         for d in tally.failures {
             failures += &diagnostic::render_text(&d, Lang::En);
         }
@@ -42,7 +43,7 @@ fn every_rule_keeps_its_cases() {
         }
     }
     let total: usize = cases.values().sum();
-    let l2s: std::collections::BTreeSet<_> = rules.rules.iter().map(|r| r.scenario.l2.clone()).collect();
+    let l2s: BTreeSet<_> = rules.rules.iter().map(|r| r.scenario.l2.clone()).collect();
     assert_eq!(files.len(), l2s.len(), "one file of cases for each L2 with rules");
     println!("{total} cases in {} files", files.len());
     assert!(total >= 4 * rules.rules.len());
@@ -77,7 +78,32 @@ cases:
     expect: []
     not_observable: [ego.lane_change]
 "#;
-    let tally = run_cases("wrong.cases.yaml", wrong, &rules(), Catalogue::bundled());
+    let runner = CaseRunner { rules: &rules(), catalogue: Catalogue::bundled(), faulty: &BTreeSet::new() };
+    let tally = runner.run("wrong.cases.yaml", wrong);
     let places: Vec<_> = tally.failures.iter().map(|d| (d.code, d.location.line)).collect();
     assert_eq!(places, [6, 11, 16, 21].map(|line| ("rule.case", Some(line))));
+}
+
+#[test]
+fn cases_of_a_faulty_rule_are_skipped_with_one_note() {
+    let (cutin, rules) = ("scenarios/reactive_agent/cutin", RuleSet::default());
+    let files = case_files();
+    let text = &files[&format!("{cutin}.cases.yaml")];
+    let run = |faulty: &[String]| {
+        let faulty = faulty.iter().cloned().collect();
+        let runner = CaseRunner { rules: &rules, catalogue: Catalogue::bundled(), faulty: &faulty };
+        runner.run(&format!("{cutin}.cases.yaml"), text)
+    };
+    // Counted by hand in the file: one `- name:` per case.
+    let cases = text.matches("  - name: ").count();
+    let skipped = run(&[format!("{cutin}.yaml")]);
+    let [note] = &skipped.failures[..] else { panic!("{:?}", skipped.failures) };
+    assert_eq!((note.code, note.severity), ("rule.case.skipped", Severity::Note));
+    assert!(note.message.en.starts_with(&format!("{cases} cases were not run")), "{}", note.message.en);
+    // Without a fault that explains it, a missing rule is an error, once per class.
+    let missing = run(&["scenarios/reactive_agent/animal.yaml".to_owned()]);
+    let classes: BTreeSet<&str> = missing.failures.iter().map(|d| d.message.en.as_str()).collect();
+    assert_eq!(classes.len(), missing.failures.len(), "{classes:?}");
+    assert!(missing.failures.iter().all(|d| d.code == "rule.case" && d.severity == Severity::Error));
+    assert!(!missing.failures.is_empty() && missing.cases.is_empty());
 }

@@ -1,4 +1,4 @@
-//! What mining looked for and what came of it, leaf by leaf: `coverage.json`. Not one of DATA_FORMAT.md's
+//! What mining looked for and found, leaf by leaf: `coverage.json`. Not one of DATA_FORMAT.md's
 //! messages; a rule that could not be decided is never counted as one that found nothing.
 
 use crate::decision::closed_set;

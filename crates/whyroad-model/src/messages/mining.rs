@@ -27,7 +27,7 @@ pub struct MiningQuery {
     /// How long they must hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_constraints: Option<TimeConstraints>,
-    /// At most so many clips, the best first; absent or null is all.
+    /// Maximum number of clips, the best first; absent or null is all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_limit: Option<u32>,
 }

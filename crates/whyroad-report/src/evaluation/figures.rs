@@ -143,7 +143,7 @@ fn quantile(values: &[f64], q: f64) -> Option<f64> {
     sorted.get(rank - 1).copied()
 }
 
-/// The episodes, and what became of each.
+/// The episodes, and the verdict on each.
 pub(super) struct Outcome<'a> {
     /// All of them.
     pub episodes: &'a [EpisodeRecord],

@@ -132,6 +132,6 @@ impl TruthSet {
 fn unknown(class: &ScenarioId) -> Bilingual {
     Bilingual::new(
         format!("分类体系中没有 '{class}'，已跳过"),
-        format!("there is no class '{class}' in the taxonomy; it is left out"),
+        format!("class '{class}' not found in the taxonomy; the entry is left out"),
     )
 }

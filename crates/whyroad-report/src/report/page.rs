@@ -92,7 +92,7 @@ fn unexplained(m: &mut Markup, context: &ReportContext<'_>) {
     if other.state == whyroad_model::messages::CoverageState::NotObservable {
         m.say(
             "决策时刻不可观测，因此不知道有多少没有类别能解释。",
-            "Decision moments cannot be seen in these drives, so nobody knows how many no class explains.",
+            "Decision moments are not observable in these drives; how many are unexplained is unknown.",
         );
     } else {
         m.say("没有类别能解释的决策时刻（other）：", "Decision moments that no class explains (other): ");

@@ -16,7 +16,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/setup",
         Access::Anyone,
-        "Make the first admin; only while there is no user",
+        "Create the first admin; only while no user exists",
         session::setup,
     )
     .takes::<Setup>()
@@ -144,7 +144,7 @@ pub static ROUTES: &[Route] = &[
     Route::post(
         "/projects/{p}/tasks:next",
         Access::Member,
-        "Take the next task of the queue; 204 when there is none",
+        "Take the next task of the queue; 204 when the queue is empty",
         tasks::next,
     )
     .empty_when("the queue has nothing for the caller")

@@ -73,7 +73,7 @@ pub fn of_user(tx: &mut dyn Tx, user: &str) -> Answer<Vec<Token>> {
     tx.rows(sql, values![user])?.iter().map(token).collect()
 }
 
-/// Revokes a token: one's own, or as admin anybody's.
+/// Revokes a token: the caller's, or anybody's as admin.
 pub fn revoke(tx: &mut dyn Tx, id: &str, caller: &User) -> Answer<()> {
     let n = if caller.admin {
         tx.run("DELETE FROM api_tokens WHERE id = $1", values![id])?

@@ -1,5 +1,5 @@
 //! Who may call what, route by route: the OpenAPI document is read, every route is called by every kind of person, and
-//! what comes back is held against a table written here by hand.
+//! answers are compared with a table written here by hand.
 
 use crate::work::Work;
 use crate::world::{Person, World};
@@ -164,7 +164,7 @@ pub fn the_roles_of_a_project_bound_its_work(world: &World) {
     assert_eq!(
         take(&ann).refusal(),
         (403, "task.own_work".into()),
-        "nobody checks their own work, whatever the roles"
+        "you cannot check your own work, whatever your roles"
     );
     let accept = json!({ "action": "accept", "fence": work.fence });
     assert_ne!(ann.post(&work.path("/actions"), &accept).status, 200);

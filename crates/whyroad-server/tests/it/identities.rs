@@ -56,7 +56,7 @@ pub fn no_account_is_taken_over(world: &World) {
         let (_, answer) = enter(&service, &provider);
         assert_eq!(answer.refusal().1, code, "{claims}");
     };
-    // An address that is not verified, or not said to be so in so many words, links to nothing.
+    // An address that is not verified, or not explicitly said to be verified, links to nothing.
     refused(json!({ "sub": "m1", "email": "ann@example.com", "email_verified": false }), "oidc.no_account");
     refused(json!({ "sub": "m1", "email": "ann@example.com" }), "oidc.no_account");
     refused(json!({ "sub": "m1", "email": "ann@example.com", "email_verified": "true" }), "oidc.no_account");

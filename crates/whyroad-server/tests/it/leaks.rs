@@ -321,7 +321,7 @@ pub fn a_second_person_begins_stage_one_with_the_suggestion(world: &World) {
     ann.post(&work.path("/comments"), &json!({ "path": "", "text": "odd" })).fine();
     ann.post(&work.path("/lease"), &json!({ "action": "release", "fence": work.fence })).fine();
     let again = Work::take(&ann, &ids[0]);
-    assert_eq!(again.view()["draft"]["critical_components"], components(), "one's own words stay");
+    assert_eq!(again.view()["draft"]["critical_components"], components(), "the annotator's own words stay");
     world.wait(3600);
     let theirs = Work::take(&bob, &ids[0]);
     let view = theirs.view();

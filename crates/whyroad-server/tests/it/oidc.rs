@@ -244,7 +244,7 @@ pub fn keys_change_and_old_ones_are_forgotten(world: &World) {
     provider.rotates(old);
     key.publishes_only(Key::rsa("new", 0));
     assert_eq!(enter(&service, &provider).1.json()["more"]["reason"], "key");
-    // After an hour all is asked for anew.
+    // After an hour everything is requested again.
     world.wait(3700);
     key.publishes_all();
     enter(&service, &provider).1.fine();

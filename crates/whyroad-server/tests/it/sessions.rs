@@ -111,7 +111,7 @@ pub fn guessing_passwords_is_slowed(world: &World) {
     assert_eq!(wrong("admin").refusal().0, 401, "others do not");
     world.wait(2);
     stranger.post("/session", &right).fine();
-    assert_eq!(wrong("ann").refusal().0, 401, "and the count begins anew");
+    assert_eq!(wrong("ann").refusal().0, 401, "and the count starts again");
     // Who is not there cannot be told from who is.
     assert_eq!(wrong("nobody").json()["detail_en"], wrong("ann").json()["detail_en"]);
 }
@@ -142,7 +142,11 @@ pub fn passwords_and_tokens_are_kept_as_hashes(world: &World) {
     assert!(listed["items"][0].get("token").is_none());
     let id = made["id"].as_str().unwrap();
     let other = world.person(&admin, "", "ann", &[]);
-    assert_eq!(other.call("DELETE", &format!("/tokens/{id}"), None, &[]).status, 404, "only one's own");
+    assert_eq!(
+        other.call("DELETE", &format!("/tokens/{id}"), None, &[]).status,
+        404,
+        "only the caller's own"
+    );
     assert_eq!(admin.call("DELETE", &format!("/tokens/{id}"), None, &[]).status, 200);
     assert_eq!(script.get("/tokens").refusal(), (401, "session.required".into()));
     // A wrong token is not made good by a good cookie.

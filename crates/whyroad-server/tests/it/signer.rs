@@ -1,5 +1,5 @@
 //! Keys made by the test, RSA and elliptic, and tokens signed with them. RSA is done here with whole numbers, as RFC
-//! 8017 writes it, so that the service's verification is not held against the library that does it.
+//! 8017 writes it, so that the service's verification is not compared with the library that does it.
 
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
@@ -161,7 +161,7 @@ impl Key {
         self.token_with(&json!({ "alg": self.algorithm(), "kid": self.kid, "typ": "JWT" }), claims)
     }
 
-    /// The same with a header of one's own.
+    /// The same with a given header.
     pub fn token_with(&self, header: &Value, claims: &Value) -> String {
         let signed = format!("{}.{}", base64url(header.to_string()), base64url(claims.to_string()));
         let signature = match &self.kind {

@@ -187,7 +187,7 @@ fn resolve(w: Written<'_>, report: &mut FileReport<'_>) -> Option<SignalDef> {
     let Some(id) = SignalId::from_name(&w.name) else {
         let name = &w.name;
         let message =
-            Bilingual::new(format!("没有名为 '{name}' 的信号"), format!("there is no signal '{name}'"));
+            Bilingual::new(format!("没有名为 '{name}' 的信号"), format!("signal '{name}' not found"));
         let hint = suggestion_or_known(name, SignalId::ALL.iter().map(|id| id.name()));
         let d = Diagnostic::error("signals.unknown", message);
         let d = if hint.en.starts_with("did you mean") { d.with_hint(hint) } else { d };

@@ -172,7 +172,7 @@ fn the_unknown_stays_unknown() {
     let mut d = drive(10, |t| (20.0 * t, 0.0, 0.0));
     car(&mut d, "braked", |t| (44.0 + 10.0 * t, 0.0, 0.0));
     add(&mut d, "point", Car, (f64::NAN, f64::NAN), |t| (44.0 + 10.0 * t, 0.0, 0.0));
-    // One known value, elsewhere, keeps the log's accelerations from being made anew out of the speeds.
+    // One known value, elsewhere, keeps the log's accelerations from being derived from the speeds.
     let lead = d.tracks.iter_mut().find(|t| t.id.as_str() == "braked").unwrap();
     lead.motion.accel[..9].fill(f64::NAN);
     let t = Table::of(&d);

@@ -1,9 +1,11 @@
 //! `whyroad accounts`: who can sign in to the labelling service, and a new password for one who cannot any more. For
 //! whoever runs the service: they have the store, and need no account of their own.
 
+use crate::output::Print;
 use crate::store_args::error;
 use crate::{Global, output, store_args};
 use anyhow::anyhow;
+use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::process::ExitCode;
 use whyroad_model::Lang;
@@ -26,6 +28,8 @@ enum What {
     /// List accounts
     List {
         #[command(flatten)]
+        print: Print,
+        #[command(flatten)]
         store: store_args::StoreArgs,
     },
     /// Give an account a new password, which is printed, and end its sessions
@@ -34,34 +38,42 @@ enum What {
         #[arg(value_name = "NAME")]
         name: String,
         #[command(flatten)]
+        print: Print,
+        #[command(flatten)]
         store: store_args::StoreArgs,
     },
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     match args.what {
-        What::List { store } => list(&store, global.lang),
-        What::Password { name, store } => password(&store, &name, global.lang),
+        What::List { print, store } => list(&store, print, global.lang),
+        What::Password { name, print, store } => password(&store, &name, print, global.lang),
     }
 }
 
-fn list(store: &store_args::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> {
+fn list(store: &store_args::StoreArgs, print: Print, lang: Lang) -> anyhow::Result<ExitCode> {
     let all = store.open_existing(lang)?.read(people::all).map_err(|p| error(&p, lang))?;
     let (admin, disabled) = match lang {
         Lang::Zh => ("管理员", "已停用"),
         Lang::En => ("administrator", "disabled"),
     };
-    let mut out = String::new();
-    for user in all {
-        let marks: Vec<&str> =
-            [(user.admin, admin), (user.disabled, disabled)].iter().filter(|m| m.0).map(|m| m.1).collect();
-        let _ = writeln!(out, "{:<24}  {}  {}", user.name, user.display, marks.join(", "));
-    }
-    output::put(&out);
+    let rows: Vec<Value> = all
+        .iter()
+        .map(|u| json!({ "name": u.name, "display": u.display, "admin": u.admin, "disabled": u.disabled }))
+        .collect();
+    print.put(&rows, || {
+        let mut out = String::new();
+        for user in &all {
+            let marks = [(user.admin, admin), (user.disabled, disabled)];
+            let marks: Vec<&str> = marks.iter().filter(|m| m.0).map(|m| m.1).collect();
+            let _ = writeln!(out, "{:<24}  {}  {}", user.name, user.display, marks.join(", "));
+        }
+        out
+    })?;
     Ok(output::FINE)
 }
 
-fn password(store: &store_args::StoreArgs, name: &str, lang: Lang) -> anyhow::Result<ExitCode> {
+fn password(store: &store_args::StoreArgs, name: &str, print: Print, lang: Lang) -> anyhow::Result<ExitCode> {
     let store = store.open_existing(lang)?;
     let problem = |p: Problem| error(&p, lang);
     let fresh = secret::random(PASSWORD_BYTES).map_err(problem)?;
@@ -79,6 +91,6 @@ fn password(store: &store_args::StoreArgs, name: &str, lang: Lang) -> anyhow::Re
         Lang::Zh => say!("{} 的新密码（请登录后更改）：", user.name),
         Lang::En => say!("new password of {} (change it after signing in):", user.name),
     }
-    output::put(&format!("{fresh}\n"));
+    print.put(&json!({ "name": user.name, "password": fresh }), || format!("{fresh}\n"))?;
     Ok(output::FINE)
 }

@@ -1,7 +1,7 @@
 //! `whyroad baseline`: a model from the history alone that any other model should beat.
 
 use crate::cmd::dataset::score::{SplitArg, text};
-use crate::output::{self, DataFormat};
+use crate::output::{self, DataFormat, Print};
 use crate::{Global, framework_folder};
 use anyhow::{Context as _, bail};
 use std::collections::BTreeMap;
@@ -68,9 +68,8 @@ struct Evaluate {
     /// Seed of the bootstrap
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// How to print the result
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: DataFormat,
+    #[command(flatten)]
+    print: Print,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -136,8 +135,8 @@ fn evaluate(global: &Global, a: &Evaluate) -> anyhow::Result<ExitCode> {
         counts.iter().map(|(class, by)| (class.as_str(), by.get("train").copied().unwrap_or(0))).collect();
     let options = Options { split, resamples: a.resamples, seed: a.seed };
     let (c, predictions) = compare(&model, &named(&release), &rows, &in_training, options);
-    match a.format {
-        DataFormat::Json => output::put(&format!("{}\n", serde_json::to_string_pretty(&c)?)),
+    match a.print.format {
+        DataFormat::Json => output::put_json(&c)?,
         DataFormat::Text => {
             for method in Method::ALL {
                 if let Some(score) = c.methods.get(&method) {

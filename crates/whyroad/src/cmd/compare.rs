@@ -1,6 +1,6 @@
 //! `whyroad compare A B`: what changed between two mined folders.
 
-use crate::output::{self, DataFormat};
+use crate::output::{self, Print};
 use crate::{Global, framework_folder};
 use anyhow::{Context as _, bail};
 use std::path::{Path, PathBuf};
@@ -28,9 +28,8 @@ pub(crate) struct Args {
     /// Name changed episodes, up to five per class and change
     #[arg(long)]
     examples: bool,
-    /// How to print it
-    #[arg(long, value_enum, default_value = "text")]
-    format: DataFormat,
+    #[command(flatten)]
+    print: Print,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -46,10 +45,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (drives_after, after) = read(&args.after, class.as_ref())?;
     let accepted = args.labels.as_deref().map(|file| accepted(file, &drives_before)).transpose()?;
     let comparison = compare((&drives_before, &before), (&drives_after, &after), accepted.as_deref());
-    output::put(&match args.format {
-        DataFormat::Json => format!("{}\n", serde_json::to_string_pretty(&comparison)?),
-        DataFormat::Text => render(&comparison, global.lang, args.examples),
-    });
+    args.print.put(&comparison, || render(&comparison, global.lang, args.examples))?;
     Ok(output::FINE)
 }
 

@@ -2,7 +2,7 @@
 
 mod scenario_mining;
 
-use crate::output::{DataFormat, render_text};
+use crate::output::{DataFormat, Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
@@ -50,18 +50,8 @@ pub(crate) struct Args {
     /// Name every entry that was missed and every episode that is false
     #[arg(long)]
     details: bool,
-    /// How to print the figures
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: DataFormat,
-    /// The same as --format json
-    #[arg(long, hide = true, conflicts_with = "format")]
-    json: bool,
-}
-
-impl Args {
-    fn is_json(&self) -> bool {
-        self.json || self.format == DataFormat::Json
-    }
+    #[command(flatten)]
+    print: Print,
 }
 
 /// Families of figures.
@@ -106,7 +96,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if let Some(class) = &args.scenario {
         anyhow::ensure!(
             is_class(class),
-            "there is no class '{class}'; `whyroad taxonomy list` shows them all"
+            "class '{class}' not found; `whyroad taxonomy list` shows all classes"
         );
         truth.entries.retain(|e| e.scenario_id.is_within(class));
     }
@@ -114,12 +104,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         return scenario_mining::from_lake(global, &args, &truth, &episodes, lost);
     }
     let evaluation = evaluate(&truth, &episodes);
-    output::put(&if args.is_json() {
-        format!("{}\n", serde_json::to_string_pretty(&evaluation)?)
-    } else {
-        render(&evaluation, global.lang)
-    });
-    if args.details && !args.is_json() {
+    args.print.put(&evaluation, || render(&evaluation, global.lang))?;
+    if args.details && args.print.format == DataFormat::Text {
         output::put(&details(&evaluation, global.lang));
     }
     for d in &lost {

@@ -2,11 +2,12 @@
 //! time.
 
 mod chart;
+mod json;
 mod text;
 
 use super::inspect::drive_of;
 use super::mine::plan::CustomRule;
-use crate::output::render_text;
+use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::path::PathBuf;
@@ -27,7 +28,7 @@ use whyroad_signals::Catalogue;
 /// Arguments of `whyroad explain`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Leaf, or L2 with a rule of its own (full or unambiguous short id); `other` for decision moments
+    /// Leaf, or L2 that has a rule (full or unambiguous short id); `other` for decision moments
     #[arg(value_name = "CLASS", required_unless_present = "rule")]
     class: Option<String>,
     /// A custom rule instead of a class: its text, or a .yaml file that holds one
@@ -39,12 +40,14 @@ pub(crate) struct Args {
     /// Clip to look at
     #[arg(long, value_name = "ID")]
     clip: String,
-    /// Track id of the target; the one that came nearest unless said
+    /// Track id of the target [default: the best candidate]
     #[arg(long, value_name = "ID")]
     target: Option<String>,
     /// Also draw it into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    #[command(flatten)]
+    print: Print,
 }
 
 /// What both forms of output show.
@@ -110,7 +113,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     };
     let explanation = explain(&rule, &table, clip, wanted.as_ref());
     let shown = Shown { class: &rule.scenario, clip: &args.clip, explanation: &explanation };
-    output::put(&text::render(&shown, global.lang));
+    args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {
         std::fs::write(file, truths::render(&chart::chart(&shown, global.lang)))
             .with_context(|| format!("cannot write {}", file.display()))?;
@@ -132,10 +135,7 @@ fn rule_of(class: &str, framework: &Framework, catalogue: &Catalogue) -> Result<
         }
     };
     rules.rules.into_iter().find(|r| r.scenario == class).ok_or_else(|| {
-        let message = Bilingual::new(
-            format!("{class} 没有自己的挖掘规则"),
-            format!("{class} has no mining rule of its own"),
-        );
+        let message = Bilingual::new(format!("{class} 没有挖掘规则"), format!("{class} has no mining rule"));
         let mut found = vec![Diagnostic::error("mine.scenario.no_rule", message).with_hint(Bilingual::new(
             "请指明其下的某个叶子；`whyroad taxonomy list` 列出全部",
             "name one of the leaves below it; `whyroad taxonomy list` lists them",
@@ -158,7 +158,7 @@ fn no_clip(lake: &Lake, written: &str, lang: Lang) -> String {
         Lang::Zh => format!("数据湖中没有片段 '{written}'{hint}；`whyroad inspect --lake DIR` 列出片段"),
         Lang::En => {
             format!(
-                "there is no clip '{written}' in the lake{hint}; `whyroad inspect --lake DIR` lists the clips"
+                "clip '{written}' not found in the lake{hint}; `whyroad inspect --lake DIR` lists the clips"
             )
         }
     }

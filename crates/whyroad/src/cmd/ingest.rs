@@ -4,7 +4,7 @@ mod arguments;
 mod meta;
 mod report;
 
-use crate::output::render_text;
+use crate::output::{DataFormat, render_text};
 use crate::{Global, output};
 pub(crate) use arguments::Args;
 use report::{json_report, text_report};
@@ -12,13 +12,6 @@ use std::process::ExitCode;
 use whyroad_ingest::SourceReport;
 use whyroad_lake::Lake;
 use whyroad_model::{Diagnostic, Severity};
-
-/// Format of the report.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum ReportFormat {
-    Text,
-    Json,
-}
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (sources, problems) = whyroad_ingest::find_sources(args.format, &args.paths);
@@ -48,8 +41,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     bar.finish_and_clear();
 
     match args.print {
-        ReportFormat::Text => output::put(&text_report(&reports, global.lang)),
-        ReportFormat::Json => output::put(&format!("{:#}\n", json_report(&reports, global.lang))),
+        DataFormat::Text => output::put(&text_report(&reports, global.lang)),
+        DataFormat::Json => output::put_json(&json_report(&reports, global.lang))?,
     }
     let mut problems = problems;
     if let Some(facts) = facts {

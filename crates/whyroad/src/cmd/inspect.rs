@@ -1,6 +1,6 @@
 //! `whyroad inspect`: what a lake holds, drive by drive, or for one clip.
 
-use crate::output::{DataFormat, render_text};
+use crate::output::{Print, render_text};
 use crate::text_table::wrapped;
 use crate::{Global, output};
 use std::collections::BTreeMap;
@@ -13,7 +13,6 @@ use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need};
 
 /// Arguments of `whyroad inspect`.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake to look into
     #[arg(long, value_name = "DIR")]
@@ -21,16 +20,9 @@ pub(crate) struct Args {
     /// Only this clip, with the known share of every signal
     #[arg(long, value_name = "ID")]
     clip: Option<String>,
-    /// How to print it
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: DataFormat,
+    #[command(flatten)]
+    print: Print,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  whyroad inspect --lake lake
-  whyroad inspect --lake lake --clip multilane-ego_000
-  whyroad inspect --lake lake --format json";
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let lake = match Lake::open(&args.lake) {
@@ -45,7 +37,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Some(clip) => match drive_of(&lake, clip) {
             Some(id) => vec![id],
             None => anyhow::bail!(
-                "there is no clip '{clip}' in the lake; `whyroad inspect --lake DIR` lists the clips"
+                "clip '{clip}' not found in the lake; `whyroad inspect --lake DIR` lists the clips"
             ),
         },
     };
@@ -69,20 +61,17 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             anyhow::Ok(())
         },
     )?;
-    match args.format {
-        DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&summaries)?)),
-        DataFormat::Text => {
-            let mut text = String::new();
-            if clip.is_none() {
-                text += &lake_text(&lake_summary, global.lang);
-            }
-            for s in &summaries {
-                text.push('\n');
-                text += &drive_text(s, clip.is_some(), global.lang);
-            }
-            output::put(&text);
+    args.print.put(&summaries, || {
+        let mut text = String::new();
+        if clip.is_none() {
+            text += &lake_text(&lake_summary, global.lang);
         }
-    }
+        for s in &summaries {
+            text.push('\n');
+            text += &drive_text(s, clip.is_some(), global.lang);
+        }
+        text
+    })?;
     Ok(match (broken, summaries.is_empty()) {
         (false, _) => output::FINE,
         (true, true) => output::FINDINGS,

@@ -2,8 +2,10 @@
 
 mod sources;
 
+use crate::output::Print;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,8 +44,8 @@ pub(crate) enum SourceFormat {
 #[derive(clap::Args)]
 struct Import {
     /// Format of the source
-    #[arg(value_enum, value_name = "FORMAT")]
-    format: SourceFormat,
+    #[arg(value_enum, value_name = "SOURCE")]
+    source: SourceFormat,
     /// Files, or folders that are searched for files of the format
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<PathBuf>,
@@ -65,6 +67,8 @@ struct Import {
     /// Time of the clips' time 0 [default: that of `ingest` where the drive contains it, else its first frame]
     #[arg(long, value_name = "TIME", value_parser = time)]
     start_time: Option<Nanos>,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn time(text: &str) -> Result<Nanos, String> {
@@ -81,9 +85,9 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let scenario = class(global, a.scenario.as_deref())?;
     let lake = Lake::open(&a.lake).with_context(|| format!("cannot open the lake {}", a.lake.display()))?;
     let drives = a.drives.as_deref().map(drive_names).transpose()?.unwrap_or_default();
-    let format = sources::name(a.format);
+    let format = sources::name(a.source);
     let by = a.by.as_deref().unwrap_or(format);
-    let mut reading = sources::read(a.format, &a.paths);
+    let mut reading = sources::read(a.source, &a.paths);
     let mut diagnostics = std::mem::take(&mut reading.diagnostics);
     let mut times: BTreeMap<DriveId, Option<Vec<Nanos>>> = BTreeMap::new();
     let (mut lines, mut lost) = (String::new(), 0usize);
@@ -120,10 +124,11 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     }
     let errors = diagnostics.iter().filter(|d: &&Diagnostic| d.severity == Severity::Error).count();
     let (found, written) = (reading.found.len(), reading.found.len() - lost);
-    output::put(&match global.lang {
+    let counts = json!({ "read": found, "written": written, "errors": errors, "out": a.out });
+    a.print.put(&counts, || match global.lang {
         Lang::Zh => format!("读到 {found} 条因果文本；写出 {written} 个标注草稿；{errors} 个错误\n"),
         Lang::En => format!("{found} causal texts read; {written} drafts written; {errors} errors\n"),
-    });
+    })?;
     Ok(match (written, errors) {
         (0, _) => output::FINDINGS,
         (_, 0) => output::FINE,

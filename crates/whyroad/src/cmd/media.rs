@@ -1,7 +1,9 @@
 //! `whyroad media add`: camera images beside a log, attached to a drive of a lake.
 
+use crate::output::Print;
 use crate::{Global, output};
 use anyhow::bail;
+use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_engine::media::{AddImages, ImageSource, ImageStart, MediaError, add_images, camera_name};
@@ -54,6 +56,8 @@ struct Add {
     /// Copy the images into LAKE/media/DRIVE/CAMERA; otherwise the lake stores their paths
     #[arg(long)]
     copy: bool,
+    #[command(flatten)]
+    print: Print,
 }
 
 fn rate(text: &str) -> Result<f64, String> {
@@ -97,14 +101,17 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
     };
     say_rejected(&done.rejected, lang);
     let (camera, added, replaced, rejected) = (&a.camera, done.added, done.replaced, done.rejected.len());
-    output::put(&match lang {
+    let counts = json!({
+        "drive": id.as_str(), "camera": camera, "added": added, "replaced": replaced, "rejected": rejected,
+    });
+    a.print.put(&counts, || match lang {
         Lang::Zh => {
             format!("行程 {id} 的相机 {camera}：{added} 张图片；替换原有 {replaced}，未采用 {rejected}\n")
         }
         Lang::En => {
             format!("{id}, camera {camera}: {added} images; {replaced} replaced, {rejected} rejected\n")
         }
-    });
+    })?;
     if let Some(dir) = done.outside {
         match lang {
             Lang::Zh => say!("图片留在原处：请用 `whyroad serve --media {}` 打开", dir.display()),

@@ -3,7 +3,7 @@
 pub(super) mod plan;
 mod table;
 
-use crate::output::{DataFormat, render_text};
+use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use plan::{CustomRule, rule_name};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,6 @@ use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad mine`.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake to search
     #[arg(long, value_name = "DIR")]
@@ -56,24 +55,15 @@ pub(crate) struct Args {
     /// Also list the classes that some drives cannot answer, with the signals that these drives lack
     #[arg(long)]
     missing: bool,
-    /// How to print what was found
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
-    format: DataFormat,
+    #[command(flatten)]
+    print: Print,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  whyroad mine --lake lake --out mined
-  whyroad mine --lake lake --out cutins --scenario cutin --limit 100
-  whyroad mine --lake lake --out close --rule 'target.ttc < 2 s for 0.5 s' --name close
-  whyroad mine --lake lake --out asked --query query.json --format json";
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
-    let (catalogue, faults_of_signals) = Catalogue::parse(&framework.signals_yaml);
+    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;
     let dir = global.framework.as_deref();
-    findings.extend(say(framework_folder::placed(dir, faults_of_signals), global.lang));
     let plan = match (&args.query, &args.rule) {
         (Some(file), _) => plan::of_query(file, &framework, &catalogue)?,
         (None, Some(rule)) => {
@@ -134,10 +124,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         taxonomy: &framework.taxonomy,
         lang: global.lang,
     };
-    output::put(&match args.format {
-        DataFormat::Text => results.text(args.missing),
-        DataFormat::Json => format!("{:#}\n", results.json()),
-    });
+    args.print.put(&results.json(), || results.text(args.missing))?;
     say!("{}", written(&args.out, global.lang));
     Ok(if lost {
         output::lost_input()

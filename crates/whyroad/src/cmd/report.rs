@@ -1,8 +1,9 @@
 //! `whyroad report`: what mining found, as one self-contained page.
 
-use crate::output::render_text;
+use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,7 +20,6 @@ use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad report`.
 #[derive(clap::Args)]
-#[command(after_help = EXAMPLES)]
 pub(crate) struct Args {
     /// Lake that was mined
     #[arg(long, value_name = "DIR")]
@@ -33,12 +33,9 @@ pub(crate) struct Args {
     /// Maximum number of episodes with an image, primary ones first; the rest is counted
     #[arg(long, value_name = "N", default_value_t = MAX_CARDS)]
     max_episodes: usize,
+    #[command(flatten)]
+    print: Print,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  whyroad report --lake lake --mined mined
-  whyroad report --lake lake --mined mined --out week.html --max-episodes 100 --lang zh";
 
 /// About 30 kB per episode: what a browser still scrolls smoothly.
 pub(crate) const MAX_CARDS: usize = 400;
@@ -68,7 +65,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
-    output::put(&format!("{}\n", args.out.display()));
+    let written = json!({ "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len() });
+    args.print.put(&written, || format!("{}\n", args.out.display()))?;
     Ok(if !lost.is_empty() {
         output::lost_input()
     } else if faults.is_empty() {

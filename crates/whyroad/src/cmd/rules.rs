@@ -1,6 +1,7 @@
 //! `whyroad rules`: checks of files that hold mining rules.
 
-use super::taxonomy::{FindingFormat, lint};
+use super::taxonomy::lint;
+use crate::output::PrintFindings;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use clap::Subcommand;
@@ -29,21 +30,20 @@ enum Command {
         /// Rule files (.yaml)
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
-        /// Form of the output
-        #[arg(long, value_enum, default_value = "text")]
-        format: FindingFormat,
+        #[command(flatten)]
+        print: PrintFindings,
     },
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
-    let Command::Check { files, format } = args.command;
+    let Command::Check { files, print } = args.command;
     let framework = match &global.framework {
         Some(dir) => framework_folder::read_folder(dir)?,
         None => Framework::bundled_files(),
     };
     let signals = framework.get("schema/signals.yaml").map(String::as_str).unwrap_or_default();
-    let (catalogue, _) = Catalogue::parse(signals);
-    let mut found = Vec::new();
+    let (catalogue, found) = Catalogue::parse(signals);
+    let mut found = framework_folder::placed(global.framework.as_deref(), found);
     let mut tallies = Vec::new();
     for file in &files {
         let text = read(file)?;
@@ -56,7 +56,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         tallies.push(tally(&name, &checked, global.lang));
         found.extend(checked.found);
     }
-    lint::print(&found, format, global.lang);
+    lint::print(&found, print.format, global.lang);
     for line in tallies {
         say!("{line}");
     }

@@ -1,6 +1,6 @@
 //! `whyroad signals`: the catalogue of signals that rules can speak of.
 
-use crate::output::{DataFormat, render_text};
+use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -22,17 +22,15 @@ pub(crate) struct Args {
 enum SignalsCommand {
     /// List all signals: name, type, unit, what they need from a log
     List {
-        /// How to print it
-        #[arg(long, value_enum, default_value = "text")]
-        format: DataFormat,
+        #[command(flatten)]
+        print: Print,
     },
     /// Show one signal, by name or alias
     Show {
         /// Name or alias: target.gap, ttc, target_vehicle.lateral_offset
         name: String,
-        /// How to print it
-        #[arg(long, value_enum, default_value = "text")]
-        format: DataFormat,
+        #[command(flatten)]
+        print: Print,
     },
     /// Derive the signals of all drives of a lake and store them beside the drives, as `mine` does on the way
     Derive {
@@ -49,26 +47,20 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if let SignalsCommand::Derive { lake, jobs } = &args.command {
         return Ok(derive(lake, jobs.map(usize::from), global.lang));
     }
-    let (framework, _) = framework_folder::load(global)?;
-    let (catalogue, found) = Catalogue::parse(&framework.signals_yaml);
-    for d in &found {
-        tell!("{}", render_text(d, global.lang));
-    }
+    let (framework, found) = framework_folder::load(global)?;
+    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let code = if found.is_empty() { output::FINE } else { output::FINDINGS };
     match args.command {
-        SignalsCommand::List { format: DataFormat::Json } => {
-            output::put(&format!("{:#}\n", Value::from_iter(catalogue.iter().map(as_json))));
+        SignalsCommand::List { print } => {
+            let all: Vec<Value> = catalogue.iter().map(as_json).collect();
+            print.put(&all, || table(&catalogue, global.lang))?;
         }
-        SignalsCommand::List { format: DataFormat::Text } => output::put(&table(&catalogue, global.lang)),
-        SignalsCommand::Show { name, format } => {
+        SignalsCommand::Show { name, print } => {
             let Some((signal, _)) = catalogue.resolve(&name) else {
                 tell!("{}", render_text(&unknown(&catalogue, &name), global.lang));
                 return Ok(output::FINDINGS);
             };
-            output::put(&match format {
-                DataFormat::Json => format!("{:#}\n", as_json(signal)),
-                DataFormat::Text => page(signal, global.lang),
-            });
+            print.put(&as_json(signal), || page(signal, global.lang))?;
         }
         SignalsCommand::Derive { .. } => {}
     }
@@ -101,7 +93,7 @@ fn derive(lake: &Path, jobs: Option<usize>, lang: Lang) -> ExitCode {
 }
 
 fn unknown(catalogue: &Catalogue, name: &str) -> Diagnostic {
-    let message = Bilingual::new(format!("没有信号 '{name}'"), format!("there is no signal '{name}'"));
+    let message = Bilingual::new(format!("没有信号 '{name}'"), format!("signal '{name}' not found"));
     let near = catalogue.similar(name).join(", ");
     let hint = if near.is_empty() {
         Bilingual::new("用 whyroad signals list 查看全部信号", "whyroad signals list shows them all")

@@ -1,10 +1,12 @@
 //! `whyroad tasks`: labelling tasks from episodes, and tasks and labels out of and into the service's store, without
 //! the service running (or beside it: the store takes both).
 
+use crate::output::Print;
 use crate::recordings::ServiceRecordings;
 use crate::store_args::error;
 use crate::{Global, output, store_args};
 use anyhow::{Context as _, anyhow, bail};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -67,6 +69,8 @@ struct Create {
     #[arg(long, value_name = "LANG", value_parser = ["zh", "en"])]
     label_lang: Option<String>,
     #[command(flatten)]
+    print: Print,
+    #[command(flatten)]
     store: store_args::StoreArgs,
 }
 
@@ -79,6 +83,8 @@ struct List {
     #[arg(long, value_name = "STATE")]
     state: Option<String>,
     #[command(flatten)]
+    print: Print,
+    #[command(flatten)]
     store: store_args::StoreArgs,
 }
 
@@ -88,8 +94,8 @@ struct Export {
     #[arg(long, value_name = "NAME")]
     project: String,
     /// Labels, or whole tasks with their history
-    #[arg(long, default_value = "labels", value_parser = ["labels", "tasks"])]
-    format: String,
+    #[arg(long, alias = "format", default_value = "labels", value_parser = ["labels", "tasks"])]
+    content: String,
     /// Format of the labels: 2.1, or 2.0 without what 2.1 added
     #[arg(long, default_value = "2.1", value_parser = ["2.0", "2.1"])]
     format_version: String,
@@ -111,6 +117,8 @@ struct Import {
     /// Lake that has the drives
     #[arg(long, value_name = "DIR")]
     lake: PathBuf,
+    #[command(flatten)]
+    print: Print,
     #[command(flatten)]
     store: store_args::StoreArgs,
 }
@@ -179,46 +187,50 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     let made = create::create(&app, &project, &request, None).map_err(|p| error(&p, global.lang))?;
     made.lost.iter().for_each(|why| say!("{why}"));
     let (new, known, left_out, lost) = (made.tasks.len(), made.known, made.left_out, made.lost.len());
-    output::put(&match global.lang {
+    let counts = json!({
+        "created": new, "already_present": known, "not_selected": left_out, "without_drive": lost,
+    });
+    a.print.put(&counts, || match global.lang {
         Lang::Zh => format!("新建 {new} 个任务；已有 {known}，未选 {left_out}，行程缺失 {lost}\n"),
         Lang::En => {
             format!(
                 "{new} tasks created; {known} already present, {left_out} not selected, {lost} without a drive\n"
             )
         }
-    });
+    })?;
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }
 
 fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
     let problem = |p| error(&p, global.lang);
     let store = a.store.open_existing(global.lang)?;
-    let mut out = String::new();
     let Some(name) = &a.project else {
+        let mut all = Vec::new();
         for project in store.read(projects::all).map_err(problem)? {
             let counts = store.read(|tx| transfer::counts(tx, &project.id)).map_err(problem)?;
-            let _ = writeln!(out, "{}  {}", project.name, words(&counts));
+            all.push((project.name, counts));
         }
-        output::put(&out);
+        let rows: Vec<Value> =
+            all.iter().map(|(name, tasks)| json!({ "project": name, "tasks": tasks })).collect();
+        a.print.put(&rows, || {
+            all.iter().map(|(name, counts)| format!("{name}  {}\n", words(counts))).collect()
+        })?;
         return Ok(output::FINE);
     };
     let project = find(&store, name, global.lang)?;
     let (rows, names) = store
         .read(|tx| Ok((transfer::tasks_of(tx, &project, a.state.as_deref())?, tasks::names(tx)?)))
         .map_err(problem)?;
-    for t in rows {
-        let s = tasks::summary(&t, &names);
-        let who = s.assigned_to.or(s.author).unwrap_or_else(|| "-".to_owned());
-        let _ = writeln!(
-            out,
-            "{}  {:<13}  {:<44}  {:<28}  {who}",
-            s.id,
-            s.state.word(),
-            s.scenario_id,
-            s.clip_id
-        );
-    }
-    output::put(&out);
+    let summaries: Vec<_> = rows.iter().map(|t| tasks::summary(t, &names)).collect();
+    a.print.put(&summaries, || {
+        let mut out = String::new();
+        for s in &summaries {
+            let who = s.assigned_to.as_ref().or(s.author.as_ref()).map_or("-", String::as_str);
+            let (state, class, clip) = (s.state.word(), &s.scenario_id, &s.clip_id);
+            let _ = writeln!(out, "{}  {state:<13}  {class:<44}  {clip:<28}  {who}", s.id);
+        }
+        out
+    })?;
     Ok(output::FINE)
 }
 
@@ -230,7 +242,7 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     let problem = |p| error(&p, global.lang);
     let store = a.store.open_existing(global.lang)?;
     let project = find(&store, &a.project, global.lang)?;
-    let format = ExportFormat::from_words(Some(&a.format), Some(&a.format_version), a.state.as_deref())
+    let format = ExportFormat::from_words(Some(&a.content), Some(&a.format_version), a.state.as_deref())
         .map_err(problem)?;
     output::put(&store.read(|tx| transfer::export(tx, &project, &format)).map_err(problem)?);
     Ok(output::FINE)
@@ -256,9 +268,10 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
         say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));
     }
     let (new, known, lost) = (made.tasks, made.known, made.lost.len() + made.more as usize);
-    output::put(&match global.lang {
+    let counts = json!({ "created": new, "already_present": known, "unreadable_lines": lost });
+    a.print.put(&counts, || match global.lang {
         Lang::Zh => format!("新建 {new} 个任务；已有 {known}；无法读取 {lost} 行\n"),
         Lang::En => format!("{new} tasks created; {known} already present; {lost} lines not readable\n"),
-    });
+    })?;
     Ok(if lost > 0 { output::lost_input() } else { output::FINE })
 }

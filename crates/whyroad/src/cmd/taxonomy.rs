@@ -8,6 +8,7 @@ mod reference;
 mod show;
 
 use crate::Global;
+use crate::output::{Print, PrintFindings};
 use clap::{Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -26,18 +27,18 @@ enum Command {
         /// Only this L1 and what is below it
         #[arg(long, value_name = "ID")]
         l1: Option<String>,
-        /// Form of the output
-        #[arg(long, value_enum, default_value = "text")]
-        format: DataFormat,
+        /// How to print the result
+        #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+        format: ListingFormat,
     },
     /// Show one class: meaning, decisions, rules against its neighbours, how it is labelled
     Show {
         /// Full id (reactive_agent.cutin.urgent), prefix (reactive_agent.cutin) or a short id that only one class has
         /// (urgent)
         id: String,
-        /// Form of the output
-        #[arg(long, value_enum, default_value = "text")]
-        format: DataFormat,
+        /// How to print the result
+        #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+        format: ListingFormat,
     },
     /// Check the framework, a taxonomy file (.yaml), or the numbers and classes of a TAXONOMY.md
     ///
@@ -46,9 +47,8 @@ enum Command {
     Lint {
         /// A .yaml or .md file; the whole framework when absent
         file: Option<PathBuf>,
-        /// Form of the output
-        #[arg(long, value_enum, default_value = "text")]
-        format: FindingFormat,
+        #[command(flatten)]
+        print: PrintFindings,
     },
     /// Compare two frameworks or taxonomies, and say whether the step is major, minor or patch
     ///
@@ -60,9 +60,8 @@ enum Command {
         a: PathBuf,
         /// The later one
         b: PathBuf,
-        /// Form of the output
-        #[arg(long, value_enum, default_value = "text")]
-        format: DiffFormat,
+        #[command(flatten)]
+        print: Print,
     },
     /// Write the generated pages of docs/: classes, leaves, signals, labelling tables, diagnostics index
     ///
@@ -87,32 +86,24 @@ enum Command {
     },
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DataFormat {
+/// How classes are printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum ListingFormat {
+    /// For people
+    #[default]
     Text,
+    /// One JSON document
     Json,
+    /// One YAML document
     Yaml,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FindingFormat {
-    Text,
-    Json,
-    Sarif,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DiffFormat {
-    Text,
-    Json,
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     match args.command {
         Command::List { l1, format } => list::run(global, l1.as_deref(), format),
         Command::Show { id, format } => show::run(global, &id, format),
-        Command::Lint { file, format } => lint::run(global, file.as_deref(), format),
-        Command::Diff { a, b, format } => diff::run(global, &a, &b, format),
+        Command::Lint { file, print } => lint::run(global, file.as_deref(), print.format),
+        Command::Diff { a, b, print } => diff::run(global, &a, &b, print),
         Command::Docs { check, out } => {
             generate::docs(global, generate::Action::from_flag(check), out.as_deref())
         }

@@ -3,9 +3,10 @@
 mod input;
 mod printer;
 
+use crate::output::PrintFindings;
 use crate::{Global, framework_folder, output};
 use input::{How, Source, Sources};
-use printer::{Format, Printer};
+use printer::Printer;
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,9 +20,8 @@ pub(crate) struct Args {
     /// JSON and JSON Lines files, folders (all .json, .jsonl and .ndjson in them), or - for standard input
     #[arg(required = true, value_name = "PATH")]
     paths: Vec<PathBuf>,
-    /// How to print findings
-    #[arg(long, value_enum, default_value_t = Format::Text)]
-    format: Format,
+    #[command(flatten)]
+    print: PrintFindings,
     /// Clip metadata (JSON or JSON Lines) to hold labels against: known clips, their length, rate and frames
     #[arg(long, value_name = "FILE")]
     clips: Option<PathBuf>,
@@ -57,7 +57,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let stdout = anstream::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
-    let printer = Printer::new(&mut out, args.format, global.lang);
+    let printer = Printer::new(&mut out, args.print.format, global.lang);
     let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };
     let denied = args.deny_warnings;
     match check_all(&mut run, &framework, &args, global.lang) {
@@ -97,7 +97,7 @@ fn check_all(
     if run.totals.documents == 0 {
         let d = Diagnostic::error(
             "label.input.nothing",
-            Bilingual::new("没有任何文档可检查", "there was no document to check"),
+            Bilingual::new("没有任何文档可检查", "no document to check"),
         );
         run.push(d.with_hint(Bilingual::new(
             "文件夹中只读取 .json、.jsonl 和 .ndjson",
@@ -200,7 +200,7 @@ impl Run<'_> {
             foreign.first = foreign.first.take().or(first);
             return Ok(true);
         }
-        // One of ours after all, so the others are mistakes, not strangers.
+        // One of ours after all, so the others are mistakes, not foreign files.
         let Foreign { documents, first } =
             self.foreign.take().unwrap_or(Foreign { documents: 0, first: None });
         self.totals.documents += documents;

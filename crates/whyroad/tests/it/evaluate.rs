@@ -27,7 +27,8 @@ fn the_demo_meets_its_truth_and_a_worse_truth_fails() {
         .map(|d| drives.join(d).join("truth.jsonl").to_str().unwrap().to_owned());
     let mined = dir.path().join("mined");
     let mined = mined.to_str().unwrap();
-    let args = ["evaluate", "--episodes", mined, "--json", "--truth", &truth[0], &truth[1], &truth[2]];
+    let args =
+        ["evaluate", "--episodes", mined, "--format", "json", "--truth", &truth[0], &truth[1], &truth[2]];
     let output = whyroad(&args);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -44,7 +45,7 @@ fn the_demo_meets_its_truth_and_a_worse_truth_fails() {
     let lake = dir.path().join("lake");
     let sequences = dir.path().join("sequences");
     let (lake, sequences) = (lake.to_str().unwrap(), sequences.to_str().unwrap());
-    let metric = ["evaluate", "--metric", "av2-scenario-mining", "--json"];
+    let metric = ["evaluate", "--metric", "av2-scenario-mining", "--format", "json"];
     let rest = [
         "--episodes",
         mined,

@@ -1,4 +1,4 @@
-//! `whyroad ingest` killed in the middle of a source with many drives, and started anew: what was written is not made
+//! `whyroad ingest` killed in the middle of a source with many drives, and started again: what was written is not made
 //! again, and the lake is the same as after one run. Simulation: `examples/truth/grid`, every vehicle an ego.
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]

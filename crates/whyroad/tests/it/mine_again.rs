@@ -1,4 +1,4 @@
-//! `whyroad mine` again and again on one lake: killed in the middle and started anew, with other numbers of jobs, with
+//! `whyroad mine` again and again on one lake: killed in the middle and started again, with other numbers of jobs, with
 //! a limit. What it writes is the same bytes each time; what was done is not done again.
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
@@ -27,7 +27,7 @@ fn done(mut command: Command) {
     assert!(status.success(), "{command:?}: {status}");
 }
 
-/// The same simulated drive so many times, under names and days of its own.
+/// The same simulated drive n times, under different names and days.
 fn lake(dir: &Path, drives: usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives/multilane");
     for i in 0..drives {

@@ -112,6 +112,29 @@ fn explain_shows_a_match_and_the_nearest_miss() {
 }
 
 #[test]
+fn explain_prints_json() {
+    let lake = lake();
+    let args = ["explain", "cutin.urgent", "--lake", text(lake.path()), "--clip", "multilane-ego_000"];
+    let run = whyroad_in(&root(), &[&args[..], &["--format", "json"]].concat());
+    assert_eq!(run.code, 0, "{}", run.err);
+    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    assert_eq!((&json["outcome"], &json["matched"]), (&"matched".into(), &true.into()), "{}", run.out);
+    assert_eq!(json["roles"]["target"], "cutter");
+    // The spans of every condition cover the clip's frames, 20 s at 10 Hz, without a gap.
+    assert_eq!(json["frames"], 200);
+    let conditions = json["conditions"].as_array().unwrap();
+    assert!(!conditions.is_empty());
+    for course in conditions.iter().map(|c| &c["course"]).chain([&json["when"]]) {
+        let mut end = serde_json::Value::from(0);
+        for span in course["spans"].as_array().unwrap() {
+            assert_eq!(span["start"], end);
+            end = span["end"].clone();
+        }
+        assert_eq!(end, 200);
+    }
+}
+
+#[test]
 fn a_rule_in_one_line_is_mined() {
     let (lake, out) = (lake(), tempfile::tempdir().unwrap());
     let mine = |rule: &str| {

@@ -41,7 +41,7 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     assert_eq!(good(at, "tasks list --project p --state accepted"), "");
 
     assert_eq!(good(at, "tasks export --project p"), "", "nothing is accepted yet");
-    let tasks = good(at, "tasks export --project p --format tasks");
+    let tasks = good(at, "tasks export --project p --content tasks");
     let first = &lines(&tasks)[0]["task"];
     assert_eq!((&first["state"], &first["history"][0]["action"]), (&json!("open"), &json!("create")));
     let drafts = good(at, "tasks export --project p --state open --format-version 2.0");
@@ -60,7 +60,7 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     let again = good(at, "tasks import tasks.jsonl --project q --lake DEMO/lake");
     assert_eq!(again, format!("0 tasks created; {count} already present; 0 lines not readable\n"));
     let strip = |text: &str| lines(text).iter().map(|l| l["task"]["draft"].clone()).collect::<Vec<_>>();
-    assert_eq!(strip(&good(at, "tasks export --project q --format tasks")), strip(&tasks));
+    assert_eq!(strip(&good(at, "tasks export --project q --content tasks")), strip(&tasks));
     let labels = run(at, "tasks import labels.jsonl --project r --lake DEMO/lake");
     assert_eq!(labels.code, 3, "a line was lost");
     // The added line is the last one, and the exported drafts stand before it.

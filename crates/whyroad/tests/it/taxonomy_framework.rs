@@ -77,6 +77,44 @@ fn lint_checks_what_is_written_in_the_rule_language() {
 }
 
 #[test]
+fn a_broken_rule_is_reported_once_and_its_cases_are_skipped() {
+    let folder = framework(&[(CUTIN, "target.wheel_over_line and", "target.weel_over_line and")]);
+    let run = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "lint", "--format", "json"]);
+    let found: Value = serde_json::from_str(&run.out).unwrap();
+    let codes: Vec<&str> =
+        found["diagnostics"].as_array().unwrap().iter().map(|d| d["code"].as_str().unwrap()).collect();
+    assert_eq!(run.code, 1);
+    assert!(codes.contains(&"rule.signal.unknown"), "{codes:?}");
+    assert_eq!(codes.iter().filter(|c| **c == "rule.case.skipped").count(), 1, "{codes:?}");
+    assert!(!codes.contains(&"rule.case"), "{codes:?}");
+}
+
+#[test]
+fn every_command_reports_faults_of_the_signal_catalogue() {
+    let (from, to) =
+        ("scope: frame\n    type: number\n    unit: m/s3", "scope: target\n    type: number\n    unit: m/s3");
+    let folder = framework(&[("schema/signals.yaml", from, to)]);
+    let lake = folder.path().join("lake");
+    let drive = root().join("examples/drives/multilane");
+    let (lake, drive) = (lake.to_str().unwrap(), drive.to_str().unwrap());
+    let run = whyroad_in(folder.path(), &["ingest", "sumo", drive, "--lake", lake]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let run = whyroad_in(folder.path(), &["mine", "--lake", lake, "--scenario", "aeb", "--out", "mined"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    for args in [
+        &["explain", "cutin.urgent", "--lake", lake, "--clip", "multilane-ego_000"][..],
+        &["report", "--lake", lake, "--mined", "mined"],
+        &["rules", "check", "mine/scenarios/safety/aeb.yaml"],
+        &["taxonomy", "list"],
+    ] {
+        let run = whyroad_in(folder.path(), &[&["--framework", "mine"], args].concat());
+        let said = format!("{}{}", run.out, run.err);
+        assert_eq!(said.matches("error[signals.changed]").count(), 1, "{args:?}: {said}");
+        assert!(said.replace('\\', "/").contains("mine/schema/signals.yaml:"), "{args:?}: {said}");
+    }
+}
+
+#[test]
 fn lint_shows_a_rule_as_a_person_reads_it() {
     let folder = framework(&[(CUTIN, "[\"target.ttc < urgent_ttc\"]", "[\"target.tcc < urgent_ttc\"]")]);
     for lang in ["en", "zh"] {

@@ -115,7 +115,7 @@ fn figures(set: &Set, only: Option<&[String]>) -> (Value, String) {
     let mut args = words(&["evaluate", "--episodes", &mined, "--truth"]);
     args.extend((0..set.truth.len()).map(|i| at(&format!("truth{i:03}.jsonl"))));
     let table = whyroad(&args);
-    args.extend(words(&["--json"]));
+    args.extend(words(&["--format", "json"]));
     (serde_json::from_str(&whyroad(&args)).unwrap(), table)
 }
 

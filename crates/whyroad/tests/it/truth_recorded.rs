@@ -46,7 +46,7 @@ fn what_a_person_saw_is_found() {
         .iter()
         .map(|name| truth.join(format!("{name}.truth.jsonl")).to_str().unwrap().to_owned())
         .collect();
-    let mut args = vec!["evaluate", "--episodes", &mined, "--json"];
+    let mut args = vec!["evaluate", "--episodes", &mined, "--format", "json"];
     for file in &files {
         args.extend(["--truth", file]);
     }

@@ -326,7 +326,7 @@ fn nothing_to_check_is_not_fine() {
 }
 
 #[test]
-fn strangers_in_a_folder_are_left_alone_but_not_among_labels() {
+fn foreign_files_in_a_folder_are_left_alone_but_not_among_labels() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("d")).unwrap();
     let stranger = "{\"rows\": 1}\n";

@@ -68,7 +68,7 @@ pub(super) fn query<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Class
 fn clauses<'d>(walk: &mut Walk<'d>, items: &'d [Node<'d>], at: &str) {
     if items.is_empty() {
         walk.report(Finding::error("message.query.clause", at.to_owned()), &|| {
-            Words::new("没有条件", "there are no conditions")
+            Words::new("没有条件", "no conditions are given")
         });
     }
     for (i, item) in items.iter().enumerate() {

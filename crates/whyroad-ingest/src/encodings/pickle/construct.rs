@@ -10,14 +10,14 @@ impl Machine<'_> {
     fn list(&self, at: Ref) -> Step<&[Ref]> {
         match self.node(at) {
             Node::List(all) => Ok(all),
-            _ => self.malformed("arguments that are no tuple"),
+            _ => self.malformed("arguments that are not a tuple"),
         }
     }
 
     /// What a call of one of the known names gives. Nothing is called: each name has its meaning here.
     pub fn construct(&mut self, callee: Ref, args: Ref) -> Step<()> {
         let &Node::Name(name) = self.node(callee) else {
-            return self.malformed("a call of what is no name");
+            return self.malformed("a call of something that is not a name");
         };
         let args: Vec<Ref> = self.list(args)?.iter().take(4).copied().collect();
         let node = match (name, &args[..]) {
@@ -95,7 +95,7 @@ impl Machine<'_> {
         for &r in self.list(shape)?.iter().take(8) {
             match self.node(r) {
                 &Node::Int(i) if i >= 0 => sizes.push(i as usize),
-                _ => return self.malformed("an array whose shape is no list of sizes"),
+                _ => return self.malformed("an array whose shape is not a list of sizes"),
             }
         }
         let (node, copied) = self.shaped(self.dtype(dtype)?, sizes, fortran, data)?;

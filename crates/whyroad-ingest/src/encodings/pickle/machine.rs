@@ -295,7 +295,7 @@ impl Machine<'_> {
         let list = self.top()?;
         match &mut self.nodes[list.0 as usize] {
             Node::List(all) => all.extend_from_slice(items),
-            _ => return self.malformed("an element for what is no list"),
+            _ => return self.malformed("an element for something that is not a list"),
         }
         Ok(())
     }
@@ -306,7 +306,7 @@ impl Machine<'_> {
         }
         match &mut self.nodes[dict.0 as usize] {
             Node::Dict(all) => all.extend(items.chunks_exact(2).map(|c| (c[0], c[1]))),
-            _ => return self.malformed("an entry for what is no dict"),
+            _ => return self.malformed("an entry for something that is not a dict"),
         }
         Ok(())
     }
@@ -325,7 +325,7 @@ impl Machine<'_> {
     pub fn text_of(&self, at: Ref) -> Step<String> {
         match self.node(at) {
             Node::Text(b) => Ok(String::from_utf8_lossy(self.slice(b)).into_owned()),
-            _ => self.malformed("a name that is no text"),
+            _ => self.malformed("a name that is not text"),
         }
     }
 

@@ -23,7 +23,7 @@ pub(crate) const FORD_FUSION: EgoBox =
 /// A stated centre nearer to the origin than this is the axle, not a box centre, m.
 const AT_ORIGIN_M: f64 = 0.05;
 
-/// What the log's own `EGO_VEHICLE` row says, with the centre mended when it stands on the axle (second value: it was).
+/// What the log's own `EGO_VEHICLE` row says, with the centre corrected when it is on the axle (second value: it was).
 pub(crate) fn from_row(size: [f64; 3], centre: [f64; 3]) -> (EgoBox, bool) {
     let size_known = size.iter().all(|v| *v > 0.0);
     let [length_m, width_m, height_m] =

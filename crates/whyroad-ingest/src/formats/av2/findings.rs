@@ -159,7 +159,7 @@ pub(super) fn pose_missing(dir: &str) -> Diagnostic {
         "av2.pose.missing",
         Bilingual::new(
             "没有 city_SE3_egovehicle.feather：轨迹保留在自车坐标系中，没有自车运动，也没有对地速度",
-            "there is no city_SE3_egovehicle.feather: tracks are kept in the ego's frame, without ego motion and without speeds over ground",
+            "city_SE3_egovehicle.feather is missing: tracks are kept in the ego's frame, without ego motion and without speeds over ground",
         ),
     )
     .in_file(dir)
@@ -205,7 +205,7 @@ pub(super) fn map_missing(dir: &str) -> Diagnostic {
         "av2.map.missing",
         Bilingual::new(
             "没有 log_map_archive_*.json：凡需要车道、路口或人行横道的信号都将是未知",
-            "there is no log_map_archive_*.json: signals that need lanes, junctions or crosswalks will be unknown",
+            "log_map_archive_*.json is missing: signals that need lanes, junctions or crosswalks will be unknown",
         ),
     )
     .in_file(dir)
@@ -265,7 +265,7 @@ pub(super) fn of_map(file: &str, r: &MapReading) -> Vec<Diagnostic> {
             )
             .with_hint(Bilingual::new(
                 "在地图 JSON 中改正该编号，或重新下载地图",
-                "mend the id in the map's JSON, or download the map again",
+                "correct the id in the map's JSON, or download the map again",
             ))
         });
     }

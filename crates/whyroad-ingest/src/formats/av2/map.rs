@@ -82,7 +82,7 @@ pub(super) struct MapReading {
 pub(super) fn read(text: &str) -> Result<MapReading, String> {
     let root: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
     if !root.get("lane_segments").is_some_and(Value::is_object) {
-        return Err("there is no object 'lane_segments'".to_owned());
+        return Err("object 'lane_segments' is missing".to_owned());
     }
     let mut r = MapReading { count: RowCount::new("map"), ..MapReading::default() };
     let segments: Vec<LaneSegment> = features(&root, "lane_segments", &mut r, |s: &LaneSegment| {

@@ -23,7 +23,7 @@ pub(super) fn no_ego(file: &str) -> Diagnostic {
     let message = Bilingual::new(
         format!("没有轨迹 '{EGO}'：自车位姿未知，凡涉及自车的信号都将是未知"),
         format!(
-            "there is no track '{EGO}': the ego's pose is unknown, and with it every signal about the ego"
+            "track '{EGO}' is missing: the ego's pose is unknown, and with it every signal about the ego"
         ),
     );
     Diagnostic::warning("av2.motion.no_ego", message).in_file(file)
@@ -54,7 +54,7 @@ pub(super) fn of_rows(file: &str, s: &Scenario) -> Vec<Diagnostic> {
     }
     if s.tracks.is_empty() {
         let message =
-            Bilingual::new("场景中没有一行可用", "the scenario has no usable row, so there is no drive");
+            Bilingual::new("场景中没有一行可用", "the scenario has no usable row; no drive was made");
         out.push(Diagnostic::error("av2.motion.empty", message));
     }
     out.into_iter().map(|d| d.in_file(file)).collect()

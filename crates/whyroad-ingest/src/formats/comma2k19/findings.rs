@@ -13,8 +13,7 @@ pub(crate) const CODES: &[&str] = &[
 ];
 
 pub(super) fn no_pose(source: &str) -> Diagnostic {
-    let message =
-        Bilingual::new("没有可用的位姿，无法建立行程", "no usable pose, so there is no drive to build");
+    let message = Bilingual::new("没有可用的位姿，无法建立行程", "no usable pose; no drive was made");
     let hint = Bilingual::new(
         "检查 global_pose/frame_times、frame_positions、frame_velocities、frame_orientations 是否齐全",
         "see that global_pose/frame_times, frame_positions, frame_velocities and frame_orientations are all there",

@@ -12,7 +12,7 @@ const MAX_OFFSET_S: f64 = 0.05;
 /// A slot that was silent for longer holds another target, s.
 const MAX_SILENCE_S: f64 = 0.25;
 
-/// Tracks at `frames`, and what became of the returns; `None` without radar.
+/// Tracks at `frames`, and how the returns were used; `None` without radar.
 ///
 /// Position: the ego's box centre, half its length forward, then the return. Velocity: the ego's along its heading plus
 /// the relative speed; a radar of this kind does not see sideways motion, so the heading is taken as the ego's (or

@@ -29,7 +29,7 @@ pub(super) fn broken(file: &str, reason: &str) -> Diagnostic {
     )
     .with_hint(Bilingual::new(
         "用 `mcap recover` 修复该文件，或重新复制",
-        "mend the file with `mcap recover`, or copy it again",
+        "repair the file with `mcap recover`, or copy it again",
     ))
     .in_file(file)
 }
@@ -119,7 +119,7 @@ pub(super) fn class(file: &str, names: &str) -> Diagnostic {
         "mcap.class",
         Bilingual::new(
             format!("未知类别，记为 unknown：{names}"),
-            format!("class names that are none of ours, kept as class unknown: {names}"),
+            format!("unknown class names, kept as class unknown: {names}"),
         ),
     )
     .with_hint(Bilingual::new(

@@ -49,7 +49,7 @@ pub(super) fn egomotion_missing(clip: &str) -> Diagnostic {
         "pai.egomotion.missing",
         Bilingual::new(
             "没有可用的自车运动（egomotion）；没有它就没有时间与位置，因此不建立行程",
-            "there is no usable egomotion; without it there is neither time nor position, so there is no drive",
+            "no usable egomotion, hence neither time nor position; no drive was made",
         ),
     )
     .with_hint(Bilingual::new(
@@ -96,7 +96,7 @@ pub(super) fn dimensions(clip: &str, reason: Option<&str>) -> Diagnostic {
         Some(reason) => {
             (format!("车辆尺寸无法读取（{reason}）"), format!("vehicle dimensions cannot be read ({reason})"))
         }
-        None => ("没有车辆尺寸".to_owned(), "there are no vehicle dimensions".to_owned()),
+        None => ("没有车辆尺寸".to_owned(), "vehicle dimensions are missing".to_owned()),
     };
     Diagnostic::warning(
         "pai.dimensions.missing",
@@ -119,7 +119,7 @@ pub(super) fn obstacles_missing(clip: &str) -> Diagnostic {
         "pai.obstacles.missing",
         Bilingual::new(
             "该片段没有 obstacle.offline 的行：周围目标未知，并非没有目标",
-            "there are no rows of obstacle.offline for this clip: objects are unknown, which does not mean that there \
+            "no rows of obstacle.offline for this clip: objects are unknown, which does not mean that there \
              are none",
         ),
     )

@@ -83,7 +83,7 @@ impl Tracks {
             Some(v) => match v.rows() {
                 Some(rows) if rows.len() == n => Ok(Some(rows)),
                 Some(rows) => Err(format!("{key} has {} rows, the scenario {n}", rows.len())),
-                None => Err(format!("{key} is no table of numbers")),
+                None => Err(format!("{key} is not a table of numbers")),
             },
         };
         let at = |rows: &Option<Vec<Vec<f64>>>, i: usize, j: usize| {

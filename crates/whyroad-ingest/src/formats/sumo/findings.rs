@@ -157,7 +157,7 @@ pub(super) fn net_missing(place: &str) -> Diagnostic {
         "sumo.net.missing",
         Bilingual::new(
             "旁边没有 .net.xml：凡需要车道、路口或人行横道的信号都将是未知",
-            "there is no .net.xml beside it: signals that need lanes, junctions or crosswalks will be unknown",
+            ".net.xml is missing beside it: signals that need lanes, junctions or crosswalks will be unknown",
         ),
     )
     .with_hint(Bilingual::new("用 `--net FILE` 指定", "name it with `--net FILE`"))

@@ -49,7 +49,7 @@ impl Meta {
     pub fn read(reader: &mut Reader) -> Option<Self> {
         let folder = reader.dir.display().to_string();
         let Some(path) = drive_file(reader.dir) else {
-            let en = "there is no drive.yaml, which says where in the ego its pose is".to_owned();
+            let en = "drive.yaml is missing; it states the reference point of the ego's pose".to_owned();
             reader.report.diagnostics.push(findings::bad_meta(
                 &folder,
                 "没有 drive.yaml，无法知道自车位姿的参考点".into(),

@@ -54,7 +54,7 @@ pub(super) fn ego_missing(file: &str, index: Option<usize>, tracks: usize) -> Di
         "waymo.ego.missing",
         Bilingual::new(
             format!("sdc_track_index（{index}）不是 {tracks} 条轨迹之一：行程没有自车"),
-            format!("sdc_track_index ({index}) is none of the {tracks} tracks: the drive has no ego"),
+            format!("sdc_track_index ({index}) is outside the {tracks} tracks: the drive has no ego"),
         ),
     )
     .in_file(file)

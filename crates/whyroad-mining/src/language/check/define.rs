@@ -58,7 +58,7 @@ impl Checker<'_> {
             return taken("是信号的名称", "is the name of a signal, or looks like one");
         }
         if TAKEN.contains(&name) || crate::language::token::KEYWORDS.contains(&name) {
-            return taken("在规则里另有含义", "has a meaning of its own in every rule");
+            return taken("在规则里另有含义", "already has a meaning in every rule");
         }
         if self.is_own(name) {
             return taken("已经是另一个参数或定义的名称", "is already a parameter or a definition");

@@ -19,7 +19,7 @@ pub(super) fn unknown<'n>(
         "rule.signal.unknown",
         span,
         format!("没有名为 '{written}' 的信号或参数"),
-        format!("there is no signal or parameter '{written}'"),
+        format!("signal or parameter '{written}' not found"),
     );
     let prefix = TARGET_PREFIXES.iter().find(|p| written.starts_with(**p));
     let plain = prefix.map_or(written.to_owned(), |p| format!("target.{}", &written[p.len()..]));
@@ -96,7 +96,7 @@ pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, 
         "rule.signal.unknown",
         span,
         format!("没有名为 'target.{written}' 的信号，角色 {role} 也就没有 '{written}'"),
-        format!("there is no signal 'target.{written}', so '{role}' has no '{written}'"),
+        format!("signal 'target.{written}' not found, so '{role}' has no '{written}'"),
     );
     let known = catalogue.iter().filter_map(|d| d.name.strip_prefix("target."));
     match nearest(written, known) {

@@ -44,7 +44,7 @@ pub(super) fn unknown_call(name: &str, count: usize, span: Span) -> Fault {
         "rule.call",
         span,
         format!("没有名为 {name} 的运算"),
-        format!("there is no operator '{name}'"),
+        format!("operator '{name}' not found"),
     );
     let all: Vec<&str> = CALLS.iter().map(|(_, form)| *form).collect();
     let all = all.join(", ");

@@ -47,7 +47,7 @@ impl Reader<'_, '_> {
             all.iter().enumerate().map(|(i, c)| self.clause(c, &format!("{pointer}/{i}"))).collect();
         if all.is_empty() {
             let fault =
-                Fault::new("mine.query.syntax", Span::default(), "没有条件", "there are no conditions");
+                Fault::new("mine.query.syntax", Span::default(), "没有条件", "no conditions are given");
             self.found.push(fault.at(self.source.location(pointer)));
             return None;
         }

@@ -1,6 +1,7 @@
 //! `whyroad dataset build`.
 
 use super::{licences, print, query, refused};
+use crate::output::Print;
 use crate::store_args::error as told;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow, bail};
@@ -49,6 +50,8 @@ pub(crate) struct Args {
     /// Drives worked on at once; default: all cores
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
+    #[command(flatten)]
+    print: Print,
 }
 
 pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
@@ -92,7 +95,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     match built {
         Ok(built) => {
             print(global, &built.diagnostics);
-            output::put(&summary(&built, &a.out, global.lang));
+            a.print.put(&built.manifest, || summary(&built, &a.out, global.lang))?;
             let lost = built.diagnostics.iter().any(|d| {
                 matches!(d.code, "dataset.labels.line" | "dataset.labels.drive" | "dataset.drive.unreadable")
             });
@@ -180,13 +183,13 @@ fn files_of(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Tasks with their history, as `whyroad tasks export --format tasks` writes them.
+/// Tasks with their history, as `whyroad tasks export --content tasks` writes them.
 fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<LabelStream>> {
     let location = StoreLocation::parse(source);
     if let StoreLocation::File(path) = &location
         && !path.is_file()
     {
-        bail!("there is no store at {}", path.display());
+        bail!("no store at {}", path.display());
     }
     let folder = Path::new(source).parent().unwrap_or(Path::new("."));
     let store = Store::open_keeping(&location, folder).map_err(|p| told(&p, lang))?;
@@ -198,7 +201,7 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
         .collect();
     if let Some(name) = project.filter(|_| wanted.is_empty()) {
         let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
-        return Err(anyhow!("there is no project '{name}'; there are: {}", names.join(", ")));
+        return Err(anyhow!("no project '{name}'; existing: {}", names.join(", ")));
     }
     wanted
         .into_iter()

@@ -91,11 +91,7 @@ fn finish(
         tell!("{}", render_text(d, global.lang));
     }
     let scores = score(truth, predictions)?;
-    output::put(&if args.is_json() {
-        format!("{}\n", serde_json::to_string_pretty(&scores)?)
-    } else {
-        table(&scores)
-    });
+    args.print.put(&scores, || table(&scores))?;
     Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
 }
 

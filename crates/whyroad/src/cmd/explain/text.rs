@@ -44,7 +44,7 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
     if e.candidates > 1 {
         let _ = match lang {
             Lang::Zh => write!(out, "\n{} 个候选中最接近的一个", e.candidates),
-            Lang::En => write!(out, "\nthe one of {} candidates that came furthest", e.candidates),
+            Lang::En => write!(out, "\nbest of {} candidates", e.candidates),
         };
     }
     if !e.missing.is_empty() {

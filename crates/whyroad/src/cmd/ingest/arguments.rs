@@ -1,7 +1,7 @@
 //! Arguments of `whyroad ingest`: one subcommand per format, built from the options that its adapter declares, and a
 //! form without a format, which recognises it.
 
-use super::ReportFormat;
+use crate::output::DataFormat;
 use clap::builder::ValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
@@ -15,7 +15,7 @@ pub(crate) struct Args {
     pub paths: Vec<PathBuf>,
     pub lake: PathBuf,
     pub options: Options,
-    pub print: ReportFormat,
+    pub print: DataFormat,
     pub meta: Option<PathBuf>,
 }
 
@@ -34,13 +34,13 @@ impl clap::Args for Args {
             .disable_help_subcommand(true)
             .override_usage("whyroad ingest [FORMAT] [OPTIONS] --lake <DIR> <PATH>...");
         command.subcommands(formats::ALL.iter().map(|adapter| {
-            let adapter = adapter.0;
-            Command::new(adapter.name())
-                .about(adapter.about())
-                .override_usage(format!("whyroad ingest {} [OPTIONS] --lake <DIR> <PATH>...", adapter.name()))
+            let adapter = adapter.0.about();
+            Command::new(adapter.name)
+                .about(adapter.summary)
+                .override_usage(format!("whyroad ingest {} [OPTIONS] --lake <DIR> <PATH>...", adapter.name))
                 .arg(paths().required(true))
-                .args(adapter.options().iter().map(argument))
-                .after_help(format!("Example:\n  whyroad ingest {}", adapter.example()))
+                .args(adapter.options.iter().map(argument))
+                .after_help(format!("Example:\n  whyroad ingest {}", adapter.example))
         }))
     }
 
@@ -79,10 +79,10 @@ fn with_common(command: Command) -> Command {
             Arg::new("print")
                 .long("format")
                 .value_name("FORMAT")
-                .value_parser(value_parser!(ReportFormat))
+                .value_parser(value_parser!(DataFormat))
                 .default_value("text")
                 .global(true)
-                .help("Format of the report"),
+                .help("How to print the result"),
         )
 }
 
@@ -131,7 +131,7 @@ impl clap::FromArgMatches for Args {
         }
         let mut options = Options::default();
         options.drive_id = used.get_one::<String>("drive-id").map(|id| DriveId::from(id.as_str()));
-        for option in format.map_or(SHARED, |f| f.0.options()) {
+        for option in format.map_or(SHARED, |f| f.0.about().options) {
             if option.value == OptionType::Flag {
                 if used.get_flag(option.name) {
                     options.set(option, OptionValue::Flag);
@@ -145,7 +145,7 @@ impl clap::FromArgMatches for Args {
             error.insert(ContextKind::InvalidArg, ContextValue::Strings(vec!["--lake <DIR>".to_owned()]));
             error
         })?;
-        let print = used.get_one::<ReportFormat>("print").copied().unwrap_or(ReportFormat::Text);
+        let print = used.get_one::<DataFormat>("print").copied().unwrap_or(DataFormat::Text);
         let meta = used.get_one::<PathBuf>("meta").cloned();
         Ok(Self { format, paths, lake, options, print, meta })
     }

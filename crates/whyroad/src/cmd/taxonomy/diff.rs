@@ -1,6 +1,6 @@
 //! `whyroad taxonomy diff`.
 
-use super::DiffFormat;
+use crate::output::Print;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ use whyroad_framework::version::Version;
 use whyroad_framework::{Framework, Taxonomy};
 use whyroad_model::{Diagnostic, Lang};
 
-pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> anyhow::Result<ExitCode> {
+pub(super) fn run(global: &Global, a: &Path, b: &Path, print: Print) -> anyhow::Result<ExitCode> {
     let found = match (side(a, global.lang)?, side(b, global.lang)?) {
         (Side::Framework(a), Side::Framework(b)) => diff_frameworks(&a, &b),
         (x, y) => {
@@ -24,10 +24,7 @@ pub(super) fn run(global: &Global, a: &Path, b: &Path, format: DiffFormat) -> an
             diff(x.classes(), y.classes())
         }
     };
-    match format {
-        DiffFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&found)?)),
-        DiffFormat::Text => output::put(&text(&found, global.lang)),
-    }
+    print.put(&found, || text(&found, global.lang))?;
     Ok(match found.version_check {
         VersionCheck::Consistent | VersionCheck::Unknown => output::FINE,
         VersionCheck::TooSmall | VersionCheck::Backwards => output::FINDINGS,

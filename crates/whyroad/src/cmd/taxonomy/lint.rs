@@ -1,6 +1,6 @@
 //! `whyroad taxonomy lint`.
 
-use super::FindingFormat;
+use crate::output::FindingFormat;
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
-use whyroad_mining::cases::run_all_cases;
+use whyroad_mining::cases::CaseRunner;
 use whyroad_mining::{RuleSet, rule};
 use whyroad_model::diagnostic::{self, Severity};
 use whyroad_model::{Diagnostic, Lang};
@@ -45,7 +45,10 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (catalogue, of_signals) = Catalogue::parse(&f.signals_yaml);
         found.extend(of_signals);
         found.extend(rule::lint::lint(f, &catalogue));
-        let tally = run_all_cases(&files, &RuleSet::of_framework(f, &catalogue).0, &catalogue);
+        let (rules, _) = RuleSet::of_framework(f, &catalogue);
+        let errors = found.iter().filter(|d| d.severity == Severity::Error);
+        let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
+        let tally = CaseRunner { rules: &rules, catalogue: &catalogue, faulty: &faulty }.run_all(&files);
         cases = tally.cases.values().sum();
         found.extend(tally.failures);
     }

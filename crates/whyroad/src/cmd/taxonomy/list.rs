@@ -1,6 +1,6 @@
 //! `whyroad taxonomy list`.
 
-use super::DataFormat;
+use super::ListingFormat;
 use crate::{Global, framework_folder, output};
 use std::fmt::Write as _;
 use std::process::ExitCode;
@@ -9,7 +9,7 @@ use whyroad_framework::listing::{Row, rows};
 use whyroad_framework::taxonomy::{class_not_found, did_you_mean};
 use whyroad_model::{Diagnostic, Lang, diagnostic, yaml};
 
-pub(super) fn run(global: &Global, l1: Option<&str>, format: DataFormat) -> anyhow::Result<ExitCode> {
+pub(super) fn run(global: &Global, l1: Option<&str>, format: ListingFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
     if let Some(id) = l1.filter(|id| framework.taxonomy.l1(id).is_none()) {
         let near = did_you_mean(id, framework.taxonomy.l1.iter().map(|a| a.id.as_str()));
@@ -22,9 +22,9 @@ pub(super) fn run(global: &Global, l1: Option<&str>, format: DataFormat) -> anyh
     }
     let rows = rows(&framework, l1);
     match format {
-        DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&rows)?)),
-        DataFormat::Yaml => output::put(&yaml::to_string(&rows)?),
-        DataFormat::Text => output::put(&text(&framework, &rows, global.lang)),
+        ListingFormat::Json => output::put_json(&rows)?,
+        ListingFormat::Yaml => output::put(&yaml::to_string(&rows)?),
+        ListingFormat::Text => output::put(&text(&framework, &rows, global.lang)),
     }
     Ok(exit_code(&found))
 }

@@ -1,6 +1,6 @@
 //! `whyroad taxonomy show`.
 
-use super::{DataFormat, list};
+use super::{ListingFormat, list};
 use crate::{Global, framework_folder, output};
 use std::fmt::Write as _;
 use std::process::ExitCode;
@@ -10,15 +10,15 @@ use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_framework::{Framework, ResolvedSpec};
 use whyroad_model::{Bilingual, Lang, yaml};
 
-pub(super) fn run(global: &Global, text: &str, format: DataFormat) -> anyhow::Result<ExitCode> {
+pub(super) fn run(global: &Global, text: &str, format: ListingFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
     let problem = match framework.taxonomy.resolve(text) {
         Resolution::Found(id) => {
             if let Some(detail) = detail(&framework, &id) {
                 match format {
-                    DataFormat::Json => output::put(&format!("{:#}\n", serde_json::to_value(&detail)?)),
-                    DataFormat::Yaml => output::put(&yaml::to_string(&detail)?),
-                    DataFormat::Text => {
+                    ListingFormat::Json => output::put_json(&detail)?,
+                    ListingFormat::Yaml => output::put(&yaml::to_string(&detail)?),
+                    ListingFormat::Text => {
                         output::put(&Page { framework: &framework, lang: global.lang }.render(&detail))
                     }
                 }

@@ -1,33 +1,22 @@
 //! Findings as they come: text, or one JSON or SARIF document written piece by piece, so that memory does not
 //! grow with their number.
 
-use crate::output::render_text;
+use crate::output::{FindingFormat, render_text};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 use whyroad_model::diagnostic::{json_row, sarif_result};
 use whyroad_model::{Diagnostic, Lang};
 
-/// How findings are printed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Format {
-    /// For people
-    Text,
-    /// One object: diagnostics and counts
-    Json,
-    /// SARIF 2.1.0, for code hosting and editors
-    Sarif,
-}
-
 pub(super) struct Printer<'o> {
     out: &'o mut dyn Write,
-    format: Format,
+    format: FindingFormat,
     lang: Lang,
     printed: usize,
     codes: BTreeSet<&'static str>,
 }
 
 impl<'o> Printer<'o> {
-    pub fn new(out: &'o mut dyn Write, format: Format, lang: Lang) -> Self {
+    pub fn new(out: &'o mut dyn Write, format: FindingFormat, lang: Lang) -> Self {
         Self { out, format, lang, printed: 0, codes: BTreeSet::new() }
     }
 
@@ -38,12 +27,12 @@ impl<'o> Printer<'o> {
         let separator = if self.printed == 0 { "\n" } else { ",\n" };
         self.printed += 1;
         match self.format {
-            Format::Text => {
+            FindingFormat::Text => {
                 let blank = if self.printed == 1 { "" } else { "\n" };
                 write!(self.out, "{blank}{}", render_text(d, self.lang))
             }
-            Format::Json => write!(self.out, "{separator}{}", json_row(d, self.lang)),
-            Format::Sarif => {
+            FindingFormat::Json => write!(self.out, "{separator}{}", json_row(d, self.lang)),
+            FindingFormat::Sarif => {
                 self.codes.insert(d.code);
                 write!(self.out, "{separator}{}", sarif_result(d, self.lang))
             }
@@ -52,9 +41,9 @@ impl<'o> Printer<'o> {
 
     fn open(&mut self) -> io::Result<()> {
         match self.format {
-            Format::Text => Ok(()),
-            Format::Json => write!(self.out, "{{\"diagnostics\":["),
-            Format::Sarif => write!(
+            FindingFormat::Text => Ok(()),
+            FindingFormat::Json => write!(self.out, "{{\"diagnostics\":["),
+            FindingFormat::Sarif => write!(
                 self.out,
                 "{{\"$schema\":\"https://json.schemastore.org/sarif-2.1.0.json\",\"version\":\"2.1.0\",\"runs\":[{{\"columnKind\":\"unicodeCodePoints\",\"results\":["
             ),
@@ -74,12 +63,12 @@ impl<'o> Printer<'o> {
             self.open()?;
         }
         match self.format {
-            Format::Text => {}
-            Format::Json => writeln!(
+            FindingFormat::Text => {}
+            FindingFormat::Json => writeln!(
                 self.out,
                 "\n],\"documents\":{documents},\"valid\":{valid},\"errors\":{errors},\"warnings\":{warnings}}}"
             )?,
-            Format::Sarif => {
+            FindingFormat::Sarif => {
                 let rules: Vec<_> = self
                     .codes
                     .iter()
