@@ -42,7 +42,7 @@ fn page(name: &str, max_cards: usize) -> String {
 fn all_leaves_are_in_the_map_and_in_the_table() {
     let page = page("d", 10);
     let taxonomy = taxonomy();
-    assert_eq!(taxonomy.leaves().count(), 122);
+    assert!(taxonomy.leaves().count() > 100);
     for (l1, l2, l3) in taxonomy.leaves() {
         let id = format!("{}.{}.{}", l1.id, l2.id, l3.id);
         assert_eq!(page.matches(&format!("data-leaf=\"{id}\" data-state=")).count(), 1, "{id} in the map");
@@ -53,7 +53,8 @@ fn all_leaves_are_in_the_map_and_in_the_table() {
 #[test]
 fn the_four_states_have_their_own_fill_and_mark() {
     let page = page("d", 10);
-    for (state, cells) in [("found", 1), ("not_found", 1), ("not_observable", 1), ("no_rule", 119)] {
+    let others = taxonomy().leaves().count() - 3;
+    for (state, cells) in [("found", 1), ("not_found", 1), ("not_observable", 1), ("no_rule", others)] {
         let count = page.matches(&format!("\" data-state=\"{state}\"><title>")).count();
         assert_eq!(count, cells, "{state}");
         assert!(page.contains(&format!(".st-{state} {{ fill: ")), "{state} has a fill");
@@ -66,7 +67,8 @@ fn what_has_no_variant_is_shown_with_its_l2_and_counted_as_no_leaf() {
     let page = page("d", 10);
     assert!(page.contains("<tspan class=\"more\"> +2</tspan>"));
     assert_eq!(page.matches("<tr class=\"unresolved\">").count(), 1);
-    assert!(page.contains("<dd>1<small> / 122</small></dd>"));
+    let leaves = taxonomy().leaves().count();
+    assert!(page.contains(&format!("<dd>1<small> / {leaves}</small></dd>")));
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
                     format!("关键要素 {} 与 {} 的 id 都是 '{id}'", first.index, c.index),
                     format!("components {} and {} both have the id '{id}'", first.index, c.index),
                 )
-                .hint("为每个要素取不同的 id", "give each component an id of its own")
+                .hint("为每个要素取不同的 id", "give each component a different id")
             },
         );
     }

@@ -48,7 +48,7 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
             )
             .hint(
                 "先定性描述：“很近”“较快”，数字只留关键的",
-                "say it in words first (close, fast); keep only the numbers that matter",
+                "describe it in words first (close, fast); keep only the numbers that matter",
             )
         });
     }
