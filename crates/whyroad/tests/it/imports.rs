@@ -1,5 +1,5 @@
 //! Who may import whom (ARCHITECTURE.md "Code map"), and under which licences our dependencies come.
-//! Held against `cargo metadata`, so that the picture in the document cannot drift from the code.
+//! Compared with `cargo metadata`, so that the picture in the document cannot drift from the code.
 
 use serde_json::Value;
 use std::collections::BTreeSet;

@@ -185,7 +185,7 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     let none = add(at, &line);
     assert!(none.code == 1 && none.err.contains("the lake is unchanged"), "{}", none.err);
     let unknown = add(at, "--drive nowhere --camera left --times log/times.csv");
-    assert!(unknown.code == 1 && unknown.err.contains("there is no drive 'nowhere'"), "{}", unknown.err);
+    assert!(unknown.code == 1 && unknown.err.contains("drive 'nowhere' not found"), "{}", unknown.err);
     assert_eq!(add(at, &format!("--drive {drive} --camera ../x --times log/times.csv")).code, 2);
     assert_eq!(add(at, &format!("--drive {drive} --camera left --pictures log")).code, 2, "a rate is needed");
     assert_eq!(media_table(at, &drive), both);
