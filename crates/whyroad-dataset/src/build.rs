@@ -22,7 +22,7 @@ use whyroad_model::messages::MiningQueryMessage;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
 use work::Work;
 
-/// Makes the mining query that finds more of a class, up to a number of clips; `None` when the class has no rule for one.
+/// Makes the mining query that finds more of a class, up to a number of clips; `None` when the class has no rule.
 pub type QueryMaker<'a> = dyn Fn(&ScenarioId, usize) -> Option<MiningQueryMessage> + Sync + 'a;
 
 /// What a build is made from.

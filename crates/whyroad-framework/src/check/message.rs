@@ -1,5 +1,5 @@
-//! The messages that are not labels (DATA_FORMAT.md 2.2, 3 and 5). A fast path is not needed; nobody checks gigabytes of
-//! these.
+//! The messages that are not labels (DATA_FORMAT.md 2.2, 3 and 5). A fast path is not needed: there are never
+//! gigabytes of them.
 
 mod kind;
 mod query;
