@@ -312,7 +312,7 @@ fn one_class_can_be_asked_for() {
 #[test]
 fn a_class_whose_rules_are_taken_out_has_no_rule() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in whyroad_framework::Framework::bundled_files() {
+    for (name, text) in Framework::bundled_files() {
         let path = folder.path().join(&name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         // Each `mining:` block ends where something stands as far to the left.
