@@ -5,6 +5,7 @@ import pickle
 from pathlib import Path
 
 import numpy as np
+import pytest
 import whyroad
 
 
@@ -36,3 +37,50 @@ def test_arrays_have_the_stated_shapes_and_frame(release: Path) -> None:
         label = json.loads(s["label_json"])
         assert label["driving_decision"]["longitudinal"] == s["longitudinal"]
     assert opened.weights(split).shape == (opened.splits[split],)
+
+
+def test_it_works_as_torch_uses_a_map_style_data_set(release: Path) -> None:
+    """What `DataLoader` does: a sampler of positions, batches, arrays of one key stacked, copies in workers."""
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+    dataset = opened.dataset(split, columns=["sample_id", "history", "future", "longitudinal"])
+    order = list(dataset.shuffled(3))
+    assert sorted(order) == list(range(len(dataset)))
+    assert order == list(dataset.shuffled(3)) and (len(order) < 4 or order != list(dataset.shuffled(4)))
+    worker = pickle.loads(pickle.dumps(dataset))
+    batch = [worker[i] for i in order]
+    stacked = np.stack([s["future_xyz"] for s in batch])
+    assert stacked.shape == (len(order), len(batch[0]["future_t"]), 3) and stacked.dtype == np.float32
+    assert "objects" not in batch[0]
+    # Changing an item does not change what is read next.
+    first = dataset[0]["history_xyz"].copy()
+    dataset[0]["history_xyz"][:] = 0
+    assert np.array_equal(dataset[0]["history_xyz"], first, equal_nan=True)
+
+
+def test_values_are_those_of_the_arrow_table(release: Path) -> None:
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+    rows = opened.table(split).to_pylist()
+    for row, s in zip(rows, opened.dataset(split), strict=True):
+        for name in ("sample_id", "trace_zh", "trace_en", "weight", "lineage", "label_json", "rejected"):
+            assert s[name] == row[name], name
+        for name in ("speed", "accel", "yaw_rate", "heading"):
+            expected = np.array([np.nan if v is None else v for v in row["history"][name]], np.float32)
+            assert np.array_equal(s[f"history_{name}"], expected, equal_nan=True), name
+        assert [o["id"] for o in s["objects"]] == [o["id"] for o in row["objects"]]
+        for a, b in zip(s["objects"], row["objects"], strict=True):
+            assert np.allclose(a["x"], np.array(b["x"], np.float32))
+        assert [i["bytes"] for i in s["images"]] == [i["bytes"] for i in row["images"]]
+
+
+def test_a_transform_and_a_folder_that_is_no_release(release: Path, tmp_path: Path) -> None:
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+    ids = list(opened.dataset(split, ["sample_id"], transform=lambda s: s["sample_id"].upper()))
+    assert ids == [i.upper() for i in opened.table(split, ["sample_id"]).column(0).to_pylist()]
+    with pytest.raises(IndexError):
+        opened.dataset(split)[len(ids)]
+    with pytest.raises(whyroad.WhyroadError) as e:
+        whyroad.open_release(tmp_path)
+    assert e.value.code == "dataset.release.broken"

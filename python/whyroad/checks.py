@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 from whyroad._whyroad import Table, validate_table, validate_text
+
+if TYPE_CHECKING:
+    from whyroad._whyroad import ArrowArray, ArrowStream
 
 
 @dataclass(frozen=True)
@@ -22,13 +26,18 @@ class Finding:
     pointer: str | None
 
 
-def validate(document: str | bytes | dict[str, Any] | Any, *, column: str = "label", lang: str = "en") -> list[Finding] | Table:
+@overload
+def validate(document: str | bytes | Mapping[str, Any], *, lang: str = "en") -> list[Finding]: ...
+@overload
+def validate(document: ArrowStream | ArrowArray, *, column: str = "label", lang: str = "en") -> Table: ...
+def validate(document: Any, *, column: str = "label", lang: str = "en") -> list[Finding] | Table:
     """Checks one document, or every document in a text column of an Arrow table.
 
-    ``document`` is JSON text, a dictionary, or any object with ``__arrow_c_stream__``. A document gives a list of
-    findings (empty: valid). A table gives a table with the columns row, code, severity, message, hint, location.
+    ``document`` is JSON text, a dictionary, or a table of any library with the Arrow PyCapsule interface. A document
+    gives a list of findings (empty: valid). A table gives a table with the columns row, code, severity, message, hint,
+    location.
     """
-    if hasattr(document, "__arrow_c_stream__"):
+    if hasattr(document, "__arrow_c_stream__") or hasattr(document, "__arrow_c_array__"):
         return validate_table(document, column, lang)
     if isinstance(document, bytes):
         document = document.decode("utf-8")
@@ -38,7 +47,7 @@ def validate(document: str | bytes | dict[str, Any] | Any, *, column: str = "lab
 
 
 def _finding(row: dict[str, Any]) -> Finding:
-    place = row.get("location") or row.get("place") or {}
+    place = row.get("place") or row.get("location") or {}
     return Finding(
         code=row["code"],
         severity=row["severity"],

@@ -13,12 +13,14 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from whyroad.errors import WhyroadError
+
 if TYPE_CHECKING:
     import numpy as np
     import pyarrow as pa
 
-#: Row groups that a data set keeps in memory: neighbours of a sample are likely to be read next.
-KEPT_ROW_GROUPS = 4
+#: Row groups that a data set keeps in memory: neighbors of a sample are likely to be read next.
+KEPT_ROW_GROUPS = 8
 
 
 def open_release(path: str | Path) -> Release:
@@ -31,11 +33,12 @@ class Release:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.manifest: dict[str, Any] = json.loads((path / "manifest.json").read_text(encoding="utf-8"))
+        try:
+            self.manifest: dict[str, Any] = json.loads((path / "manifest.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError) as e:
+            raise WhyroadError("dataset.release.broken", f"not a Whyroad release: {e}", None, str(path)) from e
         if self.manifest.get("format") != "whyroad-release":
-            from whyroad._whyroad import WhyroadError
-
-            raise WhyroadError("dataset.release.broken", f"{path} is not a Whyroad release", None, str(path))
+            raise WhyroadError("dataset.release.broken", "not a Whyroad release", None, str(path))
 
     @property
     def splits(self) -> dict[str, int]:
@@ -52,7 +55,10 @@ class Release:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        return pa.concat_tables(pq.read_table(f, columns=list(columns) if columns else None) for f in self.files(split))
+        files = self.files(split)
+        if not files:
+            raise WhyroadError("dataset.split.empty", f"the release has no samples in '{split}'", None, str(self.path))
+        return pa.concat_tables(pq.read_table(f, columns=list(columns) if columns else None) for f in files)
 
     def dataset(
         self,
@@ -75,14 +81,19 @@ class Release:
 
 
 class SampleDataset:
-    """Samples of one split by position. An item is a dictionary; see ``sample``."""
+    """Samples of one split by position. An item is a dictionary of NumPy arrays and values.
+
+    ``history`` and ``future`` become ``<name>_t`` (T,), ``<name>_xyz`` (T, 3) and ``<name>_rot`` (T, 3, 3), float32, and
+    one array per further quantity (``history_speed``, ...). Lists of numbers are arrays, lists of records (``objects``,
+    ``map``, ``images``) lists of dictionaries; images keep their encoded bytes.
+    """
 
     def __init__(
         self,
         release: Release,
         split: str,
-        columns: Sequence[str] | None,
-        transform: Callable[[dict[str, Any]], Any] | None,
+        columns: Sequence[str] | None = None,
+        transform: Callable[[dict[str, Any]], Any] | None = None,
     ) -> None:
         import pyarrow.parquet as pq
 
@@ -99,7 +110,7 @@ class SampleDataset:
                 self._starts.append(total)
                 total += metadata.row_group(group).num_rows
         self._length = total
-        self._kept: OrderedDict[int, pa.Table] = OrderedDict()
+        self._kept: OrderedDict[int, Callable[[int], dict[str, Any]]] = OrderedDict()
 
     def __len__(self) -> int:
         return self._length
@@ -110,8 +121,7 @@ class SampleDataset:
         if not 0 <= index < self._length:
             raise IndexError(index)
         group = bisect_right(self._starts, index) - 1
-        row = self._read(group).slice(index - self._starts[group], 1).to_pylist()[0]
-        item = sample(row)
+        item = _sample(self._read(group)(index - self._starts[group]))
         return self._transform(item) if self._transform else item
 
     def __iter__(self) -> Iterator[Any]:
@@ -121,7 +131,23 @@ class SampleDataset:
         # Workers of a DataLoader read for themselves.
         return {**self.__dict__, "_kept": OrderedDict()}
 
-    def _read(self, group: int) -> pa.Table:
+    def shuffled(self, seed: int) -> Iterator[int]:
+        """Every position once, in an order of ``seed``, for ``DataLoader(dataset, sampler=list(dataset.shuffled(0)))``.
+
+        Positions come from a few row groups at a time, so that each group is read once: files are shuffled already when
+        a release is frozen. A sampler that jumps through the whole split reads a row group for nearly every sample.
+        """
+        import numpy as np
+
+        rng = np.random.default_rng(seed)
+        ends = [*self._starts[1:], self._length]
+        order = rng.permutation(len(self._starts))
+        for at in range(0, len(order), KEPT_ROW_GROUPS):
+            some = order[at : at + KEPT_ROW_GROUPS]
+            positions = np.concatenate([np.arange(self._starts[g], ends[g]) for g in some])
+            yield from rng.permutation(positions).tolist()
+
+    def _read(self, group: int) -> Callable[[int], dict[str, Any]]:
         import pyarrow.parquet as pq
 
         if group in self._kept:
@@ -130,18 +156,56 @@ class SampleDataset:
         number, of_file = self._groups[group]
         with pq.ParquetFile(self._files[number]) as file:
             table = file.read_row_group(of_file, columns=self._columns)
-        self._kept[group] = table
+        rows = _reader(table.to_struct_array().combine_chunks())
+        self._kept[group] = rows
         while len(self._kept) > KEPT_ROW_GROUPS:
             self._kept.popitem(last=False)
-        return table
+        return rows
 
 
-def sample(row: dict[str, Any]) -> dict[str, Any]:
-    """A row of a release as NumPy arrays where it has numbers.
+def _reader(array: pa.Array) -> Callable[[int], Any]:
+    """Gives the value at a position: numbers of lists as NumPy arrays, everything else as Python values."""
+    import pyarrow as pa
+    import pyarrow.types as types
 
-    ``history`` and ``future`` become ``<name>_t`` (T,), ``<name>_xyz`` (T, 3) and ``<name>_rot`` (T, 3, 3), float32, and one
-    array per further quantity (``history_speed``, ...). Everything else keeps its name; images keep their encoded bytes.
-    """
+    if types.is_struct(array.type):
+        fields = [(f.name, _reader(array.field(i))) for i, f in enumerate(array.type)]
+        if array.null_count:
+            known = array.is_valid().to_numpy(zero_copy_only=False)
+            return lambda i: {name: read(i) for name, read in fields} if known[i] else None
+        return lambda i: {name: read(i) for name, read in fields}
+    if types.is_list(array.type):
+        return _list_reader(array)
+    if isinstance(array, pa.DictionaryArray):
+        array = array.dictionary_decode()
+    return lambda i: array[i].as_py()
+
+
+def _list_reader(array: pa.Array) -> Callable[[int], Any]:
+    import pyarrow.types as types
+
+    offsets = array.offsets.to_numpy()
+    known = array.is_valid().to_numpy(zero_copy_only=False) if array.null_count else None
+    if types.is_floating(array.type.value_type):
+        # Null is unknown, and unknown is NaN.
+        values = array.values.to_numpy(zero_copy_only=False)
+
+        def numbers(i: int) -> Any:
+            return None if known is not None and not known[i] else values[offsets[i] : offsets[i + 1]].copy()
+
+        return numbers
+    read = _reader(array.values)
+
+    def items(i: int) -> Any:
+        if known is not None and not known[i]:
+            return None
+        return [read(j) for j in range(offsets[i], offsets[i + 1])]
+
+    return items
+
+
+def _sample(row: dict[str, Any]) -> dict[str, Any]:
+    """``history`` and ``future`` as arrays of their own."""
     import numpy as np
 
     out: dict[str, Any] = {}
@@ -149,22 +213,17 @@ def sample(row: dict[str, Any]) -> dict[str, Any]:
         if name not in ("history", "future") or value is None:
             out[name] = value
             continue
-
-        def numbers(column: str, of: dict[str, Any] = value) -> np.ndarray:
-            return np.array([np.nan if v is None else v for v in of[column]], dtype=np.float32)
-
-        out[f"{name}_t"] = numbers("t_s")
-        out[f"{name}_xyz"] = np.stack([numbers("x"), numbers("y"), numbers("z")], axis=-1)
-        heading = numbers("heading")
+        out[f"{name}_t"] = value["t_s"]
+        out[f"{name}_xyz"] = np.stack([value["x"], value["y"], value["z"]], axis=-1)
+        heading = value["heading"]
         rotation = np.zeros((len(heading), 3, 3), dtype=np.float32)
         rotation[:, 0, 0] = rotation[:, 1, 1] = np.cos(heading)
         rotation[:, 1, 0] = np.sin(heading)
-        rotation[:, 0, 1] = -np.sin(heading)
+        rotation[:, 0, 1] = -rotation[:, 1, 0]
         rotation[:, 2, 2] = 1
         out[f"{name}_rot"] = rotation
         for column in ("heading", "speed", "accel", "yaw_rate"):
-            out[f"{name}_{column}"] = numbers(column)
-        out[f"{name}_meta_longitudinal"] = value["meta_longitudinal"]
-        out[f"{name}_meta_lateral"] = value["meta_lateral"]
-        out[f"{name}_complete"] = value["complete"]
+            out[f"{name}_{column}"] = value[column]
+        for column in ("meta_longitudinal", "meta_lateral", "complete"):
+            out[f"{name}_{column}"] = value[column]
     return out

@@ -13,6 +13,7 @@ mod ms_swift;
 mod openlabel;
 mod parquet_file;
 mod qwen;
+mod roll;
 mod webdataset;
 
 use crate::item::SplitName;
@@ -23,6 +24,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use whyroad_model::Lang;
 
 /// A format that releases are exported to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -120,6 +122,37 @@ pub struct Exported {
     pub notes: Vec<String>,
 }
 
+impl TraceLanguage {
+    /// The languages, in the order of the records.
+    pub fn languages(self) -> &'static [Lang] {
+        match self {
+            Self::Chinese => &[Lang::Zh],
+            Self::English => &[Lang::En],
+            Self::Both => &[Lang::Zh, Lang::En],
+        }
+    }
+}
+
+/// Reason for leaving out a sample that [`traces`] gives nothing for.
+const NO_TRACE: &str = "no trace in this language";
+
+/// The traces of a sample in the languages that are asked for.
+fn traces(sample: &Sample, choice: TraceLanguage) -> Vec<(Lang, &str)> {
+    let of = |lang: &Lang| match lang {
+        Lang::Zh => Some((*lang, sample.trace_zh.as_deref()?)),
+        Lang::En => Some((*lang, sample.trace_en.as_deref()?)),
+    };
+    choice.languages().iter().filter_map(of).collect()
+}
+
+/// The route instruction of a sample in a language.
+fn route_text(sample: &Sample, lang: Lang) -> Option<&str> {
+    match lang {
+        Lang::Zh => sample.route_text_zh.as_deref(),
+        Lang::En => sample.route_text_en.as_deref(),
+    }
+}
+
 impl Exported {
     fn leave_out(&mut self, sample: &Sample, reason: &str) {
         self.left_out.entry(reason.to_owned()).or_default().push(sample.sample_id.clone());
@@ -144,12 +177,12 @@ pub fn export(
     let mut exported = Exported::default();
     let mut writer: Box<dyn SampleWriter> = match format {
         ExportFormat::Jsonl => Box::new(jsonl::Writer),
-        ExportFormat::MsSwift => Box::new(ms_swift::Writer::default()),
-        ExportFormat::LlamaFactory => Box::new(llama_factory::Writer::new(release)),
-        ExportFormat::Qwen => Box::new(qwen::Writer),
+        ExportFormat::MsSwift => Box::new(chat::ChatWriter(ms_swift::MsSwift::default())),
+        ExportFormat::LlamaFactory => Box::new(chat::ChatWriter(llama_factory::LlamaFactory::new(release))),
+        ExportFormat::Qwen => Box::new(chat::ChatWriter(qwen::Qwen)),
         ExportFormat::Lerobot => Box::new(lerobot::Writer::default()),
         ExportFormat::HuggingFace => Box::new(huggingface::Writer::new(release)),
-        ExportFormat::WebDataset => Box::new(webdataset::Writer::default()),
+        ExportFormat::WebDataset => Box::new(webdataset::Writer::new(release)),
         ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
         ExportFormat::OpenLabel => Box::new(openlabel::Writer),
     };

@@ -325,9 +325,8 @@ fn rejected(task: &Value) -> Vec<Rejected> {
         if entry["draft"].is_object() {
             last = Some(&entry["draft"]);
         }
-        let returned =
-            entry["to_state"].as_str() == Some("rework") && entry["from_state"].as_str() != Some("rework");
-        if returned && let Some(draft) = last {
+        // Not `reopen`: who reopens an accepted label asks for another look and rejects nothing yet.
+        if entry["action"].as_str() == Some("send_back") && let Some(draft) = last {
             out.push(Rejected {
                 label_json: draft.to_string(),
                 trace: draft["coc_trace"].as_str().map(str::to_owned),

@@ -23,6 +23,9 @@ pub struct Licence {
     pub id: String,
     /// Other names, matched without regard to case.
     pub names: Vec<String>,
+    /// Public data sets that come under it.
+    #[serde(default)]
+    pub data_sets: Vec<String>,
     /// Its text.
     pub url: Option<String>,
     /// What a data set with it may be used for.
@@ -147,7 +150,10 @@ fn word(purpose: Use) -> &'static str {
 fn licence(node: &Node, r: &mut FileReport<'_>) -> Option<Licence> {
     let mut f = Fields::open(node, r)?;
     let id = f.text("id", r);
-    let names = f.list("names", r).iter().filter_map(|n| r.text(n)).collect();
+    let mut texts = |field: &'static str, r: &mut FileReport<'_>| -> Vec<String> {
+        f.list(field, r).iter().filter_map(|n| r.text(n)).collect()
+    };
+    let (names, data_sets) = (texts("names", r), texts("data_sets", r));
     let url = f.text_opt("url", r);
     let attribution = f.text_opt("attribution", r);
     let share_alike = f.text_opt("share_alike", r).as_deref() == Some("true");
@@ -169,7 +175,7 @@ fn licence(node: &Node, r: &mut FileReport<'_>) -> Option<Licence> {
         }
     }
     f.close(r);
-    Some(Licence { id: id?, names, url, permits, share_alike, attribution })
+    Some(Licence { id: id?, names, data_sets, url, permits, share_alike, attribution })
 }
 
 #[cfg(test)]
@@ -199,6 +205,34 @@ mod tests {
         }
         // Share-alike without the non-commercial clause, with a source that forbids commercial use.
         assert!(declared(&["CC-BY-SA-4.0", "CC-BY-NC-4.0"], Use::Research).is_err());
+    }
+
+    #[test]
+    fn data_that_may_not_be_handed_on_is_refused_in_every_combination() {
+        let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+        let code = |id: &str, purpose| {
+            let spec = Licences { purpose, allow: vec![], assume: None };
+            table.objection(table.find(id).unwrap(), &spec).map(|d| d.code)
+        };
+        for id in ["LicenseRef-NVIDIA-Autonomous-Vehicle-Dataset", "LicenseRef-Waymo-Open-Dataset"] {
+            for purpose in [Use::Research, Use::Commercial] {
+                assert_eq!(code(id, purpose), Some("dataset.licence.forbidden"), "{id}");
+            }
+            assert_eq!(code(id, Use::Internal), None);
+            // Together with open data it stays what it is; with share-alike data neither licence can be kept.
+            assert_eq!(declared(&[id, "MIT"], Use::Internal).unwrap(), id);
+            assert_eq!(declared(&[id, "CC-BY-NC-SA-4.0"], Use::Research).unwrap_err(), "dataset.licence.conflict");
+            assert_eq!(declared(&[id, "CC-BY-NC-SA-4.0"], Use::Internal).unwrap(), INTERNAL);
+        }
+        // The name that earlier versions of this file gave it.
+        let nvidia = table.find("LicenseRef-NVIDIA-PhysicalAI-AV").unwrap();
+        assert_eq!(nvidia.id, "LicenseRef-NVIDIA-Autonomous-Vehicle-Dataset");
+        // By its publishers: CC BY-NC-SA 4.0 (Argoverse 2, nuScenes), MIT (comma2k19).
+        for (set, id) in [("Argoverse 2", "CC-BY-NC-SA-4.0"), ("nuScenes", "CC-BY-NC-SA-4.0"), ("comma2k19", "MIT")] {
+            assert!(table.find(id).unwrap().data_sets.iter().any(|s| s == set), "{set}");
+        }
+        assert_eq!(code("CC-BY-NC-SA-4.0", Use::Commercial), Some("dataset.licence.forbidden"));
+        assert_eq!(code("CC-BY-NC-SA-4.0", Use::Research), None);
     }
 
     #[test]

@@ -1,17 +1,13 @@
-//! Diagnostics as Python exceptions: `WhyroadError(code, message, hint, location)`.
+//! Diagnostics as Python exceptions, `WhyroadError(code, message, hint, location)`, and as warnings.
 
-use pyo3::PyErr;
-use pyo3::create_exception;
-use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use std::ffi::CString;
 use whyroad_lake::LakeError;
-use whyroad_model::{Diagnostic, Lang};
+use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
 
-create_exception!(
-    _whyroad,
-    WhyroadError,
-    PyException,
-    "A failure with the code of its diagnostic: args are (code, message, hint, location)."
-);
+// Python classes: a native subclass of `Exception` cannot be built for the stable ABI of all supported versions.
+pyo3::import_exception!(whyroad.errors, WhyroadError);
+pyo3::import_exception!(whyroad.errors, WhyroadWarning);
 
 /// The error for one diagnostic, in English.
 pub fn of_diagnostic(d: &Diagnostic) -> PyErr {
@@ -19,15 +15,32 @@ pub fn of_diagnostic(d: &Diagnostic) -> PyErr {
     WhyroadError::new_err((d.code.to_owned(), d.message(Lang::En).to_owned(), hint, location(d)))
 }
 
+/// The error for a code of the documentation.
+pub fn of_code(code: &'static str, message: String, hint: Option<String>) -> PyErr {
+    let d = Diagnostic::error(code, Bilingual::same(message));
+    of_diagnostic(&match hint {
+        Some(hint) => d.with_hint(Bilingual::same(hint)),
+        None => d,
+    })
+}
+
+/// Python warnings for what was left out; notes need no action.
+pub fn warn(py: Python<'_>, all: &[Diagnostic]) -> PyResult<()> {
+    let category = py.get_type::<WhyroadWarning>();
+    for d in all.iter().filter(|d| d.severity != Severity::Note) {
+        let place = location(d).map(|l| format!("{l}: ")).unwrap_or_default();
+        let text = format!("[{}] {place}{}", d.code, d.message(Lang::En));
+        // A message never has a zero byte; if one came from a file's name, the text ends there.
+        let text = CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default();
+        PyErr::warn(py, &category, &text, 1)?;
+    }
+    Ok(())
+}
+
 /// The error for the first of several; the others follow in its message.
 pub fn of_diagnostics(all: &[Diagnostic]) -> PyErr {
     match all {
-        [] => WhyroadError::new_err((
-            "whyroad.unknown".to_owned(),
-            String::new(),
-            None::<String>,
-            None::<String>,
-        )),
+        [] => of_code("lake.io", "unknown failure".to_owned(), None),
         [one] => of_diagnostic(one),
         [first, rest @ ..] => {
             let others: Vec<String> =
@@ -57,7 +70,7 @@ pub fn of_lake(e: &LakeError) -> PyErr {
     of_diagnostic(&e.diagnostic())
 }
 
-/// A failure of Arrow itself.
+/// A Parquet or Arrow table that cannot be read.
 pub fn of_arrow(e: impl std::fmt::Display) -> PyErr {
-    WhyroadError::new_err(("arrow".to_owned(), e.to_string(), None::<String>, None::<String>))
+    of_code("lake.table_broken", e.to_string(), None)
 }

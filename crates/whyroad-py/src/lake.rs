@@ -1,10 +1,10 @@
 //! `open_lake`: drives, signals and episodes of a lake.
 
-use crate::error::{of_arrow, of_diagnostic, of_diagnostics, of_lake};
+use crate::error::{of_arrow, of_code, of_diagnostic, of_diagnostics, of_lake, warn};
 use crate::signals::{Rows, batch, schema};
 use crate::table::Table;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use whyroad_engine::mine::{MineOptions, mine_lake_with, signals_of};
@@ -14,7 +14,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::language::Subject;
 use whyroad_mining::rule::text::compile_text;
 use whyroad_model::catalogue::SignalScope;
-use whyroad_model::{DriveId, Lang, ScenarioId};
+use whyroad_model::{DriveId, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
 /// Opens a lake, as `whyroad ingest --lake DIR` made it.
@@ -73,7 +73,8 @@ impl Lake {
         for name in &names {
             let Some((def, _)) = catalogue.resolve(name) else {
                 let near = catalogue.similar(name).join(", ");
-                return Err(PyKeyError::new_err(format!("signal '{name}' not found; similar: {near}")));
+                let hint = (!near.is_empty()).then(|| format!("did you mean {near}?"));
+                return Err(of_code("rule.signal.unknown", format!("signal '{name}' not found"), hint));
             };
             let of = if def.id.scope() == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
             if *rows.get_or_insert(of) != of {
@@ -118,20 +119,19 @@ impl Lake {
         let class = match scenario {
             Some(text) => match framework.taxonomy.resolve(text) {
                 whyroad_framework::Resolution::Found(id) => Some(id),
-                _ => return Err(PyKeyError::new_err(format!("class '{text}' not found"))),
+                _ => return Err(of_code("taxonomy.class.unknown", format!("class '{text}' not found"), None)),
             },
             None => None,
         };
         let (all, _) = RuleSet::of_framework(framework, catalogue);
         let rules = match rule {
             Some(text) => {
-                let subject =
-                    match target {
-                        Some(word) => Some(Subject::from_word(word).ok_or_else(|| {
-                            PyValueError::new_err(format!("'{word}' is not a kind of target"))
-                        })?),
-                        None => None,
-                    };
+                let subject = match target {
+                    Some(word) => Some(Subject::from_word(word).ok_or_else(|| {
+                        of_code("rule.target", format!("'{word}' is not a kind of target"), None)
+                    })?),
+                    None => None,
+                };
                 let own = ScenarioId { l1: whyroad_mining::rule::OTHER.to_owned(), l2: None, l3: None };
                 let rule =
                     compile_text(text, subject, &own, catalogue, "rule").map_err(|d| of_diagnostic(&d))?;
@@ -139,23 +139,17 @@ impl Lake {
             }
             None => all.with_decision_moments(catalogue),
         };
-        py.detach(|| {
-            let options = MineOptions { jobs, lang: Lang::En, ..MineOptions::default() };
-            let mined = mine_lake_with(&self.inner, &rules, &options, |_| {});
-            if !mined.diagnostics.is_empty() && mined.drives.is_empty() {
-                return Err(of_diagnostics(&mined.diagnostics));
-            }
-            let wanted = |id: &ScenarioId| class.as_ref().is_none_or(|c| id.is_within(c));
-            let episodes: Vec<_> = mined
-                .drives
-                .iter()
-                .flat_map(|d| &d.episodes)
-                .map(|e| &e.record)
-                .filter(|r| wanted(&r.scenario_id))
-                .collect();
-            let batch = episode_table(&episodes).map_err(of_arrow)?;
-            Ok(Table::new(batch.schema(), vec![batch]))
-        })
+        let options = MineOptions { jobs, lang: Lang::En, ..MineOptions::default() };
+        let mined = py.detach(|| mine_lake_with(&self.inner, &rules, &options, |_| {}));
+        if mined.drives.is_empty() && mined.diagnostics.iter().any(|d| d.severity == Severity::Error) {
+            return Err(of_diagnostics(&mined.diagnostics));
+        }
+        warn(py, &mined.diagnostics)?;
+        let wanted = |id: &ScenarioId| class.as_ref().is_none_or(|c| id.is_within(c));
+        let all = mined.drives.iter().flat_map(|d| &d.episodes).map(|e| &e.record);
+        let episodes: Vec<_> = all.filter(|r| wanted(&r.scenario_id)).collect();
+        let batch = episode_table(&episodes).map_err(of_arrow)?;
+        Ok(Table::new(batch.schema(), vec![batch]))
     }
 
     fn __repr__(&self) -> String {

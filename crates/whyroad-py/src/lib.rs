@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _whyroad(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("WhyroadError", module.py().get_type::<error::WhyroadError>())?;
     module.add_class::<table::Table>()?;
     module.add_class::<lake::Lake>()?;
     module.add_function(wrap_pyfunction!(lake::open_lake, module)?)?;

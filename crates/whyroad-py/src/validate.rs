@@ -1,7 +1,7 @@
 //! `validate`: findings about labels and other messages, as dictionaries or as a table.
 
 use crate::error::{location, of_arrow};
-use crate::table::{Table, read_all, stream_of};
+use crate::table::{Table, batches_of};
 use arrow_array::cast::AsArray as _;
 use arrow_array::{Array, ArrayRef, RecordBatch, StringArray, UInt64Array};
 use arrow_schema::{DataType, Field, Schema};
@@ -26,7 +26,7 @@ pub fn validate_text(py: Python<'_>, text: &str, lang: &str) -> PyResult<Vec<Str
 #[pyfunction]
 pub fn validate_table(py: Python<'_>, table: &Bound<'_, PyAny>, column: &str, lang: &str) -> PyResult<Table> {
     let lang = language(lang)?;
-    let (schema, batches) = read_all(stream_of(table)?)?;
+    let (schema, batches) = batches_of(table)?;
     let index = schema
         .index_of(column)
         .map_err(|_| PyKeyError::new_err(format!("the table has no column '{column}'")))?;

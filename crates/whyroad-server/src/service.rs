@@ -19,6 +19,7 @@ pub mod permissions;
 pub mod pickers;
 pub mod projects;
 pub mod queue;
+pub mod review;
 pub mod scene;
 pub mod seen;
 pub mod tasks;

@@ -3,9 +3,8 @@
 //! clip's 20 s time line. Reasoning is written under `cot` (which the recipe reads) and `coc` (which the released files
 //! have). Samples that the loader would drop are listed in `preflight.json`, with the reason.
 
-use super::chat::trace;
 use super::parquet_file::{Columns, bytes};
-use super::{ExportOptions, Exported, Folder, SampleWriter, TraceLanguage};
+use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, route_text, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
@@ -79,20 +78,15 @@ impl SampleWriter for Writer {
             exported.leave_out(sample, "a pose, speed, acceleration or yaw rate of the ego is unknown");
             return Ok(());
         };
-        let languages: &[(Lang, &str)] = match options.language {
-            TraceLanguage::Chinese => &[(Lang::Zh, "zh")],
-            TraceLanguage::English => &[(Lang::En, "en")],
-            TraceLanguage::Both => &[(Lang::Zh, "zh"), (Lang::En, "en")],
-        };
-        let texts: Vec<_> =
-            languages.iter().filter_map(|(l, n)| Some((trace(sample, *l)?, *l, *n))).collect();
+        let texts = traces(sample, options.language);
         if texts.is_empty() {
-            exported.leave_out(sample, "no trace in this language");
+            exported.leave_out(sample, NO_TRACE);
             return Ok(());
         }
-        for (text, lang, suffix) in texts {
+        for (lang, text) in texts {
+            let suffix = if lang == Lang::Zh { "zh" } else { "en" };
             let id = format!("{}-{suffix}", sample.sample_id);
-            let chunk = self.chunk(folder)?;
+            let chunk = self.chunk(split.name(), folder)?;
             let number = chunk.number;
             zip_file(&mut chunk.egomotion, &format!("{id}.egomotion.parquet"), &egomotion, folder)?;
             let cameras = cameras(sample, &id, chunk, options, folder, exported)?;
@@ -107,11 +101,7 @@ impl SampleWriter for Writer {
                 split: split.name(),
                 cluster: sample.scenario_id.clone(),
                 trace: text.to_owned(),
-                route: if lang == Lang::Zh {
-                    sample.route_text_zh.clone()
-                } else {
-                    sample.route_text_en.clone()
-                },
+                route: route_text(sample, lang).map(str::to_owned),
                 meta_action: meta_action_at_t0(sample),
                 cameras,
             });
@@ -132,11 +122,7 @@ impl SampleWriter for Writer {
         folder.write("metadata/feature_presence.parquet", &bytes(self.presence(), Some("clip_id"))?)?;
         folder.write("reasoning/ood_reasoning.parquet", &bytes(self.reasoning(), Some("clip_id"))?)?;
         folder.json("navigation.json", &self.navigation())?;
-        let chunks = self.clips.last().map_or(0, |c| c.chunk + 1);
-        folder.write(
-            "training.yaml",
-            training(chunks, self.clips.iter().any(|c| c.route.is_some())).as_bytes(),
-        )?;
+        folder.write("training.yaml", self.training().as_bytes())?;
         for (reason, clips) in &self.preflight {
             exported.notes.push(format!(
                 "{} of {} clips: {reason} (preflight.json)",
@@ -152,9 +138,10 @@ impl SampleWriter for Writer {
 }
 
 impl Writer {
-    /// The chunk that takes the next clip.
-    fn chunk(&mut self, folder: &mut Folder) -> Result<&mut Chunk, DatasetError> {
-        if self.chunk.as_ref().is_some_and(|c| c.count >= PER_CHUNK) {
+    /// The chunk that takes the next clip. The loader chooses clips by chunk, so none has clips of two splits.
+    fn chunk(&mut self, split: &str, folder: &mut Folder) -> Result<&mut Chunk, DatasetError> {
+        let other = self.clips.last().is_some_and(|c| c.split != split);
+        if other || self.chunk.as_ref().is_some_and(|c| c.count >= PER_CHUNK) {
             self.close(folder)?;
         }
         let number = self.clips.last().map_or(0, |c| c.chunk + usize::from(self.chunk.is_none()));
@@ -215,6 +202,35 @@ impl Writer {
             ("split".to_owned(), texts(&|c| c.split.to_owned())),
             self.ids(),
         ]
+    }
+
+    /// Chunks of a split as the loader writes a range: half open.
+    fn chunks(&self, split: &str) -> Option<String> {
+        let mut of_split = self.clips.iter().filter(|c| c.split == split).map(|c| c.chunk);
+        let first = of_split.next()?;
+        Some(format!("{first}-{}", of_split.next_back().unwrap_or(first) + 1))
+    }
+
+    /// Settings for the recipe: without `cot` in both lists the reasoning is not trained.
+    fn training(&self) -> String {
+        let mut out = "# Overrides for the SFT recipe. chunk_ids is half open; a chunk has clips of one split only. Without `cot` in \
+                       both\n# lists only the trajectory is trained.\n"
+            .to_owned();
+        for (split, key) in [("train", "train_dataset"), ("val", "val_dataset")] {
+            if let Some(chunks) = self.chunks(split) {
+                let _ = write!(
+                    out,
+                    "{key}:\n  _target_: alpamayo.data.pai.PAIDataset\n  local_dir: .\n  chunk_ids: \"{chunks}\"\n  \
+                     reasoning_metadata: reasoning/ood_reasoning.parquet\n"
+                );
+            }
+        }
+        let route = if self.clips.iter().any(|c| c.route.is_some()) { "\"route\", " } else { "" };
+        out += &format!(
+            "vla_processor:\n  components_order: [\"image\", \"traj_history\", {route}\"prompt\", \"cot\", \"traj_future\"]\n  \
+             label_components: [\"cot\", \"traj_future\"]\n"
+        );
+        out
     }
 
     /// `t0_relative` is what the code of the loader reads, `t0` what its documentation says.
@@ -463,16 +479,4 @@ fn features_csv() -> String {
         let _ = writeln!(out, "{camera},camera,camera/{camera}/{camera}.chunk_{{chunk_id:04d}}.zip,{files}");
     }
     out
-}
-
-/// Settings for the recipe: without `cot` in both lists the reasoning is not trained.
-fn training(chunks: usize, routes: bool) -> String {
-    let route = if routes { "\"route\", " } else { "" };
-    format!(
-        "# Overrides for the SFT recipe. chunk_ids is half open. Without `cot` in both lists only the trajectory is trained.\n\
-         train_dataset:\n  _target_: alpamayo.data.pai.PAIDataset\n  local_dir: .\n  chunk_ids: \"0-{chunks}\"\n  \
-         reasoning_metadata: reasoning/ood_reasoning.parquet\n\
-         vla_processor:\n  components_order: [\"image\", \"traj_history\", {route}\"prompt\", \"cot\", \"traj_future\"]\n  \
-         label_components: [\"cot\", \"traj_future\"]\n"
-    )
 }

@@ -1,64 +1,122 @@
-//! The conversation of a sample, shared by the formats of vision-language trainers: a question that only tells what was
-//! known at t0, and the answer: the trace, then the decisions.
+//! The conversation of a sample, and what the formats of vision-language trainers share: a question that contains only
+//! what was known at t0, and the answer: the trace, then the decisions. [`ChatWriter`] reads samples and writes their
+//! images; a [`ChatFormat`] turns each conversation into records.
 
-use super::{ExportOptions, Exported, TraceLanguage};
-use crate::sample::{Sample, Trajectory};
+use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, images, traces};
+use crate::DatasetError;
+use crate::item::SplitName;
+use crate::sample::{Rejected, Sample, Trajectory};
+use serde_json::{Value, json};
 use whyroad_framework::Framework;
 use whyroad_model::Lang;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
-/// One conversation.
+/// One conversation about a sample.
 pub(super) struct Conversation<'s> {
+    /// The sample.
+    pub sample: &'s Sample,
+    /// Its split.
+    pub split: &'static str,
     /// Language of all texts.
     pub lang: Lang,
-    /// The user's text, without image tags.
-    pub question: String,
     /// The trace alone.
     pub trace: &'s str,
-    /// The trace and the decisions: what the model should answer.
-    pub answer: String,
+    /// Paths of the images, relative to the export.
+    pub images: &'s [String],
 }
 
-/// The conversations of a sample in the languages that are asked for; one that is missing is counted.
-pub(super) fn conversations<'s>(
-    sample: &'s Sample,
-    options: &ExportOptions,
-    exported: &mut Exported,
-) -> Vec<Conversation<'s>> {
-    let wanted: &[Lang] = match options.language {
-        TraceLanguage::Chinese => &[Lang::Zh],
-        TraceLanguage::English => &[Lang::En],
-        TraceLanguage::Both => &[Lang::Zh, Lang::En],
-    };
-    let found: Vec<Conversation<'s>> = wanted
-        .iter()
-        .filter_map(|lang| {
-            let trace = trace(sample, *lang)?;
-            let answer = format!("{trace}\n{}", decisions(sample, *lang));
-            Some(Conversation { lang: *lang, question: question(sample, *lang), trace, answer })
-        })
-        .collect();
-    if found.is_empty() {
-        exported.leave_out(sample, "no trace in this language");
+impl Conversation<'_> {
+    /// The user's text after one `tag` per image.
+    pub fn question(&self, tag: &str) -> String {
+        tag.repeat(self.images.len()) + &question(self.sample, self.lang)
     }
-    found
+
+    /// The trace and the decisions: what the model should answer.
+    pub fn answer(&self) -> String {
+        let s = self.sample;
+        let decided = [s.longitudinal.as_deref(), s.lateral.as_deref(), s.lateral_direction.as_deref()];
+        format!("{}\n{}", self.trace, decisions(decided, self.lang))
+    }
+
+    /// What a returned version would have answered; `None` when it is in the other language or says the same.
+    pub fn rejected_answer(&self, version: &Rejected) -> Option<String> {
+        let trace = version.trace.as_deref()?;
+        // A version in the other language is no alternative to this answer.
+        if crate::labels::is_chinese(trace) != (self.lang == Lang::Zh) {
+            return None;
+        }
+        let label: Value = serde_json::from_str(&version.label_json).ok()?;
+        let decided = ["longitudinal", "lateral", "lateral_direction"]
+            .map(|field| label["driving_decision"][field].as_str());
+        let text = format!("{trace}\n{}", decisions(decided, self.lang));
+        (text != self.answer()).then_some(text)
+    }
+
+    /// `record` with the paths of the images under `key`, where there are any.
+    pub fn with_images(&self, mut record: Value, key: &str) -> Value {
+        if !self.images.is_empty() {
+            record[key] = json!(self.images);
+        }
+        record
+    }
 }
 
-/// The trace in a language.
-pub(super) fn trace(sample: &Sample, lang: Lang) -> Option<&str> {
-    match lang {
-        Lang::Zh => sample.trace_zh.as_deref(),
-        Lang::En => sample.trace_en.as_deref(),
+/// A format of conversations.
+pub(super) trait ChatFormat {
+    /// Writes the records of one conversation.
+    fn add(
+        &mut self,
+        conversation: &Conversation<'_>,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError>;
+
+    /// Writes what needs all samples.
+    fn finish(&mut self, folder: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
+        let _ = (folder, exported);
+        Ok(())
+    }
+}
+
+/// The conversations of all samples in the languages that are asked for.
+pub(super) struct ChatWriter<F>(pub F);
+
+impl<F: ChatFormat> SampleWriter for ChatWriter<F> {
+    fn add(
+        &mut self,
+        sample: &Sample,
+        split: SplitName,
+        options: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        let texts = traces(sample, options.language);
+        if texts.is_empty() {
+            exported.leave_out(sample, NO_TRACE);
+            return Ok(());
+        }
+        let images = images::write(sample, folder)?;
+        for (lang, trace) in texts {
+            let conversation = Conversation { sample, split: split.name(), lang, trace, images: &images };
+            self.0.add(&conversation, folder, exported)?;
+        }
+        Ok(())
+    }
+
+    fn finish(
+        &mut self,
+        _: &ExportOptions,
+        folder: &mut Folder,
+        exported: &mut Exported,
+    ) -> Result<(), DatasetError> {
+        self.0.finish(folder, exported)
     }
 }
 
 /// What is asked: the images, the ego's motion up to t0, the route; nothing after t0.
 fn question(sample: &Sample, lang: Lang) -> String {
     let speeds = speeds(&sample.history, lang);
-    let route = match lang {
-        Lang::Zh => sample.route_text_zh.as_deref(),
-        Lang::En => sample.route_text_en.as_deref(),
-    };
+    let route = super::route_text(sample, lang);
     let mut parts: Vec<String> = Vec::new();
     match lang {
         Lang::Zh => {
@@ -107,12 +165,12 @@ fn speeds(history: &Trajectory, lang: Lang) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(if lang == Lang::Zh { "，" } else { ", " }))
 }
 
-/// The decisions by name; "no change" is said.
-fn decisions(sample: &Sample, lang: Lang) -> String {
+/// The decisions by name: longitudinal, lateral, direction, as ids. `None` is "no change", which is stated.
+fn decisions([longitudinal, lateral, side]: [Option<&str>; 3], lang: Lang) -> String {
     let sets = &Framework::bundled().decisions;
-    let longitudinal = sample.longitudinal.as_deref().and_then(Longitudinal::from_id);
-    let lateral = sample.lateral.as_deref().and_then(Lateral::from_id);
-    let side = sample.lateral_direction.as_deref().and_then(LateralDirection::from_id);
+    let longitudinal = longitudinal.and_then(Longitudinal::from_id);
+    let lateral = lateral.and_then(Lateral::from_id);
+    let side = side.and_then(LateralDirection::from_id);
     let none = if lang == Lang::Zh { "无变化" } else { "no change" };
     let name = |text: Option<&whyroad_framework::decisions::DecisionText>| {
         text.map_or_else(|| none.to_owned(), |t| t.name.get(lang).to_owned())

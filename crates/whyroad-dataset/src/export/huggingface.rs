@@ -1,10 +1,11 @@
 //! Hugging Face: Parquet files per split whose `images` decode as images, a card with front matter, and Croissant
 //! metadata. The columns are those of the release; an image's camera and time are in `image_cameras` and `image_t_s`.
 
+use super::roll::Roll;
 use super::{ExportOptions, Exported, Folder, SampleWriter};
 use crate::freeze::croissant::croissant;
 use crate::freeze::manifest::{FileEntry, Manifest};
-use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES, shards};
+use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES};
 use crate::freeze::tables::properties;
 use crate::freeze::{CROISSANT, checksums};
 use crate::item::SplitName;
@@ -16,7 +17,7 @@ use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray, StructAr
 use arrow_schema::{DataType, Field, Fields, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::sync::Arc;
@@ -27,9 +28,9 @@ const PER_FILE: usize = 5_000;
 pub(super) struct Writer {
     manifest: Manifest,
     schema: SchemaRef,
-    open: Option<(SplitName, ArrowWriter<File>)>,
+    roll: Roll,
+    open: Option<ArrowWriter<File>>,
     waiting: Vec<Sample>,
-    written: BTreeMap<&'static str, usize>,
     files: Vec<(String, usize)>,
 }
 
@@ -38,16 +39,16 @@ impl Writer {
         Self {
             manifest: release.manifest.clone(),
             schema: hf_schema(),
+            roll: Roll::new(release, PER_FILE),
             open: None,
             waiting: Vec::new(),
-            written: BTreeMap::new(),
             files: Vec::new(),
         }
     }
 
     fn flush(&mut self, folder: &Folder) -> Result<(), DatasetError> {
         let broken = |e: &dyn std::fmt::Display| DatasetError::broken(&folder.root, e);
-        if let (Some((_, writer)), false) = (&mut self.open, self.waiting.is_empty()) {
+        if let (Some(writer), false) = (&mut self.open, self.waiting.is_empty()) {
             let batch = to_batch(&self.waiting).map_err(|e| broken(&e))?;
             let batch = with_images(&batch, &self.schema).map_err(|e| broken(&e))?;
             writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
@@ -58,7 +59,7 @@ impl Writer {
 
     fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
         self.flush(folder)?;
-        if let Some((_, writer)) = self.open.take() {
+        if let Some(writer) = self.open.take() {
             writer.close().map_err(|e| DatasetError::broken(&folder.root, e))?;
         }
         Ok(())
@@ -74,30 +75,18 @@ impl SampleWriter for Writer {
         folder: &mut Folder,
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
-        let total = self.manifest.counts.by_split.get(split.name()).copied().unwrap_or(0);
-        let done = self.written.get(split.name()).copied().unwrap_or(0);
-        // Equal files: the release knows how many samples the split has.
-        let plan = shards(split.name(), total, PER_FILE);
-        let Some(shard) = plan.iter().find(|s| s.range.contains(&done)) else {
-            return Err(DatasetError::broken(
-                &folder.root,
-                "the release has more samples than its manifest says",
-            ));
-        };
-        if shard.range.start == done {
+        let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
+        if let Some(start) = self.roll.next(split)? {
             self.close(folder)?;
-            let name = format!("data/{}", shard.name);
+            let name = format!("data/{}", start.shard.name);
             let file = folder.create(&name)?;
-            let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
             let writer = ArrowWriter::try_new(file, self.schema.clone(), Some(properties(rows)))
                 .map_err(|e| DatasetError::broken(&folder.root, e))?;
-            self.open = Some((split, writer));
-            self.files.push((name, shard.range.len()));
+            self.open = Some(writer);
+            self.files.push((name, start.shard.range.len()));
         }
         self.waiting.push(sample.clone());
-        *self.written.entry(split.name()).or_default() += 1;
         exported.records += 1;
-        let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
         if self.waiting.len() >= rows {
             self.flush(folder)?;
         }

@@ -3,7 +3,7 @@
 //! only and are not in this export: a LeRobot episode needs one per frame.
 
 use super::parquet_file::{Columns, bytes};
-use super::{ExportOptions, Exported, Folder, SampleWriter, TraceLanguage};
+use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, TraceLanguage, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
@@ -92,7 +92,7 @@ impl SampleWriter for Writer {
         }
         let language = Arc::new(language(sample, options.language, times[0]));
         if language.iter().all(|r| r.style != "plan") {
-            exported.leave_out(sample, "no trace in this language");
+            exported.leave_out(sample, NO_TRACE);
             return Ok(());
         }
         if self.waiting.episodes >= EPISODES_PER_FILE {
@@ -199,7 +199,8 @@ impl Writer {
         ]
     }
 
-    fn stats(&self) -> Value {
+    fn stats(&mut self) -> Value {
+        self.statistics.iter_mut().for_each(|s| s.values.sort_by(f32::total_cmp));
         let of = |parts: &[Statistics]| {
             let figure = |f: &dyn Fn(&Statistics) -> f64| parts.iter().map(f).collect::<Vec<f64>>();
             json!({
@@ -266,11 +267,10 @@ impl Statistics {
         (sum / self.values.len().max(1) as f64).sqrt()
     }
 
+    /// The values must be sorted.
     fn quantile(&self, q: f64) -> f64 {
-        let mut sorted = self.values.clone();
-        sorted.sort_by(f32::total_cmp);
-        let at = ((sorted.len().saturating_sub(1)) as f64 * q).round() as usize;
-        sorted.get(at).map_or(f64::NAN, |v| f64::from(*v))
+        let at = ((self.values.len().saturating_sub(1)) as f64 * q).round() as usize;
+        self.values.get(at).map_or(f64::NAN, |v| f64::from(*v))
     }
 }
 
@@ -316,10 +316,8 @@ fn language(sample: &Sample, language: TraceLanguage, first: f32) -> Vec<Row> {
                 .zip(part.meta_lateral.get(i).and_then(Option::as_deref));
         }
     }
-    let zh = sample.trace_zh.as_ref().filter(|_| language != TraceLanguage::English);
-    let en = sample.trace_en.as_ref().filter(|_| language != TraceLanguage::Chinese);
-    for trace in zh.into_iter().chain(en) {
-        rows.push(Row { content: trace.clone(), style: "plan", timestamp: -first });
+    for (_, trace) in traces(sample, language) {
+        rows.push(Row { content: trace.to_owned(), style: "plan", timestamp: -first });
     }
     rows.sort_by(|a, b| a.timestamp.total_cmp(&b.timestamp));
     rows

@@ -1,65 +1,45 @@
 //! LLaMA-Factory (0.9) in its "sharegpt" form with OpenAI-style messages, and the entries of `dataset_info.json`.
 
-use super::chat::conversations;
-use super::{ExportOptions, Exported, Folder, SampleWriter, images};
-use crate::item::SplitName;
-use crate::sample::Sample;
+use super::chat::{ChatFormat, Conversation};
+use super::{Exported, Folder};
 use crate::{DatasetError, Release};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-pub(super) struct Writer {
+pub(super) struct LlamaFactory {
     name: String,
     /// Files by the name of their data set, and whether their records have images.
     sets: BTreeMap<String, (String, bool)>,
 }
 
-impl Writer {
+impl LlamaFactory {
     pub(super) fn new(release: &Release) -> Self {
         Self { name: release.manifest.name.clone(), sets: BTreeMap::new() }
     }
 }
 
-impl SampleWriter for Writer {
+impl ChatFormat for LlamaFactory {
     fn add(
         &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
+        c: &Conversation<'_>,
         folder: &mut Folder,
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
-        let all = conversations(sample, options, exported);
-        if all.is_empty() {
-            return Ok(());
-        }
-        let paths = images::write(sample, folder)?;
-        for conversation in all {
-            // One file per column layout: the loader takes the columns of the first record for all.
-            let with_images = !paths.is_empty();
-            let suffix = if with_images { "" } else { "_text" };
-            let file = format!("{}{suffix}.jsonl", split.name());
-            let question = format!("{}{}", "<image>".repeat(paths.len()), conversation.question);
-            let mut record = json!({ "messages": [
-                { "role": "user", "content": question },
-                { "role": "assistant", "content": conversation.answer },
-            ]});
-            if with_images {
-                record["images"] = json!(paths);
-            }
-            folder.line(&file, &record)?;
-            self.sets.insert(format!("{}_{}{suffix}", self.name, split.name()), (file, with_images));
-            exported.records += 1;
-        }
+        // One file per column layout: the loader takes the columns of the first record for all.
+        let with_images = !c.images.is_empty();
+        let suffix = if with_images { "" } else { "_text" };
+        let file = format!("{}{suffix}.jsonl", c.split);
+        let record = json!({ "messages": [
+            { "role": "user", "content": c.question("<image>") },
+            { "role": "assistant", "content": c.answer() },
+        ]});
+        folder.line(&file, &c.with_images(record, "images"))?;
+        self.sets.insert(format!("{}_{}{suffix}", self.name, c.split), (file, with_images));
+        exported.records += 1;
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
+    fn finish(&mut self, folder: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
         let mut info = Map::new();
         for (name, (file, with_images)) in &self.sets {
             let mut columns = json!({ "messages": "messages" });

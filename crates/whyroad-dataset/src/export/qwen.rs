@@ -1,42 +1,25 @@
 //! Qwen-VL fine-tuning files: JSON Lines with `image` (a list of paths) and `conversations` of `human` and `gpt`.
 
-use super::chat::conversations;
-use super::{ExportOptions, Exported, Folder, SampleWriter, images};
+use super::chat::{ChatFormat, Conversation};
+use super::{Exported, Folder};
 use crate::DatasetError;
-use crate::item::SplitName;
-use crate::sample::Sample;
 use serde_json::json;
 
-#[derive(Default)]
-pub(super) struct Writer;
+pub(super) struct Qwen;
 
-impl SampleWriter for Writer {
+impl ChatFormat for Qwen {
     fn add(
         &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
+        c: &Conversation<'_>,
         folder: &mut Folder,
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
-        let all = conversations(sample, options, exported);
-        if all.is_empty() {
-            return Ok(());
-        }
-        let paths = images::write(sample, folder)?;
-        for conversation in all {
-            // The trainer splits at each tag and expects one line per image before the text.
-            let question = format!("{}{}", "<image>\n".repeat(paths.len()), conversation.question);
-            let mut record = json!({ "conversations": [
-                { "from": "human", "value": question },
-                { "from": "gpt", "value": conversation.answer },
-            ]});
-            if !paths.is_empty() {
-                record["image"] = json!(paths);
-            }
-            folder.line(&format!("{}.jsonl", split.name()), &record)?;
-            exported.records += 1;
-        }
-        Ok(())
+        // The trainer splits at each tag and expects one line per image before the text.
+        let record = json!({ "conversations": [
+            { "from": "human", "value": c.question("<image>\n") },
+            { "from": "gpt", "value": c.answer() },
+        ]});
+        exported.records += 1;
+        folder.line(&format!("{}.jsonl", c.split), &c.with_images(record, "image"))
     }
 }

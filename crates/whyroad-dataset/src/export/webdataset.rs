@@ -1,10 +1,11 @@
 //! WebDataset shards: `<split>-000000.tar`, files of one sample share their basename up to the first dot. Samples are
-//! already shuffled in the release; shards of a split have equal sizes, give or take one, but for the last.
+//! already shuffled in the release; shards of a split have equal sizes, give or take one.
 
+use super::roll::Roll;
 use super::{ExportOptions, Exported, Folder, SampleWriter, images};
-use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Image, Sample};
+use crate::{DatasetError, Release};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
@@ -12,9 +13,9 @@ use std::io::BufWriter;
 /// Samples of a shard.
 const PER_SHARD: usize = 1000;
 
-#[derive(Default)]
 pub(super) struct Writer {
-    open: Option<(SplitName, tar::Builder<BufWriter<File>>, usize)>,
+    roll: Roll,
+    open: Option<tar::Builder<BufWriter<File>>>,
     shards: BTreeMap<&'static str, Vec<usize>>,
 }
 
@@ -28,14 +29,16 @@ fn put(tar: &mut tar::Builder<BufWriter<File>>, name: &str, content: &[u8]) -> s
 }
 
 impl Writer {
+    pub(super) fn new(release: &Release) -> Self {
+        Self { roll: Roll::new(release, PER_SHARD), open: None, shards: BTreeMap::new() }
+    }
+
     fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
-        if let Some((split, tar, count)) = self.open.take() {
-            tar.into_inner()
-                .and_then(|file| file.into_inner().map_err(std::io::IntoInnerError::into_error))
-                .map_err(DatasetError::io(&folder.root))?;
-            self.shards.entry(split.name()).or_default().push(count);
-        }
-        Ok(())
+        let Some(tar) = self.open.take() else { return Ok(()) };
+        tar.into_inner()
+            .and_then(|file| file.into_inner().map_err(std::io::IntoInnerError::into_error))
+            .map(drop)
+            .map_err(DatasetError::io(&folder.root))
     }
 }
 
@@ -48,15 +51,13 @@ impl SampleWriter for Writer {
         folder: &mut Folder,
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
-        if self.open.as_ref().is_some_and(|(of, _, count)| *of != split || *count >= PER_SHARD) {
+        if let Some(start) = self.roll.next(split)? {
             self.close(folder)?;
+            let file = folder.create(&format!("{}-{:06}.tar", split.name(), start.number))?;
+            self.open = Some(tar::Builder::new(BufWriter::new(file)));
+            self.shards.entry(split.name()).or_default().push(start.shard.range.len());
         }
-        if self.open.is_none() {
-            let number = self.shards.get(split.name()).map_or(0, Vec::len);
-            let file = folder.create(&format!("{}-{number:06}.tar", split.name()))?;
-            self.open = Some((split, tar::Builder::new(BufWriter::new(file)), 0));
-        }
-        let Some((_, tar, count)) = &mut self.open else { return Ok(()) };
+        let Some(tar) = &mut self.open else { return Ok(()) };
         let without_bytes = Sample {
             images: sample.images.iter().map(|i| Image { bytes: vec![], ..i.clone() }).collect(),
             ..sample.clone()
@@ -70,7 +71,6 @@ impl SampleWriter for Writer {
             Ok(())
         };
         write().map_err(DatasetError::io(&folder.root))?;
-        *count += 1;
         exported.records += 1;
         Ok(())
     }

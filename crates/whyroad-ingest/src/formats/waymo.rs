@@ -125,7 +125,7 @@ fn read_record(path: &Path, at: u64, options: &Options, report: &mut SourceRepor
             format: "waymo-motion".into(),
             source: "waymo".into(),
             map_ref: map.as_ref().map(|_| name),
-            licence: options.licence(),
+            licence: options.licence().or_else(|| Some("LicenseRef-Waymo-Open-Dataset".into())),
             content_hash: hash.finish(),
             missing,
             ..DriveMeta::default()

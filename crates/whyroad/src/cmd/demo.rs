@@ -1,8 +1,9 @@
-//! `whyroad demo`: every step from recorded drives to checked label drafts and the report, on drives that are
-//! built into this program or on the user's own AV2 logs.
+//! `whyroad demo`: every step from recorded drives to checked label drafts, the report, a release of the drafts and an
+//! export for a trainer, on drives that are built into this program or on the user's own AV2 logs.
 
 mod drafts;
 mod drives;
+mod release;
 mod summary;
 
 use crate::cmd::report::{Found, MAX_CARDS, write_page};
@@ -81,13 +82,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     steps.findings(&drafts.lost);
     steps.say(drafts.told(Lang::Zh), drafts.told(Lang::En));
 
+    let released = release::write(&mut steps, &framework, &lake, &args.out)?;
+
     let page = args.out.join("report.html");
     let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
     let found = Found { framework: &framework, lake: &lake, coverage: &result.coverage, chosen: &chosen };
     let lost = write_page(&found, &page, global.lang)?;
     steps.findings(&lost);
     let table = summary::table(&framework.taxonomy, &result.coverage, &episodes, &lake, global.lang);
-    output::put(&format!("\n{table}\n{}\n", summary::where_to_look(&page, &lake, &args.out, global.lang)));
+    let next = summary::where_to_look(&page, &lake, &args.out, released, global.lang);
+    output::put(&format!("\n{table}\n{next}\n"));
     Ok(if steps.lost { output::lost_input() } else { output::FINE })
 }
 

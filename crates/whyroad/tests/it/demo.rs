@@ -180,6 +180,35 @@ fn each_primary_episode_has_a_draft_and_the_demo_says_what_the_checker_says() {
 }
 
 #[test]
+fn it_goes_on_to_a_release_and_an_export_that_agree_with_each_other() {
+    let (dir, run) = demo();
+    let release = whyroad_dataset::Release::open(dir.path().join("release")).unwrap();
+    let samples: Vec<_> = release.samples(None).map(Result::unwrap).collect();
+    // Primary episodes with a whole window, at most as many as there are drafts; all are marked as drafts.
+    let drafts = lines(&dir.path().join("draft_labels.jsonl")).len();
+    assert!((5..=drafts).contains(&samples.len()), "{} of {drafts}", samples.len());
+    assert!(samples.iter().all(|s| s.lineage.label_status == "draft" && !s.lineage.checked));
+    assert!(samples.iter().all(|s| s.images.len() == 4));
+    let export = dir.path().join("export-ms-swift");
+    let mut records = 0;
+    for split in ["train", "val", "test"] {
+        let file = export.join(format!("sft.{split}.jsonl"));
+        let all = if file.is_file() { lines(&file) } else { vec![] };
+        for record in &all {
+            for image in record["images"].as_array().unwrap() {
+                assert!(export.join(image.as_str().unwrap()).is_file(), "{image}");
+            }
+        }
+        records += all.len();
+    }
+    assert_eq!(records, samples.len(), "one language per draft");
+    assert!(run.err.contains("dataset ") && run.err.contains("ms-swift"), "{}", run.err);
+    assert!(run.out.contains("whyroad dataset build --spec "), "{}", run.out);
+    let checked = whyroad(&["dataset", "verify", dir.path().join("release").to_str().unwrap()]);
+    assert_eq!(checked.code, 0, "{}{}", checked.out, checked.err);
+}
+
+#[test]
 fn the_report_has_a_card_for_each_episode_and_fetches_nothing() {
     let page = std::fs::read_to_string(demo().0.path().join("report.html")).unwrap();
     for e in episodes() {
@@ -197,7 +226,14 @@ fn the_report_has_a_card_for_each_episode_and_fetches_nothing() {
 fn a_second_run_into_the_same_folder_gives_the_same_bytes() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().to_str().unwrap();
-    let files = ["report.html", "draft_labels.jsonl", "mined/episodes.jsonl", "mined/coverage.json"];
+    let files = [
+        "report.html",
+        "draft_labels.jsonl",
+        "mined/episodes.jsonl",
+        "mined/coverage.json",
+        "release/checksums.sha256",
+        "export-ms-swift/sft.train.jsonl",
+    ];
     let contents = || files.map(|f| std::fs::read(dir.path().join(f)).unwrap());
     assert_eq!(whyroad(&["demo", "--out", out]).code, 0);
     let first = contents();

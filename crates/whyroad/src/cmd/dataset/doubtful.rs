@@ -5,16 +5,18 @@ use crate::cmd::tasks::import_lines;
 use crate::output::{self, DataFormat};
 use crate::{Global, framework_folder, store_args};
 use anyhow::bail;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_dataset::baseline::{self, Settings, folds};
-use whyroad_dataset::doubtful::{DoubtfulLabels, find};
+use whyroad_dataset::doubtful::{Doubtful, DoubtfulLabels, find};
 use whyroad_dataset::score::Target;
 use whyroad_dataset::score::predictions::Predictions;
 use whyroad_dataset::{DatasetError, Release};
 use whyroad_model::Lang;
+use whyroad_server::service::review::{self, Doubt, Review};
+use whyroad_server::store::StoreLocation;
 
 /// Arguments of `whyroad dataset doubtful`.
 #[derive(clap::Args)]
@@ -37,7 +39,8 @@ pub(crate) struct Args {
     /// Maximum number of labels, most doubtful first
     #[arg(long, value_name = "N")]
     limit: Option<usize>,
-    /// Create review tasks in this project, with the doubtful labels as drafts
+    /// Send the labels back for review: a label of the store goes to rework in its own task; for every other one this
+    /// project gets a new task with the label as its draft
     #[arg(long, value_name = "PROJECT", requires = "lake")]
     to_tasks: Option<String>,
     /// Lake that has the drives (with --to-tasks)
@@ -97,15 +100,55 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     });
     if let Some(project) = &a.to_tasks {
         let Some(lake) = &a.lake else { bail!("--to-tasks needs --lake") };
-        let lines = match labels(&release, &found) {
-            Ok(lines) => lines,
-            Err(e) => return Ok(refused(global, &e)),
-        };
+        return send_back(global, a, &release, &found, (project, lake), lost.is_empty());
+    }
+    Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
+}
+
+/// Labels that came from a task of the store go to rework there; the others become drafts of new tasks.
+fn send_back(
+    global: &Global,
+    a: &Args,
+    release: &Release,
+    found: &DoubtfulLabels,
+    (project, lake): (&str, &Path),
+    complete: bool,
+) -> anyhow::Result<ExitCode> {
+    let doubts = match doubts(release, found) {
+        Ok(doubts) => doubts,
+        Err(e) => return Ok(refused(global, &e)),
+    };
+    let has_store = match a.store.location() {
+        StoreLocation::File(path) => path.is_file(),
+        StoreLocation::Server(_) => true,
+    };
+    let done = if has_store {
+        let store = a.store.open_existing(global.lang)?;
+        review::ask(&store, &doubts, now_ms()).map_err(|p| store_args::error(&p, global.lang))?
+    } else {
+        vec![Review::Unknown; doubts.len()]
+    };
+    let count = |what: Review| done.iter().filter(|d| **d == what).count();
+    let (reopened, in_work) = (count(Review::Reopened), count(Review::InWork));
+    let (changed, left_out) = (count(Review::Changed), count(Review::LeftOut));
+    match global.lang {
+        Lang::Zh => say!(
+            "{reopened} 条标注退回原任务返工；{in_work} 个任务正在处理；{changed} 条在发布后已修改；{left_out} 个任务已跳过或拒绝"
+        ),
+        Lang::En => say!(
+            "{reopened} labels sent to rework in their tasks; {in_work} tasks already in work; {changed} labels changed since the release; {left_out} tasks skipped or rejected"
+        ),
+    }
+    let new = doubts.iter().zip(&done).filter(|(_, d)| **d == Review::Unknown);
+    let lines: String = new.map(|(d, _)| format!("{}\n", d.label)).collect();
+    let mut failed = 0;
+    if !lines.is_empty() {
         let made = import_lines(global, &a.store, lake, project, &lines)?;
         for lost in &made.lost {
             say!("{}", lost.text.get(global.lang));
         }
-        let (new, known, failed) = (made.tasks, made.known, made.lost.len() + made.more as usize);
+        failed = made.lost.len() + made.more as usize;
+        let (new, known) = (made.tasks, made.known);
         match global.lang {
             Lang::Zh => {
                 say!("项目 {project}：新建 {new} 个复核任务；已有 {known}；{failed} 条标签无法建任务")
@@ -116,25 +159,39 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
                 )
             }
         }
-        if failed > 0 {
-            return Ok(output::lost_input());
-        }
     }
-    Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
+    Ok(if complete && failed == 0 { output::FINE } else { output::lost_input() })
 }
 
-/// The labels as lines, in the order of `found`.
-fn labels(release: &Release, found: &DoubtfulLabels) -> Result<String, DatasetError> {
-    let ids: BTreeSet<&str> = found.labels.iter().map(|d| d.sample_id.as_str()).collect();
-    let mut by_id = std::collections::BTreeMap::new();
+/// Milliseconds since 1970.
+fn now_ms() -> i64 {
+    let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    since.map_or(0, |d| i64::try_from(d.as_millis()).unwrap_or(i64::MAX))
+}
+
+/// The doubtful labels with their tasks, in the order of `found`.
+fn doubts(release: &Release, found: &DoubtfulLabels) -> Result<Vec<Doubt>, DatasetError> {
+    let by_id: BTreeMap<&str, &Doubtful> = found.labels.iter().map(|d| (d.sample_id.as_str(), d)).collect();
+    let mut out = BTreeMap::new();
     for sample in release.samples(None) {
         let sample = sample?;
-        if ids.contains(sample.sample_id.as_str()) {
-            by_id.insert(sample.sample_id, sample.label_json);
-        }
+        let Some(d) = by_id.get(sample.sample_id.as_str()) else { continue };
+        let note = format!(
+            "doubtful {}: {} has probability {:.3}, {} has {:.3} (release {} {}, sample {})",
+            found.target.name(),
+            d.given,
+            d.given_probability,
+            d.suggested,
+            d.suggested_probability,
+            release.manifest.name,
+            release.manifest.version,
+            d.sample_id
+        );
+        let label = serde_json::from_str(&sample.label_json)
+            .map_err(|e| DatasetError::broken(release.dir(), e))?;
+        out.insert(sample.sample_id, Doubt { task: sample.lineage.task_id.unwrap_or_default(), label, note });
     }
-    let lines = found.labels.iter().filter_map(|d| by_id.get(&d.sample_id));
-    Ok(lines.fold(String::new(), |out, line| out + line + "\n"))
+    Ok(found.labels.iter().filter_map(|d| out.remove(&d.sample_id)).collect())
 }
 
 fn text(found: &DoubtfulLabels, all: usize, lang: Lang) -> String {

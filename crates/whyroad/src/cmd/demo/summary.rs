@@ -1,5 +1,6 @@
 //! The table that the demo ends with.
 
+use super::release::SPEC;
 use crate::text_table::{Align, aligned};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -84,17 +85,28 @@ fn starts(episodes: &[EpisodeRecord], lake: &Lake) -> BTreeMap<DriveId, Nanos> {
     out
 }
 
-/// Where everything is.
-pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, lang: Lang) -> String {
-    let serve =
-        format!("whyroad serve --lake {} --mined {}", lake.dir().display(), out.join("mined").display());
+/// Where everything is, and what to do next.
+pub(super) fn where_to_look(page: &Path, lake: &Lake, out: &Path, released: bool, lang: Lang) -> String {
+    let (lake, mined) = (lake.dir().display(), out.join("mined"));
+    let serve = format!("whyroad serve --lake {lake} --mined {}", mined.display());
+    let build = format!(
+        "whyroad dataset build --spec {} --labels whyroad-data/labels.db --lake {lake} --out my-release",
+        out.join(SPEC).display()
+    );
     let (page, out) = (page.display(), out.display());
-    match lang {
+    let mut text = match lang {
         Lang::Zh => format!(
             "报告：{page}（用浏览器打开）；其余结果在 {out}\n在浏览器里看这些片段并标注：{serve}，然后打开 http://127.0.0.1:8080/"
         ),
         Lang::En => format!(
             "report: {page} (open it in a browser); everything else is in {out}\nto look at the clips in the browser and label them: {serve}, then open http://127.0.0.1:8080/"
         ),
+    };
+    if released {
+        text += &match lang {
+            Lang::Zh => format!("\n用已通过的标注构建数据集：{build}"),
+            Lang::En => format!("\nto build a data set from the labels that were accepted: {build}"),
+        };
     }
+    text
 }
