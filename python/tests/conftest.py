@@ -14,10 +14,10 @@ def binary() -> str:
     return os.environ.get("WHYROAD_BIN", str(ROOT / "target/release/whyroad"))
 
 
-def run(*args: str | Path) -> str:
+def run(*args: str | Path, codes: tuple[int, ...] = (0, 1)) -> str:
     """Runs the program; exit code 1 (findings) is fine for the bundled drives."""
     done = subprocess.run([binary(), *map(str, args)], capture_output=True, text=True, check=False)
-    assert done.returncode in (0, 1), done.stderr
+    assert done.returncode in codes, f"{args}: {done.returncode} {done.stderr}"
     return done.stdout
 
 
@@ -35,3 +35,12 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def release(demo: Path) -> Path:
     """The release of drafts that the demo builds, with rendered bird's-eye images."""
     return demo / "release"
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """What is required fails instead of being skipped."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    skipped = reporter.stats.get("skipped", []) if reporter else []
+    if skipped and "python" in os.environ.get("WHYROAD_REQUIRE", "").split(","):
+        reporter.write_line(f"WHYROAD_REQUIRE=python: {len(skipped)} tests were skipped", red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED

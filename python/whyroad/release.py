@@ -74,7 +74,8 @@ class Release:
 
     def weights(self, split: str = "train") -> np.ndarray:
         """Sampling weights of a split, for ``torch.utils.data.WeightedRandomSampler``."""
-        return self.table(split, ["weight"]).column("weight").to_numpy()
+        weights: np.ndarray = self.table(split, ["weight"]).column("weight").to_numpy()
+        return weights
 
     def __repr__(self) -> str:
         return f"whyroad.Release({self.manifest['name']!r}, {self.splits})"

@@ -83,7 +83,8 @@ impl DatasetError {
         |source| Self::Io { path: path.to_owned(), source }
     }
 
-    pub(crate) fn broken(path: &Path, reason: impl std::fmt::Display) -> Self {
+    /// A file of a release that cannot be read.
+    pub fn broken(path: &Path, reason: impl std::fmt::Display) -> Self {
         Self::Broken { path: path.to_owned(), reason: reason.to_string() }
     }
 

@@ -13,7 +13,6 @@ mod ms_swift;
 mod openlabel;
 mod parquet_file;
 mod qwen;
-mod roll;
 mod webdataset;
 
 use crate::item::SplitName;
@@ -107,6 +106,13 @@ pub struct ExportOptions {
     pub ffmpeg: Option<PathBuf>,
 }
 
+impl ExportOptions {
+    /// The splits that are exported, in their order.
+    fn splits(&self) -> Vec<SplitName> {
+        self.split.map_or_else(|| SplitName::ALL.to_vec(), |split| vec![split])
+    }
+}
+
 /// What an export wrote and what it left out.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Exported {
@@ -175,23 +181,22 @@ pub fn export(
     }
     fs::create_dir_all(out).map_err(DatasetError::io(out))?;
     let mut exported = Exported::default();
+    let mut folder = Folder { root: out.to_owned(), lines: BTreeMap::new(), files: 0 };
     let mut writer: Box<dyn SampleWriter> = match format {
         ExportFormat::Jsonl => Box::new(jsonl::Writer),
         ExportFormat::MsSwift => Box::new(chat::ChatWriter(ms_swift::MsSwift::default())),
         ExportFormat::LlamaFactory => Box::new(chat::ChatWriter(llama_factory::LlamaFactory::new(release))),
         ExportFormat::Qwen => Box::new(chat::ChatWriter(qwen::Qwen)),
         ExportFormat::Lerobot => Box::new(lerobot::Writer::default()),
-        ExportFormat::HuggingFace => Box::new(huggingface::Writer::new(release)),
+        ExportFormat::HuggingFace => {
+            huggingface::write(release, options, &mut folder, &mut exported, progress)?;
+            return finish(folder, exported);
+        }
         ExportFormat::WebDataset => Box::new(webdataset::Writer::new(release)),
         ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
         ExportFormat::OpenLabel => Box::new(openlabel::Writer),
     };
-    let mut folder = Folder { root: out.to_owned(), lines: BTreeMap::new(), files: 0 };
-    let splits = match options.split {
-        Some(split) => vec![split],
-        None => SplitName::ALL.to_vec(),
-    };
-    for split in splits {
+    for split in options.splits() {
         for sample in release.samples(Some(split)) {
             let sample = sample?;
             exported.samples += 1;
@@ -200,10 +205,16 @@ pub fn export(
         }
     }
     writer.finish(options, &mut folder, &mut exported)?;
+    finish(folder, exported)
+}
+
+/// Closes the files and writes the summary.
+fn finish(mut folder: Folder, mut exported: Exported) -> Result<Exported, DatasetError> {
     folder.finish()?;
     exported.files = folder.files;
-    let summary = serde_json::to_string_pretty(&exported).map_err(|e| DatasetError::broken(out, e))?;
-    fs::write(out.join("export.json"), summary + "\n").map_err(DatasetError::io(out))?;
+    let path = folder.root.join("export.json");
+    let summary = serde_json::to_string_pretty(&exported).map_err(|e| DatasetError::broken(&path, e))?;
+    fs::write(&path, summary + "\n").map_err(DatasetError::io(&path))?;
     Ok(exported)
 }
 

@@ -317,6 +317,19 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
     Ok(read)
 }
 
+/// Why a version was returned: the note, else the comments that were made with the return.
+fn reason(task: &Value, entry: &Value) -> Option<String> {
+    if let Some(note) = entry["note"].as_str().filter(|n| !n.is_empty()) {
+        return Some(note.to_owned());
+    }
+    let comments = task["comments"].as_array().into_iter().flatten();
+    let texts: Vec<String> = comments
+        .filter(|c| c["at"] == entry["at"] && c["author"] == entry["actor"])
+        .filter_map(|c| Some(format!("{}: {}", c["path"].as_str()?, c["text"].as_str()?)))
+        .collect();
+    (!texts.is_empty()).then(|| texts.join("; "))
+}
+
 /// Label versions that a checker or auditor returned: the last version before each return, with the note.
 fn rejected(task: &Value) -> Vec<Rejected> {
     let mut out: Vec<Rejected> = Vec::new();
@@ -326,11 +339,13 @@ fn rejected(task: &Value) -> Vec<Rejected> {
             last = Some(&entry["draft"]);
         }
         // Not `reopen`: who reopens an accepted label asks for another look and rejects nothing yet.
-        if entry["action"].as_str() == Some("send_back") && let Some(draft) = last {
+        if entry["action"].as_str() == Some("send_back")
+            && let Some(draft) = last
+        {
             out.push(Rejected {
                 label_json: draft.to_string(),
                 trace: draft["coc_trace"].as_str().map(str::to_owned),
-                reason: entry["note"].as_str().filter(|n| !n.is_empty()).map(str::to_owned),
+                reason: reason(task, entry),
             });
         }
     }

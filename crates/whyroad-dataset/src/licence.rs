@@ -221,14 +221,19 @@ mod tests {
             assert_eq!(code(id, Use::Internal), None);
             // Together with open data it stays what it is; with share-alike data neither licence can be kept.
             assert_eq!(declared(&[id, "MIT"], Use::Internal).unwrap(), id);
-            assert_eq!(declared(&[id, "CC-BY-NC-SA-4.0"], Use::Research).unwrap_err(), "dataset.licence.conflict");
+            assert_eq!(
+                declared(&[id, "CC-BY-NC-SA-4.0"], Use::Research).unwrap_err(),
+                "dataset.licence.conflict"
+            );
             assert_eq!(declared(&[id, "CC-BY-NC-SA-4.0"], Use::Internal).unwrap(), INTERNAL);
         }
         // The name that earlier versions of this file gave it.
         let nvidia = table.find("LicenseRef-NVIDIA-PhysicalAI-AV").unwrap();
         assert_eq!(nvidia.id, "LicenseRef-NVIDIA-Autonomous-Vehicle-Dataset");
         // By its publishers: CC BY-NC-SA 4.0 (Argoverse 2, nuScenes), MIT (comma2k19).
-        for (set, id) in [("Argoverse 2", "CC-BY-NC-SA-4.0"), ("nuScenes", "CC-BY-NC-SA-4.0"), ("comma2k19", "MIT")] {
+        for (set, id) in
+            [("Argoverse 2", "CC-BY-NC-SA-4.0"), ("nuScenes", "CC-BY-NC-SA-4.0"), ("comma2k19", "MIT")]
+        {
             assert!(table.find(id).unwrap().data_sets.iter().any(|s| s == set), "{set}");
         }
         assert_eq!(code("CC-BY-NC-SA-4.0", Use::Commercial), Some("dataset.licence.forbidden"));

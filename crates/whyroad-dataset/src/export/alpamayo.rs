@@ -1,5 +1,5 @@
 //! The tree that the Alpamayo recipes read (`PhysicalAIAVDatasetLocalInterface`). Each sample and language is a
-//! pseudo-clip of its own, because the loader takes only the first event of a clip; the event lies at 2.0 s of the
+//! pseudo-clip of its own, because the loader takes only the first event of a clip; the event lies at 5.1 s of the
 //! clip's 20 s time line. Reasoning is written under `cot` (which the recipe reads) and `coc` (which the released files
 //! have). Samples that the loader would drop are listed in `preflight.json`, with the reason.
 
@@ -21,8 +21,9 @@ use whyroad_model::Lang;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// Where t0 lies in the pseudo-clip: after the 1.6 s of history that the loader needs, microseconds.
-const T0_US: i64 = 2_000_000;
+/// Where t0 lies in the pseudo-clip, microseconds: after the 1.6 s of history that the loader needs, and where the
+/// recipe's `use_default_keyframe` looks.
+const T0_US: i64 = 5_100_000;
 /// What the loader needs before and after t0, s.
 const HISTORY_S: f32 = 1.5;
 const FUTURE_S: f32 = 6.4;
@@ -211,25 +212,25 @@ impl Writer {
         Some(format!("{first}-{}", of_split.next_back().unwrap_or(first) + 1))
     }
 
-    /// Settings for the recipe: without `cot` in both lists the reasoning is not trained.
+    /// A Hydra configuration on top of the recipe's `sft_base`. The recipe's defaults train the trajectory at a fixed
+    /// moment; here the moment is the event's and the reasoning is in both lists.
     fn training(&self) -> String {
-        let mut out = "# Overrides for the SFT recipe. chunk_ids is half open; a chunk has clips of one split only. Without `cot` in \
-                       both\n# lists only the trajectory is trained.\n"
+        let mut out = "# Put this file beside the recipe's sft_base.yaml and set local_dir to this folder.\n\
+             # chunk_ids is half open; a chunk has clips of one split only. Without `cot` in the lists only the trajectory is\n\
+             # trained. For route texts use alpamayo.data.pai_nav.PAIDatasetWithNav with annotations_path navigation.json and\n\
+             # `route` in components_order; that loader does not read `cot`.\n\
+             defaults:\n  - sft_base\n  - _self_\ndata:\n"
             .to_owned();
         for (split, key) in [("train", "train_dataset"), ("val", "val_dataset")] {
-            if let Some(chunks) = self.chunks(split) {
-                let _ = write!(
-                    out,
-                    "{key}:\n  _target_: alpamayo.data.pai.PAIDataset\n  local_dir: .\n  chunk_ids: \"{chunks}\"\n  \
-                     reasoning_metadata: reasoning/ood_reasoning.parquet\n"
-                );
-            }
+            let Some(chunks) = self.chunks(split) else { continue };
+            let _ = write!(
+                out,
+                "  {key}:\n    local_dir: .\n    chunk_ids: \"{chunks}\"\n    use_default_keyframe: false\n    \
+                 reasoning_metadata: reasoning/ood_reasoning.parquet\n    vla_preprocess_args:\n      \
+                 components_order: [\"image\", \"traj_history\", \"prompt\", \"cot\", \"traj_future\"]\n      \
+                 components_prompt: [\"cot\", \"traj_future\"]\n      label_components: [\"cot\", \"traj_future\"]\n"
+            );
         }
-        let route = if self.clips.iter().any(|c| c.route.is_some()) { "\"route\", " } else { "" };
-        out += &format!(
-            "vla_processor:\n  components_order: [\"image\", \"traj_history\", {route}\"prompt\", \"cot\", \"traj_future\"]\n  \
-             label_components: [\"cot\", \"traj_future\"]\n"
-        );
         out
     }
 

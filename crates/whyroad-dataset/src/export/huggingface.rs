@@ -1,16 +1,14 @@
 //! Hugging Face: Parquet files per split whose `images` decode as images, a card with front matter, and Croissant
 //! metadata. The columns are those of the release; an image's camera and time are in `image_cameras` and `image_t_s`.
 
-use super::roll::Roll;
-use super::{ExportOptions, Exported, Folder, SampleWriter};
+use super::{ExportOptions, Exported, Folder};
 use crate::freeze::croissant::croissant;
 use crate::freeze::manifest::{FileEntry, Manifest};
 use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES};
 use crate::freeze::tables::properties;
 use crate::freeze::{CROISSANT, checksums};
 use crate::item::SplitName;
-use crate::sample::Sample;
-use crate::sample::schema::{schema, to_batch};
+use crate::sample::schema::schema;
 use crate::{DatasetError, Release};
 use arrow_array::cast::AsArray as _;
 use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray, StructArray};
@@ -19,96 +17,59 @@ use parquet::arrow::ArrowWriter;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 
-/// Samples of a file.
-const PER_FILE: usize = 5_000;
-
-pub(super) struct Writer {
-    manifest: Manifest,
-    schema: SchemaRef,
-    roll: Roll,
-    open: Option<ArrowWriter<File>>,
-    waiting: Vec<Sample>,
-    files: Vec<(String, usize)>,
+/// Writes the files of the release again, batch by batch, with `images` as Hugging Face stores them; buffers are
+/// shared and no sample is decoded.
+pub(super) fn write(
+    release: &Release,
+    options: &ExportOptions,
+    folder: &mut Folder,
+    exported: &mut Exported,
+    progress: &mut dyn FnMut(),
+) -> Result<(), DatasetError> {
+    let schema = hf_schema();
+    let mut files = Vec::new();
+    for split in options.splits() {
+        for source in release.data_files(Some(split)) {
+            let (name, samples) = file(&source, &schema, release, folder, progress)?;
+            let (bytes, sha256) = checksums::sum(&folder.root.join(&name))?;
+            exported.samples += samples;
+            exported.records += samples;
+            files.push(FileEntry { path: name, bytes, sha256, samples: Some(samples) });
+        }
+    }
+    let mut manifest = Manifest { files, ..release.manifest.clone() };
+    let kept: Vec<&str> = options.splits().into_iter().map(SplitName::name).collect();
+    manifest.counts.by_split.retain(|split, _| kept.contains(&split.as_str()));
+    manifest.counts.samples = manifest.counts.by_split.values().sum();
+    folder.write(CROISSANT, croissant(&manifest).as_bytes())?;
+    folder.write("README.md", card(&manifest).as_bytes())
 }
 
-impl Writer {
-    pub(super) fn new(release: &Release) -> Self {
-        Self {
-            manifest: release.manifest.clone(),
-            schema: hf_schema(),
-            roll: Roll::new(release, PER_FILE),
-            open: None,
-            waiting: Vec::new(),
-            files: Vec::new(),
-        }
+/// One file under its name in the release; gives its name in the export and the number of samples.
+fn file(
+    source: &Path,
+    schema: &SchemaRef,
+    release: &Release,
+    folder: &mut Folder,
+    progress: &mut dyn FnMut(),
+) -> Result<(String, usize), DatasetError> {
+    let broken = |e: &dyn std::fmt::Display| DatasetError::broken(source, e);
+    let name = format!("data/{}", source.file_name().unwrap_or_default().to_string_lossy());
+    let rows = if release.manifest.counts.images > 0 { ROWS_WITH_IMAGES } else { ROWS };
+    let mut writer = ArrowWriter::try_new(folder.create(&name)?, schema.clone(), Some(properties(rows)))
+        .map_err(|e| broken(&e))?;
+    let mut samples = 0;
+    for batch in crate::release::open(source, None)? {
+        let batch = with_images(&batch?, schema).map_err(|e| broken(&e))?;
+        writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
+        samples += batch.num_rows();
+        (0..batch.num_rows()).for_each(|_| progress());
     }
-
-    fn flush(&mut self, folder: &Folder) -> Result<(), DatasetError> {
-        let broken = |e: &dyn std::fmt::Display| DatasetError::broken(&folder.root, e);
-        if let (Some(writer), false) = (&mut self.open, self.waiting.is_empty()) {
-            let batch = to_batch(&self.waiting).map_err(|e| broken(&e))?;
-            let batch = with_images(&batch, &self.schema).map_err(|e| broken(&e))?;
-            writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
-        }
-        self.waiting.clear();
-        Ok(())
-    }
-
-    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
-        self.flush(folder)?;
-        if let Some(writer) = self.open.take() {
-            writer.close().map_err(|e| DatasetError::broken(&folder.root, e))?;
-        }
-        Ok(())
-    }
-}
-
-impl SampleWriter for Writer {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        let rows = if sample.images.is_empty() { ROWS } else { ROWS_WITH_IMAGES };
-        if let Some(start) = self.roll.next(split)? {
-            self.close(folder)?;
-            let name = format!("data/{}", start.shard.name);
-            let file = folder.create(&name)?;
-            let writer = ArrowWriter::try_new(file, self.schema.clone(), Some(properties(rows)))
-                .map_err(|e| DatasetError::broken(&folder.root, e))?;
-            self.open = Some(writer);
-            self.files.push((name, start.shard.range.len()));
-        }
-        self.waiting.push(sample.clone());
-        exported.records += 1;
-        if self.waiting.len() >= rows {
-            self.flush(folder)?;
-        }
-        Ok(())
-    }
-
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        _: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        self.close(folder)?;
-        let mut files = Vec::new();
-        for (path, samples) in &self.files {
-            let (bytes, sha256) = checksums::sum(&folder.root.join(path))?;
-            files.push(FileEntry { path: path.clone(), bytes, sha256, samples: Some(*samples) });
-        }
-        let manifest = Manifest { files, ..self.manifest.clone() };
-        folder.write(CROISSANT, croissant(&manifest).as_bytes())?;
-        folder.write("README.md", card(&manifest).as_bytes())
-    }
+    writer.close().map_err(|e| broken(&e))?;
+    Ok((name, samples))
 }
 
 /// The release's columns with `images` as Hugging Face stores images, and the features in its metadata.

@@ -1,8 +1,8 @@
 //! WebDataset shards: `<split>-000000.tar`, files of one sample share their basename up to the first dot. Samples are
 //! already shuffled in the release; shards of a split have equal sizes, give or take one.
 
-use super::roll::Roll;
 use super::{ExportOptions, Exported, Folder, SampleWriter, images};
+use crate::freeze::shards::{Shard, shards};
 use crate::item::SplitName;
 use crate::sample::{Image, Sample};
 use crate::{DatasetError, Release};
@@ -14,7 +14,9 @@ use std::io::BufWriter;
 const PER_SHARD: usize = 1000;
 
 pub(super) struct Writer {
-    roll: Roll,
+    /// Shards of each split.
+    plan: BTreeMap<&'static str, Vec<Shard>>,
+    done: BTreeMap<&'static str, usize>,
     open: Option<tar::Builder<BufWriter<File>>>,
     shards: BTreeMap<&'static str, Vec<usize>>,
 }
@@ -30,7 +32,25 @@ fn put(tar: &mut tar::Builder<BufWriter<File>>, name: &str, content: &[u8]) -> s
 
 impl Writer {
     pub(super) fn new(release: &Release) -> Self {
-        Self { roll: Roll::new(release, PER_SHARD), open: None, shards: BTreeMap::new() }
+        let of = |split: SplitName| {
+            let total = release.manifest.counts.by_split.get(split.name()).copied().unwrap_or(0);
+            (split.name(), shards(split.name(), total, PER_SHARD))
+        };
+        let plan = SplitName::ALL.into_iter().map(of).collect();
+        Self { plan, done: BTreeMap::new(), open: None, shards: BTreeMap::new() }
+    }
+
+    /// Counts a sample; gives the number and the size of the shard that begins with it.
+    fn begins(&mut self, split: SplitName, folder: &Folder) -> Result<Option<(usize, usize)>, DatasetError> {
+        let plan = self.plan.get(split.name()).map_or(&[][..], Vec::as_slice);
+        let done = self.done.entry(split.name()).or_default();
+        if plan.last().is_none_or(|last| *done >= last.range.end) {
+            let fault = "the release has more samples than its manifest says";
+            return Err(DatasetError::broken(&folder.root, fault));
+        }
+        let number = plan.iter().position(|s| s.range.start == *done);
+        *done += 1;
+        Ok(number.map(|n| (n, plan[n].range.len())))
     }
 
     fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
@@ -51,11 +71,11 @@ impl SampleWriter for Writer {
         folder: &mut Folder,
         exported: &mut Exported,
     ) -> Result<(), DatasetError> {
-        if let Some(start) = self.roll.next(split)? {
+        if let Some((number, samples)) = self.begins(split, folder)? {
             self.close(folder)?;
-            let file = folder.create(&format!("{}-{:06}.tar", split.name(), start.number))?;
+            let file = folder.create(&format!("{}-{number:06}.tar", split.name()))?;
             self.open = Some(tar::Builder::new(BufWriter::new(file)));
-            self.shards.entry(split.name()).or_default().push(start.shard.range.len());
+            self.shards.entry(split.name()).or_default().push(samples);
         }
         let Some(tar) = &mut self.open else { return Ok(()) };
         let without_bytes = Sample {

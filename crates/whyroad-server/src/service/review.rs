@@ -1,5 +1,5 @@
-//! Accepted labels that somebody doubts later, for example a model that was trained on the others: back to their author,
-//! in the task that they came from.
+//! Accepted labels that somebody doubts later, for example a model that was trained on the others: back to their
+//! author, in the task that they came from.
 
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, Seen, State};
 use crate::problem::Answer;
@@ -104,7 +104,8 @@ mod tests {
         {
             put(&app.store, id, state);
         }
-        let doubts = [doubt("a", "a"), doubt("b", "older"), doubt("c", "c"), doubt("d", "d"), doubt("e", "e")];
+        let doubts =
+            [doubt("a", "a"), doubt("b", "older"), doubt("c", "c"), doubt("d", "d"), doubt("e", "e")];
         let done = ask(&app.store, &doubts, 9).unwrap();
         use Review::{Changed, InWork, LeftOut, Reopened, Unknown};
         assert_eq!(done, [Reopened, Changed, InWork, LeftOut, Unknown]);

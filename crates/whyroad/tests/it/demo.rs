@@ -189,6 +189,8 @@ fn it_goes_on_to_a_release_and_an_export_that_agree_with_each_other() {
     assert!((5..=drafts).contains(&samples.len()), "{} of {drafts}", samples.len());
     assert!(samples.iter().all(|s| s.lineage.label_status == "draft" && !s.lineage.checked));
     assert!(samples.iter().all(|s| s.images.len() == 4));
+    let splits: BTreeSet<&str> = samples.iter().map(|s| s.split.as_str()).collect();
+    assert_eq!(splits.len(), 3, "a drive each");
     let export = dir.path().join("export-ms-swift");
     let mut records = 0;
     for split in ["train", "val", "test"] {

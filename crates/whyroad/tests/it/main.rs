@@ -9,6 +9,8 @@ mod service;
 mod session;
 
 mod dataset;
+mod dataset_images;
+mod dataset_labels;
 mod demo;
 mod docs;
 mod duckdb;

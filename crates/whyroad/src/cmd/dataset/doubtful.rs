@@ -187,8 +187,8 @@ fn doubts(release: &Release, found: &DoubtfulLabels) -> Result<Vec<Doubt>, Datas
             release.manifest.version,
             d.sample_id
         );
-        let label = serde_json::from_str(&sample.label_json)
-            .map_err(|e| DatasetError::broken(release.dir(), e))?;
+        let label =
+            serde_json::from_str(&sample.label_json).map_err(|e| DatasetError::broken(release.dir(), e))?;
         out.insert(sample.sample_id, Doubt { task: sample.lineage.task_id.unwrap_or_default(), label, note });
     }
     Ok(found.labels.iter().filter_map(|d| out.remove(&d.sample_id)).collect())

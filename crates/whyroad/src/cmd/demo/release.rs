@@ -17,8 +17,14 @@ pub(super) const EXPORT: &str = "export-ms-swift";
 /// The spec that the release was built from.
 pub(super) const SPEC: &str = "dataset.yaml";
 
-/// What the demo changes in the commented spec.
-const CHANGES: [(&str, &str); 2] = [("name: release ", "name: demo    "), ("images: none", "images: bev ")];
+/// What the demo changes in the commented spec. Three drives give three groups: with these shares each split has one.
+const CHANGES: [(&str, &str); 5] = [
+    ("name: release ", "name: demo    "),
+    ("images: none", "images: bev "),
+    ("train: 0.8", "train: 0.4"),
+    ("val: 0.1", "val: 0.3"),
+    ("test: 0.1", "test: 0.3"),
+];
 
 /// Builds and exports; what could not be done is reported, and the demo goes on. True when both were written.
 pub(super) fn write(
