@@ -119,7 +119,9 @@ impl Lake {
         let class = match scenario {
             Some(text) => match framework.taxonomy.resolve(text) {
                 whyroad_framework::Resolution::Found(id) => Some(id),
-                _ => return Err(of_code("taxonomy.class.unknown", format!("class '{text}' not found"), None)),
+                _ => {
+                    return Err(of_code("taxonomy.class.unknown", format!("class '{text}' not found"), None));
+                }
             },
             None => None,
         };
