@@ -10,7 +10,7 @@ pub struct Trie {
     /// By character: 0, or one more than its place in `nodes`. Characters beyond the table start no word.
     starts: Vec<u16>,
     /// The same for two ASCII characters, `first * 128 + second`: every Latin letter starts some word, so this
-    /// is where most Latin words of a text are told to be none of ours.
+    /// is where most Latin words of a text are recognized as none of ours.
     pairs: Vec<u16>,
     nodes: Vec<Node>,
     /// Edges of all nodes, those of one node side by side and sorted.

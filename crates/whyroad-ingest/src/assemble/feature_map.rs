@@ -61,7 +61,7 @@ pub(crate) enum Feature {
     Facility(&'static str, Vec<Point3>),
 }
 
-/// The map, and what is told about it.
+/// The map, and the findings about it.
 #[derive(Debug, Default)]
 pub(crate) struct Built {
     pub map: RoadMap,

@@ -1,4 +1,4 @@
-//! Traffic lights that are told for lanes at every step, as the Waymo motion set has them and ScenarioNet keeps them.
+//! Traffic lights that are stated for lanes at every step, as the Waymo motion set has them and ScenarioNet keeps them.
 
 use whyroad_model::Nanos;
 use whyroad_model::scene::{LightColour, LightState};
@@ -6,7 +6,7 @@ use whyroad_model::scene::{LightColour, LightState};
 /// The colour that a state's name means: Waymo's `LANE_STATE_*` and MetaDrive's `TRAFFIC_LIGHT_*`. `None` for a name
 /// that neither defines.
 ///
-/// Arrows are told apart from round lights by neither; a green may therefore be one that must give way. Flashing red
+/// Neither distinguishes arrows from round lights; a green may therefore be one that must give way. Flashing red
 /// asks to stop and then to go on, which is none of our colours: unknown.
 pub(crate) fn colour(name: &str) -> Option<LightColour> {
     Some(match name.trim_start_matches("LANE_STATE_").trim_start_matches("TRAFFIC_LIGHT_") {

@@ -284,7 +284,7 @@ fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Eg
     let forward = mapping.ego.reference_to_centre_m;
     let mut sampled = Sampled::default();
     for (row, &time) in poses.iter().zip(times) {
-        // The velocity told is that of the pose's point; away from it the middle of the car moves differently in turns.
+        // The velocity is that of the pose's point; away from it the middle of the car moves differently in turns.
         let velocity = row.velocity.filter(|_| forward == 0.0).map_or([f64::NAN; 2], |[ahead, left]| {
             let v = se3::rotate(row.pose.q, [ahead, left, 0.0]);
             [v[0], v[1]]

@@ -180,7 +180,7 @@ fn sampled(
             }
         }
     }
-    // The good states of a track with a bad one are kept; the bad one is told of by its count.
+    // The good states of a track with a bad one are kept; the bad one is counted.
     match bad {
         Some(reason) if out.times.is_empty() => Err(reason),
         _ => Ok(out),

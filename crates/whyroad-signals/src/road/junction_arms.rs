@@ -1,5 +1,5 @@
 //! A junction by its lanes: those inside it, where they come in and go out, and the arms that these make. Arms are
-//! told apart by where they meet the junction and in which direction they leave it, not by names of roads, which maps
+//! distinguished by where they meet the junction and in which direction they leave it, not by road names, which maps
 //! split as they like.
 
 use crate::geometry::{P2, wrap};

@@ -94,7 +94,7 @@ fn parts(road: &Road, lane: usize) -> bool {
     let after = |l: usize| road.lanes[l].successors.iter().copied().collect::<BTreeSet<usize>>();
     let (joined, beyond) = (|l: &usize| same.contains(l), after(first));
     next.iter().any(|l| {
-        // Short pieces between two roads are not always told to be neighbours; those behind them are.
+        // Short pieces between two roads are not always stated to be neighbours; those behind them are.
         let meets = after(*l).iter().any(|b| beyond.iter().any(|a| a == b || beside(road, *a).contains(b)));
         !joined(l) && !meets
     })
@@ -115,7 +115,7 @@ struct Role {
     joined: bool,
     /// It leads to a ramp.
     leaves: bool,
-    /// It is told to be one.
+    /// It is stated to be one.
     acceleration: bool,
     deceleration: bool,
 }

@@ -52,7 +52,7 @@ fn places(on: &OnRoad<'_>, wanted: impl Fn(&Sign) -> bool, route: &BTreeSet<Stri
     found
 }
 
-/// Where the path crosses a stop line; one that is told by a point alone, where the path passes it within half a lane.
+/// Where the path crosses a stop line; one that is given by a point alone, where the path passes it within half a lane.
 fn stop_lines(on: &OnRoad<'_>) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
     for line in &on.map.stop_lines {

@@ -1,5 +1,5 @@
 //! Words of the closed lists that maps and context states are made of (`whyroad_model::vocabulary`): those that are not
-//! in them are gathered and told with the nearest one that is.
+//! in them are collected and reported with the nearest one that is.
 
 use super::findings;
 use std::collections::BTreeMap;

@@ -228,7 +228,7 @@ fn four(field: Field<'_>) -> Parsed<[i64; 5]> {
 
 fn boundary(field: Field<'_>) -> Parsed<Boundary> {
     let [_, start, end, feature, kind] = four(field)?;
-    // RoadLineType. Which side of a passing line (8) is solid is not told; 0 is a road edge.
+    // RoadLineType. Which side of a passing line (8) is solid is not stated; 0 is a road edge.
     let mark = match kind {
         1 | 4 => LaneMark::Dashed,
         2 | 6 => LaneMark::Solid,

@@ -110,12 +110,12 @@ pub(super) fn text_of(part: &PartCourse, lang: Lang) -> String {
     }
 }
 
-/// The comparison that is the whole part: it is told in one line.
+/// The comparison that is the whole part: it is shown in one line.
 pub(super) fn single(part: &PartCourse) -> Option<&AtomCourse> {
     part.atoms.first().filter(|a| part.atoms.len() == 1 && a.text == part.text)
 }
 
-/// What is told below a part: its definitions and comparisons, without the part itself again.
+/// What is shown below a part: its definitions and comparisons, without the part itself again.
 pub(super) fn below(part: &PartCourse) -> impl Iterator<Item = &AtomCourse> {
     part.atoms.iter().filter(|a| a.text != part.text)
 }
