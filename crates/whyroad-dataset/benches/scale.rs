@@ -2,7 +2,8 @@
 //! keyframes. Prints time, peak memory and bytes. Labels are made up (one per second of each drive); what is measured
 //! is the build.
 //!
-//! `cargo bench -p whyroad-dataset --bench scale -- LAKE SAMPLES [--images] [--work FOLDER]`
+//! `cargo bench -p whyroad-dataset --bench scale -- LAKE SAMPLES [--images] [--work FOLDER] [--keep]`; with
+//! `--keep` the release stays, for the benches of exports and loaders.
 #![allow(clippy::print_stdout)] // a bench prints
 
 use std::fmt::Write as _;
@@ -159,6 +160,11 @@ fn main() -> Result<(), Failure> {
         counts.images,
         counts.dropped
     );
-    std::fs::remove_dir_all(&work)?;
+    if arguments.iter().any(|a| a == "--keep") {
+        println!("{}", out.display());
+        std::fs::remove_dir_all(work.join("lake"))?;
+    } else {
+        std::fs::remove_dir_all(&work)?;
+    }
     Ok(())
 }
