@@ -8,6 +8,7 @@ pub mod inspect;
 pub mod media;
 pub mod mine;
 pub mod output;
+pub mod perturb;
 pub mod recordings;
 mod states;
 

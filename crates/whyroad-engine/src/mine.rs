@@ -20,7 +20,7 @@ use whyroad_mining::episode::{Found, find};
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::messages::ClipMetadata;
-use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ScenarioId};
 
 /// One drive's contribution.
 #[derive(Clone, Debug)]
@@ -122,6 +122,14 @@ pub fn mine_each<E: Send>(
         diagnostics.push(unwritable(lake));
     }
     Ok(diagnostics)
+}
+
+/// The episodes of a drive that is in memory: derived, searched and arbitrated now; nothing is read or stored. `plan` is
+/// that of `rules`.
+pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpisodes {
+    let table = whyroad_signals::derive(drive);
+    let found = find_all(plan, &Signals::of_table(&table));
+    arbitrated(rules, &drive.meta.drive_id, &drive.times, found)
 }
 
 /// What all drives of one run share.

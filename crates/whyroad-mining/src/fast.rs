@@ -16,6 +16,7 @@ mod compare;
 pub mod evaluation;
 pub mod layout;
 mod margin;
+mod noise;
 pub mod numbers;
 pub mod plan;
 pub mod search;

@@ -12,13 +12,14 @@ mod timeline;
 pub use temporal::{CLOCK_TOLERANCE, Truths};
 pub use timeline::{Row, STEP, Timeline};
 
+use crate::deviation::{crossed, has_threshold, of_product, of_sum};
 use crate::language::program::{NodeId, Op, Program, ValueScope};
 use crate::language::syntax::CompareOp;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::TargetSpan;
+use whyroad_model::signal::{TargetSpan, deviation_name};
 use whyroad_model::{Column, FrameRange, SignalTable, Tri};
 
 /// Margins are cut off here; flags and categories, which are true or false without degree, have it in full.
@@ -201,8 +202,21 @@ impl<'a> Evaluator<'a> {
             }
             Op::Compare { op, left, right, scale } => {
                 let (a, b) = (self.numbers(*left, pass), self.numbers(*right, pass));
-                let (value, margin) = a.iter().zip(&b).map(|(a, b)| compare(*op, *a, *b, *scale)).unzip();
-                Series::Truths(Truths { value, margin })
+                let (value, margin): (Vec<Tri>, Vec<f64>) =
+                    a.iter().zip(&b).map(|(a, b)| compare(*op, *a, *b, *scale)).unzip();
+                Series::Truths(match self.deviations_of_both(*left, *right, pass) {
+                    Some(noise) if has_threshold(*op) => {
+                        let value = crossed(*op, &a, &b, &noise);
+                        // A margin never contradicts the truth.
+                        let agreeing = value.iter().zip(margin).map(|(t, m)| match t {
+                            Tri::True => m.max(0.0),
+                            Tri::False => m.min(0.0),
+                            Tri::Unknown => f64::NAN,
+                        });
+                        Truths { margin: agreeing.collect(), value }
+                    }
+                    _ => Truths { value, margin },
+                })
             }
             Op::Member(a, words) => match self.series(*a, pass).as_ref() {
                 Series::Categories(codes, names) => {
@@ -266,6 +280,46 @@ impl<'a> Evaluator<'a> {
         }
     }
 
+    /// Standard deviations of the difference of two numbers; `None` where both are exact.
+    fn deviations_of_both(&mut self, a: NodeId, b: NodeId, pass: &mut Pass<'a>) -> Option<Vec<f64>> {
+        let both = (self.deviations(a, pass), self.deviations(b, pass));
+        combined(both, of_sum)
+    }
+
+    /// Standard deviations of a number on the rows of the pass; `None` where it is exact. Extremes over a window and
+    /// values at a moment count as exact.
+    fn deviations(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Option<Vec<f64>> {
+        match &self.program.node(id).op {
+            Op::Signal(name) => self.noise_of(name, pass.roles.target, pass),
+            Op::SecondSignal(name) => self.noise_of(name, pass.roles.second, pass),
+            Op::Negate(a) | Op::Absolute(a) => self.deviations(*a, pass),
+            Op::Add(a, b) | Op::Subtract(a, b) => self.deviations_of_both(*a, *b, pass),
+            Op::Multiply(a, b) => {
+                let both = (self.deviations(*a, pass), self.deviations(*b, pass));
+                both.0.as_ref().or(both.1.as_ref())?;
+                let (x, y) = (self.numbers(*a, pass), self.numbers(*b, pass));
+                let of = |sd: &Option<Vec<f64>>, i: usize| sd.as_ref().map_or(0.0, |sd| sd[i]);
+                Some(
+                    (0..x.len())
+                        .map(|i| of_product((x[i], of(&both.0, i)), (y[i], of(&both.1, i))))
+                        .collect(),
+                )
+            }
+            _ => None,
+        }
+    }
+
+    fn noise_of(&self, signal: &str, of: Option<&TargetSpan>, pass: &Pass<'_>) -> Option<Vec<f64>> {
+        let name = deviation_name(signal);
+        if !self.table.frame_columns.contains_key(&name) && !self.table.target_columns.contains_key(&name) {
+            return None;
+        }
+        match self.signal(&name, of, pass) {
+            Series::Numbers(v) => Some(v),
+            _ => None,
+        }
+    }
+
     fn zip(&mut self, a: NodeId, b: NodeId, pass: &mut Pass<'a>, f: fn(f64, f64) -> f64) -> Series {
         let (a, b) = (self.numbers(a, pass), self.numbers(b, pass));
         Series::Numbers(a.into_iter().zip(b).map(|(x, y)| f(x, y)).collect())
@@ -300,6 +354,15 @@ impl<'a> Evaluator<'a> {
             None => Series::Numbers(vec![f64::NAN; rows.len()]),
         }
     }
+}
+
+/// Deviations row by row, where one of the two is not exact.
+fn combined(both: (Option<Vec<f64>>, Option<Vec<f64>>), f: impl Fn(f64, f64) -> f64) -> Option<Vec<f64>> {
+    Some(match both {
+        (None, None) => return None,
+        (Some(one), None) | (None, Some(one)) => one.into_iter().map(|d| f(d, 0.0)).collect(),
+        (Some(a), Some(b)) => a.into_iter().zip(b).map(|(a, b)| f(a, b)).collect(),
+    })
 }
 
 /// Truth and margin of one comparison; unknown when a side is NaN.

@@ -3,10 +3,24 @@
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
 use std::collections::BTreeMap;
 
+/// Name of the column with the standard deviations of a number signal, in its unit, beside that of the signal. A signal
+/// without one is exact.
+pub fn deviation_name(signal: &str) -> String {
+    format!("{signal}{DEVIATION}")
+}
+
+/// True for the name of a column of standard deviations: it is no signal of the catalogue.
+pub fn is_deviation(column: &str) -> bool {
+    column.ends_with(DEVIATION)
+}
+
+const DEVIATION: &str = ".sd";
+
 /// All signals of one drive.
 ///
 /// Names are as in the catalogue: `ego.speed`, `target.gap`, `map.distance_to_junction`. A signal is in
-/// exactly one of `frame_columns`, `target_columns` and `unavailable`.
+/// exactly one of `frame_columns`, `target_columns` and `unavailable`. Number signals that are estimated from noisy
+/// measurements have their standard deviations in a column of [`deviation_name`].
 #[derive(Clone, Debug, Default)]
 pub struct SignalTable {
     /// The drive.

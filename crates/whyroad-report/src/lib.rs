@@ -8,6 +8,7 @@ pub mod comparison;
 pub mod coverage;
 pub mod evaluation;
 pub mod report;
+pub mod robustness;
 
 /// Codes of the diagnostics of this crate; each has a page in the documentation.
 pub const CODES: &[&str] = &["evaluate.truth.line", "evaluate.sequence.line"];

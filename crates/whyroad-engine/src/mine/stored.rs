@@ -12,6 +12,7 @@ use whyroad_mining::fast::bits::Bits;
 use whyroad_mining::fast::numbers::NumberColumn;
 use whyroad_mining::fast::truth::Truth;
 use whyroad_mining::fast::{Columns, Plan, Search, SignalColumn, Signals};
+use whyroad_model::signal::deviation_name;
 
 /// What comes of these rules of the plan, in their order, on one drive of a store.
 pub fn find_stored(
@@ -61,12 +62,14 @@ pub fn find_stored(
     Ok(out.into_iter().map(|settled| settled.or_else(|| found.next()).unwrap_or_default()).collect())
 }
 
-/// These signals of a drive, as the evaluator reads them.
+/// These signals of a drive, as the evaluator reads them, with their standard deviations where they have some.
 pub fn read(file: &SignalFile, drive: usize, signals: BTreeSet<&str>) -> Result<Columns<'static>, LakeError> {
     let mut out = Columns::new();
     let of = &file.contents().drives[drive];
     for (scope, rows) in [(TableKind::Frames, of.frames), (TableKind::Targets, of.target_rows())] {
-        let names: Vec<&str> = signals.iter().copied().filter(|n| TableKind::of(n) == scope).collect();
+        let asked = || signals.iter().copied().filter(|n| TableKind::of(n) == scope);
+        let noisy: Vec<String> = asked().map(deviation_name).filter(|n| file.has(drive, n)).collect();
+        let names: Vec<&str> = asked().chain(noisy.iter().map(String::as_str)).collect();
         if names.is_empty() {
             continue;
         }

@@ -4,6 +4,7 @@
 use super::bits::Bits;
 use super::compare::pack_all;
 use super::layout::{RowLayout, RowSet};
+use super::noise::crossed;
 use super::numbers::Numbers;
 use super::plan::Plan;
 use super::signals::{NodeValue, Signals};
@@ -136,7 +137,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Values of the drive's rows, repeated for each object.
-    fn spread(&self, of_drive: NodeValue<'a>) -> NodeValue<'a> {
+    pub(super) fn spread(&self, of_drive: NodeValue<'a>) -> NodeValue<'a> {
         let n = self.layout.object_rows;
         let objects = &self.layout.objects;
         let bits = |from: &Bits| {
@@ -208,7 +209,11 @@ impl<'a> Evaluation<'a> {
             Op::AtKeyframe(a) => self.at_keyframe(*a, row_set),
             Op::Truth(b) => NodeValue::Truth(Truth::constant(*b, n)),
             Op::Compare { op, left, right, .. } => {
-                NodeValue::Truth(numbers(left).compare(*op, &numbers(right)))
+                let (a, b) = (numbers(left), numbers(right));
+                NodeValue::Truth(match self.noise_of_difference(*op, *left, *right, row_set) {
+                    Some(noise) => crossed(*op, (&a, &b), &noise, &segments),
+                    None => a.compare(*op, &b),
+                })
             }
             Op::Member(a, words) => NodeValue::Truth(member(&self.value(*a, row_set), words, n)),
             Op::Known(a) => NodeValue::Truth(Truth::certain(known(&self.value(*a, row_set)))),

@@ -30,7 +30,13 @@ impl Evaluation<'_> {
             Op::Not(a) => return self.margins(*a, row_set, rows).into_iter().map(|m| -m).collect(),
             Op::Compare { op, left, right, scale } => {
                 let (a, b) = (self.numbers(*left, row_set), self.numbers(*right, row_set));
-                return compared(*op, &a, &b, *scale, rows);
+                let mut out = compared(*op, &a, &b, *scale, rows.clone());
+                if self.noise_of_difference(*op, *left, *right, row_set).is_some()
+                    && let Some((truth, by)) = self.seen(id, row_set)
+                {
+                    settle(&mut out, &truth, by + rows.start);
+                }
+                return out;
             }
             Op::Before(a) => {
                 let first = rows.start.saturating_sub(1)..rows.end.saturating_sub(1);

@@ -5,13 +5,13 @@ use super::layout::{RowLayout, RowSet};
 use super::numbers::{NumberColumn, Numbers};
 use super::truth::Truth;
 use std::borrow::Cow;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::TargetSpan;
+use whyroad_model::signal::{TargetSpan, is_deviation};
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
 
 /// One signal: a value per frame, or a value per row of the targets' table.
@@ -93,6 +93,8 @@ pub struct Signals<'a> {
     pub present: BTreeMap<String, bool>,
     columns: Columns<'a>,
     more: OnceCell<Columns<'a>>,
+    /// True when a column of standard deviations is at hand.
+    noisy: Cell<bool>,
 }
 
 impl<'a> Signals<'a> {
@@ -103,20 +105,28 @@ impl<'a> Signals<'a> {
         present: BTreeMap<String, bool>,
         columns: Columns<'a>,
     ) -> Self {
-        Self { times: times.into(), targets: targets.into(), present, columns, more: OnceCell::new() }
+        let noisy = Cell::new(has_noise(&columns));
+        Self { times: times.into(), targets: targets.into(), present, columns, more: OnceCell::new(), noisy }
     }
 
     /// All signals of a table, borrowed.
     pub fn of_table(table: &'a SignalTable) -> Self {
         let all = || table.frame_columns.iter().chain(&table.target_columns);
-        let present = all().map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i)))).collect();
+        let named = all().filter(|(n, _)| !is_deviation(n));
+        let present = named.map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i)))).collect();
         let columns = all().map(|(n, c)| (n.clone(), SignalColumn::borrowed(c))).collect();
         Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns)
     }
 
     /// Columns that turned out to be needed as well. Only the first call brings anything.
     pub fn supply(&self, columns: Columns<'a>) {
+        self.noisy.set(self.noisy.get() || has_noise(&columns));
         let _ = self.more.set(columns);
+    }
+
+    /// True when some signal has standard deviations.
+    pub fn is_noisy(&self) -> bool {
+        self.noisy.get()
     }
 
     /// True when the column is at hand.
@@ -171,6 +181,10 @@ impl<'a> SignalColumn<'a> {
             Column::Category { codes, names } => Self::Words(Cow::Borrowed(codes), names.clone()),
         }
     }
+}
+
+fn has_noise(columns: &Columns<'_>) -> bool {
+    columns.keys().any(|name| is_deviation(name))
 }
 
 fn cut<'v, T: Copy>(

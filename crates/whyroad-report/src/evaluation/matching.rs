@@ -18,6 +18,11 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// From its times; `end` is one past the last moment.
+    pub fn new(start: Nanos, keyframe: Nanos, end: Nanos) -> Self {
+        Self { start, keyframe, end }
+    }
+
     /// Of an entry of the truth.
     pub fn of_entry(e: &TruthEntry) -> Self {
         Self { start: e.start_ns, keyframe: e.keyframe_ns, end: e.end_ns }

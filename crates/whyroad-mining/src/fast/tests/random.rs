@@ -7,7 +7,7 @@ use crate::rule::{Listed, Rule, SecondRole, Timing};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::TargetSpan;
+use whyroad_model::signal::{TargetSpan, deviation_name};
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
 
@@ -64,7 +64,16 @@ fn columns(
         Column::Number(taken(numbers, 7, rows)),
     ];
     let named = NAMES.iter().zip(all).filter(|(n, _)| **n != "x" || !lacks);
-    named.map(|(n, c)| (format!("{prefix}.{n}"), c)).collect()
+    let mut out: BTreeMap<String, Column> = named.map(|(n, c)| (format!("{prefix}.{n}"), c)).collect();
+    // Half of the drives are noisy in one of their numbers, a few in both; deviations may be zero or unknown.
+    for (name, every) in [("n", 2), ("x", 5)] {
+        let own = format!("{prefix}.{name}");
+        if numbers.len() % every == 0 && out.contains_key(&own) {
+            let noise = taken(numbers, 3, rows).into_iter().map(f64::abs).collect();
+            out.insert(deviation_name(&own), Column::Number(noise));
+        }
+    }
+    out
 }
 
 /// A table of 1 to 90 frames with up to five objects.

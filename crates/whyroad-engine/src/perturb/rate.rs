@@ -1,0 +1,61 @@
+//! A log at a lower rate, as ingest brings it to the frames of the lake: linearly between its samples.
+
+use whyroad_model::Drive;
+use whyroad_model::scene::Motion;
+
+/// Keeps the samples of every `every`-th frame and interpolates those between.
+pub(super) fn lower(drive: &mut Drive, every: usize) {
+    let times = drive.times.clone();
+    let seconds = |frame: usize| times[frame].seconds_since(times[0]);
+    if let Some(ego) = &mut drive.ego {
+        let frames: Vec<u32> = (0..ego.motion.len() as u32).collect();
+        interpolate(&mut ego.motion, &frames, every, &seconds);
+    }
+    for track in &mut drive.tracks {
+        // What is seen before the first or after the last sample is not in the log.
+        let sampled = |f: &u32| *f as usize % every == 0;
+        let first = track.frames.iter().copied().find(sampled);
+        let last = track.frames.iter().copied().rev().find(sampled);
+        let within = |f: u32| first.is_some_and(|a| f >= a) && last.is_some_and(|b| f <= b);
+        let rows: Vec<usize> = (0..track.frames.len()).filter(|&r| within(track.frames[r])).collect();
+        *track = super::rows_of(track, &rows);
+        let frames = track.frames.clone();
+        interpolate(&mut track.motion, &frames, every, &seconds);
+        // Where a sample is missing, an object is not there.
+        let there: Vec<usize> = (0..frames.len()).filter(|&r| track.motion.x[r].is_finite()).collect();
+        *track = super::rows_of(track, &there);
+    }
+    drive.tracks.retain(|t| !t.frames.is_empty());
+}
+
+/// Rows of frames between two samples lie on the line between them; where a sample is missing, they are unknown.
+fn interpolate(m: &mut Motion, frames: &[u32], every: usize, seconds: &impl Fn(usize) -> f64) {
+    let of_frame = |f: usize| frames.binary_search(&(f as u32)).ok();
+    let given = m.clone();
+    for (row, &frame) in frames.iter().enumerate() {
+        let before = frame as usize / every * every;
+        if before == frame as usize {
+            continue;
+        }
+        let after = before + every;
+        let (a, b) = (of_frame(before), of_frame(after));
+        let between = |v: &[f64], angle: bool| {
+            let (Some(a), Some(b)) = (a, b) else { return f64::NAN };
+            let share = (seconds(frame as usize) - seconds(before)) / (seconds(after) - seconds(before));
+            let step = if angle { super::wrapped(v[b] - v[a]) } else { v[b] - v[a] };
+            v[a] + share * step
+        };
+        for (to, from) in [
+            (&mut m.x, &given.x),
+            (&mut m.y, &given.y),
+            (&mut m.z, &given.z),
+            (&mut m.vx, &given.vx),
+            (&mut m.vy, &given.vy),
+            (&mut m.accel, &given.accel),
+            (&mut m.yaw_rate, &given.yaw_rate),
+        ] {
+            to[row] = between(from, false);
+        }
+        m.heading[row] = super::wrapped(between(&given.heading, true));
+    }
+}

@@ -1,0 +1,77 @@
+//! Thresholds of numbers that have standard deviations. A comparison by `<`, `<=`, `>` or `>=` changes its answer only
+//! where the two sides differ by more than the deviation of their difference; within it the answer of the row before
+//! stays. Without deviations each row is compared by itself.
+//!
+//! Here are the rules by which deviations combine, and the plain definition of such a comparison; both evaluators use
+//! the first, the reference also the second.
+
+use crate::interpret::compare;
+use crate::language::syntax::CompareOp;
+use whyroad_model::Tri;
+
+/// Of a sum or difference of independent numbers.
+pub(crate) fn of_sum(a: f64, b: f64) -> f64 {
+    stated(a).hypot(stated(b))
+}
+
+/// Of a product of independent numbers, each with its deviation.
+pub(crate) fn of_product((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> f64 {
+    stated(a * stated(of_b)).hypot(stated(b * stated(of_a)))
+}
+
+/// A deviation that is not known counts as none.
+pub(crate) fn stated(deviation: f64) -> f64 {
+    if deviation.is_finite() { deviation.abs() } else { 0.0 }
+}
+
+/// True for the operators that have a threshold.
+pub(crate) fn has_threshold(op: CompareOp) -> bool {
+    !matches!(op, CompareOp::Equal | CompareOp::NotEqual)
+}
+
+/// Truth of a comparison row by row. The first known row, and the first after an unknown one, is compared by itself.
+pub(crate) fn crossed(op: CompareOp, a: &[f64], b: &[f64], deviation: &[f64]) -> Vec<Tri> {
+    let mut before = Tri::Unknown;
+    let mut out = Vec::with_capacity(a.len());
+    for ((a, b), deviation) in a.iter().zip(b).zip(deviation) {
+        let plain = compare(op, *a, *b, 1.0).0;
+        let noise = stated(*deviation);
+        let within = noise > 0.0 && (a - b).abs() <= noise;
+        let decided = before == Tri::Unknown || !within;
+        before = if plain == Tri::Unknown || decided { plain } else { before };
+        out.push(before);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Tri::{False, True, Unknown};
+
+    #[test]
+    fn a_threshold_is_crossed_by_more_than_the_noise() {
+        let a = [1.0, 2.05, 2.2, 2.05, 1.95, 1.85, 1.95];
+        let above = |sd: f64| crossed(CompareOp::Greater, &a, &[2.0; 7], &[sd; 7]);
+        // By hand: with 0.1, 2.05 is not yet above, 1.95 not yet below.
+        assert_eq!(above(0.1), [False, False, True, True, True, False, False]);
+        assert_eq!(above(0.0), [False, True, True, True, False, False, False], "without noise as ever");
+        assert_eq!(above(f64::NAN), above(0.0), "a deviation that is not known counts as none");
+        let below = crossed(CompareOp::LessOrEqual, &a, &[2.0; 7], &[0.1; 7]);
+        assert!(below.iter().zip(above(0.1)).all(|(b, a)| *b == !a), "the negation is the other operator");
+    }
+
+    #[test]
+    fn what_is_not_known_ends_the_memory() {
+        let a = [3.0, 1.95, f64::NAN, 1.95, 3.0];
+        let found = crossed(CompareOp::Greater, &a, &[2.0; 5], &[0.1; 5]);
+        assert_eq!(found, [True, True, Unknown, False, True]);
+    }
+
+    #[test]
+    fn deviations_combine_as_of_independent_numbers() {
+        assert!((of_sum(3.0, 4.0) - 5.0).abs() < 1e-12);
+        assert!((of_product((2.0, 0.3), (5.0, 0.4)) - (0.8f64).hypot(1.5)).abs() < 1e-12);
+        assert_eq!(of_product((f64::INFINITY, 0.0), (5.0, 0.0)), 0.0);
+    }
+}

@@ -1,0 +1,107 @@
+//! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a column.
+//! Only drives with noisy measurements have any; all others never come here.
+
+use super::bits::Bits;
+use super::compare::holds;
+use super::evaluation::Evaluation;
+use super::layout::{RowSet, Segment};
+use super::numbers::Numbers;
+use super::signals::NodeValue;
+use super::truth::Truth;
+use crate::deviation::{has_threshold, of_product, of_sum, stated};
+use crate::language::program::{NodeId, Op};
+use crate::language::syntax::CompareOp;
+use whyroad_model::signal::deviation_name;
+
+impl Evaluation<'_> {
+    /// Standard deviations of the difference of two sides of a comparison; `None` where both are exact or the operator
+    /// has no threshold.
+    pub(super) fn noise_of_difference(
+        &self,
+        op: CompareOp,
+        left: NodeId,
+        right: NodeId,
+        row_set: RowSet,
+    ) -> Option<Vec<f64>> {
+        (self.signals.is_noisy() && has_threshold(op)).then(|| self.noise_of_sum(left, right, row_set))?
+    }
+
+    fn noise_of_sum(&self, a: NodeId, b: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
+        let (a, b) = (self.noise(a, row_set), self.noise(b, row_set));
+        match (a, b) {
+            (None, None) => None,
+            (Some(one), None) | (None, Some(one)) => Some(one.into_iter().map(|d| of_sum(d, 0.0)).collect()),
+            (Some(a), Some(b)) => Some(a.into_iter().zip(b).map(|(a, b)| of_sum(a, b)).collect()),
+        }
+    }
+
+    /// Standard deviations of a number on the rows of a row set.
+    fn noise(&self, id: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
+        match &self.plan.node(id).op {
+            Op::Signal(name) | Op::SecondSignal(name) => {
+                self.noise_of_signal(id, &deviation_name(name), row_set)
+            }
+            Op::Negate(a) | Op::Absolute(a) => self.noise(*a, row_set),
+            Op::Add(a, b) | Op::Subtract(a, b) => self.noise_of_sum(*a, *b, row_set),
+            Op::Multiply(a, b) => {
+                let (of_a, of_b) = (self.noise(*a, row_set), self.noise(*b, row_set));
+                of_a.as_ref().or(of_b.as_ref())?;
+                let (x, y) = (self.numbers(*a, row_set), self.numbers(*b, row_set));
+                let of = |sd: &Option<Vec<f64>>, i: usize| sd.as_ref().map_or(0.0, |sd| sd[i]);
+                let product = |i| of_product((x.at(i), of(&of_a, i)), (y.at(i), of(&of_b, i)));
+                Some((0..x.len()).map(product).collect())
+            }
+            _ => None,
+        }
+    }
+
+    fn noise_of_signal(&self, id: NodeId, name: &str, row_set: RowSet) -> Option<Vec<f64>> {
+        if !self.signals.holds(name) {
+            return None;
+        }
+        let n = self.layout.len(row_set);
+        let Some((_, home)) = self.home(id, row_set) else { return Some(vec![f64::NAN; n]) };
+        let at_home = self.signals.value(name, &self.layout, home)?;
+        let there = match (home == row_set, home, row_set) {
+            (true, ..) => at_home,
+            (false, RowSet::Drive, RowSet::Objects) => self.spread(at_home),
+            _ => {
+                let (from, to) = (self.layout.segment(home), self.layout.segment(row_set));
+                let start = to.row - from.row.min(to.row);
+                at_home.slice(start..start + to.len)
+            }
+        };
+        match there {
+            NodeValue::Numbers(v) => Some(v.cut().into_owned()),
+            _ => None,
+        }
+    }
+}
+
+/// Truth of a comparison; each stretch is compared by itself.
+pub(super) fn crossed(
+    op: CompareOp,
+    (a, b): (&Numbers<'_>, &Numbers<'_>),
+    noise: &[f64],
+    segments: &[Segment],
+) -> Truth {
+    let (a, b) = (a.cut(), b.cut());
+    let n = noise.len();
+    let (mut yes, mut known) = (vec![false; n], vec![false; n]);
+    for segment in segments {
+        let mut before = None;
+        for i in segment.range() {
+            if a[i].is_nan() || b[i].is_nan() {
+                before = None;
+                continue;
+            }
+            let within = (a[i] - b[i]).abs() <= stated(noise[i]) && stated(noise[i]) > 0.0;
+            let now = match before {
+                Some(held) if within => held,
+                _ => holds(op, a[i], b[i]),
+            };
+            (yes[i], known[i], before) = (now, true, Some(now));
+        }
+    }
+    Truth::new(Bits::collect(n, |i| yes[i]), Bits::collect(n, |i| known[i]))
+}

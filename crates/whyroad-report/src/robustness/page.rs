@@ -1,0 +1,94 @@
+//! Agreement as one HTML page without scripts, in both languages: a matrix of classes and perturbations.
+
+use super::{ClassAgreement, Robustness};
+use std::collections::BTreeSet;
+use whyroad_model::{Lang, ScenarioId};
+use whyroad_render::markup::Markup;
+
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:90em;padding:0 1em}\
+table{border-collapse:collapse;margin:.5em 0 2em}th,td{border-bottom:1px solid #999;padding:.2em .6em;text-align:right;\
+white-space:nowrap;font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}small{color:#555}\
+.low{font-weight:700;background:#fdd}.same{color:#777}\
+body:has(#zh:checked) span[lang=en],body:has(#en:checked) span[lang=zh]{display:none}\
+@media print{.choose{display:none}}";
+
+/// The page; `lang` is shown first, agreement below `floor` is marked.
+pub fn page(of: &Robustness, lang: Lang, floor: f64) -> String {
+    let mut m = Markup::new();
+    let (code, title) = if lang == Lang::Zh { ("zh", "鲁棒性") } else { ("en", "Robustness") };
+    m.raw("<!doctype html><html lang=\"")
+        .raw(code)
+        .raw("\"><head><meta charset=\"utf-8\"><title>")
+        .raw(title);
+    m.raw("</title><style>").raw(STYLE).raw("</style></head><body><p class=\"choose\"><label>");
+    m.raw("<input type=\"radio\" name=\"l\" id=\"zh\"").raw(if lang == Lang::Zh { " checked" } else { "" });
+    m.raw(">中文</label> <label><input type=\"radio\" name=\"l\" id=\"en\"");
+    m.raw(if lang == Lang::Zh { "" } else { " checked" }).raw(">English</label></p><h1>");
+    m.say("挖掘的鲁棒性", "Robustness of mining").raw("</h1><p>");
+    m.int(of.drives).say(" 个行程，随机种子 ", " drives, seed ").int(of.seed);
+    if of.left_out > 0 {
+        m.say("；未比较：", "; left out: ").int(of.left_out);
+    }
+    m.raw("</p><p><small>");
+    m.say(
+        "一致率：2 × 相同事件 /（原有 + 扰动后）。相同：同一场景、同一目标，关键帧相差不超过 1 s 或时间范围重叠不少于 0.3。",
+        "Agreement: 2 x same / (before + after). Same: one class and target, keyframes within 1 s or time ranges that \
+         overlap by at least 0.3.",
+    );
+    m.raw("</small></p><table><tr><th></th><th>").say("一致率", "agreement").raw("</th><th>");
+    m.say("原有", "before").raw("</th><th>").say("扰动后", "after").raw("</th><th>").say("倍数", "ratio");
+    m.raw("</th><th>").say("关键帧偏移 (s)", "keyframe shift (s)").raw("</th></tr>");
+    for p in &of.perturbations {
+        m.raw("<tr><td>").text(&p.name).raw(" <small>").both(&p.meaning).raw("</small></td>");
+        share(&mut m, Some(&p.all), floor);
+        for n in [p.all.before, p.all.after] {
+            m.raw("<td>").int(n).raw("</td>");
+        }
+        for v in [p.all.ratio, p.all.keyframe_shift_s] {
+            m.raw("<td>");
+            match v {
+                Some(v) => m.num(v, 2),
+                None => m.raw("–"),
+            };
+            m.raw("</td>");
+        }
+        m.raw("</tr>");
+    }
+    m.raw("</table><h2>").say("按场景", "By class").raw("</h2><table><tr><th></th><th>");
+    m.say("原有", "before").raw("</th>");
+    for p in &of.perturbations {
+        m.raw("<th>").text(&p.name).raw("</th>");
+    }
+    m.raw("</tr>");
+    let classes: BTreeSet<&ScenarioId> = of.perturbations.iter().flat_map(|p| p.classes.keys()).collect();
+    for class in classes {
+        let before = of.perturbations.iter().find_map(|p| p.classes.get(class)).map_or(0, |c| c.before);
+        m.raw("<tr><td>").text(&class.to_string()).raw("</td><td>").int(before).raw("</td>");
+        for p in &of.perturbations {
+            share(&mut m, p.classes.get(class), floor);
+        }
+        m.raw("</tr>");
+    }
+    m.raw("</table></body></html>\n");
+    m.into_string()
+}
+
+/// A cell: agreement and, where the number changed, the number.
+fn share(m: &mut Markup, of: Option<&ClassAgreement>, floor: f64) {
+    let Some(c) = of else {
+        m.raw("<td>–</td>");
+        return;
+    };
+    m.raw(if c.agreement < floor {
+        "<td class=\"low\">"
+    } else if c.agreement >= 1.0 {
+        "<td class=\"same\">"
+    } else {
+        "<td>"
+    });
+    m.num(c.agreement, 2);
+    if c.after != c.before {
+        m.raw(" <small>(").int(c.after).raw(")</small>");
+    }
+    m.raw("</td>");
+}
