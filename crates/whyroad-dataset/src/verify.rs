@@ -14,8 +14,9 @@ use crate::spec::GroupKey;
 use crate::{DatasetError, Release, Sample, descriptor};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
 use whyroad_framework::Framework;
-use whyroad_label::check::Checker;
+use whyroad_label::check::{Checker, Recordings};
 use whyroad_model::{Bilingual, Diagnostic, Severity};
 
 /// Columns that the check reads: all but the heavy ones that it does not need.
@@ -71,6 +72,19 @@ pub fn verify(
     framework: &Framework,
     licences: &LicenceTable,
 ) -> Result<Verified, DatasetError> {
+    verify_with(dir, framework, licences, None)
+}
+
+/// The same; with `recordings`, labels are also compared with the drives that they speak of.
+///
+/// # Errors
+/// When the release cannot be read at all.
+pub fn verify_with(
+    dir: &std::path::Path,
+    framework: &Framework,
+    licences: &LicenceTable,
+    recordings: Option<Arc<dyn Recordings>>,
+) -> Result<Verified, DatasetError> {
     let release = Release::open(dir)?;
     let mut out = Verified::default();
     files(&release, &mut out)?;
@@ -81,7 +95,10 @@ pub fn verify(
     let mut ids: HashMap<String, SplitName> = HashMap::new();
     let mut seen = Vec::new();
     let mut found = Findings::default();
-    let checker = Checker::new(framework);
+    let mut checker = Checker::new(framework);
+    if let Some(recordings) = recordings {
+        checker = checker.with_recordings(recordings);
+    }
     let mut counts: BTreeMap<&'static str, usize> = BTreeMap::new();
     let mut stated: BTreeSet<String> = BTreeSet::new();
     for split in SplitName::ALL {

@@ -5,6 +5,7 @@
 
 pub mod drives;
 pub mod inspect;
+pub mod label_drives;
 pub mod media;
 pub mod mine;
 pub mod output;

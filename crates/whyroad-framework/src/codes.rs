@@ -37,6 +37,7 @@ pub const TAXONOMY: &[&str] = &[
 pub const SPEC: &[&str] = &[
     "spec.class.missing",
     "spec.class.unknown",
+    "spec.decisions",
     "spec.field.duplicate",
     "spec.field.missing",
     "spec.field.type",
@@ -48,6 +49,7 @@ pub const SPEC: &[&str] = &[
     "spec.order",
     "spec.path",
     "spec.record.id",
+    "spec.record_types",
     "spec.seconds",
     "spec.text.empty",
     "spec.uncertainty.unknown",

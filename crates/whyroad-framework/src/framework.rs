@@ -2,7 +2,7 @@
 
 mod load;
 
-use crate::{DecisionSets, Lexicon, ResolvedSpec, Taxonomy};
+use crate::{DecisionSets, DecisionTable, LabelWords, Lexicon, RecordTypes, ResolvedSpec, Taxonomy};
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -30,6 +30,12 @@ pub struct Framework {
     pub spec_versions: BTreeMap<String, String>,
     /// Words that name decisions in a trace.
     pub lexicon: Lexicon,
+    /// Words of a label's texts.
+    pub label_words: LabelWords,
+    /// Which decisions each leaf goes with.
+    pub decision_table: DecisionTable,
+    /// What the required records may hold.
+    pub record_types: RecordTypes,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
     /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.

@@ -3,8 +3,8 @@
 //! [`super::trace`].
 
 mod compile;
-mod expand;
-mod trie;
+pub(crate) mod expand;
+pub(crate) mod trie;
 
 pub use compile::{Hit, Role};
 
@@ -57,6 +57,12 @@ pub struct Says {
     /// Too vague to contradict a label.
     #[serde(skip)]
     pub supports_only: bool,
+    /// A change of motion: contradicts a null decision of its channel.
+    #[serde(skip)]
+    pub change: bool,
+    /// Decisions that are not taken where this is said not to happen.
+    #[serde(skip)]
+    pub denies: Vec<Longitudinal>,
 }
 
 /// One list of patterns in both languages.
@@ -123,6 +129,10 @@ struct PhraseWords {
     side: Option<LateralDirection>,
     #[serde(default)]
     supports_only: bool,
+    #[serde(default)]
+    change: bool,
+    #[serde(default)]
+    denies: Vec<Longitudinal>,
     #[serde(default)]
     zh: Vec<String>,
     #[serde(default)]

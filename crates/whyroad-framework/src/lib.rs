@@ -5,20 +5,26 @@
 
 pub mod check;
 pub mod codes;
+pub mod decision_table;
 pub mod decisions;
 pub mod diff;
 pub mod docs;
 pub mod framework;
+pub mod label_words;
 pub mod lexicon;
 pub mod listing;
 pub mod markdown;
+pub mod record_types;
 pub mod schemas;
 pub mod spec;
 pub mod taxonomy;
 pub mod version;
 
+pub use decision_table::DecisionTable;
 pub use decisions::DecisionSets;
 pub use framework::{ExpressionSource, Framework, RuleSource};
+pub use label_words::LabelWords;
 pub use lexicon::Lexicon;
+pub use record_types::RecordTypes;
 pub use spec::ResolvedSpec;
 pub use taxonomy::{L1, L2, L3, Resolution, Taxonomy};

@@ -11,14 +11,20 @@ mod clips;
 mod codes;
 mod consistency;
 mod form;
+mod motion;
+mod reading;
+mod recording;
 mod rulebook;
 mod view;
 
 pub use clips::{ClipFacts, ClipIndex};
 pub use codes::CODES;
+pub use recording::{Recorded, Recordings};
 
 use form::{lean, tolerant};
 use rulebook::Rulebook;
+use std::sync::Arc;
+use view::View;
 use whyroad_framework::Framework;
 use whyroad_framework::check::{
     ClassIndex, Document, Finding, MessageKind, Origin, Sink, Verdict, Words, check_document, not_utf8,
@@ -31,6 +37,7 @@ pub struct Checker<'f> {
     framework: &'f Framework,
     classes: ClassIndex,
     clips: Option<ClipIndex>,
+    recordings: Option<Arc<dyn Recordings>>,
 }
 
 /// Notes only whether there was a finding.
@@ -47,7 +54,7 @@ impl Sink for Silence {
 impl<'f> Checker<'f> {
     /// A checker that knows no clips.
     pub fn new(framework: &'f Framework) -> Self {
-        Self { framework, classes: ClassIndex::new(framework), clips: None }
+        Self { framework, classes: ClassIndex::new(framework), clips: None, recordings: None }
     }
 
     /// The same, checking labels against these clips.
@@ -57,8 +64,24 @@ impl<'f> Checker<'f> {
         self
     }
 
+    /// The same, checking labels against the drives that are at hand.
+    #[must_use]
+    pub fn with_recordings(mut self, recordings: Arc<dyn Recordings>) -> Self {
+        self.recordings = Some(recordings);
+        self
+    }
+
+    /// Every rule, and the recording where there is one.
+    fn rules(&self, label: &View<'_>, sink: &mut dyn Sink) {
+        self.rulebook().check(label, sink);
+        let recorded = self.recordings.as_ref().zip(label.clip_id.get()).and_then(|(r, id)| r.of_clip(id));
+        if let Some(recorded) = recorded {
+            motion::check(label, &recorded, &self.framework.decisions, &self.framework.label_words, sink);
+        }
+    }
+
     fn rulebook(&self) -> Rulebook<'_> {
-        Rulebook { classes: &self.classes, lexicon: &self.framework.lexicon, clips: self.clips.as_ref() }
+        Rulebook { classes: &self.classes, framework: self.framework, clips: self.clips.as_ref() }
     }
 
     /// Checks one document and adds the findings, sorted by location, to `out`. Locations have no file name.
@@ -86,7 +109,7 @@ impl<'f> Checker<'f> {
     pub fn is_clean_label(&self, text: &str) -> bool {
         lean::LeanCocLabel::read(text).is_some_and(|label| {
             let mut sink = Silence { broken: false };
-            self.rulebook().check(&label.view(), &mut sink);
+            self.rules(&label.view(), &mut sink);
             !sink.broken
         })
     }
@@ -95,7 +118,7 @@ impl<'f> Checker<'f> {
     fn explain(&self, text: &str, origin: &Origin, out: &mut Vec<Diagnostic>) -> Verdict {
         check_document(text, origin, &self.classes, out, |walk| {
             let view = tolerant::read(walk, &self.framework.decisions);
-            self.rulebook().check(&view, walk);
+            self.rules(&view, walk);
         })
     }
 }

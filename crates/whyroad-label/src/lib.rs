@@ -4,9 +4,11 @@
 
 pub mod agreement;
 pub mod check;
+pub mod counterfactual;
 pub mod draft;
 pub mod import;
 pub mod merge;
+pub mod migrate;
 
 #[cfg(test)]
 #[path = "../../whyroad-model/testing/hand_drive.rs"]

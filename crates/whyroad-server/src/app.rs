@@ -3,7 +3,7 @@
 use crate::limits::Limits;
 use crate::oidc::provider::Provider;
 use crate::problem::Answer;
-use crate::recordings::Recordings;
+use crate::recordings::{CheckedDrives, Recordings};
 use crate::service::scene::cache::SceneCache;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
@@ -26,8 +26,10 @@ pub struct App {
     pub store: Store,
     /// Classes, decisions, specs.
     pub framework: &'static Framework,
-    /// The label checker.
+    /// The label checker, without any recording: for everything that somebody in Stage I may see.
     pub checker: Checker<'static>,
+    /// The label checker with the recordings: only for labels whose Stage I is locked.
+    pub stage2_checker: Checker<'static>,
     /// Drives.
     pub recordings: Arc<dyn Recordings>,
     /// The time.
@@ -99,6 +101,8 @@ impl App {
             store,
             framework,
             checker: Checker::new(framework),
+            stage2_checker: Checker::new(framework)
+                .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
             recordings,
             clock: Arc::new(wall_clock),
             lease_clock: LeaseClock::Store,

@@ -4,6 +4,7 @@
 use crate::domain::scene::SignalAbout;
 use std::path::PathBuf;
 use std::sync::Arc;
+use whyroad_label::check::Recorded;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
@@ -29,6 +30,12 @@ pub trait Recordings: Send + Sync {
     /// A label skeleton for an episode of `drive`.
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel;
 
+    /// The whole drive of a clip with its signals and what the rules find in it, for checks of labels whose Stage I is
+    /// locked; `None` where it is not at hand. Never for anybody who must not see the future.
+    fn recorded(&self, _clip_id: &str) -> Option<Arc<Recorded>> {
+        None
+    }
+
     /// Names of the folders of mining results that tasks can be made from.
     fn mined(&self) -> Vec<String>;
 
@@ -48,4 +55,13 @@ pub trait Recordings: Send + Sync {
 
     /// The file of a camera frame, where it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;
+}
+
+/// The same drives, for the label checks.
+pub struct CheckedDrives(pub Arc<dyn Recordings>);
+
+impl whyroad_label::check::Recordings for CheckedDrives {
+    fn of_clip(&self, clip_id: &str) -> Option<Arc<Recorded>> {
+        self.0.recorded(clip_id)
+    }
 }

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use whyroad_engine::label_drives::LabelDrives;
 use whyroad_engine::recordings::{LakeRecordings, MinedFolderError};
 use whyroad_framework::Framework;
+use whyroad_label::check::{Recorded, Recordings as _};
 use whyroad_label::draft;
 use whyroad_lake::Lake;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
@@ -16,6 +18,8 @@ use whyroad_signals::{Catalogue, SignalKind as Kind};
 /// What the service sees of a lake.
 pub(crate) struct ServiceRecordings {
     lake: LakeRecordings,
+    /// Whole drives, for checks after Stage I.
+    checked: LabelDrives,
     framework: &'static Framework,
 }
 
@@ -27,7 +31,8 @@ impl ServiceRecordings {
         mined: &[PathBuf],
         media: &[PathBuf],
     ) -> Result<Self, MinedFolderError> {
-        Ok(Self { lake: LakeRecordings::open(lake, mined, media)?, framework })
+        let checked = LabelDrives::new(lake.clone(), framework);
+        Ok(Self { lake: LakeRecordings::open(lake, mined, media)?, checked, framework })
     }
 }
 
@@ -58,6 +63,10 @@ impl Recordings for ServiceRecordings {
 
     fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
         draft::draft(self.framework, drive, signals, episode, lang).label
+    }
+
+    fn recorded(&self, clip_id: &str) -> Option<Arc<Recorded>> {
+        self.checked.of_clip(clip_id)
     }
 
     fn mined(&self) -> Vec<String> {

@@ -1,6 +1,7 @@
 //! The taxonomy and its labelling specs, arranged for quick questions about one label, and the answers to
 //! "what could have been meant" for wrong ids.
 
+use crate::decision_table::ClassDecisions;
 use crate::taxonomy::did_you_mean;
 use crate::{Framework, ResolvedSpec};
 use std::collections::HashMap;
@@ -23,6 +24,12 @@ pub struct Prescribed {
     pub records: Vec<(String, Bilingual, Option<String>)>,
     /// A second keyframe is expected.
     pub two_keyframes: bool,
+    /// Start of `time_range` from the keyframe, s, where the spec is such an offset.
+    pub start_offset_s: Option<f64>,
+    /// Context before the start, s.
+    pub pack_before_s: f64,
+    /// Which decisions it goes with; `None` where the framework has no table.
+    pub decisions: Option<ClassDecisions>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -66,13 +73,16 @@ pub enum Level {
 }
 
 impl Prescribed {
-    fn of(spec: &ResolvedSpec) -> Self {
+    fn of(spec: &ResolvedSpec, decisions: Option<&ClassDecisions>) -> Self {
         Self {
             kind: Some(spec.keyframe.kind),
             uncertainty_high: spec.uncertainty_high,
             lateral: spec.lateral,
             records: spec.records.iter().map(|r| (r.id.clone(), r.name.clone(), r.unit.clone())).collect(),
             two_keyframes: spec.second_keyframe.is_some(),
+            start_offset_s: spec.start.expr.as_deref().and_then(keyframe_offset_s),
+            pack_before_s: spec.pack.before_s,
+            decisions: decisions.cloned(),
         }
     }
 
@@ -84,8 +94,22 @@ impl Prescribed {
             lateral: self.lateral.filter(|l| other.lateral == Some(*l)),
             records: self.records.into_iter().filter(|r| other.records.contains(r)).collect(),
             two_keyframes: self.two_keyframes && other.two_keyframes,
+            start_offset_s: self.start_offset_s.filter(|s| other.start_offset_s == Some(*s)),
+            pack_before_s: self.pack_before_s.max(other.pack_before_s),
+            decisions: self.decisions.zip(other.decisions.as_ref()).map(|(a, b)| a.or(b)),
         }
     }
+}
+
+/// Seconds of an expression `keyframe`, `keyframe - 2 s` or `keyframe + 3 s`; `None` for any other.
+fn keyframe_offset_s(expr: &str) -> Option<f64> {
+    let rest = expr.trim().strip_prefix("keyframe")?.trim();
+    if rest.is_empty() {
+        return Some(0.0);
+    }
+    let (sign, rest) =
+        rest.strip_prefix('-').map(|r| (-1.0, r)).or_else(|| rest.strip_prefix('+').map(|r| (1.0, r)))?;
+    Some(sign * rest.trim().strip_suffix('s')?.trim().parse::<f64>().ok()?)
 }
 
 impl ClassIndex {
@@ -106,7 +130,11 @@ impl ClassIndex {
                 let mut common: Option<Prescribed> = None;
                 for c in &b.l3 {
                     let leaf = id(Some(&b.id), Some(&c.id));
-                    let prescribed = framework.specs.get(&leaf).map(Prescribed::of).unwrap_or_default();
+                    let prescribed = framework
+                        .specs
+                        .get(&leaf)
+                        .map(|s| Prescribed::of(s, framework.decision_table.leaves.get(&leaf)))
+                        .unwrap_or_default();
                     index.names.push((leaf, c.name.clone()));
                     common = Some(match common {
                         Some(so_far) => so_far.and(&prescribed),

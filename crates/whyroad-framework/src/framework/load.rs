@@ -1,11 +1,12 @@
 //! From the texts of `schema/` and `scenarios/` to a [`Framework`].
 
 use super::{ExpressionSource, Framework, RuleSource};
-use crate::Lexicon;
+use crate::decision_table;
 use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
 use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
+use crate::{LabelWords, Lexicon, RecordTypes};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::yaml::Entry;
@@ -14,8 +15,14 @@ use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
 const DECISIONS: &str = "schema/driving_decisions.yaml";
 const LEXICON: &str = "schema/decision_lexicon.yaml";
+const LABEL_WORDS: &str = "schema/label_words.yaml";
+const DECISION_TABLE: &str = "scenarios/decisions.yaml";
+const RECORD_TYPES: &str = "scenarios/records.yaml";
 const SIGNALS: &str = "schema/signals.yaml";
 const PRECEDENCE: &str = "schema/precedence.yaml";
+
+/// Files of `scenarios/` that are not of one class.
+const TABLES: &[&str] = &[DECISION_TABLE, RECORD_TYPES];
 
 pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<Diagnostic>) {
     let mut out = Vec::new();
@@ -44,6 +51,26 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         }
         None => out.push(missing_file(LEXICON)),
     }
+    match files.get(LABEL_WORDS) {
+        Some(text) => {
+            let (words, found) = LabelWords::parse(LABEL_WORDS, text);
+            framework.label_words = words;
+            out.extend(found);
+        }
+        None => out.push(missing_file(LABEL_WORDS)),
+    }
+    // A framework without these tables leaves out the checks that read them.
+    if let Some(text) = files.get(DECISION_TABLE) {
+        let (table, found) =
+            decision_table::parse(DECISION_TABLE, text, &framework.taxonomy, &framework.label_words);
+        framework.decision_table = table;
+        out.extend(found);
+    }
+    if let Some(text) = files.get(RECORD_TYPES) {
+        let (types, found) = RecordTypes::parse(RECORD_TYPES, text);
+        framework.record_types = types;
+        out.extend(found);
+    }
     match files.get(SIGNALS) {
         Some(text) => framework.signals_yaml.clone_from(text),
         None => out.push(missing_file(SIGNALS)),
@@ -60,7 +87,11 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
     let mut read: BTreeMap<String, ReadSpec> = BTreeMap::new();
     for (path, text) in files {
         // Cases beside the rules belong to whyroad-mining.
-        if !path.starts_with("scenarios/") || !path.ends_with(".yaml") || path.ends_with(".cases.yaml") {
+        if !path.starts_with("scenarios/")
+            || !path.ends_with(".yaml")
+            || path.ends_with(".cases.yaml")
+            || TABLES.contains(&path.as_str())
+        {
             continue;
         }
         let (spec, found) = read_spec(path, text, &framework.taxonomy);

@@ -106,7 +106,12 @@ pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     }
     let mut phrases = Vec::new();
     for (i, p) in raw.phrases.iter().enumerate() {
-        phrases.push(Says { supports_only: p.supports_only, ..p.says.clone() });
+        phrases.push(Says {
+            supports_only: p.supports_only,
+            change: p.change,
+            denies: p.denies.clone(),
+            ..p.says.clone()
+        });
         for pattern in p.zh.iter().chain(&p.en) {
             builder.add(pattern, Role::Phrase(i), p.side);
         }

@@ -11,7 +11,7 @@ pub struct Plain {
 }
 
 /// All texts of `pattern`; `None` when a bracket is open.
-pub fn expand(pattern: &str, sides: &Sides) -> Option<Vec<Plain>> {
+pub(super) fn expand(pattern: &str, sides: &Sides) -> Option<Vec<Plain>> {
     let mut out = Vec::new();
     for text in choices(pattern)? {
         // An empty choice leaves two spaces; a text that is punctuation and a space keeps its space.
@@ -32,7 +32,7 @@ pub fn expand(pattern: &str, sides: &Sides) -> Option<Vec<Plain>> {
 }
 
 /// The choices of the first bracket, times those of the rest.
-fn choices(pattern: &str) -> Option<Vec<String>> {
+pub fn choices(pattern: &str) -> Option<Vec<String>> {
     let Some(open) = pattern.find('(') else {
         return (!pattern.contains([')', '|'])).then(|| vec![pattern.to_owned()]);
     };

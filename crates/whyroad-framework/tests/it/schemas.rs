@@ -331,7 +331,9 @@ fn every_labelling_spec_follows_its_schema() {
     let validator = validator("labeling_spec");
     let mut checked = 0;
     for (path, text) in Framework::bundled_files() {
-        if !path.starts_with("scenarios/") || path.ends_with(".cases.yaml") {
+        // The tables beside the specs have readers of their own.
+        let table = ["scenarios/decisions.yaml", "scenarios/records.yaml"].contains(&path.as_str());
+        if !path.starts_with("scenarios/") || path.ends_with(".cases.yaml") || table {
             continue;
         }
         let value: Value = whyroad_model::yaml::from_str(&text).unwrap();

@@ -1,3 +1,4 @@
 //! Causes (LABELING.md 6): each decision has one that was there to be seen.
 
 pub(super) mod links;
+pub(super) mod text;

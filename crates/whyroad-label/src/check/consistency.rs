@@ -1,5 +1,7 @@
 //! Consistency (DATA_FORMAT.md 4.3): times with one another, and the trace with the decisions.
 
 pub(super) mod moment;
-mod trace;
+pub(super) mod plausible;
+pub(super) mod text;
+pub(super) mod trace;
 pub(super) mod trace_rules;

@@ -2,22 +2,53 @@
 //! wording; the wording is only made when it is read, so that the fast path pays for the
 //! question alone.
 
-use super::business::{class, decision};
-use super::cause::links;
+use super::business::{class, combination, decision, records};
+use super::cause::{links, text as cause_text};
 use super::clips::{ClipFacts, ClipIndex};
-use super::consistency::{moment, trace_rules};
-use super::form::version;
+use super::consistency::{moment, plausible, text, trace_rules};
+use super::form::{placeholder, version};
+use super::reading::{self, TextFacts};
 use super::view::View;
-use whyroad_framework::check::class_index::{ClassIndex, Found};
+use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Words, scenario};
-use whyroad_framework::lexicon::Lexicon;
+use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::{Framework, LabelWords};
 use whyroad_model::label_fields::pointer;
 
 /// What the rules know besides the label.
 pub(super) struct Rulebook<'f> {
     pub classes: &'f ClassIndex,
-    pub lexicon: &'f Lexicon,
+    pub framework: &'f Framework,
     pub clips: Option<&'f ClipIndex>,
+}
+
+/// The texts of a label as read, once for all rules.
+pub(super) struct Texts {
+    /// In the order of the label's parts.
+    pub components: Vec<TextFacts>,
+    pub trace: TextFacts,
+}
+
+impl Texts {
+    pub fn of(label: &View<'_>, words: &LabelWords) -> Self {
+        let facts = |t: Option<&str>| t.map(|t| reading::read(t, words)).unwrap_or_default();
+        Self {
+            components: label.parts.iter().map(|c| facts(c.description.get())).collect(),
+            trace: facts(label.trace.get()),
+        }
+    }
+
+    /// Groups that answer for what the components name, absent things too.
+    pub fn all_components(&self, words: &LabelWords) -> GroupSet {
+        let all = self.components.iter().flat_map(|f| &f.named);
+        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    }
+
+    /// Groups that answer for what the components say is there.
+    pub fn components_there(&self, words: &LabelWords) -> GroupSet {
+        let all = self.components.iter().flat_map(TextFacts::there);
+        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    }
 }
 
 impl Rulebook<'_> {
@@ -31,9 +62,25 @@ impl Rulebook<'_> {
         if let Some(p) = prescribed {
             class::prescribed(label, p, sink);
         }
+        let f = self.framework;
+        let mut impossible = false;
+        if let Some(p) = prescribed {
+            records::missing(label, p, sink);
+            if let Some(decisions) = &p.decisions {
+                impossible =
+                    combination::decisions(label, p, decisions, &f.decision_table, &f.decisions, sink);
+            }
+        }
+        records::types(label, prescribed, &f.record_types, sink);
         let clip = self.clip(label, sink);
         moment::time_range(label, clip, sink);
         moment::keyframe(label, clip, sink);
+        plausible::length(label, sink);
+        plausible::range_inside(label, sink);
+        plausible::evidence(label, prescribed, sink);
+        if let Some(p) = prescribed {
+            plausible::start(label, p, clip, sink);
+        }
         decision::direction(label, sink);
         decision::components(label, sink);
         links::ids(label, sink);
@@ -41,7 +88,42 @@ impl Rulebook<'_> {
         links::causes(label, sink);
         links::second_keyframe(label, prescribed, sink);
         links::secondary(label, self.classes, sink);
-        trace_rules::trace(label, self.lexicon, sink);
+        self.texts(label, prescribed, impossible, sink);
+    }
+
+    /// The texts: one finding for one fault, so the coarse ones come first and end it.
+    /// `impossible`: the decision contradicts the class, so what the texts say about it is the same fault.
+    fn texts(&self, label: &View<'_>, class: Option<&Prescribed>, impossible: bool, sink: &mut dyn Sink) {
+        let (words, lexicon) = (&self.framework.label_words, &self.framework.lexicon);
+        let texts = Texts::of(label, words);
+        placeholder::components(label, &texts, words, lexicon, sink);
+        text::duplicates(label, &texts, sink);
+        cause_text::hindsight(label, &texts, sink);
+        cause_text::unobserved(label, words, sink);
+        let another_class = class
+            .and_then(|c| c.decisions.as_ref())
+            .is_some_and(|c| text::class(label, &texts, words, c, sink));
+        cause_text::proximate(label, &texts, words, sink);
+        if !another_class && !impossible {
+            cause_text::kind(label, &texts, words, sink);
+        }
+        if placeholder::trace(label, words, sink) || placeholder::draft(label, sink) {
+            return;
+        }
+        if !another_class && text::unrelated(label, &texts, words, sink) {
+            return;
+        }
+        if impossible {
+            return;
+        }
+        let reading = trace_rules::trace(label, lexicon, sink);
+        let decides = |from: usize, to: usize| {
+            reading.as_ref().is_some_and(|r| trace_rules::states_decision(r, lexicon, label, from, to))
+        };
+        if reading.is_some() && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class
+        {
+            text::unnamed(label, &texts, words, sink);
+        }
     }
 
     fn clip(&self, label: &View<'_>, sink: &mut dyn Sink) -> Option<&ClipFacts> {

@@ -1,11 +1,13 @@
 //! A label as the rules see it, whether it came by the fast path (typed, everything there) or by the slow one
 //! (tolerant, holes where something was already reported).
 
+use std::borrow::Cow;
 use whyroad_framework::check::Slot;
 use whyroad_framework::check::scenario::ScenarioView;
+use whyroad_framework::record_types::RecordValue;
 use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::KeyframeType;
+use whyroad_model::messages::{KeyframeType, ProvenanceSource};
 
 /// One label.
 #[derive(Clone, Debug, Default)]
@@ -25,22 +27,35 @@ pub(super) struct View<'a> {
     pub direction: Slot<LateralDirection>,
     pub components: Slot<Components>,
     pub trace: Slot<&'a str>,
-    /// Ids of the records that hold something.
-    pub records: Slot<Vec<&'a str>>,
-    /// Components that have an id or evidence; empty in a document of 2.0.
-    pub linked: Vec<LinkedComponent<'a>>,
+    /// The records that hold something.
+    pub records: Slot<Vec<(&'a str, RecordValue<'a>)>>,
+    /// The components one by one.
+    pub parts: Vec<ComponentView<'a>>,
     pub causes: Slot<CausesView<'a>>,
     pub second: Slot<KeyframeView>,
     pub secondary: Vec<Slot<&'a str>>,
+    pub source: Slot<ProvenanceSource>,
 }
 
-/// A component that says more than words.
+impl View<'_> {
+    /// The class as people write it: `cutin.urgent` with its L1 before it.
+    pub fn class_name(&self) -> String {
+        let s = &self.scenario;
+        let l3 = s.l3.get().filter(|l3| *l3 != whyroad_framework::check::class_index::OTHER);
+        [s.l1.get(), s.l2.get(), l3].into_iter().flatten().collect::<Vec<_>>().join(".")
+    }
+}
+
+/// One critical component.
 #[derive(Clone, Debug, Default)]
-pub(super) struct LinkedComponent<'a> {
+pub(super) struct ComponentView<'a> {
     /// Position in the list.
     pub index: usize,
+    pub description: Slot<&'a str>,
     pub id: Slot<&'a str>,
-    pub evidence: Vec<Slot<Nanos>>,
+    pub evidence: Cow<'a, [Slot<Nanos>]>,
+    /// Track ids of the objects that it speaks of.
+    pub objects: Vec<&'a str>,
 }
 
 /// Causes of the two channels.

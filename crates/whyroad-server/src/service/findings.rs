@@ -10,7 +10,8 @@ use std::borrow::Cow;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
-/// Marks with which drafts open (whyroad-dataset `draft`); a trace that has one was not written by a person.
+/// Marks with which drafts open (whyroad-label `draft`); a trace that has one was not written by a person. The checker
+/// says so only of a label that states a person as its author.
 const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
 /// Findings of this crate, beside those of whyroad-framework.
@@ -29,9 +30,11 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
             found
         }
         Stage::Stage2 => {
-            let mut found = check(app, &with_causes(draft));
+            let text = with_causes(draft).to_string();
+            let mut found: Vec<Finding> = app.stage2_checker.check_text(&text).iter().map(finding).collect();
             let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
-            if DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
+            let known = found.iter().any(|f| f.code == CODES[0]);
+            if !known && DRAFT_MARKS.iter().any(|m| trace.trim_start().starts_with(m)) {
                 found.push(marked());
             }
             found

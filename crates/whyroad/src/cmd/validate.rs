@@ -10,8 +10,11 @@ use printer::Printer;
 use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
+use whyroad_engine::label_drives::LabelDrives;
 use whyroad_framework::check::{Piece, Verdict, problem};
 use whyroad_label::check::{Checker, ClipIndex};
+use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
 
 /// Arguments of `whyroad validate`.
@@ -25,6 +28,9 @@ pub(crate) struct Args {
     /// Clip metadata (JSON or JSON Lines) to hold labels against: known clips, their length, rate and frames
     #[arg(long, value_name = "FILE")]
     clips: Option<PathBuf>,
+    /// Lake with the drives that the labels speak of: compares them with the recording
+    #[arg(long, value_name = "DIR")]
+    lake: Option<PathBuf>,
     /// Fail on warnings too
     #[arg(long)]
     deny_warnings: bool,
@@ -78,6 +84,12 @@ fn check_all(
     lang: Lang,
 ) -> io::Result<()> {
     let mut checker = Checker::new(framework);
+    if let Some(dir) = &args.lake {
+        match Lake::open(dir) {
+            Ok(lake) => checker = checker.with_recordings(Arc::new(LabelDrives::new(lake, framework))),
+            Err(e) => return run.push(e.diagnostic()),
+        }
+    }
     if let Some(path) = &args.clips {
         let clips = read_clips(run, &checker, path)?;
         checker = checker.with_clips(clips);

@@ -63,23 +63,4 @@ pub(in crate::check) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &
             });
         }
     }
-    let filled: &[&str] = match &label.records {
-        Slot::Is(filled) => filled,
-        Slot::Absent => &[],
-        Slot::Broken => return,
-    };
-    for (id, title, unit) in class.records.iter().filter(|(id, ..)| !filled.contains(&id.as_str())) {
-        sink.report(Finding::error("label.record.missing", pointer::records_of(id)), &|| {
-            let unit =
-                unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
-            Words::new(
-                format!("{} 要求记录“{}”", name(), title.zh),
-                format!("{} obliges you to record the {}", name(), title.en),
-            )
-            .hint(
-                format!("在 records 中写 \"{id}\"{}；从片段中看不出时写“未知”", unit.0),
-                format!("write \"{id}\"{} in records, \"unknown\" where the clip does not show it", unit.1),
-            )
-        });
-    }
 }

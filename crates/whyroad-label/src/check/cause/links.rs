@@ -2,6 +2,8 @@
 //! of what a document of format 2.1 may say; one of 2.0 says none of it.
 
 use crate::check::view::{CauseView, View};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::taxonomy::did_you_mean;
@@ -10,15 +12,22 @@ use whyroad_model::label_fields::{name, pointer};
 
 /// Component ids are unique: each names one component.
 pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
-    for (i, c) in label.linked.iter().enumerate() {
+    let mut seen: HashMap<&str, usize> = HashMap::new();
+    for c in &label.parts {
         let Some(id) = c.id.get() else { continue };
-        let Some(first) = label.linked[..i].iter().find(|o| o.id == Slot::Is(id)) else { continue };
+        let first = match seen.entry(id) {
+            Entry::Occupied(first) => *first.get(),
+            Entry::Vacant(free) => {
+                free.insert(c.index);
+                continue;
+            }
+        };
         sink.report(
             Finding::error("label.component.duplicate_id", pointer::critical_components_item_id(c.index)),
             &|| {
                 Words::new(
-                    format!("关键要素 {} 与 {} 的 id 都是 '{id}'", first.index, c.index),
-                    format!("components {} and {} both have the id '{id}'", first.index, c.index),
+                    format!("关键要素 {} 与 {} 的 id 都是 '{id}'", first, c.index),
+                    format!("components {} and {} both have the id '{id}'", first, c.index),
                 )
                 .hint("为每个要素取不同的 id", "give each component a different id")
             },
@@ -30,7 +39,7 @@ pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
 pub(in crate::check) fn evidence(label: &View<'_>, sink: &mut dyn Sink) {
     let second = label.second.get().and_then(|k| k.timestamp.get());
     let Some(keyframe) = label.keyframe.timestamp.get().max(second) else { return };
-    for c in &label.linked {
+    for c in &label.parts {
         let late = c.evidence.iter().enumerate().filter_map(|(k, t)| Some((k, t.get()?)));
         for (k, time) in late.filter(|(_, t)| *t > keyframe) {
             let at = pointer::critical_components_item_evidence_times_item(c.index, k);
@@ -72,7 +81,7 @@ const LATERAL: CauseChannel = CauseChannel {
 /// Each decision names a component, or is UNOBSERVED with a reason.
 pub(in crate::check) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
-    let known: Vec<&str> = label.linked.iter().filter_map(|c| c.id.get()).collect();
+    let known: Vec<&str> = label.parts.iter().filter_map(|c| c.id.get()).collect();
     let longitudinal = label.longitudinal.get().map(|d| d.id());
     let lateral = label.lateral.get().map(|d| d.id());
     let channels = [

@@ -1,14 +1,14 @@
 //! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
 
-use crate::check::consistency::trace::{TraceVerdict, form, judge, read};
+use crate::check::consistency::trace::{Reading, TraceVerdict, form, judge, read};
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_model::label_fields::{name, pointer};
 
 /// Form of the trace, and what it says against the decisions.
-pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) {
-    let Some(text) = label.trace.get() else { return };
+pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) -> Option<Reading> {
+    let text = label.trace.get()?;
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("coc_trace 为空", "coc_trace is empty").hint(
@@ -16,7 +16,7 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
             )
         });
-        return;
+        return None;
     }
     let limits = &lexicon.limits;
     let seen = form(text, limits);
@@ -67,6 +67,7 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
         );
     }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
+    let mut none = false;
     judge(&reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
@@ -75,9 +76,27 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
             _ => false,
         };
         if !unreadable {
+            none |= v == TraceVerdict::NoDecision;
             verdict(&v, text, sink);
         }
     });
+    // A trace too short, or without a decision, cannot give a reason for one.
+    (!none && seen.length >= limits.too_short_below).then_some(reading)
+}
+
+/// The part `from..to` of the trace states the label's decision, as the ego's.
+pub(in crate::check) fn states_decision(
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    from: usize,
+    to: usize,
+) -> bool {
+    reading.mentions.iter().filter(|m| (from..to).contains(&m.start) && !m.by_other).any(|m| {
+        let says = &lexicon.phrases[m.phrase];
+        label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
+            || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
+    })
 }
 
 fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {

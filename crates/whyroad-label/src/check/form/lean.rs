@@ -7,7 +7,7 @@ mod values;
 pub(in crate::check) use fields::LeanCocLabel;
 
 use crate::check::view::{CauseView, CausesView, KeyframeView, View};
-use fields::{LeanCause, LeanCauses, LeanKeyframe, LeanLinked};
+use fields::{LeanCause, LeanCauses, LeanKeyframe};
 use values::Text;
 use whyroad_framework::check::Slot;
 use whyroad_framework::check::scenario::ScenarioView;
@@ -41,12 +41,13 @@ impl<'t> LeanCocLabel<'t> {
             components: Slot::Is(self.critical_components.folded),
             trace: Slot::Is(&self.coc_trace.0),
             records: match &self.records {
-                Some(r) => Slot::Is(r.0.iter().map(|k| &**k).collect()),
+                Some(r) => Slot::Is(r.0.iter().filter_map(|(k, v)| Some((&**k, v.view()?))).collect()),
                 None => Slot::Absent,
             },
-            linked: self.critical_components.linked.iter().map(LeanLinked::view).collect(),
+            parts: self.critical_components.items.iter().enumerate().map(|(i, c)| c.view(i)).collect(),
             causes: self.causes.as_ref().map(LeanCauses::view).into(),
             second: self.second_keyframe.as_ref().map(LeanKeyframe::view).into(),
+            source: self.provenance.as_ref().map(|p| p.source.0).into(),
             secondary: self.secondary_scenarios.iter().flatten().map(|t| Slot::Is(&*t.0)).collect(),
         }
     }

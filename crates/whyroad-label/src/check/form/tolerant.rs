@@ -1,12 +1,13 @@
 //! The slow path for labels: the basic level of DATA_FORMAT.md 4.3, field by field, into a [`View`].
 
-use crate::check::view::{CauseView, CausesView, Components, KeyframeView, LinkedComponent, View};
+use crate::check::view::{CauseView, CausesView, ComponentView, Components, KeyframeView, View};
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::Slot;
 use whyroad_framework::check::closed_set::{ClosedSet, choose, keyframe_type};
 use whyroad_framework::check::json::{JsonKind, Node};
 use whyroad_framework::check::scenario::{self, ScenarioView};
 use whyroad_framework::check::walk::{Object, Walk};
+use whyroad_framework::record_types::RecordValue;
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
@@ -26,7 +27,7 @@ pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) 
     keyframe(walk, &mut o, &mut v);
     decision(walk, &mut o, decisions, &mut v);
     v.components = match walk.need(&mut o, name::CRITICAL_COMPONENTS) {
-        Some(n) => components(walk, n, &mut v.linked),
+        Some(n) => components(walk, n, &mut v.parts),
         None => Slot::Broken,
     };
     // A blank trace has a rule of its own.
@@ -41,7 +42,7 @@ pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) 
         let at = pointer::secondary_scenarios_item;
         v.secondary = items.iter().enumerate().map(|(i, n)| walk.text(Some(n), &at(i))).collect();
     }
-    provenance(walk, &mut o);
+    v.source = provenance(walk, &mut o);
     walk.close(o, Severity::Warning);
     v
 }
@@ -177,7 +178,7 @@ fn both(name: &whyroad_model::Bilingual, id: &'static str) -> [(String, &'static
 fn components<'d>(
     walk: &mut Walk<'d>,
     node: &'d Node<'d>,
-    linked: &mut Vec<LinkedComponent<'d>>,
+    parts: &mut Vec<ComponentView<'d>>,
 ) -> Slot<Components> {
     let Slot::Is(items) = walk.list(Some(node), pointer::CRITICAL_COMPONENTS) else { return Slot::Broken };
     let mut out = Components { count: items.len(), any_high: false };
@@ -195,7 +196,7 @@ fn components<'d>(
             continue;
         };
         optional(walk, &mut o, name::CATEGORY, Walk::any_text);
-        needed(walk, &mut o, name::DESCRIPTION, Walk::text);
+        let description = needed(walk, &mut o, name::DESCRIPTION, Walk::text);
         let at = o.at(name::UNCERTAINTY);
         let uncertainty = choose(walk, o.get(name::UNCERTAINTY), &at, &set);
         out.any_high |= !matches!(uncertainty, Slot::Absent | Slot::Is(Uncertainty::Low));
@@ -205,33 +206,32 @@ fn components<'d>(
             let at = |k| pointer::critical_components_item_evidence_times_item(i, k);
             evidence.extend(times.iter().enumerate().map(|(k, n)| walk.time(Some(n), &at(k))));
         }
-        if let Slot::Is(objects) = optional(walk, &mut o, name::LINKED_OBJECTS, Walk::list) {
-            for (k, n) in objects.iter().enumerate() {
-                walk.text(Some(n), &pointer::critical_components_item_linked_objects_item(i, k));
-            }
+        let mut objects = Vec::new();
+        if let Slot::Is(ids) = optional(walk, &mut o, name::LINKED_OBJECTS, Walk::list) {
+            let at = |k| pointer::critical_components_item_linked_objects_item(i, k);
+            objects.extend(ids.iter().enumerate().filter_map(|(k, n)| walk.text(Some(n), &at(k)).get()));
         }
-        if !id.is_absent() || !evidence.is_empty() {
-            linked.push(LinkedComponent { index: i, id, evidence });
-        }
+        parts.push(ComponentView { index: i, description, id, evidence: evidence.into(), objects });
         walk.close(o, Severity::Warning);
     }
     Slot::Is(out)
 }
 
-fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<&'d str>> {
+fn records<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<Vec<(&'d str, RecordValue<'d>)>> {
     let Some(node) = parent.get(name::RECORDS) else { return Slot::Absent };
     let Some(o) = walk.object(node, pointer::RECORDS.into()) else { return Slot::Broken };
     let mut filled = Vec::new();
     for e in o.entries() {
         walk.free(&e.node, &o.at(&e.key));
-        let blank = match &e.node.kind {
-            JsonKind::Null => true,
-            JsonKind::Text(t) => t.trim().is_empty(),
-            _ => false,
+        let value = match &e.node.kind {
+            JsonKind::Null => continue,
+            JsonKind::Text(t) if t.trim().is_empty() => continue,
+            JsonKind::Text(t) => RecordValue::Text(t),
+            JsonKind::Flag(b) => RecordValue::Flag(*b),
+            JsonKind::Number(n) => RecordValue::Number(n.parse().unwrap_or(f64::NAN)),
+            _ => RecordValue::Nested,
         };
-        if !blank {
-            filled.push(&*e.key);
-        }
+        filled.push((&*e.key, value));
     }
     Slot::Is(filled)
 }
@@ -268,9 +268,9 @@ fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseV
     Slot::Is(view)
 }
 
-fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
-    let Some(node) = parent.get(name::PROVENANCE) else { return };
-    let Some(mut o) = walk.object(node, pointer::PROVENANCE.into()) else { return };
+fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<ProvenanceSource> {
+    let Some(node) = parent.get(name::PROVENANCE) else { return Slot::Absent };
+    let Some(mut o) = walk.object(node, pointer::PROVENANCE.into()) else { return Slot::Broken };
     let set = ClosedSet {
         code: "label.enum.provenance_source",
         zh: "标签来源",
@@ -281,9 +281,10 @@ fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
             .map(|(n, id)| (n.to_owned(), id))
             .to_vec(),
     };
-    if let Some(n) = walk.need(&mut o, name::SOURCE) {
-        choose(walk, Some(n), pointer::PROVENANCE_SOURCE, &set);
-    }
+    let source = match walk.need(&mut o, name::SOURCE) {
+        Some(n) => choose(walk, Some(n), pointer::PROVENANCE_SOURCE, &set),
+        None => Slot::Broken,
+    };
     for key in [name::BY, name::TOOL] {
         text(walk, &mut o, key);
     }
@@ -296,4 +297,5 @@ fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
         }
     }
     walk.close(o, Severity::Warning);
+    source
 }

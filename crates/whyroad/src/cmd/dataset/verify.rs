@@ -2,11 +2,16 @@
 
 use super::{licences, print, refused};
 use crate::output::DataFormat;
+use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use serde_json::json;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use whyroad_dataset::verify::verify;
+use std::sync::Arc;
+use whyroad_dataset::verify::verify_with;
+use whyroad_engine::label_drives::LabelDrives;
+use whyroad_label::check::Recordings;
+use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_model::diagnostic::json_row;
 
@@ -16,6 +21,9 @@ pub(crate) struct Args {
     /// The release
     #[arg(value_name = "RELEASE")]
     release: PathBuf,
+    /// Lake with the drives of the release: compares the labels with the recordings
+    #[arg(long, value_name = "DIR")]
+    lake: Option<PathBuf>,
     /// How to print the result
     #[arg(long, value_name = "FORMAT", default_value = "text")]
     format: DataFormat,
@@ -23,7 +31,16 @@ pub(crate) struct Args {
 
 pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let found = match verify(&a.release, &framework, &licences(global)?) {
+    let recordings = match &a.lake {
+        Some(dir) => {
+            let lake = Lake::open(dir)
+                .map_err(|e| anyhow::anyhow!("{}", render_text(&e.diagnostic(), global.lang)))?;
+            let drives: Arc<dyn Recordings> = Arc::new(LabelDrives::new(lake, &framework));
+            Some(drives)
+        }
+        None => None,
+    };
+    let found = match verify_with(&a.release, &framework, &licences(global)?, recordings) {
         Ok(found) => found,
         Err(e) => return Ok(refused(global, &e)),
     };

@@ -74,9 +74,10 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         let deciding = || relevant().filter(|m| m.start >= reading.decision_from);
 
         let Some(label) = self.label else {
-            let named = deciding()
-                .filter(firm)
-                .find(|m| says(m).len() == 1 && !self.null_allows.contains(&says(m)[0]));
+            let named = deciding().filter(firm).find(|m| {
+                let other = says(m).iter().all(|d| !self.null_allows.contains(d));
+                other || lexicon.phrases[m.phrase].change
+            });
             if let Some(m) = named {
                 let says = (self.id)(says(m)[0]);
                 sink(TraceVerdict::Unlabelled { channel: self.name, says, start: m.start, end: m.end });
@@ -102,8 +103,11 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
             return false;
         }
         // "Not slowing down" denies no particular decision; a phrase for one or two does.
-        if let Some(m) = deciding().filter(supports).find(|m| m.force == Force::Negated && says(m).len() <= 2)
-        {
+        let denies = |m: &&Mention| {
+            let ids = lexicon.phrases[m.phrase].denies.iter().any(|d| d.id() == (self.id)(label));
+            m.force == Force::Negated && (says(m).len() <= 2 || ids)
+        };
+        if let Some(m) = deciding().filter(supports).find(denies) {
             sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
             return false;
         }

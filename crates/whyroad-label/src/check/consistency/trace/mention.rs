@@ -27,6 +27,10 @@ pub(in crate::check) struct Mention {
     pub start: usize,
     pub end: usize,
     clause: usize,
+    /// Another road user does it.
+    pub by_other: bool,
+    /// It is denied.
+    denied: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
     carried: bool,
 }
@@ -63,6 +67,7 @@ struct Negation {
 /// The state of reading, from left to right.
 struct Reader<'l> {
     lexicon: &'l Lexicon,
+    text: &'l str,
     out: Reading,
     // Since the sentence's start.
     sequel: bool,
@@ -87,6 +92,7 @@ struct Reader<'l> {
 pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
     let mut r = Reader {
         lexicon,
+        text,
         out: Reading::default(),
         sequel: false,
         reason_until_sentence_end: false,
@@ -107,8 +113,12 @@ pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
     // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
     let last = r.clause;
     for m in &mut r.out.mentions {
-        if m.carried && m.clause == last && m.force == Force::Doubtful {
-            m.force = Force::Asserted;
+        if m.carried && m.clause == last {
+            m.force = match m.force {
+                Force::Doubtful => Force::Asserted,
+                Force::Unsaid if m.denied => Force::Negated,
+                f => f,
+            };
         }
     }
     r.out
@@ -197,8 +207,13 @@ impl Reader<'_> {
                 n.used = true;
                 Force::Negated
             }
-            // A second phrase after "no need to": negated too, or not.
-            Some(n) if n.used => Force::Doubtful,
+            // A second phrase after "no need to": negated too where they are joined, otherwise perhaps not.
+            Some(n) if n.used => {
+                let last = self.out.mentions.last().map_or(hit.start, |m| m.end);
+                let between = self.text[last..hit.start].trim().to_ascii_lowercase();
+                let joined = ["or", "nor", "或", "也不", "也", "或者", "and"].contains(&between.as_str());
+                if joined { Force::Negated } else { Force::Doubtful }
+            }
             _ => Force::Asserted,
         };
         let unsaid = self.hypothesis || self.reason || self.reason_until_sentence_end;
@@ -211,14 +226,17 @@ impl Reader<'_> {
             f => f,
         };
         // What stays doubtful for another reason does not become the ego's by standing last.
-        let carried = carried && !self.intention && !self.sequel && negated == Force::Asserted;
+        let denied = negated == Force::Negated && !unsaid;
+        let carried = carried && !self.intention && !self.sequel && negated != Force::Doubtful;
         self.out.mentions.push(Mention {
             phrase,
+            by_other: actor == Actor::Other,
             side: hit.side,
             force,
             start: hit.start,
             end: hit.end,
             clause: self.clause,
+            denied,
             carried,
         });
     }

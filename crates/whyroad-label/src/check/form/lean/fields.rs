@@ -2,7 +2,7 @@
 //! script; written by hand is only what is kept of the critical components.
 
 use super::values::{Id, Records, Text, Texts, present};
-use crate::check::view::{Components, LinkedComponent};
+use crate::check::view::{ComponentView, Components};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::fmt;
@@ -13,23 +13,22 @@ use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
 
 include!(concat!(env!("OUT_DIR"), "/lean_label.rs"));
 
-/// The components, folded into what rules ask; only those with an id or evidence are kept one by one.
+/// The components, with what rules ask of all of them.
 pub(in crate::check) struct FoldedCriticalComponents<'t> {
     pub folded: Components,
-    pub linked: Vec<LeanLinked<'t>>,
+    pub items: Vec<LeanCriticalComponent<'t>>,
 }
 
-pub(in crate::check) struct LeanLinked<'t> {
-    index: usize,
-    id: Option<Text<'t>>,
-    evidence: Vec<Nanos>,
-}
-
-impl LeanLinked<'_> {
-    pub fn view(&self) -> LinkedComponent<'_> {
-        let evidence = self.evidence.iter().map(|t| Slot::Is(*t)).collect();
-        let id = self.id.as_ref().map(|t| &*t.0).into();
-        LinkedComponent { index: self.index, id, evidence }
+impl LeanCriticalComponent<'_> {
+    pub fn view(&self, index: usize) -> ComponentView<'_> {
+        let evidence: Vec<_> = self.evidence_times.iter().flatten().map(|t| Slot::Is(*t)).collect();
+        ComponentView {
+            index,
+            description: Slot::Is(&self.description.0),
+            id: self.id.as_ref().map(|t| &*t.0).into(),
+            evidence: evidence.into(),
+            objects: self.linked_objects.iter().flatten().map(|t| &*t.0).collect(),
+        }
     }
 }
 
@@ -42,17 +41,14 @@ impl<'de: 't, 't> Deserialize<'de> for FoldedCriticalComponents<'t> {
                 f.write_str("a list of components")
             }
             fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-                let mut out = FoldedCriticalComponents { folded: Components::default(), linked: Vec::new() };
+                let mut out = FoldedCriticalComponents { folded: Components::default(), items: Vec::new() };
                 while let Some(c) = seq.next_element::<LeanCriticalComponent<'de>>()? {
                     if c.has_blank() {
                         return Err(A::Error::custom("blank text"));
                     }
-                    let evidence = c.evidence_times.unwrap_or_default();
-                    if c.id.is_some() || !evidence.is_empty() {
-                        out.linked.push(LeanLinked { index: out.folded.count, id: c.id, evidence });
-                    }
                     out.folded.count += 1;
-                    out.folded.any_high |= c.uncertainty.is_some_and(|u| u.0 == Uncertainty::High);
+                    out.folded.any_high |= c.uncertainty.as_ref().is_some_and(|u| u.0 == Uncertainty::High);
+                    out.items.push(c);
                 }
                 Ok(out)
             }

@@ -1,11 +1,12 @@
 //! Values of the fast reader: texts borrowed from the document, members of closed sets, records. Each accepts only what
 //! is beyond doubt; anything else is an error, and the slow path decides.
 
-use serde::de::{DeserializeSeed, Error, MapAccess, Unexpected, Visitor};
+use serde::de::{Error, MapAccess, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
+use whyroad_framework::record_types::RecordValue;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
 
@@ -72,8 +73,28 @@ impl<'de, T: Closed> Deserialize<'de> for Id<T> {
     }
 }
 
-/// Ids of the records that hold something. Nested values are left to the slow path.
-pub(in crate::check) struct Records<'t>(pub Vec<Cow<'t, str>>);
+/// The records that hold something. Nested values are left to the slow path.
+pub(in crate::check) struct Records<'t>(pub Vec<(Cow<'t, str>, LeanRecord<'t>)>);
+
+/// A record's value.
+pub(in crate::check) enum LeanRecord<'t> {
+    /// Null or blank.
+    Nothing,
+    Flag(bool),
+    Number(f64),
+    Text(Cow<'t, str>),
+}
+
+impl LeanRecord<'_> {
+    pub fn view(&self) -> Option<RecordValue<'_>> {
+        Some(match self {
+            Self::Nothing => return None,
+            Self::Flag(b) => RecordValue::Flag(*b),
+            Self::Number(n) => RecordValue::Number(*n),
+            Self::Text(t) => RecordValue::Text(t),
+        })
+    }
+}
 
 impl<'de: 't, 't> Deserialize<'de> for Records<'t> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
@@ -84,54 +105,57 @@ impl<'de: 't, 't> Deserialize<'de> for Records<'t> {
                 f.write_str("records")
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut seen: Vec<(Cow<'de, str>, bool)> = Vec::new();
+                let mut seen: Vec<(Cow<'de, str>, LeanRecord<'de>)> = Vec::new();
                 while let Some(key) = map.next_key::<Text<'de>>()? {
-                    let filled = map.next_value_seed(Filled)?;
+                    let value = map.next_value::<LeanRecord<'de>>()?;
                     if seen.iter().any(|(k, _)| *k == key.0) {
                         return Err(A::Error::custom("duplicate record"));
                     }
-                    seen.push((key.0, filled));
+                    seen.push((key.0, value));
                 }
-                Ok(Records(seen.into_iter().filter(|(_, filled)| *filled).map(|(k, _)| k).collect()))
+                Ok(Records(seen))
             }
         }
         d.deserialize_map(V)
     }
 }
 
-/// Whether a value holds something: not null, not blank.
-struct Filled;
-
-impl<'de> DeserializeSeed<'de> for Filled {
-    type Value = bool;
-    fn deserialize<D: Deserializer<'de>>(self, d: D) -> Result<bool, D::Error> {
-        d.deserialize_any(self)
+impl<'de: 't, 't> Deserialize<'de> for LeanRecord<'t> {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+        struct V;
+        impl<'de> Visitor<'de> for V {
+            type Value = LeanRecord<'de>;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a plain value")
+            }
+            fn visit_unit<E: Error>(self) -> Result<Self::Value, E> {
+                Ok(LeanRecord::Nothing)
+            }
+            fn visit_bool<E: Error>(self, b: bool) -> Result<Self::Value, E> {
+                Ok(LeanRecord::Flag(b))
+            }
+            fn visit_i64<E: Error>(self, n: i64) -> Result<Self::Value, E> {
+                Ok(LeanRecord::Number(n as f64))
+            }
+            fn visit_u64<E: Error>(self, n: u64) -> Result<Self::Value, E> {
+                Ok(LeanRecord::Number(n as f64))
+            }
+            fn visit_f64<E: Error>(self, n: f64) -> Result<Self::Value, E> {
+                Ok(LeanRecord::Number(n))
+            }
+            fn visit_borrowed_str<E: Error>(self, s: &'de str) -> Result<Self::Value, E> {
+                Ok(text(Cow::Borrowed(s)))
+            }
+            fn visit_str<E: Error>(self, s: &str) -> Result<Self::Value, E> {
+                Ok(text(Cow::Owned(s.to_owned())))
+            }
+        }
+        d.deserialize_any(V)
     }
 }
 
-impl Visitor<'_> for Filled {
-    type Value = bool;
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a plain value")
-    }
-    fn visit_unit<E: Error>(self) -> Result<bool, E> {
-        Ok(false)
-    }
-    fn visit_bool<E: Error>(self, _: bool) -> Result<bool, E> {
-        Ok(true)
-    }
-    fn visit_i64<E: Error>(self, _: i64) -> Result<bool, E> {
-        Ok(true)
-    }
-    fn visit_u64<E: Error>(self, _: u64) -> Result<bool, E> {
-        Ok(true)
-    }
-    fn visit_f64<E: Error>(self, _: f64) -> Result<bool, E> {
-        Ok(true)
-    }
-    fn visit_str<E: Error>(self, s: &str) -> Result<bool, E> {
-        Ok(!s.trim().is_empty())
-    }
+fn text(t: Cow<'_, str>) -> LeanRecord<'_> {
+    if t.trim().is_empty() { LeanRecord::Nothing } else { LeanRecord::Text(t) }
 }
 
 /// Texts by name, no name twice.

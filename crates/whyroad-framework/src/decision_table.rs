@@ -1,0 +1,105 @@
+//! Which decisions a class goes with (`scenarios/decisions.yaml`, which says what each part means), leaves with what they
+//! inherit from their L2.
+
+mod read;
+
+pub use read::parse;
+
+use crate::label_words::GroupSet;
+use std::collections::BTreeMap;
+use whyroad_model::ScenarioId;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// How a decision stands to a class.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fit {
+    /// Seen most of the time.
+    Usual,
+    /// Seen and allowed.
+    Possible,
+    /// Contradicts the class.
+    Impossible,
+}
+
+/// A lateral decision as the table writes it: with a direction, only that direction is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LateralEntry {
+    /// The decision; `None` is no change.
+    pub lateral: Option<Lateral>,
+    /// The only direction; `None`: every direction.
+    pub direction: Option<LateralDirection>,
+}
+
+/// The decisions of one class.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ClassDecisions {
+    /// Along the path; `None` is no change. The usual ones first.
+    pub longitudinal: Vec<(Option<Longitudinal>, Fit)>,
+    /// Across the path. The usual ones first.
+    pub lateral: Vec<(LateralEntry, Fit)>,
+    /// At least one channel has a decision.
+    pub decides: bool,
+    /// What the texts must speak of; empty where nothing is prescribed.
+    pub about: GroupSet,
+    /// The same by name, for messages.
+    pub about_names: Vec<String>,
+    /// The leaf's name tells what happened after the keyframe.
+    pub reveals: bool,
+}
+
+impl ClassDecisions {
+    /// How `decision` fits.
+    pub fn longitudinal_fit(&self, decision: Option<Longitudinal>) -> Fit {
+        let found = self.longitudinal.iter().find(|(d, _)| *d == decision);
+        found.map_or(Fit::Impossible, |(_, fit)| *fit)
+    }
+
+    /// How `lateral` fits, in whatever direction.
+    pub fn lateral_fit(&self, lateral: Option<Lateral>) -> Fit {
+        let fits = self.lateral.iter().filter(|(e, _)| e.lateral == lateral).map(|(_, fit)| *fit);
+        fits.min().unwrap_or(Fit::Impossible)
+    }
+
+    /// How `direction` fits a lateral decision that fits; a direction that is not given fits.
+    pub fn direction_fit(&self, lateral: Lateral, direction: Option<LateralDirection>) -> Fit {
+        let Some(direction) = direction else { return Fit::Usual };
+        let entries = self.lateral.iter().filter(|(e, _)| e.lateral == Some(lateral));
+        let fits = entries.filter(|(e, _)| e.direction.is_none_or(|d| d == direction)).map(|(_, fit)| *fit);
+        fits.min().unwrap_or(Fit::Impossible)
+    }
+
+    /// What either of two classes allows: for a label of which only the L2 is known.
+    #[must_use]
+    pub fn or(&self, other: &ClassDecisions) -> ClassDecisions {
+        let mut out = self.clone();
+        for (d, fit) in &other.longitudinal {
+            match out.longitudinal.iter_mut().find(|(e, _)| e == d) {
+                Some((_, f)) => *f = (*f).min(*fit),
+                None => out.longitudinal.push((*d, *fit)),
+            }
+        }
+        for (e, fit) in &other.lateral {
+            match out.lateral.iter_mut().find(|(o, _)| o == e) {
+                Some((_, f)) => *f = (*f).min(*fit),
+                None => out.lateral.push((*e, *fit)),
+            }
+        }
+        out.decides &= other.decides;
+        let open = out.about.is_empty() || other.about.is_empty();
+        out.about = if open { GroupSet::default() } else { out.about.with(other.about) };
+        let news: Vec<String> =
+            other.about_names.iter().filter(|n| !out.about_names.contains(n)).cloned().collect();
+        out.about_names.extend(news);
+        out.reveals |= other.reveals;
+        out
+    }
+}
+
+/// The whole table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DecisionTable {
+    /// By leaf.
+    pub leaves: BTreeMap<ScenarioId, ClassDecisions>,
+    /// Decisions that do not go together in any class.
+    pub impossible_pairs: Vec<(Longitudinal, Lateral)>,
+}

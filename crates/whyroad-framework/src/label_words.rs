@@ -1,0 +1,266 @@
+//! The words of a label's texts (`schema/label_words.yaml`, which says what each list means), compiled to one search:
+//! things, sides, states, colours, hindsight, placeholders. What follows from them is decided by the label checks.
+
+mod compile;
+
+use serde::Deserialize;
+use std::collections::{BTreeMap, HashSet};
+use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
+
+use crate::lexicon::trie::Trie;
+
+/// A set of groups of things, a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GroupSet(pub u64);
+
+impl GroupSet {
+    /// True when the two have a group in common.
+    pub fn meets(self, other: GroupSet) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn with(self, other: GroupSet) -> GroupSet {
+        GroupSet(self.0 | other.0)
+    }
+
+    /// True when there is no group.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// A group of words for one kind of thing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ObjectGroup {
+    /// Its id.
+    pub id: String,
+    /// A trace that names one must have a component that does.
+    pub named: bool,
+    /// The group itself, as a set.
+    pub own: GroupSet,
+    /// Groups that answer for it, itself included.
+    pub near: GroupSet,
+}
+
+/// What somebody is said to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SaidState {
+    /// Stands.
+    Standing,
+    /// Slows or brakes.
+    Slowing,
+    /// Goes across.
+    Crossing,
+    /// Comes into the lane.
+    CuttingIn,
+    /// Drives backwards.
+    Reversing,
+}
+
+/// What a word is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WordRole {
+    /// A thing: index of its group.
+    Object(usize),
+    /// A side: true is left.
+    Side(bool),
+    /// What somebody does.
+    State(SaidState),
+    /// A colour: index in the file's order of names.
+    Colour(usize),
+    /// Only known afterwards.
+    Hindsight,
+    /// Only hides the words inside it.
+    Plain,
+}
+
+/// A word found in a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WordHit {
+    /// What it is.
+    pub role: WordRole,
+    /// First byte in the text.
+    pub start: usize,
+    /// One past its last byte.
+    pub end: usize,
+}
+
+/// All words.
+#[derive(Clone, Debug, Default)]
+pub struct LabelWords {
+    /// Groups of things, in file order.
+    pub objects: Vec<ObjectGroup>,
+    /// Unions of groups by name; every group is also its own kind.
+    pub kinds: BTreeMap<String, GroupSet>,
+    placeholders: HashSet<String>,
+    trie: Trie,
+    roles: Vec<WordRole>,
+    reasons: Trie,
+}
+
+impl LabelWords {
+    /// From the text of `schema/label_words.yaml`; `file` is named in diagnostics. An unreadable file gives no words,
+    /// with which nothing is found.
+    pub fn parse(file: &str, text: &str) -> (LabelWords, Vec<Diagnostic>) {
+        let raw: File = match yaml::from_str(text) {
+            Ok(raw) => raw,
+            Err(e) => {
+                let place = Location {
+                    file: Some(file.to_owned()),
+                    line: e.mark.map(|m| m.line),
+                    column: e.mark.map(|m| m.column),
+                    ..Location::default()
+                };
+                let message = Bilingual::new(
+                    format!("词表无法读取：{}", e.message),
+                    format!("the word list cannot be read: {}", e.message),
+                );
+                return (LabelWords::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)]);
+            }
+        };
+        let (words, problems) = compile::compile(&raw);
+        let diagnostics =
+            problems.into_iter().map(|m| Diagnostic::error("lexicon.pattern", m).in_file(file)).collect();
+        (words, diagnostics)
+    }
+
+    /// Gives the words of `text` to `take` in order, never overlapping.
+    pub fn hits(&self, text: &str, mut take: impl FnMut(WordHit)) {
+        self.trie.find(text, |f| take(WordHit { role: self.roles[f.word], start: f.start, end: f.end }));
+    }
+
+    /// True when there are no words at all: nothing can be said about a text then.
+    pub fn is_empty(&self) -> bool {
+        self.roles.is_empty()
+    }
+
+    /// True when a text consists of nothing but a placeholder: one of the list, one character repeated, or no letter.
+    pub fn is_placeholder(&self, text: &str) -> bool {
+        let bare = compile::bare(text);
+        let mut letters = bare.chars();
+        let Some(first) = letters.next() else { return true };
+        let same = letters.all(|c| c == first) && bare.chars().count() > 1;
+        let digits = bare.chars().all(|c| c.is_ascii_digit());
+        same || digits || self.placeholders.contains(&bare)
+    }
+
+    /// True when `text` says why something could not be observed.
+    pub fn gives_reason(&self, text: &str) -> bool {
+        let mut any = false;
+        self.reasons.find(text, |_| any = true);
+        any
+    }
+}
+
+/// The file as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[allow(dead_code)] // read by people
+    version: String,
+    objects: Vec<RawObject>,
+    kinds: BTreeMap<String, Vec<String>>,
+    sides: RawSides,
+    states: RawStates,
+    colours: BTreeMap<String, Words>,
+    hindsight: RawHindsight,
+    placeholder: Words,
+    plain: Words,
+    unobserved_because: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawObject {
+    id: String,
+    #[serde(default)]
+    named: bool,
+    #[serde(default)]
+    near: Vec<String>,
+    zh: Vec<String>,
+    en: Vec<String>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSides {
+    left: Words,
+    right: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawStates {
+    standing: Words,
+    slowing: Words,
+    crossing: Words,
+    cutting_in: Words,
+    reversing: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawHindsight {
+    firm: Words,
+    plain: Words,
+}
+
+/// One list in both languages.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Words {
+    zh: Vec<String>,
+    en: Vec<String>,
+}
+
+impl Words {
+    fn all(&self) -> impl Iterator<Item = &str> {
+        self.zh.iter().chain(&self.en).map(String::as_str)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words() -> LabelWords {
+        let text = include_str!("../../../schema/label_words.yaml");
+        let (words, found) = LabelWords::parse("schema/label_words.yaml", text);
+        assert!(found.is_empty(), "{found:#?}");
+        words
+    }
+
+    #[test]
+    fn the_words_of_this_repository_are_found() {
+        let words = words();
+        let named = |text: &str| {
+            let mut out = Vec::new();
+            words.hits(text, |h| {
+                if let WordRole::Object(g) = h.role {
+                    out.push(words.objects[g].id.clone());
+                }
+            });
+            out
+        };
+        assert_eq!(named("左前方白色轿车切入，右侧货车并行"), ["car", "truck"]);
+        assert_eq!(named("公交车道上没有公交车"), ["marking", "bus"]);
+        assert_eq!(named("The stop sign applies; a cyclist waits."), ["sign", "rider"]);
+        let car = words.objects.iter().find(|o| o.id == "car").unwrap();
+        assert!(car.near.meets(words.kinds["vehicle_any"]), "near is symmetric");
+    }
+
+    #[test]
+    fn placeholders_and_reasons() {
+        let words = words();
+        for text in ["无", "test", "N/A", "...", "哈哈哈哈", "12345", "Lorem ipsum dolor sit amet.", " TODO "]
+        {
+            assert!(words.is_placeholder(text), "{text}");
+        }
+        for text in ["行人", "red light", "无灯路口"] {
+            assert!(!words.is_placeholder(text), "{text}");
+        }
+        assert!(words.gives_reason("被货车遮挡") && !words.gives_reason("不太好说"));
+    }
+}

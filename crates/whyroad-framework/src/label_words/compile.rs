@@ -1,0 +1,149 @@
+//! From the lists of `schema/label_words.yaml` to one search.
+
+use super::{File, GroupSet, LabelWords, ObjectGroup, SaidState, WordRole};
+use crate::lexicon::expand::choices;
+use crate::lexicon::trie::Trie;
+use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
+
+/// Groups of things that a set can hold.
+const MAX_GROUPS: usize = 64;
+
+/// The words, and what is wrong with the file's patterns.
+pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
+    let mut b = Builder { texts: BTreeMap::new(), problems: Vec::new() };
+    let objects = groups(raw, &mut b);
+    for (i, o) in raw.objects.iter().enumerate() {
+        b.all(o.zh.iter().chain(&o.en).map(String::as_str), WordRole::Object(i));
+    }
+    b.all(raw.sides.left.all(), WordRole::Side(true));
+    b.all(raw.sides.right.all(), WordRole::Side(false));
+    let s = &raw.states;
+    for (words, state) in [
+        (&s.standing, SaidState::Standing),
+        (&s.slowing, SaidState::Slowing),
+        (&s.crossing, SaidState::Crossing),
+        (&s.cutting_in, SaidState::CuttingIn),
+        (&s.reversing, SaidState::Reversing),
+    ] {
+        b.all(words.all(), WordRole::State(state));
+    }
+    for (i, words) in raw.colours.values().enumerate() {
+        b.all(words.all(), WordRole::Colour(i));
+    }
+    b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
+    b.all(raw.hindsight.plain.all(), WordRole::Plain);
+    b.all(raw.plain.all(), WordRole::Plain);
+
+    let mut kinds: BTreeMap<String, GroupSet> =
+        objects.iter().map(|o: &ObjectGroup| (o.id.clone(), o.own)).collect();
+    for (name, members) in &raw.kinds {
+        let mut set = GroupSet::default();
+        for member in members {
+            match objects.iter().find(|o| o.id == *member) {
+                Some(o) => set = set.with(o.own),
+                None => b.unknown_group(member),
+            }
+        }
+        let known = kinds.entry(name.clone()).or_default();
+        *known = known.with(set);
+    }
+
+    let Builder { texts, mut problems } = b;
+    let trie = trie(texts.keys().map(String::as_str), &mut problems);
+    let mut reasons: Vec<String> =
+        raw.unobserved_because.all().flat_map(|p| expanded(p, &mut problems)).collect();
+    reasons.sort_unstable();
+    reasons.dedup();
+    let reasons = self::trie(reasons.iter().map(String::as_str), &mut problems);
+    let placeholders = raw.placeholder.all().map(bare).collect();
+    let roles = texts.into_values().collect();
+    (LabelWords { objects, kinds, placeholders, trie, roles, reasons }, problems)
+}
+
+/// A text without spaces and punctuation, in lower case: how placeholders are compared.
+pub(super) fn bare(text: &str) -> String {
+    text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {
+    if raw.objects.len() > MAX_GROUPS {
+        let n = raw.objects.len();
+        b.problems.push(Bilingual::new(
+            format!("objects 至多 {MAX_GROUPS} 组，现有 {n} 组"),
+            format!("objects has {n} groups, maximum {MAX_GROUPS}"),
+        ));
+    }
+    let own = |i: usize| GroupSet(1_u64.checked_shl(u32::try_from(i).unwrap_or(u32::MAX)).unwrap_or(0));
+    let mut out: Vec<ObjectGroup> = raw
+        .objects
+        .iter()
+        .enumerate()
+        .map(|(i, o)| ObjectGroup { id: o.id.clone(), named: o.named, own: own(i), near: own(i) })
+        .collect();
+    for (i, o) in raw.objects.iter().enumerate() {
+        for near in &o.near {
+            match raw.objects.iter().position(|other| other.id == *near) {
+                Some(j) => {
+                    out[i].near = out[i].near.with(own(j));
+                    out[j].near = out[j].near.with(own(i));
+                }
+                None => b.unknown_group(near),
+            }
+        }
+    }
+    out
+}
+
+fn expanded(pattern: &str, problems: &mut Vec<Bilingual>) -> Vec<String> {
+    match choices(pattern) {
+        Some(texts) => texts.into_iter().map(|t| t.to_lowercase()).collect(),
+        None => {
+            problems.push(Bilingual::new(
+                format!("模式 '{pattern}' 的括号不成对"),
+                format!("pattern '{pattern}' has a bracket that is not closed"),
+            ));
+            Vec::new()
+        }
+    }
+}
+
+fn trie<'w>(words: impl Iterator<Item = &'w str>, problems: &mut Vec<Bilingual>) -> Trie {
+    Trie::new(words).unwrap_or_else(|| {
+        problems.push(Bilingual::new(
+            "词表过大，或含有基本多文种平面之外的字",
+            "the word list is too large, or has characters outside the basic plane",
+        ));
+        Trie::default()
+    })
+}
+
+struct Builder {
+    texts: BTreeMap<String, WordRole>,
+    problems: Vec<Bilingual>,
+}
+
+impl Builder {
+    fn all<'w>(&mut self, patterns: impl Iterator<Item = &'w str>, role: WordRole) {
+        for pattern in patterns {
+            for text in expanded(pattern, &mut self.problems) {
+                match self.texts.get(&text) {
+                    Some(other) if *other != role => self.problems.push(Bilingual::new(
+                        format!("'{text}' 在词表中有两种含义"),
+                        format!("'{text}' has two meanings in the word list"),
+                    )),
+                    _ => {
+                        self.texts.insert(text, role);
+                    }
+                }
+            }
+        }
+    }
+
+    fn unknown_group(&mut self, name: &str) {
+        self.problems.push(Bilingual::new(
+            format!("objects 中没有 '{name}'"),
+            format!("objects has no group '{name}'"),
+        ));
+    }
+}

@@ -1,0 +1,88 @@
+//! Required records (TAXONOMY.md last column): each is there, and holds what its type allows.
+
+use crate::check::view::View;
+use whyroad_framework::RecordTypes;
+use whyroad_framework::check::class_index::Prescribed;
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::record_types::RecordVerdict;
+use whyroad_model::label_fields::pointer;
+
+/// Records that the class owes.
+pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
+    let filled: &[_] = match &label.records {
+        Slot::Is(filled) => filled,
+        Slot::Absent => &[],
+        Slot::Broken => return,
+    };
+    let owed = class.records.iter().filter(|(id, ..)| !filled.iter().any(|(k, _)| k == id));
+    for (id, title, unit) in owed {
+        sink.report(Finding::error("label.record.missing", pointer::records_of(id)), &|| {
+            let unit =
+                unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
+            let name = label.class_name();
+            Words::new(
+                format!("{name} 要求记录“{}”", title.zh),
+                format!("{name} obliges you to record the {}", title.en),
+            )
+            .hint(
+                format!("在 records 中写 \"{id}\"{}；从片段中看不出时写 \"unknown\"", unit.0),
+                format!("write \"{id}\"{} in records, \"unknown\" where the clip does not show it", unit.1),
+            )
+        });
+    }
+}
+
+/// What a record holds is of its type and plausible.
+pub(in crate::check) fn types(
+    label: &View<'_>,
+    class: Option<&Prescribed>,
+    types: &RecordTypes,
+    sink: &mut dyn Sink,
+) {
+    let Slot::Is(records) = &label.records else { return };
+    for (id, value) in records {
+        let Some(verdict) = types.judge(id, *value) else { continue };
+        let spec = class.and_then(|c| c.records.iter().find(|(k, ..)| k == id));
+        let title = || {
+            let title = spec.map(|(_, title, _)| title.clone());
+            title.map_or_else(|| ((*id).to_owned(), (*id).to_owned()), |t| (t.zh, t.en))
+        };
+        let unit = || spec.and_then(|(_, _, unit)| unit.clone()).unwrap_or_default();
+        let report = |sink: &mut dyn Sink, words: &dyn Fn() -> Words| {
+            sink.report(Finding::error("label.record.value", pointer::records_of(id)), words);
+        };
+        match verdict {
+            RecordVerdict::Stored(_) => {}
+            RecordVerdict::WrongType => report(sink, &|| {
+                let (zh, en) = title();
+                let words = Words::new(
+                    format!("“{zh}”的取值类型不对"),
+                    format!("the {en} has a value of the wrong type"),
+                );
+                match unit() {
+                    u if u.is_empty() => words.hint("写文字，或 \"unknown\"", "write text, or \"unknown\""),
+                    u => words.hint(
+                        format!("写以 {u} 为单位的数，或 \"unknown\""),
+                        format!("write a number in {u}, or \"unknown\""),
+                    ),
+                }
+            }),
+            RecordVerdict::OutOfRange { min, max } => report(sink, &|| {
+                let ((zh, en), u) = (title(), unit());
+                Words::new(
+                    format!("“{zh}”超出合理范围（{min} 至 {max} {u}）"),
+                    format!("the {en} is implausible: expected {min} to {max} {u}"),
+                )
+                .hint("检查数值和单位", "check the number and its unit")
+            }),
+            RecordVerdict::NotAChoice(choices) => report(sink, &|| {
+                let (zh, en) = title();
+                Words::new(
+                    format!("“{zh}”的取值不在可选范围内"),
+                    format!("the {en} has a value that is not a choice"),
+                )
+                .one_of(&choices.join("、"), &choices.join(", "))
+            }),
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Texts with one another and with the class: components that repeat one another, a trace that names what no component
+//! does, and words that belong to another class.
+
+use crate::check::reading::{Named, TextFacts};
+use crate::check::rulebook::Texts;
+use crate::check::view::View;
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::decision_table::ClassDecisions;
+use whyroad_model::label_fields::pointer;
+
+/// Components beyond this are not compared with one another: people name two to five.
+const COMPARED: usize = 40;
+/// Share of the shorter text that the longer one holds, in pairs and in words.
+const ALIKE: f64 = 0.8;
+const ALIKE_WORDS: f64 = 0.88;
+
+/// No component is said twice.
+pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+    if label.parts.len() < 2 {
+        return;
+    }
+    let all: Vec<(usize, Pieces)> = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .take(COMPARED)
+        .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts))))
+        .collect();
+    for (i, (index, own)) in all.iter().enumerate() {
+        let Some((first, _)) = all[..i].iter().find(|(_, other)| is_alike(own, other)) else { continue };
+        let at = pointer::critical_components_item_description(*index);
+        sink.report(Finding::warning("label.component.duplicate", at), &|| {
+            Words::new(
+                format!("关键要素 {} 与 {} 说的是同一件事", first + 1, index + 1),
+                format!("components {} and {} say the same", first + 1, index + 1),
+            )
+            .hint("合并为一个要素", "make one component of them")
+        });
+    }
+}
+
+/// A text taken apart.
+struct Pieces {
+    /// Characters, or words in Latin letters; hashed, sorted, each once.
+    units: Vec<u64>,
+    /// Pairs of them.
+    pairs: Vec<u64>,
+    is_latin: bool,
+    /// Groups that it names, with side and colour: texts that differ in these differ.
+    named: Vec<(usize, Option<bool>, Option<usize>)>,
+}
+
+fn pieces(text: &str, facts: &TextFacts) -> Pieces {
+    let mut units: Vec<u64> = Vec::new();
+    let mut word = 0_u64;
+    for c in text.chars() {
+        if c.is_ascii_alphanumeric() {
+            word = word.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(c.to_ascii_lowercase()) + 1);
+            continue;
+        }
+        if word != 0 {
+            units.push(word);
+            word = 0;
+        }
+        // Particles make no difference.
+        if c.is_alphanumeric() && !matches!(c, '的' | '了' | '着' | '正' | '在' | '已' | '经') {
+            units.push(u64::from(c) | 1 << 40);
+        }
+    }
+    if word != 0 {
+        units.push(word);
+    }
+    let mut pairs: Vec<u64> =
+        units.windows(2).map(|w| w[0].wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17) ^ w[1]).collect();
+    for list in [&mut units, &mut pairs] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let mut named: Vec<_> = facts.named.iter().map(|n| (n.group, n.side, n.colour)).collect();
+    named.sort_unstable();
+    named.dedup();
+    Pieces { units, pairs, is_latin: text.is_ascii(), named }
+}
+
+fn is_alike(a: &Pieces, b: &Pieces) -> bool {
+    if a.units == b.units && a.pairs == b.pairs {
+        return !a.units.is_empty();
+    }
+    let apart = |n: &(usize, Option<bool>, Option<usize>)| b.named.iter().any(|m| n.0 == m.0 && n != m);
+    if a.named.iter().any(apart) {
+        return false;
+    }
+    let share = |a: &[u64], b: &[u64], least: usize, part: f64| {
+        let shorter = a.len().min(b.len());
+        let common = a.iter().filter(|p| b.binary_search(p).is_ok()).count();
+        shorter >= least && common as f64 >= part * shorter as f64
+    };
+    share(&a.pairs, &b.pairs, 5, ALIKE) || (a.is_latin && share(&a.units, &b.units, 6, ALIKE_WORDS))
+}
+
+/// The trace speaks of what the components speak of. True when it has nothing to do with them.
+pub(in crate::check) fn unrelated(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) -> bool {
+    if words.is_empty() || label.trace.get().is_none_or(|t| t.trim().is_empty()) {
+        return false;
+    }
+    let components = texts.all_components(words);
+    let nothing = texts.trace.groups.is_empty() && texts.trace.words == 0;
+    if !nothing
+        && (components.is_empty() || texts.trace.groups.is_empty() || texts.trace.groups.meets(components))
+    {
+        return false;
+    }
+    sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE), &|| {
+        Words::new(
+            "coc_trace 与关键要素无关：没有提到其中任何一个",
+            "the trace has nothing to do with the components: it names none of them",
+        )
+        .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
+    });
+    true
+}
+
+/// Each thing in the trace is in a component.
+pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+    let Some(text) = label.trace.get() else { return };
+    let components = texts.components_there(words);
+    if components.is_empty() {
+        return;
+    }
+    let is_new = |n: &&Named| {
+        let group = &words.objects[n.group];
+        group.named && !group.own.meets(components)
+    };
+    let Some(n) = texts.trace.there().find(is_new) else { return differs(label, texts, words, sink) };
+    sink.report(
+        Finding::warning("label.trace.unnamed_object", pointer::COC_TRACE).part(n.start, n.end),
+        &|| {
+            let thing = &text[n.start..n.end];
+            Words::new(
+                format!("coc_trace 提到“{thing}”，但没有任何关键要素提到它"),
+                format!("the trace speaks of '{thing}', which no critical component names"),
+            )
+            .hint("补上该要素，或从 coc_trace 中删去", "add it as a component, or leave it out of the trace")
+        },
+    );
+}
+
+/// What the trace says of a thing's side and colour is what its component says.
+fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+    let Some(text) = label.trace.get() else { return };
+    let meant = |n: &Named| -> Vec<&Named> {
+        let near = words.objects[n.group].near;
+        let all = texts.components.iter().flat_map(|f| f.there());
+        all.filter(|c| words.objects[c.group].named && words.objects[c.group].own.meets(near)).collect()
+    };
+    let differs = |n: &&Named| {
+        if !words.objects[n.group].named {
+            return false;
+        }
+        let same = meant(n);
+        let side = n.side.is_some_and(|s| {
+            same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
+        });
+        let colour = n.colour.is_some_and(|k| {
+            same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
+        });
+        side || colour
+    };
+    let Some(n) = texts.trace.there().find(differs) else { return };
+    sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
+        let thing = &text[n.start..n.end];
+        Words::new(
+            format!("coc_trace 中的“{thing}”与关键要素所说的方位或颜色不同"),
+            format!("the trace puts '{thing}' on another side, or gives it another color, than the component does"),
+        )
+        .hint("改正其中有误的一处", "correct the one that is wrong")
+    });
+}
+
+/// The texts speak of what the class is about.
+pub(in crate::check) fn class(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    class: &ClassDecisions,
+    sink: &mut dyn Sink,
+) -> bool {
+    if class.about.is_empty() || texts.components.is_empty() || words.is_empty() {
+        return false;
+    }
+    let all = texts.components.iter().fold(texts.trace.groups, |set, f| set.with(f.groups));
+    // Where nothing is recognised, nothing can be said.
+    if all.is_empty() || all.meets(class.about) {
+        return false;
+    }
+    sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {
+        let (name, about) = (label.class_name(), class.about_names.join(", "));
+        Words::new(
+            format!("{name} 的文字应提到：{about}；这里没有"),
+            format!("the texts of {name} should speak of: {about}; these do not"),
+        )
+        .hint(
+            "检查场景类别，或补上触发决策的要素",
+            "check the scenario class, or add the component that triggered the decision",
+        )
+    });
+    true
+}

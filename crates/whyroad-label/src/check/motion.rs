@@ -1,0 +1,51 @@
+//! The label against the recording: what the ego did after the keyframe, where the objects were that the texts name, and
+//! what the rules found. Each finding states time, signal and value, and is only made where the signals are known.
+
+mod decision;
+mod effect;
+mod lateral;
+mod moment;
+mod object;
+mod window;
+
+use super::recording::Recorded;
+use super::rulebook::Texts;
+use super::view::View;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::{DecisionSets, LabelWords};
+use whyroad_model::label_fields::pointer;
+use whyroad_model::time::frame_at;
+use window::Window;
+
+/// How far a keyframe may be from the nearest frame, s.
+const FRAME_SLACK_S: f64 = 0.15;
+
+/// Runs every check against the recording.
+pub(super) fn check(
+    label: &View<'_>,
+    recorded: &Recorded,
+    names: &DecisionSets,
+    words: &LabelWords,
+    sink: &mut dyn Sink,
+) {
+    let Some(keyframe) = label.keyframe.timestamp.get() else { return };
+    let times = &recorded.drive.times;
+    let (Some(first), Some(last)) = (times.first(), times.last()) else { return };
+    if keyframe.seconds_since(*first) < -FRAME_SLACK_S || last.seconds_since(keyframe) < -FRAME_SLACK_S {
+        let (from, to) = (*first, *last);
+        sink.report(Finding::error("label.motion.outside", pointer::KEYFRAME_TIMESTAMP), &|| {
+            Words::new(
+                format!("关键帧 {keyframe} 不在该行程的记录内（{from} 至 {to}）"),
+                format!("the keyframe {keyframe} is outside of the recorded drive ({from} to {to})"),
+            )
+        });
+        return;
+    }
+    let window = Window::new(label, recorded, frame_at(times, keyframe).min(times.len() - 1));
+    decision::check(label, &window, names, sink);
+    lateral::check(label, &window, names, sink);
+    let texts = Texts::of(label, words);
+    object::check(label, &texts, words, &window, sink);
+    effect::check(label, &texts, words, &window, sink);
+    moment::check(label, recorded, sink);
+}

@@ -1,0 +1,70 @@
+//! The named cause against its counterfactual: a cause whose removal changes nothing is none, where removing something
+//! that the label does not name would have let the ego drive on.
+
+use super::window::Window;
+use crate::check::rulebook::Texts;
+use crate::check::view::View;
+use crate::counterfactual::{Effect, Removed, counterfactual};
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_model::decision::Longitudinal;
+use whyroad_model::label_fields::pointer;
+use whyroad_model::names::class_name;
+use whyroad_model::{Bilingual, ObjectClass, TrackId};
+
+pub(super) fn check(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    w: &Window<'_>,
+    sink: &mut dyn Sink,
+) {
+    let answers_to = [
+        Longitudinal::YieldToAgent,
+        Longitudinal::LeadFollowing,
+        Longitudinal::StopForRegulation,
+        Longitudinal::StopForObstacle,
+    ];
+    if !label.longitudinal.get().is_some_and(|d| answers_to.contains(&d)) {
+        return;
+    }
+    let Slot::Is(causes) = &label.causes else { return };
+    let Slot::Is(cause) = &causes.longitudinal else { return };
+    let is_cause =
+        |id: Slot<&str>| id.get().is_some_and(|id| cause.components.iter().any(|c| c.get() == Some(id)));
+    let light = words.kinds.get("light").copied().unwrap_or_default();
+    let mut named: Vec<Removed> = Vec::new();
+    for (c, facts) in label.parts.iter().zip(&texts.components).filter(|(c, _)| is_cause(c.id)) {
+        named.extend(c.objects.iter().map(|id| Removed::Object(TrackId::from(*id))));
+        if c.objects.is_empty() && facts.groups.meets(light) {
+            named.push(Removed::Light);
+        }
+    }
+    // A cause that is in words only cannot be removed.
+    if named.is_empty() {
+        return;
+    }
+    let recorded = w.recorded;
+    let Some(found) = counterfactual(&recorded.drive, &recorded.signals, w.keyframe) else { return };
+    let is_named = |e: &&Effect| named.contains(&e.removed);
+    if found.effects.iter().filter(is_named).any(|e| !e.is_none()) {
+        return;
+    }
+    let Some(other) = found.effects.iter().find(|e| !is_named(e) && e.is_plain()) else { return };
+    sink.report(Finding::warning("label.cause.no_effect", pointer::CAUSES_LONGITUDINAL), &|| {
+        let what = match &other.removed {
+            Removed::Light => Bilingual::new("本车道的信号灯", "the light of the ego's lane"),
+            Removed::Object(id) => {
+                let class = recorded.drive.track(id).map_or(ObjectClass::Unknown, |t| t.class);
+                let name = class_name(class);
+                Bilingual::new(format!("{}（{id}）", name.zh), format!("the {} {id}", name.en))
+            }
+        };
+        let m = other.distance_m;
+        Words::new(
+            format!("去掉标注的原因，自车的行驶不变；去掉{}，自车在 8 s 内会多行驶 {m:.0} m", what.zh),
+            format!("without the named cause the ego would drive the same; without {} it would come {m:.0} m farther in 8 s", what.en),
+        )
+        .hint("关联真正限制自车的目标", "link the object that held the ego")
+    });
+}

@@ -1,0 +1,79 @@
+//! Keyframe and class against what the rules found: the moment that the labelling spec prescribes, and another class at
+//! the same moment.
+
+use crate::check::recording::Recorded;
+use crate::check::view::View;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::label_fields::pointer;
+use whyroad_model::messages::{EpisodeRecord, KeyframeType};
+
+/// An episode this far away is another one, s.
+const OTHER_EPISODE_S: f64 = 6.0;
+/// How far a moment may be from the spec's, s; of a range's start, which people judge less exactly, twice as much.
+const MOMENT_S: f64 = 1.2;
+/// Two classes at the same moment, s.
+const SAME_MOMENT_S: f64 = 1.0;
+
+pub(super) fn check(label: &View<'_>, recorded: &Recorded, sink: &mut dyn Sink) {
+    let (Some(keyframe), Some(l1), Some(l2)) =
+        (label.keyframe.timestamp.get(), label.scenario.l1.get(), label.scenario.l2.get())
+    else {
+        return;
+    };
+    if recorded.episodes.is_empty() {
+        return;
+    }
+    let off = |e: &EpisodeRecord| keyframe.seconds_since(e.keyframe.timestamp);
+    let nearest = |of: &dyn Fn(&EpisodeRecord) -> bool| {
+        recorded.episodes.iter().filter(|e| of(e)).min_by(|a, b| off(a).abs().total_cmp(&off(b).abs()))
+    };
+    let same_l2 = |e: &EpisodeRecord| e.scenario_id.l1 == l1 && e.scenario_id.l2.as_deref() == Some(l2);
+    let l3 = label.scenario.l3.get();
+    let same = |e: &EpisodeRecord| same_l2(e) && (l3.is_none() || e.scenario_id.l3.as_deref() == l3);
+    if let Some(e) = nearest(&same).filter(|e| off(e).abs() < OTHER_EPISODE_S) {
+        let slack = if e.keyframe.kind == KeyframeType::Proactive { 2.0 * MOMENT_S } else { MOMENT_S };
+        let inside = e
+            .keyframe
+            .range_start
+            .zip(e.keyframe.range_end)
+            .is_some_and(|(a, b)| a <= keyframe && keyframe <= b);
+        if off(e).abs() > slack && !(inside && off(e).abs() < 2.0 * slack) {
+            let (seconds, rule, due) = (off(e), &e.keyframe_rule, e.keyframe.timestamp);
+            sink.report(Finding::warning("label.keyframe.moment", pointer::KEYFRAME_TIMESTAMP), &|| {
+                let (zh, en) = if seconds > 0.0 { ("晚", "after") } else { ("早", "before") };
+                Words::new(
+                    format!("关键帧比规则的时刻{zh} {:.1} s：“{}”在 {due}", seconds.abs(), rule.zh),
+                    format!(
+                        "the keyframe is {:.1} s {en} the moment of the rule: '{}' is at {due}",
+                        seconds.abs(),
+                        rule.en
+                    ),
+                )
+                .hint("把关键帧移到该时刻", "move the keyframe to that moment")
+            });
+        }
+        return;
+    }
+    if nearest(&same_l2).is_some_and(|e| off(e).abs() < OTHER_EPISODE_S) {
+        return;
+    }
+    let other = |e: &EpisodeRecord| e.is_primary && off(e).abs() <= SAME_MOMENT_S;
+    let Some(e) = nearest(&other) else { return };
+    // A secondary trigger that the label names is known.
+    let id = e.scenario_id.to_string();
+    if label.secondary.iter().any(|s| s.get().is_some_and(|s| id.starts_with(s))) {
+        return;
+    }
+    sink.report(Finding::warning("label.class.rule", pointer::SCENARIO), &|| {
+        let name = label.class_name();
+        let why: Vec<&str> = e.conditions_matched.iter().take(2).map(|c| c.condition.as_str()).collect();
+        Words::new(
+            format!("规则在此时刻找到的是 {id}（{}），而不是 {name}", why.join("；")),
+            format!("the rules find {id} at this moment ({}), not {name}", why.join("; ")),
+        )
+        .hint(
+            "检查场景类别；另一触发可列为次场景",
+            "check the scenario class; the other trigger may be a secondary scenario",
+        )
+    });
+}

@@ -1,0 +1,290 @@
+//! The objects of the components against the tracks: they exist, could be seen at their evidence times, and are where and
+//! do what the text says.
+
+use super::window::{Window, kmh};
+use crate::check::reading::Named;
+use crate::check::rulebook::Texts;
+use crate::check::view::{ComponentView, View};
+use whyroad_framework::LabelWords;
+use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_framework::label_words::{GroupSet, SaidState};
+use whyroad_model::label_fields::pointer;
+use whyroad_model::names::class_name;
+use whyroad_model::time::frame_at;
+use whyroad_model::{Nanos, ObjectClass, TrackId};
+
+/// Somebody this far away can be meant by a text, m.
+const NEAR_M: f64 = 80.0;
+/// Sideways distance from which a side is beyond doubt, m.
+const SIDE_M: f64 = 1.5;
+/// History in which it can have been seen, frames.
+const HISTORY_FRAMES: usize = 20;
+
+pub(super) fn check(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    w: &Window<'_>,
+    sink: &mut dyn Sink,
+) {
+    for (c, facts) in label.parts.iter().zip(&texts.components) {
+        let mut linked = Vec::new();
+        let mut broken = false;
+        for (k, id) in c.objects.iter().enumerate() {
+            match w.recorded.drive.track(&TrackId::from(*id)) {
+                Some(_) => linked.push(*id),
+                None => {
+                    broken = true;
+                    let at = pointer::critical_components_item_linked_objects_item(c.index, k);
+                    sink.report(Finding::error("label.object.unknown", at), &|| {
+                        Words::new(
+                            format!("该行程中没有编号为 {id} 的目标"),
+                            format!("the drive has no object with the number {id}"),
+                        )
+                        .hint("在画面上重新选择该目标", "choose the object in the scene again")
+                    });
+                }
+            }
+        }
+        if broken || unseen(c, &linked, w, sink) {
+            continue;
+        }
+        let things: Vec<&Named> = facts.there().filter(|n| is_tracked(words, n)).collect();
+        match (&linked[..], &things[..]) {
+            ([id], [first, ..]) => said(c, id, first, words, w, sink),
+            ([], things) => things.iter().for_each(|n| anybody(c, n, words, w, sink)),
+            _ => {}
+        }
+        light(c, facts.there(), words, w, sink);
+    }
+}
+
+fn kind(words: &LabelWords, name: &str) -> GroupSet {
+    words.kinds.get(name).copied().unwrap_or_default()
+}
+
+fn is_tracked(words: &LabelWords, n: &Named) -> bool {
+    let own = words.objects[n.group].own;
+    own.meets(kind(words, "vehicle").with(kind(words, "vru"))) && !own.meets(kind(words, "queue"))
+}
+
+/// Frames in which the component says that it was seen: its evidence times, or the history of the keyframe.
+fn frames_of(c: &ComponentView<'_>, w: &Window<'_>) -> Vec<usize> {
+    let times = &w.recorded.drive.times;
+    let given: Vec<Nanos> = c.evidence.iter().filter_map(|t| t.get()).collect();
+    let inside = |t: &Nanos| times.first().is_some_and(|f| f <= t) && times.last().is_some_and(|l| t <= l);
+    given.iter().filter(|t| inside(t)).map(|t| frame_at(times, *t).min(times.len() - 1)).collect()
+}
+
+/// No linked object was observed at an evidence time.
+fn unseen(c: &ComponentView<'_>, linked: &[&str], w: &Window<'_>, sink: &mut dyn Sink) -> bool {
+    if linked.is_empty() {
+        return false;
+    }
+    for (k, frame) in frames_of(c, w).into_iter().enumerate() {
+        let seen = |id: &&str| {
+            w.recorded
+                .drive
+                .track(&TrackId::from(*id))
+                .is_some_and(|t| t.frames.iter().any(|f| (*f as usize).abs_diff(frame) <= 2))
+        };
+        if linked.iter().any(seen) {
+            continue;
+        }
+        let at = pointer::critical_components_item_evidence_times_item(c.index, k);
+        sink.report(Finding::error("label.object.unseen", at), &|| {
+            let t = -w.seconds(frame);
+            Words::new(
+                format!("证据时间（关键帧前 {t:.1} s）没有观测到该目标"),
+                format!("the object was not observed at this evidence time ({t:.1} s before the keyframe)"),
+            )
+            .hint("写能看到它的时刻", "give a time at which it can be seen")
+        });
+        return true;
+    }
+    false
+}
+
+/// The linked object has the class, the side and the state that the text gives it.
+fn said(c: &ComponentView<'_>, id: &str, n: &Named, words: &LabelWords, w: &Window<'_>, sink: &mut dyn Sink) {
+    let signals = &w.recorded.signals;
+    let track = TrackId::from(id);
+    let Some(span) = signals.target(&track) else { return };
+    let at = pointer::critical_components_item_description(c.index);
+    let class = w.recorded.drive.track(&track).map_or(ObjectClass::Unknown, |t| t.class);
+    if !class_fits(words, n, class) {
+        sink.report(Finding::error("label.object.class", at), &|| {
+            let name = class_name(class);
+            Words::new(
+                format!("关联的目标是{}，与描述不符", name.zh),
+                format!("the linked object is a {}, which is not what the text names", name.en),
+            )
+            .hint("改正描述，或关联另一个目标", "correct the text, or link another object")
+        });
+        return;
+    }
+    let mut frames = frames_of(c, w);
+    frames.push(w.keyframe);
+    let rows: Vec<(usize, usize)> = frames.iter().filter_map(|f| Some((*f, span.row(*f)?))).collect();
+    let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
+    if let Some(left) = n.side {
+        let laterals: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.lateral", *r)).collect();
+        let wrong = |y: &f64| if left { *y < -SIDE_M } else { *y > SIDE_M };
+        if !laterals.is_empty() && laterals.iter().all(wrong) {
+            sink.report(Finding::error("label.object.position", at), &|| {
+                let (side, y) =
+                    (if laterals[0] > 0.0 { ("左", "left") } else { ("右", "right") }, laterals[0].abs());
+                Words::new(
+                    format!("该目标在自车{}侧 {y:.1} m，与描述的方位不符", side.0),
+                    format!(
+                        "the object is {y:.1} m to the {} of the ego, not on the side that the text names",
+                        side.1
+                    ),
+                )
+            });
+            return;
+        }
+    }
+    let speeds: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.speed", *r)).collect();
+    let Some(slowest) = speeds.iter().copied().min_by(f64::total_cmp) else { return };
+    let fastest = speeds.iter().copied().fold(0.0, f64::max);
+    let accels: Vec<f64> = rows.iter().filter_map(|(_, r)| number("target.accel", *r)).collect();
+    let moves_off = !accels.is_empty() && accels.iter().all(|a| *a > 0.7);
+    let wrong = match n.state {
+        Some(SaidState::Standing) => slowest > 1.5,
+        Some(SaidState::Crossing | SaidState::CuttingIn) => fastest < 0.2 && rows.len() > 1,
+        Some(SaidState::Slowing) => moves_off,
+        _ => false,
+    };
+    if wrong {
+        sink.report(Finding::warning("label.object.state", at), &|| {
+            let v = kmh(slowest);
+            Words::new(
+                format!("该目标在证据时间的车速为 {v:.0} km/h，与描述的状态不符"),
+                format!(
+                    "the object moves at {v:.0} km/h at the evidence times, which is not what the text says"
+                ),
+            )
+        });
+    }
+}
+
+fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
+    let own = words.objects[n.group].own;
+    let (vehicle, vru) = (kind(words, "vehicle"), kind(words, "vru"));
+    let motorcycle = own.meets(kind(words, "motorcycle")) || own.meets(kind(words, "rider"));
+    match class {
+        ObjectClass::Unknown | ObjectClass::StaticObject | ObjectClass::Cone | ObjectClass::Animal => true,
+        ObjectClass::Motorcycle | ObjectClass::Motorcyclist => motorcycle || own.meets(vehicle),
+        c if c.is_vru() => own.meets(vru),
+        c if c.is_large_vehicle() => {
+            own.meets(vehicle) && !own.meets(kind(words, "car")) && !own.meets(kind(words, "motorcycle"))
+        }
+        _ => own.meets(vehicle) && !own.meets(kind(words, "bus")),
+    }
+}
+
+/// Somebody of the kind, on the side that the text names, was near in the history.
+fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Window<'_>, sink: &mut dyn Sink) {
+    let signals = &w.recorded.signals;
+    let from = w.keyframe.saturating_sub(HISTORY_FRAMES);
+    let number = |name: &str, row: usize| signals.target_columns.get(name).and_then(|c| c.number(row));
+    let mut of_kind = false;
+    for t in
+        signals.targets.iter().filter(|t| class_fits(words, n, t.class) && t.class != ObjectClass::Unknown)
+    {
+        for f in from..=w.keyframe {
+            let Some(row) = t.row(f) else { continue };
+            let Some(distance) = number("target.distance", row) else { return };
+            if distance > NEAR_M {
+                continue;
+            }
+            of_kind = true;
+            let Some(lateral) = number("target.lateral", row) else { return };
+            if n.side.is_none_or(|left| if left { lateral > -SIDE_M } else { lateral < SIDE_M }) {
+                return;
+            }
+        }
+    }
+    // A log that tracks nobody of the kind anywhere may not track them at all.
+    let tracked = signals.targets.iter().any(|t| class_fits(words, n, t.class));
+    if !tracked || signals.targets.is_empty() {
+        return;
+    }
+    let at = pointer::critical_components_item_description(c.index);
+    let code = if of_kind { "label.object.position" } else { "label.object.unknown" };
+    sink.report(Finding::warning(code, at), &|| {
+        if of_kind {
+            Words::new(
+                "关键帧前 2 s 内，描述的那一侧没有这类目标",
+                "no such object was on the side that the text names in the 2 s before the keyframe",
+            )
+        } else {
+            Words::new(
+                format!("关键帧前 2 s 内，{NEAR_M:.0} m 范围内没有观测到这类目标"),
+                format!("no such object was observed within {NEAR_M:.0} m in the 2 s before the keyframe"),
+            )
+        }
+        .hint("检查描述，或关联画面中的目标", "check the text, or link the object in the scene")
+    });
+}
+
+/// The light has the colour that the text gives it, at one of the evidence times or within the second before the keyframe.
+fn light<'n>(
+    c: &ComponentView<'_>,
+    named: impl Iterator<Item = &'n Named>,
+    words: &LabelWords,
+    w: &Window<'_>,
+    sink: &mut dyn Sink,
+) {
+    let Some(text) = c.description.get() else { return };
+    let group = kind(words, "light");
+    let colours: Vec<&str> = named
+        .filter(|n| words.objects[n.group].own.meets(group))
+        .filter_map(|n| {
+            let word = text[n.start..n.end].to_ascii_lowercase();
+            let after =
+                word.rsplit_once('变').or_else(|| word.rsplit_once('转')).map_or(&*word, |(_, to)| to);
+            let has = |words: &[&str]| words.iter().any(|w| after.contains(w));
+            if has(&["红绿灯"]) || has(&["闪", "flash"]) {
+                None
+            } else if has(&["绿", "green"]) {
+                Some("green")
+            } else if has(&["黄", "yellow", "amber"]) {
+                Some("yellow")
+            } else if has(&["红", "red "]) || after.ends_with("red") {
+                Some("red")
+            } else {
+                None
+            }
+        })
+        .collect();
+    // "From red to green" names both: then nothing is compared but the last.
+    let Some(said) = colours.last() else { return };
+    let mut frames = frames_of(c, w);
+    frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));
+    let states: Vec<&str> = frames.iter().filter_map(|f| w.category("light.state", *f)).collect();
+    let is = |s: &&&str| {
+        **s == *said || (*said == "green" && **s == "green_yield") || (*said == "red" && **s == "red_yellow")
+    };
+    if states.is_empty() || states.contains(&"none") || states.iter().any(|s| is(&s)) {
+        return;
+    }
+    let at = pointer::critical_components_item_description(c.index);
+    sink.report(Finding::error("label.object.light", at), &|| {
+        let state = states[states.len() - 1];
+        let zh = match state {
+            "red" => "红灯",
+            "yellow" => "黄灯",
+            "green" | "green_yield" => "绿灯",
+            "off" => "熄灭",
+            _ => "其他灯色",
+        };
+        Words::new(
+            format!("关键帧时本车道的信号灯为{zh}，与描述不符"),
+            format!(
+                "the light for the ego's lane is {state} at the keyframe, which is not what the text says"
+            ),
+        )
+    });
+}

@@ -1,0 +1,115 @@
+//! The part of a recording that a label is compared with: the 6 s after the keyframe (LABELING.md 6), longer where the
+//! label's own range is.
+
+use crate::check::recording::Recorded;
+use crate::check::view::View;
+use whyroad_model::Tri;
+use whyroad_model::time::frame_at;
+
+/// What follows the keyframe and is shown in Stage II, s.
+const FUTURE_S: f64 = 6.0;
+/// A range that lasts longer is not followed to its end.
+const LONGEST_S: f64 = 15.0;
+/// Below this the ego stands, m/s (schema/signals.yaml, standstill).
+pub(super) const STANDSTILL_MPS: f64 = 0.3;
+
+/// Signals around a keyframe.
+pub(super) struct Window<'r> {
+    pub recorded: &'r Recorded,
+    /// Frame of the keyframe.
+    pub keyframe: usize,
+    /// One past the 6 s after it.
+    pub end: usize,
+    /// One past the end of the label's range, at least `end`.
+    pub range_end: usize,
+}
+
+impl<'r> Window<'r> {
+    pub fn new(label: &View<'_>, recorded: &'r Recorded, keyframe: usize) -> Self {
+        let times = &recorded.drive.times;
+        let at = |s: f64| (frame_at(times, times[keyframe].plus_secs(s)) + 1).min(times.len());
+        let range_s =
+            label.end.get().map_or(FUTURE_S, |e| e.seconds_since(times[keyframe]).clamp(FUTURE_S, LONGEST_S));
+        Self { recorded, keyframe, end: at(FUTURE_S), range_end: at(range_s) }
+    }
+
+    /// A frame's time after the keyframe, s.
+    pub fn seconds(&self, frame: usize) -> f64 {
+        let times = &self.recorded.drive.times;
+        times.get(frame).map_or(0.0, |t| t.seconds_since(times[self.keyframe]))
+    }
+
+    /// True when the recording goes on for `s` seconds after the keyframe.
+    pub fn lasts(&self, s: f64) -> bool {
+        self.seconds(self.recorded.drive.times.len() - 1) >= s - 0.15
+    }
+
+    pub fn number(&self, signal: &str, frame: usize) -> Option<f64> {
+        self.recorded.signals.frame_columns.get(signal)?.number(frame)
+    }
+
+    pub fn flag(&self, signal: &str, frame: usize) -> Tri {
+        self.recorded.signals.frame_columns.get(signal).map_or(Tri::Unknown, |c| c.flag(frame))
+    }
+
+    pub fn category(&self, signal: &str, frame: usize) -> Option<&str> {
+        self.recorded.signals.frame_columns.get(signal)?.category(frame)
+    }
+
+    pub fn speed(&self, frame: usize) -> Option<f64> {
+        self.number("ego.speed", frame)
+    }
+
+    /// Lowest and highest speed in `frames`, each with its frame; `None` where less than half of it is known.
+    pub fn speeds(&self, frames: std::ops::Range<usize>) -> Option<Speeds> {
+        let mut out: Option<Speeds> = None;
+        let (all, mut known) = (frames.len(), 0);
+        for f in frames {
+            let Some(v) = self.speed(f) else { continue };
+            known += 1;
+            let s = out.get_or_insert(Speeds { min: v, min_at: f, max: v, max_at: f, last: v });
+            if v < s.min {
+                (s.min, s.min_at) = (v, f);
+            }
+            if v > s.max {
+                (s.max, s.max_at) = (v, f);
+            }
+            s.last = v;
+        }
+        out.filter(|_| 2 * known >= all)
+    }
+
+    /// Change of heading from the keyframe to each frame before `until`, unwrapped, rad; left is positive.
+    pub fn heading_changes(&self, until: usize) -> Vec<f64> {
+        let Some(ego) = &self.recorded.drive.ego else { return Vec::new() };
+        let heading = &ego.motion.heading;
+        let mut out = Vec::new();
+        let (mut sum, mut last) = (0.0, heading.get(self.keyframe).copied().unwrap_or(f64::NAN));
+        for h in heading.iter().take(until).skip(self.keyframe) {
+            if h.is_nan() {
+                continue;
+            }
+            let turn =
+                (h - last + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+            sum += if turn.is_nan() { 0.0 } else { turn };
+            last = *h;
+            out.push(sum);
+        }
+        out
+    }
+}
+
+/// Speeds over a stretch, m/s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Speeds {
+    pub min: f64,
+    pub min_at: usize,
+    pub max: f64,
+    pub max_at: usize,
+    pub last: f64,
+}
+
+/// m/s to km/h, for people.
+pub(super) fn kmh(mps: f64) -> f64 {
+    mps * 3.6
+}

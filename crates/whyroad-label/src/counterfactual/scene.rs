@@ -1,0 +1,300 @@
+//! The recorded scene along the ego's path: who is on it or will be, where and when, and the light.
+
+use super::idm::Driver;
+use super::{HORIZON_S, MOST_RELEVANT, Removed, STEP_S};
+use whyroad_model::time::frame_at;
+use whyroad_model::{Drive, ObjectClass, SignalTable, TrackId};
+
+/// Beside the boxes this much is left free, m.
+const SIDE_MARGIN_M: f64 = 0.35;
+/// The path is driven on straight beyond its end, m.
+const BEYOND_M: f64 = 80.0;
+/// Who comes onto the path less than this before or after the ego would be there is given way, s.
+const TIME_MARGIN_S: f64 = 1.5;
+/// Who will come onto the path later than this is not seen to yet, s.
+const FORESIGHT_S: f64 = 4.0;
+/// Objects farther off the path at all times are left out, m.
+const NEAR_M: f64 = 15.0;
+
+/// A point of the ego's path.
+#[derive(Clone, Copy, Debug)]
+struct PathPoint {
+    x: f64,
+    y: f64,
+    s: f64,
+    heading: f64,
+}
+
+/// Where one object is along and beside the path, step by step.
+#[derive(Clone, Debug)]
+struct Course {
+    id: TrackId,
+    /// A row a step: rear end along the path from the ego's front (m), speed along it (m/s), on the path.
+    rows: Vec<Option<Row>>,
+    /// It comes from beside the path: its times on the path and where.
+    visits: Vec<Visit>,
+    /// Least distance from the path, m.
+    nearest_m: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    rear_m: f64,
+    speed_mps: f64,
+    on_path: bool,
+}
+
+/// A stretch of time on the path.
+#[derive(Clone, Copy, Debug)]
+struct Visit {
+    from_s: f64,
+    to_s: f64,
+    /// The nearest point that it takes, m from the ego's front.
+    at_m: f64,
+    /// It was beside the path before.
+    from_beside: bool,
+}
+
+/// Something ahead that the ego has to regard.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constraint {
+    /// Who.
+    pub by: Removed,
+    /// Free distance, m.
+    pub gap_m: f64,
+    /// Speed along the path, m/s.
+    pub speed_mps: f64,
+}
+
+/// A scene from one frame on.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Speed of the ego at the start, m/s.
+    pub speed_mps: f64,
+    courses: Vec<Course>,
+    /// The stop line of a light that holds the ego: distance (m), and the steps in which it holds.
+    light: Option<(f64, Vec<LightStep>)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LightStep {
+    Free,
+    Yellow,
+    Red,
+}
+
+impl Scene {
+    /// The scene of `drive` from `frame` on. `None` where the ego's poses or speed are unknown.
+    pub fn at(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Self> {
+        let ego = drive.ego.as_ref()?;
+        let speed_mps = signals.frame_columns.get("ego.speed")?.number(frame)?;
+        let path = path(drive, frame)?;
+        let steps = (HORIZON_S / STEP_S) as usize;
+        let start = drive.times[frame];
+        let frames: Vec<Option<usize>> = (0..=steps)
+            .map(|step| {
+                let at = start.plus_secs(step as f64 * STEP_S);
+                let f = frame_at(&drive.times, at).min(drive.times.len() - 1);
+                (drive.times[f].seconds_since(at).abs() < 2.0 * STEP_S).then_some(f)
+            })
+            .collect();
+        let ego_size = (ego.length_m, ego.width_m);
+        let mut courses: Vec<Course> = drive
+            .tracks
+            .iter()
+            .filter(|t| {
+                !matches!(t.class, ObjectClass::StaticObject | ObjectClass::Unknown) || t.motion.len() > 1
+            })
+            .filter_map(|t| course(t, &frames, &path, ego_size))
+            .filter(|c| c.nearest_m < NEAR_M)
+            .collect();
+        // Who is on the path first, and nearest, matters most.
+        let rank = |c: &Course| {
+            c.visits
+                .first()
+                .map_or((2, c.nearest_m), |v| (i32::from(v.from_beside), v.at_m.max(0.0) + 5.0 * v.from_s))
+        };
+        courses.sort_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        courses.truncate(MOST_RELEVANT);
+        let light = light(signals, frame, &frames);
+        Some(Self { speed_mps, courses, light })
+    }
+
+    /// Everything that can be removed.
+    pub fn things(&self) -> Vec<Removed> {
+        let mut out: Vec<Removed> = self.courses.iter().map(|c| Removed::Object(c.id.clone())).collect();
+        out.extend(self.light.as_ref().map(|_| Removed::Light));
+        out
+    }
+
+    /// What the ego has to regard `t` s after the start, when it has come `s` m and drives at `v` m/s.
+    pub(super) fn constraints<'s>(
+        &'s self,
+        t: f64,
+        s: f64,
+        v: f64,
+        driver: &'s Driver,
+    ) -> impl Iterator<Item = Constraint> + 's {
+        let step = (t / STEP_S).round() as usize;
+        let objects = self.courses.iter().filter_map(move |c| {
+            let by = Removed::Object(c.id.clone());
+            let row = c.rows.get(step).copied().flatten();
+            if let Some(r) = row.filter(|r| r.on_path && r.rear_m > s - 2.0) {
+                return Some(Constraint { by, gap_m: r.rear_m - s, speed_mps: r.speed_mps.max(0.0) });
+            }
+            // Somebody who is about to come onto the path while the ego would be there.
+            let visit = c
+                .visits
+                .iter()
+                .find(|v| v.from_beside && v.from_s > t && v.from_s < t + FORESIGHT_S && v.at_m > s)?;
+            let arrives_s = t + (visit.at_m - s) / v.max(1.0);
+            let meets = arrives_s > visit.from_s - TIME_MARGIN_S && arrives_s < visit.to_s + TIME_MARGIN_S;
+            meets.then(|| Constraint { by, gap_m: visit.at_m - s, speed_mps: 0.0 })
+        });
+        let light = self.light.as_ref().and_then(move |(line, steps)| {
+            let gap_m = line - s;
+            let held = match steps.get(step).copied().unwrap_or(LightStep::Free) {
+                LightStep::Free => false,
+                LightStep::Yellow => driver.can_stop(v, gap_m),
+                LightStep::Red => gap_m > 0.0,
+            };
+            (held && gap_m > 0.0).then_some(Constraint { by: Removed::Light, gap_m, speed_mps: 0.0 })
+        });
+        objects.chain(light)
+    }
+}
+
+/// The path that the ego drives from `frame` on, and straight on beyond it.
+fn path(drive: &Drive, frame: usize) -> Option<Vec<PathPoint>> {
+    let motion = &drive.ego.as_ref()?.motion;
+    let mut out: Vec<PathPoint> = Vec::new();
+    for f in frame..drive.times.len() {
+        let (x, y, heading) = (motion.x[f], motion.y[f], motion.heading[f]);
+        if x.is_nan() || y.is_nan() || heading.is_nan() {
+            continue;
+        }
+        let Some(last) = out.last() else {
+            out.push(PathPoint { x, y, s: 0.0, heading });
+            continue;
+        };
+        let step = (x - last.x).hypot(y - last.y);
+        if step > 0.3 {
+            let s = last.s + step;
+            out.push(PathPoint { x, y, s, heading });
+            if s > 250.0 {
+                break;
+            }
+        }
+    }
+    let last = *out.last()?;
+    let (sin, cos) = last.heading.sin_cos();
+    out.push(PathPoint {
+        x: last.x + BEYOND_M * cos,
+        y: last.y + BEYOND_M * sin,
+        s: last.s + BEYOND_M,
+        heading: last.heading,
+    });
+    Some(out)
+}
+
+/// Along and beside the path: (s, signed distance, heading there).
+fn place(path: &[PathPoint], x: f64, y: f64) -> (f64, f64, f64) {
+    let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
+    for w in path.windows(2) {
+        let (a, b) = (w[0], w[1]);
+        let (dx, dy) = (b.x - a.x, b.y - a.y);
+        let length = dx.hypot(dy).max(1e-6);
+        let along = ((x - a.x) * dx + (y - a.y) * dy) / length;
+        // Behind the first point counts as behind.
+        let low = if a.s == 0.0 { f64::NEG_INFINITY } else { 0.0 };
+        let k = along.clamp(low, length);
+        let (px, py) = (a.x + dx * k / length, a.y + dy * k / length);
+        let d = (x - px).hypot(y - py);
+        if d < best.0 {
+            let side = (dx * (y - a.y) - dy * (x - a.x)) / length;
+            best = (d, a.s + k, side, a.heading);
+        }
+    }
+    (best.1, best.2, best.3)
+}
+
+fn course(
+    track: &whyroad_model::scene::Track,
+    frames: &[Option<usize>],
+    path: &[PathPoint],
+    (ego_length, ego_width): (f64, f64),
+) -> Option<Course> {
+    let mut rows: Vec<Option<Row>> = Vec::with_capacity(frames.len());
+    let mut nearest_m = f64::INFINITY;
+    let or = |v: f64, d: f64| if v.is_nan() { d } else { v };
+    for frame in frames {
+        let row = frame.and_then(|f| track.row_at(f)).and_then(|r| {
+            let m = &track.motion;
+            let (x, y) = (m.x[r], m.y[r]);
+            if x.is_nan() || y.is_nan() {
+                return None;
+            }
+            let (s, side, heading) = place(path, x, y);
+            let turn = or(m.heading[r], heading) - heading;
+            let (length, width) = (or(track.length_m[r], 1.0), or(track.width_m[r], 0.8));
+            // The box as wide and as long as it is across and along the path.
+            let across = (length * turn.sin()).abs() + (width * turn.cos()).abs();
+            let along = (length * turn.cos()).abs() + (width * turn.sin()).abs();
+            let speed_mps = {
+                let (vx, vy) = (or(m.vx[r], 0.0), or(m.vy[r], 0.0));
+                vx * heading.cos() + vy * heading.sin()
+            };
+            let free = side.abs() - 0.5 * (across + ego_width);
+            nearest_m = nearest_m.min(free.max(0.0).hypot((-s).max(0.0)));
+            let rear_m = s - 0.5 * along - 0.5 * ego_length;
+            Some(Row { rear_m, speed_mps, on_path: free < SIDE_MARGIN_M && rear_m > -1.0 })
+        });
+        rows.push(row);
+    }
+    if rows.iter().all(Option::is_none) {
+        return None;
+    }
+    let mut visits: Vec<Visit> = Vec::new();
+    let mut open = false;
+    for (i, row) in rows.iter().enumerate() {
+        let t = i as f64 * STEP_S;
+        match row {
+            Some(r) if r.on_path && open => {
+                if let Some(v) = visits.last_mut() {
+                    v.to_s = t;
+                    v.at_m = v.at_m.min(r.rear_m);
+                }
+            }
+            Some(r) if r.on_path => {
+                open = true;
+                visits.push(Visit { from_s: t, to_s: t, at_m: r.rear_m, from_beside: i > 0 });
+            }
+            _ => open = false,
+        }
+    }
+    Some(Course { id: track.id.clone(), rows, visits, nearest_m })
+}
+
+/// The stop line of the ego's light, and how the light is in each step; `None` where no light is known to hold it.
+fn light(signals: &SignalTable, frame: usize, frames: &[Option<usize>]) -> Option<(f64, Vec<LightStep>)> {
+    let state = signals.frame_columns.get("light.state")?;
+    let line = signals.frame_columns.get("light.distance_to_stop_line")?.number(frame)?;
+    let mut last = LightStep::Free;
+    let steps: Vec<LightStep> = frames
+        .iter()
+        .map(|f| {
+            last = match f.and_then(|f| state.category(f)) {
+                Some("red" | "red_yellow") => LightStep::Red,
+                Some("yellow") => LightStep::Yellow,
+                Some("green" | "green_yield") => LightStep::Free,
+                // Past the line there is no light; what it showed last is kept.
+                _ => last,
+            };
+            last
+        })
+        .collect();
+    steps.iter().any(|s| *s != LightStep::Free).then_some((line, steps))
+}

@@ -1,0 +1,148 @@
+//! From the compact form of the corpus to labels.
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use whyroad_framework::Framework;
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Nanos, ScenarioId, yaml};
+
+/// A true label, and what makes it false.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Base {
+    /// Full id of the leaf.
+    pub class: String,
+    /// `longitudinal/lateral/direction`; `-` is null.
+    pub decision: String,
+    /// Components; `?` before one is uncertainty high.
+    pub parts: Vec<String>,
+    pub trace: String,
+    /// Other true traces.
+    #[serde(default)]
+    pub more: Vec<String>,
+    #[serde(default)]
+    pub records: BTreeMap<String, Value>,
+    /// Faulty traces by kind.
+    #[serde(default)]
+    pub faults: BTreeMap<String, Vec<String>>,
+    /// Faulty components by kind.
+    #[serde(default)]
+    pub parts_faults: BTreeMap<String, Vec<String>>,
+    /// Faulty decisions by kind.
+    #[serde(default)]
+    pub decision_faults: BTreeMap<String, Vec<String>>,
+}
+
+/// Both languages.
+pub(super) fn bases() -> Vec<(&'static str, Vec<Base>)> {
+    let read = |text: &str| yaml::from_str::<Vec<Base>>(text).unwrap();
+    vec![("zh", read(include_str!("zh.yaml"))), ("en", read(include_str!("en.yaml")))]
+}
+
+/// Moment of the keyframe: frame 100 of a clip.
+pub(super) fn keyframe() -> Nanos {
+    Nanos::parse_iso("2026-01-15T10:30:10.000Z").unwrap()
+}
+
+/// `s` seconds after the keyframe, as text.
+pub(super) fn at(s: f64) -> Value {
+    json!(keyframe().plus_secs(s).to_string())
+}
+
+/// Seconds from the keyframe to the start that the spec prescribes, where it is an offset.
+pub(super) fn start_s(base: &Base) -> Option<f64> {
+    let mut ids = base.class.split('.');
+    let id = ScenarioId::leaf(ids.next()?, ids.next()?, ids.next()?);
+    let expr = Framework::bundled().specs[&id].start.expr.clone()?;
+    match expr.replace(' ', "").as_str() {
+        "keyframe" => Some(0.0),
+        e => e.strip_prefix("keyframe-")?.strip_suffix('s')?.parse::<f64>().ok().map(|s| -s),
+    }
+}
+
+pub(super) fn kind(base: &Base) -> KeyframeType {
+    let mut ids = base.class.split('.');
+    let mut next = || ids.next().unwrap();
+    Framework::bundled().specs[&ScenarioId::leaf(next(), next(), next())].keyframe.kind
+}
+
+/// The whole label.
+pub(super) fn label(base: &Base) -> Value {
+    let ids: Vec<&str> = base.class.split('.').collect();
+    let start = start_s(base).unwrap_or(-2.0);
+    let parts: Vec<Value> = base.parts.iter().enumerate().map(|(i, p)| component(i, p)).collect();
+    let all: Vec<String> = (0..parts.len()).map(|i| format!("c{}", i + 1)).collect();
+    let mut label = json!({
+        "version": "2.1.0",
+        "clip_id": "clip_1",
+        "scenario": { "l1": ids[0], "l2": ids[1], "l3": ids[2], "full_id": base.class },
+        "time_range": { "start_timestamp": at(start), "end_timestamp": at(4.0) },
+        "keyframe": { "timestamp": at(0.0), "frame_idx": 100, "type": kind(base).id() },
+        "critical_components": parts,
+        "coc_trace": base.trace,
+        "records": base.records,
+        "provenance": { "source": "person" },
+    });
+    label["time_range"]["start_frame_idx"] = json!((100.0 + 10.0 * start) as u32);
+    label["time_range"]["end_frame_idx"] = json!(140);
+    if kind(base) == KeyframeType::Proactive {
+        label["keyframe"]["range_start"] = at(0.0);
+        label["keyframe"]["range_end"] = at(4.0);
+    }
+    decide(&mut label, &base.decision, &all);
+    label
+}
+
+/// Sets the decision, and all components as its cause.
+pub(super) fn decide(label: &mut Value, decision: &str, causes: &[String]) {
+    let mut parts = decision.split('/').map(|p| if p == "-" { Value::Null } else { json!(p) });
+    let (along, across) = (parts.next().unwrap(), parts.next().unwrap());
+    let mut why = json!({});
+    for (channel, d) in [("longitudinal", &along), ("lateral", &across)] {
+        if !d.is_null() {
+            why[channel] = json!({ "components": causes });
+        }
+    }
+    label["causes"] = why;
+    label["driving_decision"] = json!({ "longitudinal": along, "lateral": across });
+    if let Some(side) = parts.next() {
+        label["driving_decision"]["lateral_direction"] = side;
+    }
+}
+
+pub(super) fn component(i: usize, text: &str) -> Value {
+    let category = "critical_objects";
+    let (high, description) = text.strip_prefix('?').map_or((false, text), |t| (true, t));
+    json!({
+        "id": format!("c{}", i + 1), "category": category, "description": description,
+        "uncertainty": if high { "high" } else { "low" }, "evidence_times": [at(-0.5), at(0.0)],
+    })
+}
+
+/// True labels: every trace in the forms in which the same label is written.
+pub(super) fn forms(base: &Base, _: &str) -> Vec<Value> {
+    let mut out = Vec::new();
+    for trace in std::iter::once(&base.trace).chain(&base.more) {
+        let mut whole = label(base);
+        whole["coc_trace"] = json!(trace);
+        // Of format 2.0: no ids, no evidence, no causes.
+        let mut old = whole.clone();
+        old["version"] = json!("2.0.0");
+        for field in ["causes", "provenance"] {
+            old.as_object_mut().unwrap().remove(field);
+        }
+        for part in old["critical_components"].as_array_mut().unwrap() {
+            part.as_object_mut().unwrap().retain(|k, _| k == "description" || k == "uncertainty");
+        }
+        let mut reordered = whole.clone();
+        reordered["critical_components"].as_array_mut().unwrap().reverse();
+        let mut unframed = whole.clone();
+        unframed["time_range"].as_object_mut().unwrap().retain(|k, _| k.ends_with("timestamp"));
+        let mut one_cause = whole.clone();
+        one_cause["provenance"] = json!({ "source": "person", "by": "a", "tool": "other 1.0" });
+        one_cause["secondary_scenarios"] = json!([]);
+        out.extend([whole, old, reordered, unframed, one_cause]);
+    }
+    out
+}

@@ -1,0 +1,3 @@
+//! Integration tests: the label checks on a corpus of true and faulty labels.
+
+mod corpus;
