@@ -25,6 +25,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("A folder of labels, messages in Chinese", "whyroad validate labels/ --lang zh"),
             ("From another program, as SARIF", "whyroad validate - --format sarif"),
+            ("Against the recorded drives", "whyroad validate labels.jsonl --lake lake"),
         ],
     ),
     (
@@ -59,7 +60,13 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             "whyroad dataset export ms-swift release --out swift --traces zh",
         )],
     ),
-    ("dataset verify", &[("Everything", "whyroad dataset verify release")]),
+    (
+        "dataset verify",
+        &[
+            ("Everything", "whyroad dataset verify release"),
+            ("Labels against the drives too", "whyroad dataset verify release --lake lake"),
+        ],
+    ),
     ("dataset diff", &[("What changed", "whyroad dataset diff release-1 release-2")]),
     ("dataset show", &[("By the beginning of its id", "whyroad dataset show release 3f2a")]),
     (
@@ -118,6 +125,13 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "A query, result as JSON",
                 "whyroad mine --lake lake --query query.json --out asked --format json",
             ),
+        ],
+    ),
+    (
+        "migrate",
+        &[
+            ("Labels of an older layout", "whyroad migrate old.jsonl --out labels.jsonl"),
+            ("Back to format 2.0", "whyroad migrate labels.jsonl --to 2.0"),
         ],
     ),
     (

@@ -72,6 +72,8 @@ enum Command {
     Tasks(cmd::tasks::Args),
     /// Import causal texts of other tools as drafts of labels
     Labels(cmd::labels::Args),
+    /// Bring labels of older layouts to the current format, or back to 2.0
+    Migrate(cmd::migrate::Args),
     /// List the accounts of the labelling service, and give one a new password
     Accounts(cmd::accounts::Args),
     /// Write the store of the labelling service into one file
@@ -118,6 +120,7 @@ fn main() -> ExitCode {
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
         Command::Labels(a) => cmd::labels::run(&cli.global, a),
+        Command::Migrate(a) => cmd::migrate::run(&cli.global, a),
         Command::Accounts(a) => cmd::accounts::run(&cli.global, a),
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),
         Command::Restore(a) => cmd::backup::run_restore(&cli.global, a),

@@ -2,3 +2,4 @@
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 mod incremental;
+mod label_checks;

@@ -5,8 +5,12 @@ use super::finding::{Finding, Sink, Words};
 use super::json::{Entry, JsonKind, Locator, Node};
 use super::slot::Slot;
 use crate::taxonomy::did_you_mean;
+use std::collections::HashSet;
 use std::ops::Range;
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Severity};
+
+/// Keys of an object that are compared pair by pair.
+const FEW_KEYS: usize = 24;
 
 /// The codes that a family of documents uses for mistakes of form.
 #[derive(Debug)]
@@ -111,8 +115,14 @@ impl<'d> Walk<'d> {
     }
 
     fn duplicates(&mut self, entries: &[Entry<'_>], pointer: &str) {
+        // Of few keys looking at each pair is quicker than a set.
+        let mut seen = (entries.len() > FEW_KEYS).then(HashSet::new);
         for (i, e) in entries.iter().enumerate() {
-            if entries[..i].iter().any(|o| o.key == e.key) {
+            let twice = match &mut seen {
+                Some(seen) => !seen.insert(&*e.key),
+                None => entries[..i].iter().any(|o| o.key == e.key),
+            };
+            if twice {
                 let key = &e.key;
                 let d = Diagnostic::error(
                     "label.json.duplicate_key",

@@ -85,4 +85,6 @@ pub const CODES: &[&str] = &[
     "label.keyframe.moment",
     "label.class.rule",
     "label.cause.no_effect",
+    // Of `migrate`.
+    "label.migrate.lost",
 ];

@@ -1,3 +1,3 @@
-//! Integration tests: the label checks on a corpus of true and faulty labels.
+//! Integration tests: the label checks on a corpus of true and faulty labels, and the counterfactual model.
 
 mod corpus;

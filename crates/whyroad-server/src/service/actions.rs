@@ -40,7 +40,8 @@ pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64)
     let (changes, found) = match request.action.in_workflow() {
         Some(Action::LockStage1) => (vec![], findings::of(app, &draft, Stage::Stage1)),
         Some(Action::Submit) => {
-            let changes = made_by(app, name, now)?;
+            let mut changes = made_by(app, name, now)?;
+            changes.extend(stored_records(app, &draft));
             changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
             let found = findings::of(app, &draft, Stage::Stage2);
             (changes, found)
@@ -228,6 +229,16 @@ fn made_by(app: &App, name: &str, now: i64) -> Answer<Vec<FieldChange>> {
     let set = |path: &str, value: Value| FieldChange { path: path.to_owned(), value, remove: false };
     let made = serde_json::to_value(made).map_err(Problem::store)?;
     Ok(vec![set(pointer::PROVENANCE, made), set(pointer::VERSION, json!(FORMAT_VERSION))])
+}
+
+/// Records in the form in which they are stored, without language, as changes of the draft.
+fn stored_records(app: &App, draft: &Value) -> Vec<FieldChange> {
+    let records = draft.get(name::RECORDS).and_then(Value::as_object);
+    let stored = records.into_iter().flatten().filter_map(|(id, value)| {
+        let value = app.framework.record_types.stored(id, value)?;
+        Some(FieldChange { path: pointer::records_of(id), value, remove: false })
+    });
+    stored.collect()
 }
 
 fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {

@@ -12,6 +12,7 @@ pub(crate) mod ingest;
 pub(crate) mod inspect;
 pub(crate) mod labels;
 pub(crate) mod media;
+pub(crate) mod migrate;
 pub(crate) mod mine;
 pub(crate) mod report;
 pub(crate) mod rules;

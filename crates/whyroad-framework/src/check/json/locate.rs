@@ -12,31 +12,74 @@ const AFTER: usize = 200;
 pub struct Locator<'t> {
     text: &'t str,
     origin: &'t Origin,
-    /// Byte at which each line of the document starts; found out with the first question.
-    lines: std::cell::OnceCell<Vec<usize>>,
+    /// Found out with the first question.
+    index: std::cell::OnceCell<TextIndex>,
+}
+
+/// Where lines start and how many characters there are up to here: a document of one line with many findings would
+/// otherwise be counted from its start for each of them.
+struct TextIndex {
+    /// Byte at which each line of the document starts.
+    lines: Vec<usize>,
+    /// Characters before each block of [`BLOCK`] bytes.
+    chars: Vec<usize>,
+}
+
+/// Bytes of a block.
+const BLOCK: usize = 1024;
+
+/// Bytes that start a character.
+fn count_chars(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|b| (**b & 0xC0) != 0x80).count()
+}
+
+impl TextIndex {
+    fn of(text: &str) -> Self {
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        let mut sum = 0;
+        let mut chars = Vec::with_capacity(text.len() / BLOCK + 1);
+        for block in text.as_bytes().chunks(BLOCK) {
+            chars.push(sum);
+            sum += count_chars(block);
+        }
+        Self { lines, chars }
+    }
+
+    /// Characters before byte `at`.
+    fn chars_before(&self, text: &str, at: usize) -> usize {
+        let block = (at / BLOCK).min(self.chars.len().saturating_sub(1));
+        self.chars.get(block).copied().unwrap_or(0) + count_chars(&text.as_bytes()[block * BLOCK..at])
+    }
 }
 
 impl<'t> Locator<'t> {
     /// Of a document that starts at `origin` in its file.
     pub fn new(text: &'t str, origin: &'t Origin) -> Self {
-        Self { text, origin, lines: std::cell::OnceCell::new() }
+        Self { text, origin, index: std::cell::OnceCell::new() }
     }
 
     /// The place of `span`, called `pointer` within the document.
     pub fn place(&self, span: Range<usize>, pointer: &str) -> Location {
-        let starts = self.lines.get_or_init(|| {
-            std::iter::once(0).chain(self.text.match_indices('\n').map(|(i, _)| i + 1)).collect()
-        });
+        let index = self.index.get_or_init(|| TextIndex::of(self.text));
+        let starts = &index.lines;
         let row = starts.partition_point(|&s| s <= span.start).saturating_sub(1);
         let from = starts[row];
-        let before = &self.text[from..span.start];
-        let line = self.text[from..].split('\n').next().unwrap_or_default().trim_end_matches('\r');
-        let chars_before = before.chars().count();
+        let to = starts.get(row + 1).map_or(self.text.len(), |next| next - 1);
+        let chars_before = index.chars_before(self.text, span.start) - index.chars_before(self.text, from);
         // Characters of the file's line that stand before the document.
         let lead = if row == 0 { self.origin.column - 1 } else { 0 };
 
         let dropped = chars_before.saturating_sub(BEFORE);
-        let mut snippet: String = line.chars().skip(dropped).take(BEFORE.min(chars_before) + AFTER).collect();
+        // Back from the span by the characters that are shown before it.
+        let shown = chars_before.min(BEFORE);
+        let head = self.text[from..span.start]
+            .char_indices()
+            .rev()
+            .take(shown)
+            .last()
+            .map_or(span.start - from, |(i, _)| i);
+        let line = self.text[from + head..to].trim_end_matches('\r');
+        let mut snippet: String = line.chars().take(shown + AFTER).collect();
         let mut snippet_start = lead + dropped;
         if dropped == 0 && lead > 0 && self.origin.indented {
             snippet = " ".repeat(lead) + &snippet;
