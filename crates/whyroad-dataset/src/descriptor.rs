@@ -42,10 +42,10 @@ pub(crate) fn of(sample: &Sample, named: &BTreeSet<String>) -> Vec<f32> {
     put(row(0.0).and_then(|(o, r)| o.vy[r]), 1.0);
     let class = target.map(|o| o.class.as_str());
     for group in [
-        ["car", "", "", ""],
-        ["truck", "bus", "large_vehicle", ""],
-        ["bicycle", "bicyclist", "motorcycle", "motorcyclist"],
-        ["pedestrian", "wheeled_pedestrian", "animal", ""],
+        ["car", "emergency_vehicle", "tricycle", "", ""],
+        ["truck", "bus", "large_vehicle", "", ""],
+        ["bicycle", "bicyclist", "motorcycle", "motorcyclist", "e_bike"],
+        ["pedestrian", "wheeled_pedestrian", "animal", "", ""],
     ] {
         put(Some(f32::from(class.is_some_and(|c| group.contains(&c)))), 0.5);
     }

@@ -3,8 +3,10 @@
 
 pub mod coverage;
 pub mod folder;
+pub mod query;
 pub mod record;
 pub mod result;
+mod wording;
 
 pub use coverage::Searched;
 pub use folder::{EpisodeExample, FolderWriter, Summary, write_folder};

@@ -9,8 +9,8 @@ pub(crate) mod pairs;
 pub use build::{Found, find};
 
 use std::collections::BTreeMap;
-use whyroad_model::messages::{KeyframeType, MatchedCondition};
-use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
+use whyroad_model::messages::{EgoResponse, KeyframeType, MatchedCondition};
+use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId, Tri};
 
 /// A stretch of a drive in which a rule held.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Episode {
     pub context: FrameRange,
     /// How the keyframe was found.
     pub keyframe_rule: Bilingual,
+    /// Whether the ego answered the trigger.
+    pub response: EgoResponse,
     /// 0 to 1; see [`score`].
     pub score: f64,
     /// Conditions with their values at the keyframe.
@@ -52,6 +54,40 @@ pub enum Rank {
     Primary,
     /// Secondary to the episode at this index.
     SecondaryTo(usize),
+}
+
+/// Conditions that an episode lists at most: those that are met most narrowly decide.
+pub const LISTED_CONDITIONS: usize = 5;
+
+/// What a response condition comes to, from its truth by frame over `range`; `None` for a frame in which it is not judged.
+pub(crate) fn response(range: FrameRange, mut truth: impl FnMut(usize) -> Option<Tri>) -> EgoResponse {
+    let mut known = true;
+    for frame in range.start..range.end {
+        match truth(frame) {
+            Some(Tri::True) => return EgoResponse::Observed,
+            Some(Tri::False) => {}
+            Some(Tri::Unknown) | None => known = false,
+        }
+    }
+    if known { EgoResponse::Absent } else { EgoResponse::Unknown }
+}
+
+/// Positions of the deciding conditions, at most [`LISTED_CONDITIONS`], in their order: comparisons that can be read at
+/// one moment before those over time, and of these the ones that are met most narrowly.
+pub(crate) fn deciding(conditions: &[(&str, f64)]) -> Vec<usize> {
+    let over_time = |text: &str| {
+        [" until ", " since ", " within ", " for ", "previously(", ": "]
+            .iter()
+            .any(|word| text.contains(word))
+    };
+    let mut order: Vec<usize> = (0..conditions.len()).collect();
+    order.sort_by(|&a, &b| {
+        let (x, y) = (conditions[a], conditions[b]);
+        over_time(x.0).cmp(&over_time(y.0)).then(x.1.total_cmp(&y.1)).then(a.cmp(&b))
+    });
+    order.truncate(LISTED_CONDITIONS);
+    order.sort_unstable();
+    order
 }
 
 /// Match score of a margin: 0.5 where the conditions are only just met, towards 1 as they are exceeded by

@@ -2,12 +2,13 @@
 //! came nearest to it. Made with the reference evaluator, which keeps the truth of every part.
 
 use crate::episode::build::{locate, matches, measured, truth_at};
-use crate::episode::{find, pairs};
+use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
 use crate::language::program::NodeId;
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use whyroad_model::messages::EgoResponse;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{FrameRange, SignalTable, TrackId, Tri};
 
@@ -91,6 +92,8 @@ pub struct Explanation {
     pub parts: Vec<PartCourse>,
     /// Signals for lack of which it could not be decided in this drive.
     pub missing: Vec<String>,
+    /// Of a match: whether the ego answered the trigger.
+    pub response: Option<EgoResponse>,
 }
 
 /// Explains a rule on the frames `clip` of a drive; for one target, or for the candidate that came furthest.
@@ -110,7 +113,13 @@ pub fn explain(rule: &Rule, table: &SignalTable, clip: FrameRange, wanted: Optio
         None => nobody(clip),
     };
     out.candidates = all.len();
-    if out.outcome != Outcome::Matched {
+    if out.outcome == Outcome::Matched {
+        let keyframe = out.moment.map(|frame| frame + clip.start);
+        let of = |e: &&Episode| {
+            Some(e.keyframe) == keyframe && e.target.iter().all(|t| out.roles.values().any(|r| r == t))
+        };
+        out.response = find(rule, table).episodes.iter().find(of).map(|e| e.response);
+    } else {
         out.missing = find(rule, table).missing.into_iter().collect();
     }
     out
@@ -235,6 +244,7 @@ fn explanation_at<'a>(
         when,
         parts,
         missing: Vec::new(),
+        response: None,
     }
 }
 
@@ -262,5 +272,6 @@ fn nobody(clip: FrameRange) -> Explanation {
         when: Course { cells, truth: Tri::Unknown, margin: f64::NAN },
         parts: Vec::new(),
         missing: Vec::new(),
+        response: None,
     }
 }

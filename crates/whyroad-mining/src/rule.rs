@@ -65,6 +65,8 @@ pub struct Rule {
     pub when: NodeId,
     /// Conditions at the keyframe.
     pub require: Vec<NodeId>,
+    /// What counts as the ego's answer to the trigger; `None` where the match is itself what the ego did.
+    pub response: Option<ResponseCondition>,
     /// The parts of `when` and `require` that are shown to people.
     pub atoms: Vec<Atom>,
     /// What has to hold, part by part, as shown when somebody asks why the rule did not match.
@@ -79,6 +81,15 @@ pub struct Rule {
     pub merge_gap: Nanos,
     /// Keyframe, start, end, context.
     pub timing: Timing,
+}
+
+/// When the ego answers: looked for from the match's start to the end of the time range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ResponseCondition {
+    /// The condition.
+    pub condition: NodeId,
+    /// It speaks of the target: then it is known only while the target is seen.
+    pub of_target: bool,
 }
 
 /// A part of a rule: one of the conditions that must hold together.

@@ -11,6 +11,9 @@ pub fn class_name(class: ObjectClass) -> Bilingual {
         ObjectClass::Bus => ("公交车", "bus"),
         ObjectClass::LargeVehicle => ("大型车辆", "large vehicle"),
         ObjectClass::Motorcycle => ("摩托车", "motorcycle"),
+        ObjectClass::Tricycle => ("三轮车", "tricycle"),
+        ObjectClass::EmergencyVehicle => ("应急车辆", "emergency vehicle"),
+        ObjectClass::EBike => ("电动自行车", "e-bike"),
         ObjectClass::Bicycle => ("自行车", "bicycle"),
         ObjectClass::Bicyclist => ("骑行者", "cyclist"),
         ObjectClass::Motorcyclist => ("摩托车骑手", "motorcyclist"),
@@ -18,6 +21,7 @@ pub fn class_name(class: ObjectClass) -> Bilingual {
         ObjectClass::WheeledPedestrian => ("轮椅或婴儿车行人", "wheeled pedestrian"),
         ObjectClass::Animal => ("动物", "animal"),
         ObjectClass::Cone => ("锥桶", "cone"),
+        ObjectClass::Barrier => ("水马或隔离墩", "barrier"),
         ObjectClass::StaticObject => ("静态物体", "static object"),
         ObjectClass::Unknown => ("未知物体", "unknown object"),
     };

@@ -18,11 +18,17 @@ closed_set!(
         LargeVehicle = "large_vehicle",
         /// Motorcycle or moped, with or without rider.
         Motorcycle = "motorcycle",
+        /// Tricycle with a motor, for goods or people.
+        Tricycle = "tricycle",
+        /// Police car, ambulance or other emergency vehicle that is not large; a fire engine is a large vehicle.
+        EmergencyVehicle = "emergency_vehicle",
+        /// E-bike or electric scooter, its rider boxed with it.
+        EBike = "e_bike",
         /// Bicycle or scooter in use or parked, rider boxed with it or separately.
         Bicycle = "bicycle",
         /// Person riding a bicycle (boxed as the person).
         Bicyclist = "bicyclist",
-        /// Person riding a motorcycle (boxed as the person).
+        /// Motorcycle with its rider, boxed as the person: in traffic, as a motor vehicle.
         Motorcyclist = "motorcyclist",
         /// Person on foot.
         Pedestrian = "pedestrian",
@@ -32,7 +38,9 @@ closed_set!(
         Animal = "animal",
         /// Cone or barrel that marks works.
         Cone = "cone",
-        /// Barrier, bollard, sign on a pole, other fixed object.
+        /// Barrier set up on the road: water-filled, concrete or plastic, as at works.
+        Barrier = "barrier",
+        /// Bollard, sign on a pole, other fixed object.
         StaticObject = "static_object",
         /// Not stated by the source.
         #[default]
@@ -41,9 +49,19 @@ closed_set!(
 );
 
 impl ObjectClass {
-    /// Motor vehicles with their own box (the riders of two-wheelers are not).
+    /// Motor vehicles, ridden motorcycles included.
     pub fn is_vehicle(self) -> bool {
-        matches!(self, Self::Car | Self::Truck | Self::Bus | Self::LargeVehicle | Self::Motorcycle)
+        matches!(
+            self,
+            Self::Car
+                | Self::Truck
+                | Self::Bus
+                | Self::LargeVehicle
+                | Self::Motorcycle
+                | Self::Motorcyclist
+                | Self::Tricycle
+                | Self::EmergencyVehicle
+        )
     }
 
     /// Large vehicles in the sense of `cutin.large_vehicle`: truck, bus, special vehicle.
@@ -55,7 +73,7 @@ impl ObjectClass {
     pub fn is_vru(self) -> bool {
         matches!(
             self,
-            Self::Pedestrian | Self::WheeledPedestrian | Self::Bicycle | Self::Bicyclist | Self::Motorcyclist
+            Self::Pedestrian | Self::WheeledPedestrian | Self::Bicycle | Self::Bicyclist | Self::EBike
         )
     }
 }

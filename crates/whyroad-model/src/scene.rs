@@ -270,6 +270,12 @@ pub enum LightColour {
     Green,
     /// Green that must give way to others.
     GreenYield,
+    /// Round green: every movement may go, a left turn gives way to oncoming traffic (GB 14886 "full" signal).
+    GreenRound,
+    /// Green arrow: its movement goes, conflicting traffic is held.
+    GreenArrow,
+    /// Green that flashes: about to be yellow.
+    FlashingGreen,
     /// Red and yellow: about to be green.
     RedYellow,
     /// Flashing yellow.

@@ -26,7 +26,38 @@ pub const FACILITY_KINDS: &[&str] = &[
 ];
 
 /// Kinds of signs ([`crate::road_map::Sign::kind`]).
-pub const SIGN_KINDS: &[&str] = &["stop", "yield", "speed_limit", "lane_arrow", "prohibition", "warning"];
+pub const SIGN_KINDS: &[&str] = &[
+    "stop",
+    "yield",
+    "speed_limit",
+    "lane_arrow",
+    "prohibition",
+    "no_entry",
+    "no_straight",
+    "no_left_turn",
+    "no_right_turn",
+    "no_u_turn",
+    "no_overtaking",
+    "no_parking",
+    "no_trucks",
+    "height_limit",
+    "width_limit",
+    "weight_limit",
+    "warning",
+];
+
+/// Kinds of prohibitions that ask a moving car to slow or to take another way: all but those about parking, overtaking
+/// and vehicles of other kinds. `prohibition` itself is one of which nothing more is known.
+pub const PROHIBITIONS: &[&str] = &[
+    "prohibition",
+    "no_entry",
+    "no_straight",
+    "no_left_turn",
+    "no_right_turn",
+    "no_u_turn",
+    "height_limit",
+    "width_limit",
+];
 
 /// Value of an unknown context state; it ends what was known before.
 pub const UNKNOWN: &str = "unknown";

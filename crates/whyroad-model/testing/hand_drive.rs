@@ -152,6 +152,7 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
         score: 0.87,
         is_primary: true,
         primary_episode_id: None,
+        ego_response: None,
         keyframe_rule: Bilingual::new(
             "他车车轮越过车道线",
             "a wheel of the other vehicle crosses the lane line",
@@ -159,6 +160,7 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
         conditions_matched: vec![MatchedCondition {
             condition: "target.ttc < 5 s".into(),
             actual_value: serde_json::json!(4.2),
+            description: None,
         }],
         signals: ["ego.speed", "light.state", "target.in_ego_lane", "target.relation", "target.ttc"]
             .map(String::from)

@@ -170,7 +170,11 @@ fn light(m: &mut Markup, view: &View, lane: &Lane, colour: LightColour, since: N
     let class = match colour {
         LightColour::Red => "light red",
         LightColour::Yellow | LightColour::RedYellow | LightColour::FlashingYellow => "light yellow",
-        LightColour::Green | LightColour::GreenYield => "light green",
+        LightColour::Green
+        | LightColour::GreenYield
+        | LightColour::GreenRound
+        | LightColour::GreenArrow
+        | LightColour::FlashingGreen => "light green",
         LightColour::Off | LightColour::Unknown => "light dark",
     };
     m.raw("<circle class=\"").raw(class).raw("\" r=\"7\" cx=\"").num(spot.0 * 10.0, 0).raw("\" cy=\"");

@@ -180,7 +180,11 @@ fn lights(canvas: &mut Canvas, view: &View, drive: &Drive, frame: usize, map: &R
         let color = match state.colour {
             LightColour::Red => RED,
             LightColour::Yellow | LightColour::RedYellow | LightColour::FlashingYellow => YELLOW,
-            LightColour::Green | LightColour::GreenYield => GREEN,
+            LightColour::Green
+            | LightColour::GreenYield
+            | LightColour::GreenRound
+            | LightColour::GreenArrow
+            | LightColour::FlashingGreen => GREEN,
             LightColour::Off | LightColour::Unknown => continue,
         };
         view.rectangle(canvas, (end.x, end.y, 0.0), (1.5, 1.5), color);

@@ -1,6 +1,7 @@
 //! What the ego and others do over time: stops, lane changes, passing, traffic, responses.
 
 pub mod ego_offset;
+pub mod fair_speed;
 pub mod lane_change_intention;
 pub mod lane_change_phase;
 pub mod lead;
@@ -11,6 +12,7 @@ pub mod stops;
 pub mod swerve;
 pub mod target;
 pub mod traffic;
+pub mod turning;
 
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -26,5 +28,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     lead::write(scene, &standing, table);
     lane_change_phase::write(scene, table);
     swerve::write(scene, table);
+    turning::write(scene, table);
+    fair_speed::write(scene, table);
     responds::write(scene, table);
 }

@@ -170,8 +170,8 @@ fn near_intersection(road: &Road, p: P2) -> Tri {
 
 /// Objects without a driver have no direction of their own.
 fn has_free_will(class: ObjectClass) -> bool {
-    use ObjectClass::{Bicycle, Cone, StaticObject, Unknown};
-    !matches!(class, Bicycle | Cone | StaticObject | Unknown)
+    use ObjectClass::{Barrier, Bicycle, Cone, StaticObject, Unknown};
+    !matches!(class, Bicycle | Cone | Barrier | StaticObject | Unknown)
 }
 
 fn heading(scene: &Interaction<'_>, class: ObjectClass, p: &Placement) -> Option<TargetRefavHeading> {

@@ -1,6 +1,7 @@
 //! The targets: their rows, their placement around the ego, its path and its lanes, and what each does by itself.
 
 pub mod crosswalk;
+pub mod detour;
 pub mod free_width;
 pub mod gaps;
 pub mod interaction;
@@ -24,4 +25,5 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     ramp::write(scene, table);
     side::write(scene, table);
     turns::write(scene, table);
+    detour::write(scene, table);
 }

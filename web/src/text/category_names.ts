@@ -8,6 +8,9 @@ const names: Record<string, TextPair> = {
   bus: ["客车", "bus"],
   large_vehicle: ["大型车", "large vehicle"],
   motorcycle: ["摩托车", "motorcycle"],
+  tricycle: ["三轮车", "tricycle"],
+  emergency_vehicle: ["应急车辆", "emergency vehicle"],
+  e_bike: ["电动自行车", "e-bike"],
   bicycle: ["自行车", "bicycle"],
   bicyclist: ["骑行者", "cyclist"],
   motorcyclist: ["摩托骑手", "motorcyclist"],
@@ -15,6 +18,7 @@ const names: Record<string, TextPair> = {
   wheeled_pedestrian: ["推车或轮椅", "person on wheels"],
   animal: ["动物", "animal"],
   cone: ["锥桶", "cone"],
+  barrier: ["水马或隔离墩", "barrier"],
   static_object: ["静态障碍物", "static object"],
   unknown: ["未知", "unknown"],
 

@@ -166,7 +166,7 @@ fn seen(o: &Object) -> Option<Seen> {
         vy: get(&o.vy, row),
         half_length: o.length_m.map_or(0.0, f64::from) / 2.0,
         earlier_vx: earlier.map_or(f64::NAN, |i| get(&o.vx, i)),
-        vru: is(&["pedestrian", "wheeled_pedestrian", "bicycle", "bicyclist", "cyclist", "animal"]),
+        vru: is(&["pedestrian", "wheeled_pedestrian", "bicycle", "bicyclist", "cyclist", "e_bike", "animal"]),
         large: is(&["truck", "bus", "large_vehicle", "trailer", "construction_vehicle"]),
     })
 }

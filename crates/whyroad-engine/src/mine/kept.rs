@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use whyroad_mining::episode::{Episode, Found, Rank};
 use whyroad_mining::rule::Rule;
-use whyroad_model::messages::{KeyframeType, MatchedCondition};
+use whyroad_model::messages::{EgoResponse, KeyframeType, MatchedCondition};
 use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
 
 /// Name of the file beside the drive.
@@ -43,6 +43,7 @@ struct KeptEpisode {
     range: (usize, usize),
     context: (usize, usize),
     keyframe_rule: Bilingual,
+    response: EgoResponse,
     score: u64,
     conditions: Vec<(String, KeptValue)>,
     signals: Vec<String>,
@@ -117,6 +118,7 @@ impl KeptEpisode {
             range: pair(e.range),
             context: pair(e.context),
             keyframe_rule: e.keyframe_rule.clone(),
+            response: e.response,
             score: e.score.to_bits(),
             conditions: e.conditions.iter().map(|c| (c.condition.clone(), value(&c.actual_value))).collect(),
             signals: e.signals.clone(),
@@ -132,6 +134,7 @@ impl KeptEpisode {
         let condition = |(text, v): &(String, KeptValue)| MatchedCondition {
             condition: text.clone(),
             actual_value: value(v),
+            description: None,
         };
         Episode {
             scenario: self.scenario.clone(),
@@ -144,6 +147,7 @@ impl KeptEpisode {
             range: range(self.range),
             context: range(self.context),
             keyframe_rule: self.keyframe_rule.clone(),
+            response: self.response,
             score: f64::from_bits(self.score),
             conditions: self.conditions.iter().map(condition).collect(),
             signals: self.signals.clone(),

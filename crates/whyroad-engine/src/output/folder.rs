@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Taxonomy;
 use whyroad_lake::mined::{Existing, MinedFolderWriter, MinedWriteError, MiningQuestion};
-use whyroad_mining::rule::OTHER;
+use whyroad_mining::rule::{OTHER, Precedence};
 use whyroad_model::messages::{
     ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, MinedClip,
     PreLabelScenario, PreLabels, ScenarioPreLabelMessage,
@@ -59,9 +59,10 @@ pub fn write_folder(
     questions: &[Question],
     taxonomy: &Taxonomy,
     rules: &[ScenarioId],
+    precedence: &Precedence,
 ) -> Result<Summary, MinedWriteError> {
     let asked = MiningQuestion::Framework { scenarios: vec![] };
-    let mut folder = FolderWriter::create(out, asked, Existing::default(), questions, rules)?;
+    let mut folder = FolderWriter::create(out, asked, Existing::default(), questions, rules, precedence)?;
     for drive in &mined.drives {
         folder.add(drive)?;
     }
@@ -74,6 +75,7 @@ pub struct FolderWriter {
     files: MinedFolderWriter,
     answers: Vec<Answer>,
     counts: Counts,
+    precedence: Precedence,
     primary: usize,
     examples: BTreeMap<ScenarioId, EpisodeExample>,
 }
@@ -87,11 +89,13 @@ impl FolderWriter {
         existing: Existing,
         questions: &[Question],
         rules: &[ScenarioId],
+        precedence: &Precedence,
     ) -> Result<Self, MinedWriteError> {
         Ok(Self {
             files: MinedFolderWriter::create(out, asked, existing)?,
             answers: questions.iter().cloned().map(Answer::new).collect(),
             counts: Counts::new(rules),
+            precedence: precedence.clone(),
             primary: 0,
             examples: BTreeMap::new(),
         })
@@ -129,9 +133,32 @@ impl FolderWriter {
             })?;
         }
         for clip in &drive.clips {
-            self.files.clip(&ClipMetadataMessage { clip_metadata: with_pre_labels(clip, &episodes) })?;
+            self.files.clip(&ClipMetadataMessage { clip_metadata: self.with_pre_labels(clip, &episodes) })?;
         }
         Ok(())
+    }
+
+    /// A clip's pre-label is its primary episode whose class comes first in the order of precedence, then the one with
+    /// the higher score, then the earlier. Scores of different classes do not compare.
+    fn with_pre_labels(&self, clip: &ClipMetadata, episodes: &[MinedEpisode]) -> ClipMetadata {
+        let of_clip = episodes
+            .iter()
+            .map(|e| &e.record)
+            .filter(|r| r.clip_id.as_str() == clip.clip_id && r.is_primary && is_class(&r.scenario_id));
+        let first = of_clip.reduce(|a, b| {
+            let (ra, rb) = (self.precedence.rank(&a.scenario_id), self.precedence.rank(&b.scenario_id));
+            if rb < ra || (rb == ra && b.score > a.score) { b } else { a }
+        });
+        let pre_labels = first.map(|r| PreLabels {
+            scenario: PreLabelScenario {
+                l1: r.scenario_id.l1.clone(),
+                l2: r.scenario_id.l2.clone().unwrap_or_default(),
+                l3: r.scenario_id.l3.clone(),
+            },
+            mining_score: r.score,
+            mining_method: "rule_based".to_owned(),
+        });
+        ClipMetadata { pre_labels, ..clip.clone() }
     }
 
     fn example(&mut self, record: &EpisodeRecord, start: Option<Nanos>) {
@@ -182,23 +209,4 @@ impl FolderWriter {
 /// True for a class of the taxonomy, as opposed to moments that no class explains and matches of a custom rule.
 fn is_class(id: &ScenarioId) -> bool {
     id.l1 != OTHER && id.custom_name().is_none()
-}
-
-/// A clip's pre-label is its best primary episode: the highest score, then the earliest keyframe.
-fn with_pre_labels(clip: &ClipMetadata, episodes: &[MinedEpisode]) -> ClipMetadata {
-    let of_clip = episodes
-        .iter()
-        .map(|e| &e.record)
-        .filter(|r| r.clip_id.as_str() == clip.clip_id && r.is_primary && is_class(&r.scenario_id));
-    let best = of_clip.reduce(|a, b| if b.score > a.score { b } else { a });
-    let pre_labels = best.map(|r| PreLabels {
-        scenario: PreLabelScenario {
-            l1: r.scenario_id.l1.clone(),
-            l2: r.scenario_id.l2.clone().unwrap_or_default(),
-            l3: r.scenario_id.l3.clone(),
-        },
-        mining_score: r.score,
-        mining_method: "rule_based".to_owned(),
-    });
-    ClipMetadata { pre_labels, ..clip.clone() }
 }

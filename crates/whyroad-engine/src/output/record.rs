@@ -2,12 +2,14 @@
 //! frames: an episode belongs to the clip that its keyframe is in; times stay those of the drive where a
 //! message allows, frames are clamped to the clip.
 
+use super::wording::in_words;
 use whyroad_mining::episode::{Episode, Rank};
 use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
-    EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, ScenarioPreLabel, TimeRange,
+    EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, MatchedCondition, ScenarioPreLabel, TimeRange,
 };
 use whyroad_model::{ClipId, DriveId, FrameRange, Lang, Nanos};
+use whyroad_signals::Catalogue;
 
 /// An episode with everything that is written about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,8 +66,9 @@ pub fn write_down(
                 Rank::Primary => None,
                 Rank::SecondaryTo(p) => Some(ids[p].clone()),
             },
+            ego_response: Some(e.response),
             keyframe_rule: e.keyframe_rule.clone(),
-            conditions_matched: e.conditions.clone(),
+            conditions_matched: e.conditions.iter().map(described).collect(),
             signals: e.signals.clone(),
         };
         let context = e.context.intersect(clip);
@@ -88,12 +91,23 @@ pub fn write_down(
             // A person confirms the variant; mining suggests it.
             l3: None,
             confidence: rounded(e.score),
-            mining_conditions_matched: e.conditions.iter().map(|c| c.condition.clone()).collect(),
+            mining_conditions_matched: e.conditions.iter().map(|c| words(c, lang)).collect(),
             suggested_l3: e.scenario.l3.clone(),
         };
         MinedEpisode { record, pre_label, suggestion }
     };
     episodes.iter().enumerate().map(one).collect()
+}
+
+/// A condition with its words.
+fn described(condition: &MatchedCondition) -> MatchedCondition {
+    let description = in_words(&condition.condition, Catalogue::bundled());
+    MatchedCondition { description, ..condition.clone() }
+}
+
+fn words(condition: &MatchedCondition, lang: Lang) -> String {
+    let described = described(condition).description;
+    described.map_or_else(|| condition.condition.clone(), |d| d.get(lang).to_owned())
 }
 
 /// `<clip>_<class>_<target or ego>_<frame>`: the same whenever the same thing is found again. Should two
@@ -139,6 +153,7 @@ fn rounded(score: f64) -> f64 {
 mod tests {
     use super::*;
     use whyroad_model::Bilingual;
+    use whyroad_model::messages::EgoResponse;
 
     /// One episode in the second clip of a drive, whose time range begins in the first.
     fn mined(target: Option<&str>) -> MinedEpisode {
@@ -153,6 +168,7 @@ mod tests {
             range: FrameRange::new(190, 240),
             context: FrameRange::new(160, 250),
             keyframe_rule: Bilingual::default(),
+            response: EgoResponse::Observed,
             score: 0.75,
             conditions: vec![],
             signals: vec![],

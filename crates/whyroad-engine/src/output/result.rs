@@ -35,13 +35,12 @@ pub struct Answer {
     question: Question,
     matches: Vec<Match>,
     total: u64,
-    distribution: BTreeMap<String, u64>,
 }
 
 impl Answer {
     /// Nothing found yet.
     pub fn new(question: Question) -> Self {
-        Self { question, matches: Vec::new(), total: 0, distribution: BTreeMap::new() }
+        Self { question, matches: Vec::new(), total: 0 }
     }
 
     /// What was asked.
@@ -55,7 +54,6 @@ impl Answer {
             return;
         }
         self.total += 1;
-        *self.distribution.entry(tenth(record.score)).or_default() += 1;
         self.matches.push(Match { score: record.score, episode_id: record.episode_id.clone(), span });
         // With a limit no more than twice as many are ever held.
         if let Some(limit) = self.limit()
@@ -89,6 +87,15 @@ impl Answer {
         self.matches.iter().take(n).map(|m| read(m.span, &self.question.scenario, episodes)).collect()
     }
 
+    /// The clips that are returned, by score (DATA_FORMAT.md 5.2: the counts add up to `returned`).
+    fn distribution(&self) -> BTreeMap<String, u64> {
+        let mut counts = BTreeMap::new();
+        for m in &self.matches {
+            *counts.entry(tenth(m.score)).or_default() += 1;
+        }
+        counts
+    }
+
     /// Everything that matched, whatever the limit.
     pub fn total(&self) -> u64 {
         self.total
@@ -103,7 +110,7 @@ impl Answer {
                 total_matched: self.total,
                 returned: self.matches.len() as u64,
                 clips: Clips { answer: self, episodes },
-                statistics: MiningStatistics { score_distribution: self.distribution.clone() },
+                statistics: MiningStatistics { score_distribution: self.distribution() },
                 not_observable: not_observable(counts, &self.question.scenario),
             },
         }
@@ -160,6 +167,7 @@ fn read(span: LineSpan, asked: &ScenarioId, episodes: &mut File) -> std::io::Res
         scenario_id: (r.scenario_id != *asked).then_some(r.scenario_id),
         episode_id: Some(r.episode_id),
         target_id: r.target_id.map(|id| id.to_string()),
+        ego_response: r.ego_response,
     })
 }
 

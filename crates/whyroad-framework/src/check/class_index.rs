@@ -113,6 +113,13 @@ fn keyframe_offset_s(expr: &str) -> Option<f64> {
 }
 
 impl ClassIndex {
+    /// True for the end of exactly one class's id, such as `cutin` or `cutin.urgent`.
+    pub fn is_short_id(&self, text: &str) -> bool {
+        let ends =
+            |id: &ScenarioId| id.to_string().strip_suffix(text).is_some_and(|rest| rest.ends_with('.'));
+        self.names.iter().filter(|(id, _)| ends(id)).count() == 1
+    }
+
     /// The classes of a framework with what they prescribe.
     pub fn new(framework: &Framework) -> Self {
         let mut index = Self::default();

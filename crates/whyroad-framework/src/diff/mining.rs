@@ -38,6 +38,7 @@ fn blocks(x: &Node, y: &Node) -> Vec<(&'static str, Bilingual, Bilingual)> {
             "target" => "mining.target",
             "when" => "mining.when",
             "require" => "mining.require",
+            "response" => "mining.response",
             "min_duration" => "mining.min_duration",
             "max_duration" => "mining.max_duration",
             "merge_gap" => "mining.merge_gap",

@@ -6,13 +6,14 @@ use whyroad_model::scene::{LightColour, LightState};
 /// The colour that a state's name means: Waymo's `LANE_STATE_*` and MetaDrive's `TRAFFIC_LIGHT_*`. `None` for a name
 /// that neither defines.
 ///
-/// Neither distinguishes arrows from round lights; a green may therefore be one that must give way. Flashing red
-/// asks to stop and then to go on, which is none of our colours: unknown.
+/// A green that is not stated to be an arrow is taken for the ordinary round light, under which a left turn gives way
+/// to oncoming traffic. Flashing red asks to stop and then to go on, which is none of our colours: unknown.
 pub(crate) fn colour(name: &str) -> Option<LightColour> {
     Some(match name.trim_start_matches("LANE_STATE_").trim_start_matches("TRAFFIC_LIGHT_") {
         "ARROW_STOP" | "STOP" | "RED" => LightColour::Red,
         "ARROW_CAUTION" | "CAUTION" | "YELLOW" => LightColour::Yellow,
-        "ARROW_GO" | "GO" | "GREEN" => LightColour::Green,
+        "ARROW_GO" => LightColour::GreenArrow,
+        "GO" | "GREEN" => LightColour::GreenRound,
         "FLASHING_CAUTION" => LightColour::FlashingYellow,
         "FLASHING_STOP" | "UNKNOWN" => LightColour::Unknown,
         _ => return None,

@@ -12,7 +12,7 @@ pub fn max_speed_mps(class: ObjectClass) -> f64 {
         // Wheelchairs and skaters downhill.
         ObjectClass::WheeledPedestrian => 20.0,
         // Racing cyclists on a descent reach about 110 km/h.
-        ObjectClass::Bicycle | ObjectClass::Bicyclist => 32.0,
+        ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::EBike => 32.0,
         // Greyhounds and horses: 70 km/h.
         ObjectClass::Animal => 20.0,
         _ => 80.0,

@@ -255,10 +255,11 @@ fn ego(motion: Motion, bus: EgoBus) -> Ego {
 /// Our class for a category of nuScenes (23 of the detection set and `static_object`); `None` for others.
 fn class_of(category: &str) -> Option<ObjectClass> {
     Some(match category {
-        "vehicle.car" | "vehicle.emergency.police" => ObjectClass::Car,
+        "vehicle.car" => ObjectClass::Car,
         "vehicle.truck" | "vehicle.trailer" => ObjectClass::Truck,
         "vehicle.bus.bendy" | "vehicle.bus.rigid" => ObjectClass::Bus,
-        "vehicle.construction" | "vehicle.emergency.ambulance" => ObjectClass::LargeVehicle,
+        "vehicle.construction" => ObjectClass::LargeVehicle,
+        "vehicle.emergency.police" | "vehicle.emergency.ambulance" => ObjectClass::EmergencyVehicle,
         "vehicle.motorcycle" => ObjectClass::Motorcycle,
         "vehicle.bicycle" => ObjectClass::Bicycle,
         "human.pedestrian.adult"
@@ -270,10 +271,10 @@ fn class_of(category: &str) -> Option<ObjectClass> {
         | "human.pedestrian.wheelchair" => ObjectClass::WheeledPedestrian,
         "animal" => ObjectClass::Animal,
         "movable_object.trafficcone" => ObjectClass::Cone,
-        "movable_object.barrier"
-        | "movable_object.debris"
-        | "movable_object.pushable_pullable"
-        | "static_object.bicycle_rack" => ObjectClass::StaticObject,
+        "movable_object.barrier" => ObjectClass::Barrier,
+        "movable_object.debris" | "movable_object.pushable_pullable" | "static_object.bicycle_rack" => {
+            ObjectClass::StaticObject
+        }
         _ => return None,
     })
 }

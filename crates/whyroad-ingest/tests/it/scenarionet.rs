@@ -115,7 +115,7 @@ fn light_states_begin_where_they_change_and_end_unseen() {
     let lights = drive.lights.unwrap();
     let changes: Vec<_> = lights.iter().map(|l| (l.time.seconds_since(drive.times[0]), l.colour)).collect();
     let expected = [
-        (0.0, LightColour::Green),
+        (0.0, LightColour::GreenRound),
         (1.0, LightColour::Yellow),
         (2.0, LightColour::Red),
         (3.1, LightColour::Unknown),

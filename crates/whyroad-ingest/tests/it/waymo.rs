@@ -112,7 +112,7 @@ fn light_states_are_those_of_the_lane() {
     // In view from step 5, red from step 15.
     assert_eq!(
         seen,
-        [("101", drive.times[5], LightColour::Green), ("101", drive.times[15], LightColour::Red)]
+        [("101", drive.times[5], LightColour::GreenRound), ("101", drive.times[15], LightColour::Red)]
     );
 }
 

@@ -11,9 +11,10 @@
 //! | score | double | 0 to 1 |
 //! | is_primary | bool | arbitration made it the primary trigger at its keyframe |
 //! | primary_episode_id | utf8, null | the episode that it is secondary to |
+//! | ego_response | utf8, null | observed, absent or unknown: whether the ego answered the trigger |
 //! | line_start, line_bytes | int64 | where the episode's line is in `episodes.jsonl` |
 //!
-//! Rows are in the order of drive, keyframe, class, target. Only `target_id` and `primary_episode_id` are nullable.
+//! Rows are in the order of drive, keyframe, class, target. Only `target_id`, `primary_episode_id` and `ego_response` are nullable.
 
 use super::LineSpan;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
@@ -91,6 +92,7 @@ fn record_columns(rows: &[&EpisodeRecord]) -> Vec<EpisodeColumn> {
         (SCORE, Float64, false, scores),
         (IS_PRIMARY, Boolean, false, primary),
         ("primary_episode_id", Utf8, true, maybe(&|r| r.primary_episode_id.clone())),
+        ("ego_response", Utf8, true, maybe(&|r| r.ego_response.map(|e| e.name().to_owned()))),
     ]
 }
 
@@ -120,7 +122,7 @@ mod tests {
             .collect();
         let expected = "episode_id Utf8, scenario_id Utf8, drive_id Utf8, clip_id Utf8, target_id Utf8?, \
              start_ns Int64, keyframe_ns Int64, end_ns Int64, start_frame_idx Int32, keyframe_frame_idx Int32, \
-             end_frame_idx Int32, score Float64, is_primary Boolean, primary_episode_id Utf8?, \
+             end_frame_idx Int32, score Float64, is_primary Boolean, primary_episode_id Utf8?, ego_response Utf8?, \
              line_start Int64, line_bytes Int64";
         assert_eq!(named.join(", "), expected);
         assert!(batch.column(4).is_valid(0) && batch.column(4).is_null(1));

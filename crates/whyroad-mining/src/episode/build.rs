@@ -8,7 +8,7 @@ use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::{Listed, Rule};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::messages::MatchedCondition;
+use whyroad_model::messages::{EgoResponse, MatchedCondition};
 use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
 
 /// The results of one rule on one drive.
@@ -178,6 +178,8 @@ fn episode<'a>(
     let end = end.max(times.end(keyframe));
     let range = times.range(start, end);
     let after = (end + rule.timing.after).min(until.max(end));
+    let answered_in = FrameRange::new(times.matched.start, range.end);
+    let response = answered(rule, answered_in, evaluator, &mut at);
     Some(Episode {
         scenario: rule.scenario.clone(),
         target: roles.target.map(|s| s.id.clone()),
@@ -189,11 +191,33 @@ fn episode<'a>(
         range,
         context: times.range(start - rule.timing.before, after),
         keyframe_rule,
+        response,
         score: score(margin),
         conditions,
         signals: rule.signals().into_iter().collect(),
         rank: Rank::Primary,
     })
+}
+
+/// Whether the ego answered in these frames.
+fn answered<'a>(
+    rule: &'a Rule,
+    range: FrameRange,
+    evaluator: &mut Evaluator<'a>,
+    at: &mut Pass<'a>,
+) -> EgoResponse {
+    let Some(asked) = rule.response else { return EgoResponse::Observed };
+    let mut drive = evaluator.pass(None);
+    let pass = if asked.of_target { at } else { &mut drive };
+    let series = evaluator.series(asked.condition, pass);
+    let Series::Truths(truths) = series.as_ref() else { return EgoResponse::Unknown };
+    let by_frame: BTreeMap<usize, Tri> = evaluator
+        .rows(pass)
+        .iter()
+        .zip(&truths.value)
+        .filter_map(|(row, truth)| row.frame.map(|frame| (frame, *truth)))
+        .collect();
+    super::response(range, |frame| by_frame.get(&frame).copied())
 }
 
 /// Who takes which role, for a rule that binds two objects.
@@ -246,15 +270,20 @@ fn conditions<'a>(
     evaluator: &mut Evaluator<'a>,
     pass: &mut Pass<'a>,
 ) -> Vec<MatchedCondition> {
-    let mut out = Vec::new();
+    let mut listed: Vec<(&Atom, f64)> = Vec::new();
     for atom in &rule.atoms {
-        let holds = truth_at(atom.condition, row, evaluator, pass).0;
+        let (holds, margin) = truth_at(atom.condition, row, evaluator, pass);
         if rule.listed == Listed::All || holds == Tri::True {
-            let actual_value = measured(atom, row, evaluator, pass);
-            out.push(MatchedCondition { condition: atom.text.clone(), actual_value });
+            listed.push((atom, margin));
         }
     }
-    out
+    let margins: Vec<(&str, f64)> = listed.iter().map(|(atom, m)| (atom.text.as_str(), *m)).collect();
+    let one = |i: usize| {
+        let atom = listed[i].0;
+        let actual_value = measured(atom, row, evaluator, pass);
+        MatchedCondition { condition: atom.text.clone(), actual_value, description: None }
+    };
+    super::deciding(&margins).into_iter().map(one).collect()
 }
 
 /// The measured value in the atom's unit, to four decimals; null when unknown or infinite.

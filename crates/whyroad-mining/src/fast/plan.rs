@@ -150,7 +150,8 @@ fn later_nodes(rule: &Rule) -> Vec<NodeId> {
     let moments =
         moments.chain(&timing.second_keyframe).chain(&timing.after_until).flat_map(Moment::conditions);
     let atoms = rule.atoms.iter().flat_map(|a| [a.condition, a.measured]);
-    rule.require.iter().copied().chain(moments).chain(atoms).collect()
+    let response = rule.response.map(|r| r.condition);
+    rule.require.iter().copied().chain(response).chain(moments).chain(atoms).collect()
 }
 
 /// The same operation on other nodes.

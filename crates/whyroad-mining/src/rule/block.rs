@@ -15,6 +15,7 @@ const FIELDS: &[&str] = &[
     "define",
     "when",
     "require",
+    "response",
     "min_duration",
     "max_duration",
     "merge_gap",
@@ -33,6 +34,7 @@ pub(super) struct Block<'n> {
     pub define: Vec<&'n Entry>,
     pub when: Vec<&'n Node>,
     pub require: Vec<&'n Node>,
+    pub response: Vec<&'n Node>,
     pub min_duration: Option<&'n Node>,
     pub max_duration: Option<&'n Node>,
     pub merge_gap: Option<&'n Node>,
@@ -63,6 +65,7 @@ pub(super) fn read<'n>(block: &'n Node, origin: &Origin<'_>, found: &mut Vec<Dia
     out.merge_gap = text("merge_gap");
     out.when = of("when").map(|e| reader.texts(e)).unwrap_or_default();
     out.require = of("require").map(|e| reader.texts(e)).unwrap_or_default();
+    out.response = of("response").map(|e| reader.texts(e)).unwrap_or_default();
     if of("when").is_none_or(|e| matches!(&e.node.value, Value::List(items) if items.is_empty())) {
         reader.fault(
             origin.mark,

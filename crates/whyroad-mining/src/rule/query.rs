@@ -65,14 +65,15 @@ fn unreadable(text: &str, file: &str, framework: &Framework, e: &serde_json::Err
     found
 }
 
-/// The rule that a query means. All conditions hold at once; how long is bounded by its time constraints; a
+/// The rule that the conditions of a query make; `None` where it has none, and so asks for all of its class. All
+/// conditions hold at once; how long is bounded by its time constraints; a
 /// break of a single frame ends a match.
 pub fn compile_query(
     query: &MiningQuery,
     catalogue: &Catalogue,
     text: &str,
     file: &str,
-) -> Result<Rule, Vec<Diagnostic>> {
+) -> Result<Option<Rule>, Vec<Diagnostic>> {
     let mut checker = Checker::new(catalogue);
     let mut found = Vec::new();
     let mut conditions = Vec::new();
@@ -94,11 +95,6 @@ pub fn compile_query(
         }
     }
     found.append(&mut reader.found);
-    if query.conditions.is_empty() {
-        let fault =
-            Fault::new("mine.query.syntax", Span::default(), "查询没有条件", "the query has no conditions");
-        found.push(fault.at(source.location("/mining_query/conditions")));
-    }
     let bounds = query.time_constraints.clone().unwrap_or_default();
     let (least, most) = (bounds.condition_duration_min, bounds.condition_duration_max);
     let mut refuse = |name: &str, zh: String, en: String| {
@@ -127,16 +123,20 @@ pub fn compile_query(
     if !found.is_empty() {
         return Err(found);
     }
+    if query.conditions.is_empty() {
+        return Ok(None);
+    }
     let when = checker.program.add(Op::And(conditions.clone()), ValueKind::Condition);
     let of_target = conditions.iter().any(|id| checker.is_of_target(*id));
     let any = of_target.then_some(crate::language::Subject::Any);
-    Ok(Rule {
+    Ok(Some(Rule {
         scenario: query.scenario_id.clone(),
         subject: checker.subject.or(any),
         target_role: TARGET.to_owned(),
         second: None,
         when,
         require: vec![],
+        response: None,
         atoms: described.atoms,
         parts: described.parts,
         listed: Listed::All,
@@ -145,5 +145,5 @@ pub fn compile_query(
         merge_gap: Nanos::default(),
         timing: Timing::of_match(),
         program: checker.program,
-    })
+    }))
 }

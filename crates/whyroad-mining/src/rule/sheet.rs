@@ -32,6 +32,8 @@ pub struct RuleSheet {
     pub when: Vec<String>,
     /// What must hold at the keyframe.
     pub require: Vec<String>,
+    /// What counts as the ego's answer.
+    pub response: Vec<String>,
     /// `min_duration`, `max_duration` and `merge_gap`, where the rule states them.
     pub durations: Vec<(&'static str, String)>,
 }
@@ -60,6 +62,7 @@ impl RuleSheet {
             define: named("define"),
             when: list(block.get("when")),
             require: list(block.get("require")),
+            response: list(block.get("response")),
             durations: durations.into_iter().filter_map(|k| Some((k, text(block.get(k)?)))).collect(),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::block;
 use super::origin::Origin;
-use super::{Listed, PartPlace, Rule, RuleParts, TARGET, Timing};
+use super::{Listed, PartPlace, ResponseCondition, Rule, RuleParts, TARGET, Timing};
 use crate::language::program::{Moment, NodeId, Op, Subject, ValueKind};
 use crate::language::syntax::{ExprKind, Quantity};
 use crate::language::{Checker, Fault, Span, parse};
@@ -85,6 +85,7 @@ pub fn compile(
         block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut described)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut described)).collect();
+    let response: Vec<NodeId> = block.response.iter().filter_map(|n| c.response(n)).collect();
     let mut time = |node: Option<&Node>| node.and_then(|n| c.time(n));
     let min_duration = time(block.min_duration).unwrap_or_default();
     let max_duration = time(block.max_duration);
@@ -106,6 +107,13 @@ pub fn compile(
         [one] => *one,
         all => c.checker.program.add(Op::And(all.to_vec()), ValueKind::Condition),
     };
+    let response = match response.as_slice() {
+        [] => None,
+        [one] => Some(*one),
+        all => Some(c.checker.program.add(Op::And(all.to_vec()), ValueKind::Condition)),
+    };
+    let response = response
+        .map(|condition| ResponseCondition { condition, of_target: c.checker.is_of_target(condition) });
     if !c.found.is_empty() {
         return Err(c.found);
     }
@@ -116,6 +124,7 @@ pub fn compile(
         second: roles.second,
         when,
         require,
+        response,
         atoms: described.atoms,
         parts: described.parts,
         listed: Listed::Holding,
@@ -171,6 +180,21 @@ impl Compiler<'_> {
                 None
             }
         }
+    }
+
+    /// What counts as the ego's answer. It is looked for in the time range, so it cannot speak of the match.
+    fn response(&mut self, node: &Node) -> Option<NodeId> {
+        let text = node.text().unwrap_or_default();
+        let checked =
+            parse::parse(text).map_err(|fault| self.report(node, fault)).ok().and_then(|expr| match self
+                .checker
+                .condition(&expr)
+            {
+                Ok(id) if self.checker.program.node(id).needs_episode => Some(Err(vec![needs_a_match(text)])),
+                Ok(id) => Some(Ok(id)),
+                Err(first) => Some(Err(self.checker.every_fault(&expr, first))),
+            })?;
+        checked.map_err(|faults| faults.into_iter().for_each(|fault| self.report(node, fault))).ok()
     }
 
     fn quantity(&mut self, node: &Node) -> Option<Quantity> {

@@ -37,6 +37,7 @@ pub fn compile_text(
         second: None,
         when,
         require: vec![],
+        response: None,
         atoms: described.atoms,
         parts: described.parts,
         listed: Listed::Holding,

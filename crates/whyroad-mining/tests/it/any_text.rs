@@ -130,7 +130,7 @@ fn query(text: &str) {
         Err(found) => printed(&found),
         Ok(q) => match compile_query(&q, Catalogue::bundled(), text, "q.json") {
             Err(found) => printed(&found),
-            Ok(rule) => run(rule),
+            Ok(rule) => rule.into_iter().for_each(run),
         },
     }
 }

@@ -8,7 +8,7 @@ use whyroad_framework::taxonomy::Decides;
 use whyroad_mining::episode::arbitrate::arbitrate;
 use whyroad_mining::rule::Precedence;
 use whyroad_mining::{Episode, Rank};
-use whyroad_model::messages::KeyframeType;
+use whyroad_model::messages::{EgoResponse, KeyframeType};
 use whyroad_model::{Bilingual, FrameRange, Nanos, ScenarioId};
 
 fn precedence() -> Precedence {
@@ -30,6 +30,7 @@ fn episode(class: &str, target: &str, keyframe: usize, score: f64) -> Episode {
         range: FrameRange::new(keyframe, keyframe + 20),
         context: FrameRange::new(keyframe, keyframe + 20),
         keyframe_rule: Bilingual::default(),
+        response: EgoResponse::Observed,
         score,
         conditions: vec![],
         signals: vec![],

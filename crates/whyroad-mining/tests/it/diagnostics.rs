@@ -109,7 +109,7 @@ fn query_faults(text: &str) -> String {
 #[test]
 fn the_printed_query_is_a_rule() {
     let query = parse_query(PRINTED, "query.json", Framework::bundled()).unwrap();
-    let rule = compile_query(&query, Catalogue::bundled(), PRINTED, "query.json").unwrap();
+    let rule = compile_query(&query, Catalogue::bundled(), PRINTED, "query.json").unwrap().unwrap();
     let texts: Vec<&str> = rule.atoms.iter().map(|a| a.text.as_str()).collect();
     // The first is printed in DATA_FORMAT.md 5.2.
     assert_eq!(texts, ["target_vehicle.lateral_offset > 0.5m", "ttc < 5s"]);

@@ -18,7 +18,7 @@ fn matched(conditions: Value) -> Result<Vec<(usize, usize)>, Vec<Diagnostic>> {
         json!({ "mining_query": { "scenario_id": "reactive_agent.cutin", "conditions": conditions } });
     let text = format!("{query:#}");
     let query = parse_query(&text, "query.json", Framework::bundled())?;
-    let rule = compile_query(&query, Catalogue::bundled(), &text, "query.json")?;
+    let rule = compile_query(&query, Catalogue::bundled(), &text, "query.json")?.unwrap();
     let table = SignalTable {
         times: (0..SPEEDS.len() as i64).map(|i| Nanos(i * 100_000_000)).collect(),
         frame_columns: BTreeMap::from([("ego.speed".to_owned(), Column::Number(SPEEDS.to_vec()))]),

@@ -8,6 +8,30 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Whether the ego answered what triggered an episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EgoResponse {
+    /// The ego did what the rule counts as an answer (it slowed, waited, moved aside), or the rule's match is itself what
+    /// the ego did.
+    Observed,
+    /// It did not, in the whole time range: a missed response, or one that was not needed.
+    Absent,
+    /// The log cannot tell: it ends before, or lacks a signal.
+    Unknown,
+}
+
+impl EgoResponse {
+    /// Its name in messages and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Observed => "observed",
+            Self::Absent => "absent",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
 /// A stretch of a drive in which one leaf's rule held, with the evidence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EpisodeRecord {
@@ -40,6 +64,9 @@ pub struct EpisodeRecord {
     /// The primary episode that this one is secondary to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub primary_episode_id: Option<String>,
+    /// Whether the ego answered the trigger; absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ego_response: Option<EgoResponse>,
     /// How the keyframe was found, from the labelling spec.
     pub keyframe_rule: Bilingual,
     /// Conditions of the rule with their values at the keyframe.

@@ -1,7 +1,8 @@
 //! The mining interface: query (DATA_FORMAT.md 5.1) and result (5.2).
 
+use super::episode::EgoResponse;
 use super::query_clause::QueryClause;
-use crate::{Nanos, ScenarioId};
+use crate::{Bilingual, Nanos, ScenarioId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,7 +65,7 @@ pub struct MiningResult {
     pub returned: u64,
     /// Best first.
     pub clips: Vec<MinedClip>,
-    /// Computed over all that match.
+    /// Computed over the clips listed.
     pub statistics: MiningStatistics,
     /// Leaves that some drives could not answer, with the signals that those drives lack.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -81,7 +82,7 @@ pub struct MinedClip {
     pub match_score: f64,
     /// Where the keyframe is.
     pub keyframe_suggestion: MinedKeyframe,
-    /// Conditions with their values at the keyframe.
+    /// The deciding conditions with their values at the keyframe, at most five.
     pub conditions_matched: Vec<MatchedCondition>,
     /// The leaf, where the query was for more than one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -92,6 +93,9 @@ pub struct MinedClip {
     /// The target, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target_id: Option<String>,
+    /// Whether the ego answered the trigger.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ego_response: Option<EgoResponse>,
 }
 
 /// Keyframe of a match.
@@ -110,12 +114,15 @@ pub struct MatchedCondition {
     pub condition: String,
     /// The value in the condition's unit; null when unknown there.
     pub actual_value: serde_json::Value,
+    /// The condition in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<Bilingual>,
 }
 
-/// Figures over all matches.
+/// Figures over the clips of the result.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MiningStatistics {
-    /// Matches by score, tenths: `{"0.9-1.0": 523}`; empty tenths left out.
+    /// Clips returned by score, tenths: `{"0.9-1.0": 523}`; empty tenths left out.
     pub score_distribution: BTreeMap<String, u64>,
 }
 

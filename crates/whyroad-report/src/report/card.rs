@@ -2,7 +2,7 @@
 
 use super::{ReportContext, draft_box};
 use crate::coverage::class_title;
-use whyroad_model::messages::{EpisodeRecord, KeyframeType};
+use whyroad_model::messages::{EgoResponse, EpisodeRecord, KeyframeType};
 use whyroad_model::names::{class_name, keyframe_kind};
 use whyroad_model::time::frame_at;
 use whyroad_model::{Drive, FrameRange, Nanos, ScenarioId, SignalTable};
@@ -84,6 +84,14 @@ fn head(m: &mut Markup, context: &ReportContext<'_>, episode: &EpisodeRecord, id
                 .raw("\">");
             m.say("查看主场景", "see the primary one").raw("</a>");
         }
+    }
+    if let Some(response) = episode.ego_response {
+        let (zh, en) = match response {
+            EgoResponse::Observed => ("自车有响应", "ego responds"),
+            EgoResponse::Absent => ("自车无响应", "no response of the ego"),
+            EgoResponse::Unknown => ("响应未知", "response unknown"),
+        };
+        m.raw(" <span class=\"badge\">").say(zh, en).raw("</span>");
     }
     m.raw(" <span class=\"score\"><span class=\"score-bar\"><i style=\"width:");
     m.num(episode.score.clamp(0.0, 1.0) * 100.0, 0)

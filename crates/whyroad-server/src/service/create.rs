@@ -319,6 +319,7 @@ fn until(episode: &EpisodeRecord, keyframe: Nanos) -> EpisodeRecord {
     e.time_range.end_frame_idx = None;
     e.keyframe.range_end = None;
     e.second_keyframe = None;
+    e.ego_response = None;
     e.conditions_matched.clear();
     e
 }

@@ -181,6 +181,7 @@ pub fn episode(drive: &str, n: usize, future: Future) -> EpisodeRecord {
         score: if future == Future::Brakes { 0.9 } else { 0.7 },
         is_primary: true,
         primary_episode_id: None,
+        ego_response: None,
         keyframe_rule: Bilingual::new("越线", "crosses the line"),
         conditions_matched: conditions(future),
         signals: vec!["ego.mean_speed".into(), "target.gap".into()],

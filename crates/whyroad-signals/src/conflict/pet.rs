@@ -1,6 +1,5 @@
-//! Post-encroachment time from what both parties really drove. The conflict area is where the swept footprints of
-//! the two meet; the time runs from the first party's leaving it until the second one's entering it. An entry or
-//! exit is taken half way between the frames around it: good to a frame.
+//! Post-encroachment time from what both parties really drove: the shortest time between one box's leaving a place and
+//! the other's coming to overlap the same place. Entries and exits are taken half way between frames: good to a frame.
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
@@ -106,10 +105,14 @@ impl EgoSweep {
                     let turned = self.stands[i].footprint.heading - theirs[j].footprint.heading;
                     wrap(turned).abs() > FOLLOWING_RAD
                 });
-                let (ego_first, they_first) = (c.from - b.until, a.from - d.until);
+                // From box to box: the shortest time between one party's leaving a place and the other's coming to
+                // the same place. Where ways join, the whole area that both sweep says nothing of how near they came.
+                let apart = |&(i, j): &(usize, usize)| {
+                    (theirs[j].from - self.stands[i].until).max(self.stands[i].from - theirs[j].until)
+                };
                 let pet =
-                    if touched { Some(0.0) } else { Some(ego_first.max(they_first)).filter(|p| *p >= 0.0) };
-                if let Some(pet) = pet.filter(|p| *p <= LONGEST_S && (crossed || touched)) {
+                    if touched { 0.0 } else { met.iter().map(apart).fold(f64::INFINITY, f64::min).max(0.0) };
+                if pet <= LONGEST_S && (crossed || touched) {
                     found.push(Encounter { pet, from: a.from.min(c.from), until: b.until.max(d.until) });
                 }
             }

@@ -5,7 +5,6 @@ use crate::geometry::{P2, angle_between_lines, wrap};
 use crate::road::junction::{self, Stretch};
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
-use crate::target::motion::OPPOSITE_RAD;
 use crate::target::placement::{MOVING_MPS, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use whyroad_model::Tri;
@@ -25,6 +24,9 @@ const STANDS_MPS: f64 = 0.1;
 const JUNCTION_REACH_M: f64 = 60.0;
 /// A crossing this near a junction's border is in it, m.
 const BORDER_M: f64 = 3.0;
+/// Who comes towards the junction at this angle or more to the ego's entry is oncoming: 115 deg, as
+/// `map.opposing_arm`.
+const ONCOMING_RAD: f64 = 115.0 * std::f64::consts::PI / 180.0;
 /// Rows farther apart than this do not show a crossing between them, s.
 const JOINED_S: f64 = 0.55;
 
@@ -144,7 +146,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let oncoming = |k: usize, r: usize, p: Option<&Placement>| {
         let Some(p) = p.filter(|p| p.is_sized() && p.velocity.is_finite()) else { return f64::NAN };
         let Some((junction, heading)) = entered[p.frame] else { return f64::INFINITY };
-        let faces = wrap(p.course() - heading).abs() >= OPPOSITE_RAD - 1e-9;
+        let faces = wrap(p.course() - heading).abs() >= ONCOMING_RAD - 1e-9;
         let inside = |c: &Crossing| c.s >= junction.from - BORDER_M && c.s <= junction.to + BORDER_M;
         match found[k][r].filter(inside) {
             Some(c) if faces && targets[k].track.class.is_vehicle() => c.theirs,

@@ -2,7 +2,7 @@
 //! and the way that the ego takes across each junction.
 
 use crate::ego::motion::EgoMotion;
-use crate::geometry::unwrap;
+use crate::geometry::{unwrap, wrap};
 use crate::road::network::Road;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
@@ -18,6 +18,14 @@ pub const MERGE_M: f64 = 5.0;
 pub const HORIZON_M: f64 = 150.0;
 /// A turn's heading begins to change a little before the area and ends a little behind it, m.
 pub const TURN_MARGIN_M: f64 = 3.0;
+/// Farther from the area a turn is not the junction's, m.
+const TURN_REACH_M: f64 = 15.0;
+/// A turn goes on while its radius is under this, m.
+const TURN_RADIUS_M: f64 = 40.0;
+/// From this angle on a turn has begun: 10 deg.
+const BEGUN_RAD: f64 = PI / 18.0;
+/// A U-turn takes at most this much way, m: half a circle of 13 m radius.
+const TURN_ROUND_M: f64 = 40.0;
 /// From this angle on a traversal is a turn: 45 deg (RefAV).
 const TURN_RAD: f64 = PI / 4.0;
 /// From this angle on it is a U-turn: 135 deg.
@@ -63,16 +71,87 @@ pub fn distance_to_next(stretches: &[Stretch], ego_s: f64, front: f64) -> f64 {
     if distance > HORIZON_M { f64::INFINITY } else { distance }
 }
 
-/// Heading turned over one traversal and whether the recording holds it from entry to exit.
+/// Heading turned over one traversal and whether the recording holds it from entry to exit. A turn that begins before
+/// the area or ends behind it is counted as far as it goes on.
 fn turned(stretch: Stretch, path: &DrivenPath, headings: &[f64]) -> Option<(f64, bool)> {
-    let near = |&i: &usize| {
-        let s = path.ego_s[i];
-        s >= stretch.from - TURN_MARGIN_M && s <= stretch.to + TURN_MARGIN_M
-    };
+    let s = &path.ego_s;
+    let near = |&i: &usize| s[i] >= stretch.from - TURN_MARGIN_M && s[i] <= stretch.to + TURN_MARGIN_M;
     let frames: Vec<usize> = (0..headings.len()).filter(|i| headings[*i].is_finite()).filter(near).collect();
     let (first, last) = (*frames.first()?, *frames.last()?);
     let whole = path.driven.0 <= stretch.from && path.driven.1 >= stretch.to;
-    Some((headings[last] - headings[first], whole))
+    let turned = headings[last] - headings[first];
+    if turned.abs() < BEGUN_RAD {
+        return Some((turned, whole));
+    }
+    let goes_on = |from: f64, to: f64, way: f64| (to - from) * turned.signum() >= way / TURN_RADIUS_M;
+    let (mut begins, mut ends) = (first, last);
+    for i in (0..first).rev().take_while(|&i| s[i] >= stretch.from - TURN_REACH_M) {
+        let way = s[begins] - s[i];
+        if way >= STEP_M && headings[i].is_finite() {
+            if !goes_on(headings[i], headings[begins], way) {
+                break;
+            }
+            begins = i;
+        }
+    }
+    for i in (last + 1..headings.len()).take_while(|&i| s[i].is_nan() || s[i] <= stretch.to + TURN_REACH_M) {
+        let way = s[i] - s[ends];
+        if way >= STEP_M && headings[i].is_finite() {
+            if !goes_on(headings[ends], headings[i], way) {
+                break;
+            }
+            ends = i;
+        }
+    }
+    Some((headings[ends] - headings[begins], whole))
+}
+
+/// Where the path turns round outside of junctions, as at an opening of the median, and no lane leads round there (a
+/// hairpin does): heading turned by 135 deg and more within [`TURN_ROUND_M`].
+fn turns_round(road: &Road, path: &DrivenPath) -> Vec<Stretch> {
+    let steps = ((path.driven.1 - path.driven.0) / STEP_M) as usize;
+    let at = |k: usize| path.driven.0 + k as f64 * STEP_M;
+    let headings = unwrap(&(0..=steps).map(|k| path.heading_at(at(k))).collect::<Vec<f64>>());
+    let window = (TURN_ROUND_M / STEP_M) as usize;
+    let mut found: Vec<Stretch> = Vec::new();
+    let mut k = 0;
+    while k < steps {
+        let until =
+            (k + 1..=(k + window).min(steps)).find(|&j| (headings[j] - headings[k]).abs() >= UTURN_RAD);
+        let Some(j) = until else {
+            k += 1;
+            continue;
+        };
+        // The turn begins where the heading has changed a little.
+        let begins = (k..j).find(|&i| (headings[i] - headings[k]).abs() >= BEGUN_RAD).unwrap_or(k);
+        let middle = path.line.point_at(at((begins + j) / 2));
+        let course = headings[(begins + j) / 2];
+        let led_round = road.lanes_near(middle, 0.5).into_iter().any(|l| {
+            let line = &road.lanes[l].centre;
+            let along = line.smooth_heading_at(line.project(middle).s, 2.0);
+            !road.lanes[l].in_junction && wrap(along - course).abs() < TURN_RAD
+        });
+        if !led_round {
+            found.push(Stretch { from: at(begins), to: at(j) });
+        }
+        k = j;
+    }
+    found
+}
+
+/// Junction stretches and U-turns in one list: a U-turn joins what it touches, since its way may leave the area of the
+/// junction and come back to it.
+fn with_turns_round(junctions: Vec<Stretch>, turns: Vec<Stretch>) -> Vec<Stretch> {
+    let mut all: Vec<Stretch> = junctions;
+    for turn in turns {
+        let touches = |j: &Stretch| j.to >= turn.from - MERGE_M && j.from <= turn.to + MERGE_M;
+        let (near, mut rest): (Vec<Stretch>, Vec<Stretch>) = all.into_iter().partition(touches);
+        let joined = near.iter().fold(turn, |a, b| Stretch { from: a.from.min(b.from), to: a.to.max(b.to) });
+        rest.push(joined);
+        all = rest;
+    }
+    all.sort_by(|a, b| a.from.total_cmp(&b.from));
+    all
 }
 
 /// The movement of a traversal that turned by `angle` (rad) and was seen as a `whole`.
@@ -88,7 +167,8 @@ pub fn movement(angle: f64, whole: bool) -> Option<EgoMovement> {
 
 /// The junctions and crosswalks on the ego's path, in order.
 pub struct Encounters {
-    /// Junctions; those with less than 5 m between them are one.
+    /// Junctions; those with less than 5 m between them are one, and so is what a U-turn touches. A U-turn outside of
+    /// junctions counts as one.
     pub junctions: Vec<Stretch>,
     /// Crosswalks.
     pub crosswalks: Vec<Stretch>,
@@ -99,7 +179,8 @@ pub struct Encounters {
 impl Encounters {
     /// Along the whole path, its continuations included.
     pub fn new(road: &Road, path: &DrivenPath, ego: &EgoMotion) -> Self {
-        let junctions = stretches(path, |p| road.in_junction(p), MERGE_M);
+        let areas = stretches(path, |p| road.in_junction(p), MERGE_M);
+        let junctions = with_turns_round(areas, turns_round(road, path));
         let headings = unwrap(&ego.heading);
         let ways = junctions.iter().map(|&j| turned(j, path, &headings)).collect();
         let crosswalks = stretches(path, |p| road.crosswalks.iter().any(|c| c.contains(p)), 0.0);

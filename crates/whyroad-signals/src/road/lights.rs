@@ -11,8 +11,8 @@ use whyroad_model::catalogue::{id, value};
 use whyroad_model::scene::{LightColour, LightState};
 use whyroad_model::{Nanos, RoadMap};
 
-/// Lights farther ahead do not concern the ego yet, m.
-const REACH_M: f64 = 100.0;
+/// Lights farther ahead do not concern the ego yet, m: 6 s at 90 km/h. Rules ask for less where the ego is slower.
+const REACH_M: f64 = 150.0;
 
 /// A state that was seen for this long without a change has lasted at least as long, s.
 const LASTED_S: f64 = 5.0;
@@ -26,6 +26,9 @@ fn shown_value(colour: LightColour) -> Option<value::LightState> {
         LightColour::Yellow => value::LightState::Yellow,
         LightColour::Green => value::LightState::Green,
         LightColour::GreenYield => value::LightState::GreenYield,
+        LightColour::GreenRound => value::LightState::GreenRound,
+        LightColour::GreenArrow => value::LightState::GreenArrow,
+        LightColour::FlashingGreen => value::LightState::FlashingGreen,
         LightColour::RedYellow => value::LightState::RedYellow,
         LightColour::FlashingYellow => value::LightState::FlashingYellow,
         LightColour::Off => value::LightState::Off,

@@ -9,6 +9,7 @@ use crate::table::TableBuilder;
 use std::collections::BTreeSet;
 use whyroad_model::catalogue::{Number, PerFrame, Signal, id};
 use whyroad_model::road_map::Sign;
+use whyroad_model::vocabulary::PROHIBITIONS;
 
 /// Signals of a distance, with the kind of sign that each is about.
 const DISTANCES: [(Signal<PerFrame, Number>, &str); 6] = [
@@ -77,9 +78,13 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         (0..on.frames()).map(|i| distance_to_next(stretches, on.path.ego_s[i], front)).collect()
     };
     let route = route(on);
-    for (id, kind) in DISTANCES.into_iter().filter(|(_, kind)| on.map.tells(kind)) {
-        let found = places(on, |s| s.kind == kind, &route);
-        table.number(id, next(&found));
+    for (id, kind) in DISTANCES {
+        let one = [kind];
+        let kinds = if kind == "prohibition" { PROHIBITIONS } else { &one[..] };
+        if kinds.iter().any(|kind| on.map.tells(kind)) {
+            let found = places(on, |s| kinds.contains(&s.kind.as_str()), &route);
+            table.number(id, next(&found));
+        }
     }
     let lines = stop_lines(on);
     // A map without any has none drawn; that is not to say that there is none.

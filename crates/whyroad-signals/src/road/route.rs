@@ -3,7 +3,9 @@
 use crate::road::context::Channels;
 use crate::road::lane_rules::turns_ahead;
 use crate::road::on_road::OnRoad;
+use crate::road::way::beside;
 use crate::table::TableBuilder;
+use std::collections::BTreeSet;
 use whyroad_model::catalogue::{
     CategoryValue, id,
     value::{EgoMovement, RouteCommand},
@@ -40,8 +42,45 @@ fn turn(on: &OnRoad<'_>, frame: usize) -> Option<EgoMovement> {
     })
 }
 
+/// The lanes behind the next junction to which `lane` leads without a change of lane; empty where the map does not say.
+fn exits(on: &OnRoad<'_>, lane: usize) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    let mut seen = BTreeSet::from([lane]);
+    let mut open = vec![(lane, on.road.lanes[lane].in_junction, 0.0)];
+    while let Some((at, entered, length)) = open.pop() {
+        for &next in &on.road.lanes[at].successors {
+            let inside = on.road.lanes[next].in_junction;
+            if entered && !inside {
+                found.insert(next);
+            } else if length < REACH_M && seen.insert(next) {
+                open.push((next, inside, length + on.road.lanes[next].centre.length()));
+            }
+        }
+    }
+    found
+}
+
+/// Whether the ego's lane leads to the exit of the next junction that the ego then takes, or to a lane beside that one;
+/// `None` where the map or the recording does not tell. Two exits may lie in one direction.
+fn leads_to_exit(on: &OnRoad<'_>, lane: usize, frame: usize) -> Option<bool> {
+    let next = on.encounters.here_or_next(on.path.ego_s[frame], on.ego.front(), REACH_M)?;
+    let behind = on.encounters.junctions[next].to;
+    let taken = (frame..on.frames())
+        .filter(|&i| on.path.ego_s[i] > behind)
+        .find_map(|i| on.lanes.at(i).map(|place| place.lane))
+        .filter(|&l| !on.road.lanes[l].in_junction)?;
+    let reached = exits(on, lane);
+    let road: BTreeSet<usize> = std::iter::once(taken).chain(beside(on.road, taken)).collect();
+    (!reached.is_empty()).then(|| !reached.is_disjoint(&road))
+}
+
 fn fits(on: &OnRoad<'_>, frame: usize) -> Tri {
     let Some((way, s)) = on.ways.at(frame) else { return Tri::Unknown };
+    let commanded = on.drive.ego.as_ref().and_then(|e| command(&e.bus, frame)).is_some();
+    let lane = way.steps[way.step_at(s)].lane;
+    if !commanded && let Some(leads) = leads_to_exit(on, lane, frame) {
+        return Tri::from(leads);
+    }
     match turns_ahead(on, way, s + on.ego.front(), REACH_M) {
         None => Tri::True,
         Some(allowed) => turn(on, frame).map(|t| allowed.contains(&t)).into(),

@@ -8,7 +8,7 @@ use whyroad_model::ObjectClass;
 
 /// True for what drives in lanes.
 pub fn drives(class: ObjectClass) -> bool {
-    class.is_vehicle() || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist)
+    class.is_vehicle() || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::EBike)
 }
 
 /// Lanes of all targets: by target, then by row of its track. Empty for what does not drive in lanes.

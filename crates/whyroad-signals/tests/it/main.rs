@@ -10,6 +10,7 @@ mod lane_change_phases;
 mod manoeuvres;
 mod map_parts;
 mod recorded;
+mod recorded_traps;
 mod refav;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;

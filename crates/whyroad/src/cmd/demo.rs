@@ -154,7 +154,14 @@ fn mine(
         .iter()
         .map(|id| Question { query_id: format!("rules_{id}"), scenario: id.clone(), limit: None })
         .collect();
-    let summary = write_folder(&out.join("mined"), &mined, &questions, &framework.taxonomy, &classes)?;
+    let summary = write_folder(
+        &out.join("mined"),
+        &mined,
+        &questions,
+        &framework.taxonomy,
+        &classes,
+        &rules.precedence,
+    )?;
     let episodes: usize = mined.drives.iter().map(|d| d.episodes.len()).sum();
     let rules = classes.len();
     steps.say(

@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use table::Results;
 use whyroad_engine::mine::{Evaluator, MineOptions, mine_each};
-use whyroad_engine::output::FolderWriter;
+use whyroad_engine::output::{FolderWriter, query};
 use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError};
+use whyroad_mining::rule::Rule;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
@@ -96,9 +97,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         evaluator: if args.evaluator == "reference" { Evaluator::Reference } else { Evaluator::Fast },
         lang: global.lang,
     };
-    let classes: Vec<ScenarioId> = plan.rules.rules.iter().map(|r| r.scenario.clone()).collect();
+    let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|(class, _)| r.scenario.is_within(class));
+    let classes: Vec<ScenarioId> =
+        plan.rules.rules.iter().filter(asked_for).map(|r| r.scenario.clone()).collect();
     let existing = if args.force { Existing::Replace } else { Existing::ReplaceSameQuestion };
-    let folder = FolderWriter::create(&args.out, plan.asked, existing, &plan.questions, &classes);
+    let precedence = &plan.rules.precedence;
+    let folder = FolderWriter::create(&args.out, plan.asked, existing, &plan.questions, &classes, precedence);
     let mut folder = match folder {
         Err(MinedWriteError::OtherQuestion { dir, .. }) => {
             say!("{}", other_question(&dir, global.lang));
@@ -111,7 +115,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         bar.set_message(format!("{id}"));
         bar.inc(1);
     };
-    let unread = mine_each(&lake, &plan.rules, &options, done, |drive| folder.add(&drive));
+    let unread = mine_each(&lake, &plan.rules, &options, done, |drive| match &plan.query {
+        Some((class, has_conditions)) => folder.add(&query::answer(&drive, class, *has_conditions)),
+        None => folder.add(&drive),
+    });
     bar.finish_and_clear();
     let said = say(unread?, global.lang);
     // That the lake could not keep something loses nothing of the results.

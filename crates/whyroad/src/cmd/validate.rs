@@ -12,10 +12,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use whyroad_engine::label_drives::LabelDrives;
-use whyroad_framework::check::{Piece, Verdict, problem};
+use whyroad_framework::check::{MessageKind, Piece, Verdict, problem};
 use whyroad_label::check::{Checker, ClipIndex};
 use whyroad_lake::Lake;
+use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_model::{Bilingual, Diagnostic, Lang, Severity};
+use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad validate`.
 #[derive(clap::Args)]
@@ -47,6 +49,7 @@ struct Totals {
 
 /// Everything that one run of the command carries along.
 struct Run<'o> {
+    framework: &'o whyroad_framework::Framework,
     printer: Printer<'o>,
     totals: Totals,
     buffer: Vec<Diagnostic>,
@@ -64,7 +67,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let stdout = anstream::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
     let printer = Printer::new(&mut out, args.print.format, global.lang);
-    let mut run = Run { printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };
+    let mut run =
+        Run { framework: &framework, printer, totals: Totals::default(), buffer: Vec::new(), foreign: None };
     let denied = args.deny_warnings;
     match check_all(&mut run, &framework, &args, global.lang) {
         Ok(()) => {}
@@ -180,6 +184,15 @@ fn read_clips(run: &mut Run<'_>, checker: &Checker<'_>, path: &std::path::Path) 
     Ok(clips)
 }
 
+/// What `whyroad mine --query` says of a query whose form is right: unknown signals, units that do not fit.
+fn refused_by_mining(text: &str, name: &str, framework: &whyroad_framework::Framework) -> Vec<Diagnostic> {
+    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
+    match parse_query(text, name, framework) {
+        Ok(query) => compile_query(&query, &catalogue, text, name).err().unwrap_or_default(),
+        Err(found) => found,
+    }
+}
+
 impl Run<'_> {
     /// Checks a document or reports a problem between two; the verdict of a document.
     fn piece(&mut self, name: &str, piece: &Piece<'_>, checker: &Checker<'_>) -> io::Result<Option<Verdict>> {
@@ -190,6 +203,13 @@ impl Run<'_> {
                 if self.is_foreign(name, verdict, &mut found)? {
                     self.buffer = found;
                     return Ok(None);
+                }
+                let mut verdict = verdict;
+                // What mining would refuse is no valid query.
+                if verdict.valid && verdict.kind == Some(MessageKind::MiningQuery) {
+                    let text = String::from_utf8_lossy(document.bytes);
+                    found.extend(refused_by_mining(&text, name, self.framework));
+                    verdict.valid = found.iter().all(|d| d.severity != Severity::Error);
                 }
                 self.totals.documents += 1;
                 self.totals.valid += usize::from(verdict.valid);

@@ -50,9 +50,16 @@ pub(super) fn query<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, classes: &Class
     let (n, at) = (o.get("query_id"), o.at("query_id"));
     walk.text(n, &at);
     let n = walk.need(&mut o, "scenario_id");
-    scenario_id(walk, n, "/mining_query/scenario_id", classes);
+    // Mining takes a short id, too.
+    let is_short = |n: &Node<'_>| matches!(&n.kind, JsonKind::Text(text) if classes.is_short_id(text));
+    if !n.is_some_and(is_short) {
+        scenario_id(walk, n, "/mining_query/scenario_id", classes);
+    }
     let (n, at) = (walk.need(&mut o, "conditions"), o.at("conditions"));
-    if let Slot::Is(items) = walk.list(n, &at) {
+    // Without conditions, a query asks for all of its class.
+    if let Slot::Is(items) = walk.list(n, &at)
+        && !items.is_empty()
+    {
         clauses(walk, items, &at);
     }
     if let Some(n) = o.get("time_constraints") {

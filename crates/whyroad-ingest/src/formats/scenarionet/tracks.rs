@@ -30,7 +30,8 @@ fn class_of(kind: &str) -> Option<ObjectClass> {
         "PEDESTRIAN" => ObjectClass::Pedestrian,
         "CYCLIST" => ObjectClass::Bicycle,
         "TRAFFIC_CONE" => ObjectClass::Cone,
-        "TRAFFIC_BARRIER" | "TRAFFIC_OBJECT" | "BUILDING" | "INVISIBLE_WALL" => ObjectClass::StaticObject,
+        "TRAFFIC_BARRIER" => ObjectClass::Barrier,
+        "TRAFFIC_OBJECT" | "BUILDING" | "INVISIBLE_WALL" => ObjectClass::StaticObject,
         "OTHER" | "UNSET" => ObjectClass::Unknown,
         _ => return None,
     })

@@ -9,7 +9,8 @@ use whyroad_model::Nanos;
 use whyroad_model::scene::{ContextState, LightColour, LightState};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, UNKNOWN, context_values};
 
-const COLOURS: &str = "one of red, yellow, green, green_yield, red_yellow, flashing_yellow, off, unknown";
+const COLOURS: &str = "one of red, yellow, green, green_yield, green_round, green_arrow, flashing_green, red_yellow, \
+    flashing_yellow, off, unknown";
 
 /// Light states; `None` without the table.
 pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {

@@ -2,7 +2,7 @@
 //! What is looked for in time is found by bisection and in packed bits; margins are computed here only.
 
 use crate::episode::moment::{REACH, Sought};
-use crate::episode::{Episode, Rank, score};
+use crate::episode::{Episode, Rank, deciding, response, score};
 use crate::fast::evaluation::Evaluation;
 use crate::fast::layout::RowSet;
 use crate::fast::plan::PlanRule;
@@ -14,7 +14,7 @@ use crate::rule::Listed;
 use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use whyroad_model::messages::MatchedCondition;
+use whyroad_model::messages::{EgoResponse, MatchedCondition};
 use whyroad_model::{Bilingual, FrameRange, Nanos, Tri};
 
 /// The episode of the match from the first to the last of these rows; `None` where a requirement is not met.
@@ -81,6 +81,7 @@ pub(super) fn episode(
         range: clock.range(start, end),
         context: clock.range(start - rule.timing.before, after),
         keyframe_rule,
+        response: building.answered(FrameRange::new(matched.start, clock.range(start, end).end)),
         score: score(margin),
         conditions: building.conditions(row),
         signals: of.signals.iter().cloned().collect(),
@@ -181,12 +182,29 @@ impl<'e> Building<'e, '_> {
         sum / f64::from(n)
     }
 
+    /// Whether the ego answered in these frames.
+    fn answered(&self, range: FrameRange) -> EgoResponse {
+        let Some(asked) = self.of.rule.response else { return EgoResponse::Observed };
+        let rows = if asked.of_target { self.row_set } else { RowSet::Drive };
+        let truth = self.evaluation.truth(self.of.node(asked.condition), rows);
+        response(range, |frame| self.evaluation.layout.position(rows, frame).map(|row| truth.at(row)))
+    }
+
     fn conditions(&self, row: usize) -> Vec<MatchedCondition> {
         let listed =
             |a: &&Atom| self.of.rule.listed == Listed::All || self.truth_at(a.condition, row) == Tri::True;
-        let one =
-            |a: &Atom| MatchedCondition { condition: a.text.clone(), actual_value: self.measured(a, row) };
-        self.of.rule.atoms.iter().filter(listed).map(one).collect()
+        let atoms: Vec<&'e Atom> = self.of.rule.atoms.iter().filter(listed).collect();
+        let margin = |a: &&'e Atom| {
+            let margins = self.evaluation.margins(self.of.node(a.condition), self.row_set, row..row + 1);
+            (a.text.as_str(), margins[0])
+        };
+        let margins: Vec<(&str, f64)> = atoms.iter().map(margin).collect();
+        let one = |i: usize| MatchedCondition {
+            condition: atoms[i].text.clone(),
+            actual_value: self.measured(atoms[i], row),
+            description: None,
+        };
+        deciding(&margins).into_iter().map(one).collect()
     }
 
     /// The measured value in the atom's unit, to four decimals; null when unknown or infinite.

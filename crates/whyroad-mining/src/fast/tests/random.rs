@@ -3,7 +3,7 @@
 
 use crate::language::program::{Moment, NodeId, Op, Program, Subject, ValueKind, ValueScope};
 use crate::language::syntax::CompareOp;
-use crate::rule::{Listed, Rule, SecondRole, Timing};
+use crate::rule::{Listed, ResponseCondition, Rule, SecondRole, Timing};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use whyroad_model::column::UNKNOWN_CODE;
@@ -248,6 +248,7 @@ pub fn plain_rule(program: Program, when: NodeId) -> Rule {
         program,
         when,
         require: vec![],
+        response: None,
         atoms: vec![],
         parts: vec![],
         listed: Listed::Holding,
@@ -309,6 +310,8 @@ pub fn rule() -> impl Strategy<Value = Rule> {
                 subject: [None, Some(Subject::Vehicle), Some(Subject::Any)][roles],
                 second: (roles == 2).then_some(second),
                 require,
+                response: (b % 2 == 0)
+                    .then_some(ResponseCondition { condition: moment, of_target: a % 2 == 0 || roles > 0 }),
                 atoms: vec![atom(late, number), atom(moment, moment)],
                 parts: vec![],
                 listed: if bounded { Listed::All } else { Listed::Holding },

@@ -83,6 +83,7 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
         score: 1.0,
         is_primary: true,
         primary_episode_id: None,
+        ego_response: None,
         keyframe_rule: Bilingual::new("取自导入的标注", "taken from an imported label"),
         conditions_matched: vec![],
         signals: vec![],

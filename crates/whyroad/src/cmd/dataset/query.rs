@@ -72,9 +72,11 @@ impl Queries {
 /// Classes that a rule's `target` stands for, in the words of `target.class`.
 fn members(target: &str) -> Option<&'static str> {
     match target {
-        "vehicle" => Some("car, truck, bus, large_vehicle, motorcycle"),
+        "vehicle" => {
+            Some("car, truck, bus, large_vehicle, motorcycle, motorcyclist, tricycle, emergency_vehicle")
+        }
         "large_vehicle" => Some("truck, bus, large_vehicle"),
-        "vru" => Some("pedestrian, wheeled_pedestrian, bicycle, bicyclist, motorcyclist"),
+        "vru" => Some("pedestrian, wheeled_pedestrian, bicycle, bicyclist, e_bike"),
         "pedestrian" => Some("pedestrian, wheeled_pedestrian"),
         "animal" => Some("animal"),
         _ => None,

@@ -5,6 +5,7 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use whyroad_mining::explain::{AtomCourse, Cell, Course, Explanation, Outcome, PartCourse};
 use whyroad_mining::rule::PartPlace;
+use whyroad_model::messages::EgoResponse;
 use whyroad_model::{Lang, Tri};
 
 /// 20 s at 10 Hz are 50 signs of four frames each.
@@ -63,7 +64,15 @@ fn outcome_en(e: &Explanation) -> String {
         None => "a time outside the clip".to_owned(),
     };
     match e.outcome {
-        Outcome::Matched => format!("matches, keyframe at {at}"),
+        Outcome::Matched => {
+            let response = match e.response {
+                Some(EgoResponse::Observed) => "; the ego responds",
+                Some(EgoResponse::Absent) => "; the ego does not respond",
+                Some(EgoResponse::Unknown) => "; whether the ego responds is unknown",
+                None => "",
+            };
+            format!("matches, keyframe at {at}{response}")
+        }
         Outcome::NotAtKeyframe => {
             format!("does not match: what is required at the keyframe, {at}, does not hold")
         }
@@ -84,7 +93,15 @@ fn outcome_zh(e: &Explanation) -> String {
         None => "片段之外".to_owned(),
     };
     match e.outcome {
-        Outcome::Matched => format!("匹配，关键帧在 {at}"),
+        Outcome::Matched => {
+            let response = match e.response {
+                Some(EgoResponse::Observed) => "；自车有响应",
+                Some(EgoResponse::Absent) => "；自车无响应",
+                Some(EgoResponse::Unknown) => "；自车是否响应未知",
+                None => "",
+            };
+            format!("匹配，关键帧在 {at}{response}")
+        }
         Outcome::NotAtKeyframe => format!("不匹配：关键帧 {at} 处须成立的条件不成立"),
         Outcome::WrongDuration => format!("不匹配：条件在 {at} 同时成立，但持续时间不符"),
         Outcome::NotTogether => format!("不匹配：条件从未同时成立，{at} 时最接近"),

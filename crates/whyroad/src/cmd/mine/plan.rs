@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, bail};
 use std::path::Path;
+use whyroad_engine::output::query::conditions_class;
 use whyroad_engine::output::{Question, Searched};
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
@@ -23,6 +24,8 @@ pub(super) struct Plan {
     pub searched: Searched,
     /// What is recorded in the folder.
     pub asked: MiningQuestion,
+    /// Of a query: its class, and whether it has conditions.
+    pub query: Option<(ScenarioId, bool)>,
 }
 
 pub(super) type Planned = Result<(Plan, Vec<Diagnostic>), Vec<Diagnostic>>;
@@ -58,7 +61,7 @@ pub(super) fn of_rules(wanted: &[String], framework: &Framework, catalogue: &Cat
     let question = |id: ScenarioId| Question { query_id: format!("rules_{id}"), scenario: id, limit: None };
     let questions = classes.into_iter().map(question).collect();
     let asked = MiningQuestion::Framework { scenarios };
-    Ok((Plan { rules, questions, searched: Searched::Framework, asked }, found))
+    Ok((Plan { rules, questions, searched: Searched::Framework, asked, query: None }, found))
 }
 
 /// A custom rule, as the command line gives it.
@@ -84,7 +87,8 @@ pub(super) fn of_custom(
     let asked = MiningQuestion::Rule { scenario, rule: text, target: custom.target.map(str::to_owned) };
     let (all, _) = RuleSet::of_framework(framework, catalogue);
     let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
-    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question, asked }, vec![])))
+    let plan = Plan { rules, questions: vec![question], searched: Searched::Question, asked, query: None };
+    Ok(Ok((plan, vec![])))
 }
 
 /// A rule and its text.
@@ -146,10 +150,21 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue
         Ok(q) => q,
         Err(found) => return Ok(Err(found)),
     };
-    let rule = match compile_query(&query, catalogue, &text, &name) {
+    let conditions = match compile_query(&query, catalogue, &text, &name) {
         Ok(r) => r,
         Err(found) => return Ok(Err(found)),
     };
+    // The class's own rules say what its episodes are, all rules together which of them is primary; the conditions
+    // choose among them.
+    let (mut rules, mut found) = RuleSet::of_framework(framework, catalogue);
+    if !rules.rules.iter().any(|r| r.scenario.is_within(&query.scenario_id)) {
+        let id = &query.scenario_id;
+        let message = Bilingual::new(format!("{id} 还没有挖掘规则"), format!("{id} has no mining rule yet"));
+        found.push(Diagnostic::warning("mine.scenario.no_rule", message));
+        return Ok(Err(found));
+    }
+    let has_conditions = conditions.is_some();
+    rules.rules.extend(conditions.map(|rule| Rule { scenario: conditions_class(), ..rule }));
     let stem = file.file_stem().map_or_else(|| "query".to_owned(), |s| s.to_string_lossy().into_owned());
     let question = Question {
         query_id: query.query_id.clone().unwrap_or(stem),
@@ -157,9 +172,15 @@ pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue
         limit: query.output_limit,
     };
     let asked = MiningQuestion::Query { query: serde_json::from_str(&text)? };
-    let (all, _) = RuleSet::of_framework(framework, catalogue);
-    let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
-    Ok(Ok((Plan { rules, questions: vec![question], searched: Searched::Question, asked }, vec![])))
+    let class = query.scenario_id.clone();
+    let plan = Plan {
+        rules,
+        questions: vec![question],
+        searched: Searched::Question,
+        asked,
+        query: Some((class, has_conditions)),
+    };
+    Ok(Ok((plan, found)))
 }
 
 #[cfg(test)]

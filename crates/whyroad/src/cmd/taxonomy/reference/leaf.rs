@@ -158,6 +158,7 @@ impl Page<'_> {
         self.block("roles", &sheet.roles);
         self.list("when", &sheet.when);
         self.list("require", &sheet.require);
+        self.list("response", &sheet.response);
         for (name, value) in &sheet.durations {
             let _ = writeln!(self.out, "{name}: {value}");
         }
