@@ -83,7 +83,9 @@ pub(crate) fn deciding(conditions: &[(&str, f64)]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..conditions.len()).collect();
     order.sort_by(|&a, &b| {
         let (x, y) = (conditions[a], conditions[b]);
-        over_time(x.0).cmp(&over_time(y.0)).then(x.1.total_cmp(&y.1)).then(a.cmp(&b))
+        // Equal but for the last bits is equal: both evaluators list the same.
+        let (mx, my) = ((x.1 * 1e6).round(), (y.1 * 1e6).round());
+        over_time(x.0).cmp(&over_time(y.0)).then(mx.total_cmp(&my)).then(a.cmp(&b))
     });
     order.truncate(LISTED_CONDITIONS);
     order.sort_unstable();
