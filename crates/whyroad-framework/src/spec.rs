@@ -100,4 +100,22 @@ pub struct RecordSpec {
     /// Unit of a measured value; absent for text.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    /// Signal that measures it: its value at the keyframe is proposed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub signal: Option<String>,
+    /// The value is the id of an object of the scene.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub object: bool,
+    /// The values to choose from; empty for free text and for measured values.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<RecordChoice>,
+}
+
+/// One value of a record to choose.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct RecordChoice {
+    /// Value in the label's `records`.
+    pub id: String,
+    /// Name for people.
+    pub name: Bilingual,
 }

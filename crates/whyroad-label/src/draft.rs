@@ -70,7 +70,9 @@ pub fn draft(
             "this class needs uncertainty = high on at least one component",
         ));
     }
-    let records = spec.map(|s| records::known(signals, keyframe, &s.records, &mut notes)).unwrap_or_default();
+    let records = spec
+        .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
+        .unwrap_or_default();
     let coc_trace = trace::sentence(&framework.decisions, &components, &decision, lang);
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",

@@ -183,7 +183,7 @@ fn records(x: &[RecordSpec], y: &[RecordSpec], out: &mut Vec<Difference>) {
         };
         // Another unit makes a recorded number mean something else.
         let step = match compare_text(&old.name, &r.name) {
-            _ if old.unit != r.unit => Step::Major,
+            _ if old.unit != r.unit || choice_ids(&old) != choice_ids(r) => Step::Major,
             Wording::Same => continue,
             Wording::Reworded => Step::Patch,
             Wording::Meaning => Step::Major,
@@ -193,6 +193,10 @@ fn records(x: &[RecordSpec], y: &[RecordSpec], out: &mut Vec<Difference>) {
     for r in x.iter().filter(|r| find(y, &r.id).is_none()) {
         out.push(Difference { field: "records", before: record(r), after: none(), step: Step::Minor });
     }
+}
+
+fn choice_ids(r: &RecordSpec) -> Vec<&str> {
+    r.choices.iter().map(|c| c.id.as_str()).collect()
 }
 
 fn record(r: &RecordSpec) -> Bilingual {

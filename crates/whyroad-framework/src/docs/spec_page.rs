@@ -236,6 +236,14 @@ impl Say {
 
     fn record(&self, r: &RecordSpec) -> String {
         let unit = r.unit.as_ref().map(|u| format!(" ({u})")).unwrap_or_default();
-        format!("{} `{}`{unit}", r.name.get(self.lang), r.id)
+        let choices: Vec<String> =
+            r.choices.iter().map(|c| format!("{} `{}`", c.name.get(self.lang), c.id)).collect();
+        let choices = match (choices.is_empty(), self.lang) {
+            (true, _) => String::new(),
+            (_, Lang::Zh) => format!("：{}", choices.join("、")),
+            (_, Lang::En) => format!(": {}", choices.join(", ")),
+        };
+        let signal = r.signal.as_ref().map(|s| format!(" ← `{s}`")).unwrap_or_default();
+        format!("{} `{}`{unit}{signal}{choices}", r.name.get(self.lang), r.id)
     }
 }

@@ -4,8 +4,10 @@
 //! an expression. A level that changes a keyframe's type does not inherit its fallback, because the fallback of
 //! a range is no moment. Records add up.
 
-use super::raw::{BoundLayer, KeyframeLayer, LabelingLayer, MomentLayer, PackLayer, Words};
-use super::{BoundSpec, KeyframeSpec, MomentSpec, PackSpec, RecordSpec, ResolvedSpec};
+use super::raw::{
+    BoundLayer, ChoiceLayer, KeyframeLayer, LabelingLayer, MomentLayer, PackLayer, RecordLayer, Words,
+};
+use super::{BoundSpec, KeyframeSpec, MomentSpec, PackSpec, RecordChoice, RecordSpec, ResolvedSpec};
 use whyroad_model::messages::Uncertainty;
 use whyroad_model::{Bilingual, ScenarioId};
 
@@ -112,15 +114,22 @@ pub(crate) fn finish(leaf: ScenarioId, layer: &LabelingLayer) -> Result<Resolved
             after_s,
             after_until: layer.pack.as_ref().and_then(|p| p.after_until.as_ref()).map(finish_moment),
         },
-        records: layer
-            .records
-            .iter()
-            .flatten()
-            .map(|r| RecordSpec { id: r.id.clone(), name: Bilingual::from(&r.name), unit: r.unit.clone() })
-            .collect(),
+        records: layer.records.iter().flatten().map(finish_record).collect(),
         uncertainty_high: layer.uncertainty == Some(Uncertainty::High),
         lateral: layer.lateral,
     })
+}
+
+fn finish_record(r: &RecordLayer) -> RecordSpec {
+    let choice = |c: &ChoiceLayer| RecordChoice { id: c.id.clone(), name: Bilingual::from(&c.name) };
+    RecordSpec {
+        id: r.id.clone(),
+        name: Bilingual::from(&r.name),
+        unit: r.unit.clone(),
+        signal: r.signal.clone(),
+        object: r.object,
+        choices: r.choices.iter().map(choice).collect(),
+    }
 }
 
 fn finish_keyframe(k: &KeyframeLayer) -> Option<KeyframeSpec> {

@@ -153,6 +153,26 @@ pub struct RecordLayer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub unit: Option<String>,
+    /// Signal that measures it: its value at the keyframe is proposed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<String>,
+    /// The value is the id of an object of the scene.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub object: bool,
+    /// The values to choose from; absent for free text and for measured values.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<ChoiceLayer>,
+}
+
+/// One value of a record to choose.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChoiceLayer {
+    /// Value in the label's `records`.
+    #[schemars(regex(pattern = r"^[a-z][a-z0-9_]*$"))]
+    pub id: String,
+    /// Name for people.
+    pub name: Words,
 }
 
 /// One text in Chinese and English, neither empty.

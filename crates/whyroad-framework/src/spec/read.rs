@@ -2,7 +2,8 @@
 
 use super::expressions::{Written, expressions};
 use super::raw::{
-    BoundLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer, SpecFile, Words,
+    BoundLayer, ChoiceLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer,
+    SpecFile, Words,
 };
 use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
 use indexmap::IndexMap;
@@ -263,11 +264,12 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
         let id = f.text("id", r);
         let name = f.need("name", r).and_then(|n| words(n, r));
         let unit = f.text_opt("unit", r);
+        let signal = f.text_opt("signal", r);
+        let object = f.text_opt("object", r).is_some_and(|text| text == "true");
+        let choices = f.get("choices").map(|n| choices(n, r)).unwrap_or_default();
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
-        let well_formed = id.starts_with(|c: char| c.is_ascii_lowercase())
-            && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
-        if !well_formed || out.iter().any(|o| o.id == id) {
+        if !is_key(&id) || out.iter().any(|o| o.id == id) {
             let (zh, en) = (
                 format!("记录项 id '{id}' 重复，或不是小写下划线形式"),
                 format!("record id '{id}' is used twice or is not lower snake case"),
@@ -275,7 +277,34 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
             r.error("spec.record.id", item, zh, en);
             continue;
         }
-        out.push(RecordLayer { id, name, unit });
+        out.push(RecordLayer { id, name, unit, signal, object, choices });
+    }
+    out
+}
+
+/// Lower snake case.
+fn is_key(id: &str) -> bool {
+    id.starts_with(|c: char| c.is_ascii_lowercase())
+        && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
+}
+
+fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
+    let mut out: Vec<ChoiceLayer> = Vec::new();
+    for item in r.items(node) {
+        let Some(mut f) = Fields::open(item, r) else { continue };
+        let id = f.text("id", r);
+        let name = f.need("name", r).and_then(|n| words(n, r));
+        f.close(r);
+        let (Some(id), Some(name)) = (id, name) else { continue };
+        if !is_key(&id) || out.iter().any(|o| o.id == id) {
+            let (zh, en) = (
+                format!("选项 id '{id}' 重复，或不是小写下划线形式"),
+                format!("choice id '{id}' is used twice or is not lower snake case"),
+            );
+            r.error("spec.record.id", item, zh, en);
+            continue;
+        }
+        out.push(ChoiceLayer { id, name });
     }
     out
 }

@@ -3,27 +3,21 @@
 
 use std::collections::BTreeMap;
 use whyroad_framework::spec::RecordSpec;
-use whyroad_model::{Bilingual, SignalTable};
-
-/// Record id and the frame signal that is that quantity, in the record's unit.
-const MEASURED: &[(&str, &str)] = &[("curvature", "map.curvature_ahead")];
+use whyroad_model::units::Unit;
+use whyroad_model::{Bilingual, Column, SignalTable, TrackId, Tri};
 
 pub(super) fn known(
     signals: &SignalTable,
     keyframe: usize,
+    target: Option<&TrackId>,
     specs: &[RecordSpec],
     notes: &mut Vec<Bilingual>,
 ) -> BTreeMap<String, serde_json::Value> {
     let mut out = BTreeMap::new();
     for spec in specs {
-        let measured = MEASURED.iter().find(|(id, _)| *id == spec.id).and_then(|(_, signal)| {
-            let value = signals.frame_columns.get(*signal)?.number(keyframe)?;
-            // Three significant places are more than a map is good for.
-            serde_json::Number::from_f64((value * 1e4).round() / 1e4)
-        });
-        match measured {
+        match measured(signals, keyframe, target, spec) {
             Some(value) => {
-                out.insert(spec.id.clone(), serde_json::Value::Number(value));
+                out.insert(spec.id.clone(), value);
             }
             None => {
                 notes.push(Bilingual::new(
@@ -35,4 +29,38 @@ pub(super) fn known(
         }
     }
     out
+}
+
+/// The value of the record's signal at the keyframe, in the record's unit or among its choices.
+fn measured(
+    signals: &SignalTable,
+    keyframe: usize,
+    target: Option<&TrackId>,
+    spec: &RecordSpec,
+) -> Option<serde_json::Value> {
+    let name = spec.signal.as_deref()?;
+    let (column, row): (&Column, usize) = match signals.frame_columns.get(name) {
+        Some(column) => (column, keyframe),
+        None => (signals.target_columns.get(name)?, signals.target(target?)?.row(keyframe)?),
+    };
+    if spec.choices.is_empty() {
+        let base = column.number(row).filter(|v| v.is_finite())?;
+        let unit = spec.unit.as_deref().and_then(Unit::parse);
+        let value = unit.map_or(base, |u| u.of_base(base));
+        return serde_json::Number::from_f64(significant(value)).map(serde_json::Value::Number);
+    }
+    let word = match column.category(row) {
+        Some(word) => word,
+        None => match column.flag(row) {
+            Tri::True => "yes",
+            Tri::False => "no",
+            Tri::Unknown => return None,
+        },
+    };
+    spec.choices.iter().any(|c| c.id == word).then(|| word.into())
+}
+
+/// Three significant digits: more than a map or an estimate is good for.
+fn significant(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
