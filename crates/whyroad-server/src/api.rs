@@ -11,6 +11,7 @@ pub mod reply;
 pub mod route;
 mod router;
 pub mod server;
+pub mod stream;
 pub mod table;
 
 mod deliver;

@@ -1,5 +1,6 @@
 //! The service as one value: what handlers and commands work with.
 
+use crate::blur::Blur;
 use crate::limits::Limits;
 use crate::oidc::provider::Provider;
 use crate::problem::Answer;
@@ -7,7 +8,7 @@ use crate::recordings::{CheckedDrives, Recordings};
 use crate::service::scene::cache::SceneCache;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
-use crate::store::{Store, Tx};
+use crate::store::{Store, Tx, vault};
 use crate::{secret, values};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -46,6 +47,8 @@ pub struct App {
     pub cookies: Cookies,
     /// Where webhooks may go.
     pub reach: Reach,
+    /// What makes faces and plates in images unreadable; images are shown as they are without it.
+    pub blur: Option<Blur>,
     /// Whose certificates webhooks believe.
     pub trust: Trust,
     /// Which source of the client address is trusted.
@@ -88,7 +91,8 @@ pub enum Origin {
 impl App {
     /// The service on `store`.
     pub fn new(store: Store, framework: &'static Framework, recordings: Arc<dyn Recordings>) -> Answer<Self> {
-        let fresh = secret::random(32)?;
+        let vault = Arc::clone(&store.vault);
+        let fresh = vault.seal(vault::CSRF, &secret::random(32)?)?;
         let csrf_key = store.write(move |tx| {
             tx.run(
                 "INSERT INTO settings (name, value) VALUES ('csrf_key', $1) ON CONFLICT (name) DO NOTHING",
@@ -97,6 +101,7 @@ impl App {
             let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
             row.map_or(Ok(String::new()), |r| r.text("value"))
         })?;
+        let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
         Ok(Self {
             store,
             framework,
@@ -111,6 +116,7 @@ impl App {
             csrf_key,
             cookies: Cookies::Plain,
             reach: Reach::default(),
+            blur: None,
             trust: Trust::default(),
             origin: Origin::Connection,
             log: Arc::new(|_| {}),

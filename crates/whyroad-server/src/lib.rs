@@ -5,6 +5,7 @@
 
 pub mod api;
 pub mod app;
+pub mod blur;
 pub mod domain;
 pub mod limits;
 pub mod oidc;

@@ -10,7 +10,8 @@ use std::fmt::Write as _;
 /// Minimum length of a password, characters.
 pub const PASSWORD_LENGTH: usize = 10;
 
-fn hex(bytes: &[u8]) -> String {
+/// Hexadecimal digits of bytes.
+pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut out, b| {
         let _ = write!(out, "{b:02x}");
         out

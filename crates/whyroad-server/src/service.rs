@@ -3,9 +3,11 @@
 pub mod actions;
 pub mod answer;
 pub mod audits;
+pub mod bulk;
 pub mod classes;
 pub mod create;
 pub mod dashboard;
+pub mod drafting;
 pub mod drafts;
 pub mod findings;
 #[cfg(test)]
@@ -19,11 +21,14 @@ pub mod permissions;
 pub mod pickers;
 pub mod projects;
 pub mod queue;
+pub mod retention;
 pub mod review;
 pub mod scene;
 pub mod seen;
 pub mod tasks;
+pub mod thumbnail;
 pub mod tokens;
 pub mod transfer;
 pub mod visible;
 pub mod webhooks;
+pub mod work;

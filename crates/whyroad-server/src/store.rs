@@ -12,9 +12,10 @@ mod postgres;
 pub mod private;
 mod sql;
 mod sqlite;
+pub mod vault;
 
 pub use backup::{backup, backup_to, restore};
-pub use opened::{Store, StoreLocation};
+pub use opened::{Store, StoreLocation, key_file};
 pub use sql::{Row, Tx, Value};
 
 /// A list of values.

@@ -10,7 +10,7 @@ use whyroad_model::Lang;
 use whyroad_server::domain::project::{Project, Settings};
 use whyroad_server::problem::Problem;
 use whyroad_server::secret;
-use whyroad_server::store::{Store, StoreLocation};
+use whyroad_server::store::{Store, StoreLocation, key_file};
 
 /// Options that say where the store is.
 #[derive(clap::Args, Clone, Debug)]
@@ -21,6 +21,10 @@ pub(crate) struct StoreArgs {
     /// Folder for what the service keeps; the store is labels.db in it unless --store names another
     #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
     pub data: PathBuf,
+    /// File with the key that secrets in the store are sealed with; made when it does not exist [default: beside the
+    /// SQLite file, with .key at the end; for a database server labels.db.key in --data]
+    #[arg(long, value_name = "FILE", env = "WHYROAD_KEY_FILE")]
+    key_file: Option<PathBuf>,
 }
 
 impl StoreArgs {
@@ -32,9 +36,16 @@ impl StoreArgs {
         }
     }
 
+    /// Where the key file is.
+    pub(crate) fn key_file(&self) -> PathBuf {
+        self.key_file.clone().unwrap_or_else(|| key_file(&self.location(), &self.data))
+    }
+
     /// Opens the store; creates it when it does not exist.
     pub(crate) fn open(&self, lang: Lang) -> anyhow::Result<Store> {
-        let store = Store::open_keeping(&self.location(), &self.data).map_err(|p| error(&p, lang))?;
+        let location = self.location();
+        let key = self.key_file();
+        let store = Store::open_with_key(&location, &self.data, &key).map_err(|p| error(&p, lang))?;
         if let Some(kept) = store.kept.as_ref().map(|p| p.display()) {
             match lang {
                 Lang::Zh => say!("存储已升级到本程序的版本；升级前的内容在 {kept}"),

@@ -2,6 +2,7 @@
 
 use super::pages::Keep;
 use super::reply::Reply;
+use super::stream::Stream;
 use crate::domain::people::ProblemBody;
 use crate::problem::Problem;
 use axum::body::Body;
@@ -111,6 +112,30 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
     let mut response = Response::new(Body::from(body));
     *response.status_mut() = status;
     *response.headers_mut() = headers;
+    response
+}
+
+/// The answer that `stream` makes, with the headers of `reply`.
+pub(super) fn deliver_stream(
+    reply: &Reply,
+    stream: &Stream,
+    accepted: &Accepted,
+    failed: impl FnOnce(&Problem) + Send + 'static,
+) -> Response<Body> {
+    let head = Reply { stream: None, body: vec![], ..reply.clone() };
+    let mut response = deliver(head, ReplyKind::Done, accepted);
+    let gzip = accepted.gzip && compresses(&reply.media);
+    let headers = response.headers_mut();
+    if let Ok(media) = HeaderValue::from_str(&reply.media) {
+        headers.insert(header::CONTENT_TYPE, media);
+    }
+    if gzip {
+        headers.insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
+        headers.append(header::VARY, HeaderValue::from_static("accept-encoding"));
+    }
+    if !accepted.head {
+        *response.body_mut() = stream.body(gzip, failed);
+    }
     response
 }
 

@@ -1,5 +1,6 @@
 //! What a handler answers with.
 
+use super::stream::Stream;
 use crate::problem::{Answer, Problem};
 use serde::Serialize;
 
@@ -12,6 +13,8 @@ pub struct Reply {
     pub media: String,
     /// Bytes.
     pub body: Vec<u8>,
+    /// In place of `body`: what makes it while it is sent.
+    pub stream: Option<Stream>,
     /// `set-cookie` headers.
     pub cookies: Vec<String>,
     /// File name, where the browser is to store it.

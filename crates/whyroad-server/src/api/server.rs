@@ -2,7 +2,7 @@
 
 use super::access;
 use super::call::{Call, Request};
-use super::deliver::{Accepted, ReplyKind, deliver, problem};
+use super::deliver::{Accepted, ReplyKind, deliver, deliver_stream, problem};
 use super::incoming::{forwarded, request_of};
 use super::openapi;
 use super::pages;
@@ -13,7 +13,7 @@ use super::table::ROUTES;
 use super::timed::{Peer, TimedListener};
 use crate::app::App;
 use crate::problem::{Answer, Problem};
-use crate::service::webhooks;
+use crate::service::{drafting, retention, webhooks};
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::extract::ConnectInfo;
@@ -42,6 +42,8 @@ pub async fn serve(
     shutdown: impl Future<Output = ()> + Send + 'static,
 ) -> std::io::Result<()> {
     let deliveries = webhooks::spawn(Arc::clone(&app));
+    let drafts = drafting::spawn(&app);
+    let sweeps = retention::spawn(&app);
     let service = router(app).into_make_service_with_connect_info::<Peer>();
     let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
     let signal = async move {
@@ -61,7 +63,7 @@ pub async fn serve(
         result = async { server.await } => result,
         () = late => Ok(()),
     };
-    drop(deliveries);
+    drop((deliveries, drafts, sweeps));
     result
 }
 
@@ -116,7 +118,13 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
         run(&app, route, &request)
     });
     let p = match work.await {
-        Ok(Ok(reply)) => {
+        Ok(Ok(mut reply)) => {
+            if let Some(stream) = reply.stream.take() {
+                let route = route.path;
+                return deliver_stream(&reply, &stream, &accepted, move |p| {
+                    log(&format!("{} {} GET {route}: {p}", Nanos(clock() * 1_000_000), p.status));
+                });
+            }
             return deliver(
                 reply,
                 if route.verb == Verb::Get { ReplyKind::Read } else { ReplyKind::Done },

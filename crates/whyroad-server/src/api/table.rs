@@ -131,6 +131,11 @@ pub static ROUTES: &[Route] = &[
             ("assignee", "only those held or written by this user (name or id)"),
             ("mine", "`true`: only own tasks"),
             ("q", "part of the clip's or task's id"),
+            ("asks", "`lead`: only tasks with an open question to the lead"),
+            (
+                "sort",
+                "`priority` (default), `updated`, `created`, `scenario`, `clip` or `state`; `-` in front for descending",
+            ),
             ("cursor", "from the page before"),
             ("limit", "page length, 1 to 200; default 50"),
         ])
@@ -171,6 +176,18 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<Assign>()
     .gives::<Task>(),
+    Route::post(
+        "/projects/{p}/tasks:change",
+        Access::Lead,
+        "Assign many tasks, or change their priority",
+        tasks::change,
+    )
+    .takes::<BulkChange>()
+    .gives::<BulkChanged>(),
+    Route::get("/projects/{p}/work", Access::Member, "What there is to do, and what is one's own", tasks::work)
+        .gives::<Work>(),
+    Route::get("/tasks/{t}/thumbnail", Access::TaskReader, "A small picture of the keyframe", tasks::thumbnail)
+        .gives_media("image/svg+xml"),
     Route::patch("/tasks/{t}/draft", Access::TaskWorker, "Save changed fields of the draft", drafts::save)
         .takes::<DraftChange>()
         .gives::<DraftSaved>(),

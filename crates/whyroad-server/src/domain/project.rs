@@ -38,6 +38,11 @@ pub struct Settings {
     pub lang: String,
     /// What bars somebody from the Stage I of a task.
     pub history: HistoryRule,
+    /// Precision of places, m: scenes are given relative to the corner of a square of this size, and not where that is.
+    /// 0 for positions as recorded.
+    pub place_precision_m: u32,
+    /// Days after which finished tasks are removed with their labels; 0 to keep them.
+    pub retention_days: u32,
 }
 
 /// What somebody may have seen of a drive and still do the Stage I of a task of it.
@@ -61,8 +66,42 @@ impl Default for Settings {
             audit_max_percent: 20,
             lang: "zh".to_owned(),
             history: HistoryRule::Drive,
+            place_precision_m: 0,
+            retention_days: 0,
         }
     }
+}
+
+/// What there is to do in a project.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Work {
+    /// Tasks by state; empty for those who are not staff.
+    pub by_state: BTreeMap<String, i64>,
+    /// All tasks; 0 for those who are not staff.
+    pub total: i64,
+    /// Tasks with an open question to the lead; 0 for those who are not staff.
+    pub asked: i64,
+    /// Tasks whose drafts are still being made in the background; 0 for those who are not staff.
+    pub pending: i64,
+    /// The caller's own.
+    pub mine: MyWork,
+}
+
+/// The tasks of one annotator in a project.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MyWork {
+    /// Sent back, to be changed.
+    pub returned: i64,
+    /// Begun and not submitted.
+    pub begun: i64,
+    /// Assigned and not begun.
+    pub assigned: i64,
+    /// Submitted, not accepted yet.
+    pub waiting: i64,
+    /// Accepted.
+    pub accepted: i64,
+    /// Submissions of today (UTC).
+    pub submitted_today: i64,
 }
 
 /// Many projects.

@@ -210,3 +210,51 @@ pub struct Shape {
     /// [x, y] in m.
     pub points: Vec<[f64; 2]>,
 }
+
+fn shift(values: &mut Numbers, by: f64) {
+    for value in values.iter_mut().flatten() {
+        // As exact as it was sent before.
+        *value = ((*value - by) * 1e3).round() / 1e3;
+    }
+}
+
+impl SceneView {
+    /// Gives positions relative to `corner`, m.
+    pub fn shift(&mut self, [x, y]: [f64; 2]) {
+        if let Some(ego) = &mut self.ego {
+            shift(&mut ego.x, x);
+            shift(&mut ego.y, y);
+        }
+        for track in &mut self.tracks {
+            shift(&mut track.x, x);
+            shift(&mut track.y, y);
+        }
+    }
+}
+
+impl MapView {
+    /// Gives positions relative to `corner`, m.
+    pub fn shift(&mut self, [x, y]: [f64; 2]) {
+        let moved = |points: &mut Vec<[f64; 2]>| {
+            for p in points {
+                *p = [((p[0] - x) * 1e3).round() / 1e3, ((p[1] - y) * 1e3).round() / 1e3];
+            }
+        };
+        for lane in &mut self.lanes {
+            moved(&mut lane.left);
+            moved(&mut lane.right);
+            moved(&mut lane.centre);
+        }
+        let areas = [
+            &mut self.crosswalks,
+            &mut self.stop_lines,
+            &mut self.junctions,
+            &mut self.drivable,
+            &mut self.facilities,
+            &mut self.signs,
+        ];
+        for shape in areas.into_iter().flatten() {
+            moved(&mut shape.points);
+        }
+    }
+}

@@ -33,6 +33,8 @@ pub struct HistoryEntry {
     pub to_state: Option<State>,
     /// The changed fields of an edit.
     pub changes: Vec<FieldChange>,
+    /// The values that these fields had before, in the same order; null where there was none.
+    pub before: Vec<Value>,
     /// Reason given.
     pub comment: Option<String>,
     /// The draft's version after it.
@@ -63,6 +65,8 @@ pub struct Comment {
     pub at: i64,
     /// Resolved.
     pub resolved: bool,
+    /// It asks the lead.
+    pub to_lead: bool,
 }
 
 /// Body of `POST /tasks/{t}/comments`.
@@ -73,4 +77,7 @@ pub struct NewComment {
     pub path: String,
     /// Plain text.
     pub text: String,
+    /// Asks the lead: the task is marked in lists until the comment is resolved.
+    #[serde(default)]
+    pub to_lead: bool,
 }

@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_framework::ResolvedSpec;
 use whyroad_label::merge::{FieldChange, FieldConflict};
+use whyroad_model::Bilingual;
 use whyroad_model::messages::{Keyframe, MatchedCondition};
 
 /// A task in a list. Says nothing of what comes after its keyframe.
@@ -44,13 +45,21 @@ pub struct TaskSummary {
     pub adjudication: Option<String>,
     /// When it last moved.
     pub updated: i64,
+    /// Somebody asks the lead about it, and the lead has not answered.
+    pub asks_lead: bool,
+    /// Address of a small picture of its keyframe, where the caller may see one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thumbnail: Option<String>,
 }
 
 /// A page of tasks.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Tasks {
-    /// By priority, then age.
+    /// By priority, then age, or as `sort` says.
     pub items: Vec<TaskSummary>,
+    /// Number of tasks that the filter lets through; on the first page only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total: Option<i64>,
     /// Value for `cursor`, where there are more.
     pub next: Option<String>,
 }
@@ -82,6 +91,9 @@ pub struct Task {
     pub history_count: i64,
     /// What the checker finds in the draft as it may be seen.
     pub findings: Vec<Finding>,
+    /// Why the caller cannot take the task now; null for who holds it, for who can take it, and where it is finished.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub take_refused: Option<Bilingual>,
     /// What the caller may do now: actions, `edit`, `comment`, `assign`, `adjudicate`.
     pub permissions: Vec<String>,
     /// In rework and check: fields that differ from what was first suggested.
@@ -233,6 +245,38 @@ pub struct Assign {
     pub user: Option<String>,
 }
 
+/// Body of `POST /projects/{p}/tasks:change`: what is given is changed in each task.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BulkChange {
+    /// Ids; at most 500.
+    pub tasks: Vec<String>,
+    /// To whom they are assigned.
+    #[serde(default)]
+    pub assign: Option<Assign>,
+    /// Their priority; greater is sooner.
+    #[serde(default)]
+    pub priority: Option<i64>,
+}
+
+/// Result of `POST /projects/{p}/tasks:change`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct BulkChanged {
+    /// Tasks that were changed.
+    pub changed: u32,
+    /// Tasks that were not, and why.
+    pub refused: Vec<BulkRefused>,
+}
+
+/// A task that was not changed.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct BulkRefused {
+    /// Its id.
+    pub task: String,
+    /// Why.
+    pub text: Bilingual,
+}
+
 /// Body of `PATCH /tasks/{t}/draft`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -288,6 +332,9 @@ pub struct TaskAction {
     /// For restore: entry of the history whose draft is to come back.
     #[serde(default)]
     pub seq: Option<i64>,
+    /// For adjudicate: a label put together from those of the group, in place of the task's own. It is checked again.
+    #[serde(default)]
+    pub label: Option<Value>,
 }
 
 /// Actions of `POST /tasks/{t}/actions`.

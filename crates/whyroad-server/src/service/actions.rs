@@ -4,7 +4,7 @@
 use crate::app::App;
 use crate::domain::project::Project;
 use crate::domain::task::{ActionName, Finding, NewComment, TaskAction};
-use crate::domain::workflow::{self, Action, Actor, Draw, Role, Stage, State};
+use crate::domain::workflow::{self, Action, Actor, Draw, Position, Role, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::tasks::{self, Entry, TaskRow};
@@ -46,6 +46,13 @@ pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64)
             let found = findings::of(app, &draft, Stage::Stage2);
             (changes, found)
         }
+        None if request.action == ActionName::Adjudicate && request.label.is_some() => {
+            draft = merged(t, request.label.as_ref())?;
+            let changes = made_by(app, name, now)?;
+            changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
+            let found = findings::of(app, &draft, Stage::Stage2);
+            (changes, found)
+        }
         _ => return Ok(None),
     };
     Ok(Some(Checked { version: t.version, draft, changes, found }))
@@ -53,6 +60,22 @@ pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64)
 
 /// Code of the refusal to act on a draft that has changed since it was checked: to be checked again.
 pub const CHANGED_SINCE: &str = "draft.changed";
+
+/// The label that a lead put together, of the clip and the scenario of `t`.
+fn merged(t: &TaskRow, label: Option<&Value>) -> Answer<Value> {
+    let Some(fields) = label.and_then(Value::as_object) else {
+        return Err(Problem::request("label 须为对象", "label must be an object"));
+    };
+    let mut draft = Value::Object(fields.clone());
+    for own in [pointer::CLIP_ID, pointer::SCENARIO] {
+        if let Some(value) = t.draft.pointer(own) {
+            let kept = FieldChange { path: own.to_owned(), value: value.clone(), remove: false };
+            merge::apply(&mut draft, &kept)?;
+        }
+    }
+    merge::bounded(&draft)?;
+    Ok(draft)
+}
 
 fn current(checked: Option<&Checked>, t: &TaskRow) -> Answer<Checked> {
     checked.filter(|c| c.version == t.version).cloned().ok_or_else(|| {
@@ -77,7 +100,10 @@ pub fn act(
     let Some(action) = request.action.in_workflow() else {
         match request.action {
             ActionName::Restore => restore(tx, &mut t, actor, project, request, now)?,
-            _ => adjudicate(tx, &mut t, actor, reason, now)?,
+            _ => {
+                let label = request.label.as_ref().map(|_| current(checked, &t)).transpose()?;
+                adjudicate(tx, &mut t, actor, reason, label, now)?;
+            }
         }
         return Ok(t);
     };
@@ -143,8 +169,9 @@ pub fn comment(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment,
     check_texts(std::slice::from_ref(comment))?;
     let id = secret::id()?;
     tx.run(
-        "INSERT INTO comments (id, task_id, path, author, body, at, resolved) VALUES ($1, $2, $3, $4, $5, $6, 0)",
-        values![&id, &t.id, &comment.path, author, &comment.text, now],
+        "INSERT INTO comments (id, task_id, path, author, body, at, resolved, to_lead)
+         VALUES ($1, $2, $3, $4, $5, $6, 0, $7)",
+        values![&id, &t.id, &comment.path, author, &comment.text, now, i64::from(comment.to_lead)],
     )?;
     Ok(id)
 }
@@ -300,8 +327,15 @@ pub fn group_is_ready(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     Ok(group.iter().all(|o| handed_in(o.at.state) || left_out(o.at.state)))
 }
 
-/// Chooses this label of its overlap group. Who wrote one of them does not choose.
-fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&str>, now: i64) -> Answer<()> {
+/// Chooses this label of its overlap group, or `merged` in its place. Who wrote one of them does not choose.
+fn adjudicate(
+    tx: &mut dyn Tx,
+    t: &mut TaskRow,
+    actor: &Actor,
+    reason: Option<&str>,
+    merged: Option<Checked>,
+    now: i64,
+) -> Answer<()> {
     if !actor.is(Role::Lead) {
         return Err(Problem::forbidden());
     }
@@ -322,12 +356,32 @@ fn adjudicate(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, reason: Option<&s
             "you cannot adjudicate a group with your own label",
         ));
     }
+    let mut snapshot = None;
+    let before = t.at.state;
+    if let Some(merged) = merged {
+        refuse_errors(merged.found)?;
+        t.draft = merged.draft;
+        t.version += 1;
+        snapshot = Some(t.draft.clone());
+        // Nobody has checked this label: it is handed in, and who put it together has written in it.
+        t.at = Position {
+            state: State::Submitted,
+            checker: None,
+            auditor: None,
+            holder: None,
+            checked: false,
+            ..t.at.clone()
+        };
+        t.lease_until = None;
+        t.at.authors.insert(0, actor.id.clone());
+    }
     for other in group {
         let mut o = if other.id == t.id { t.clone() } else { tasks::get_for_change(tx, &other.id)? };
         o.adjudication = Some(if o.id == t.id { "chosen" } else { "superseded" }.to_owned());
-        let from = Some(o.at.state);
-        let entry =
-            Entry { action: "adjudicate", actor: Some(&actor.id), from, note: reason, ..Entry::default() };
+        let from = Some(if o.id == t.id { before } else { o.at.state });
+        let snapshot = snapshot.as_ref().filter(|_| o.id == t.id);
+        let actor = Some(actor.id.as_str());
+        let entry = Entry { action: "adjudicate", actor, from, snapshot, note: reason, ..Entry::default() };
         history::record(tx, &mut o, &entry, now)?;
         tasks::update(tx, &o)?;
         if o.id == t.id {

@@ -2,13 +2,14 @@
 
 use crate::app::App;
 use crate::domain::task::{Finding, Suggestion, Task};
-use crate::domain::workflow::{Actor, Stage};
+use crate::domain::workflow::{Actor, Stage, State};
 use crate::problem::Answer;
-use crate::service::permissions;
 use crate::service::tasks::{self, TaskRow};
 use crate::service::visible::{comments, label};
+use crate::service::{leases, permissions, projects};
 use crate::store::Tx;
 use crate::values;
+use whyroad_model::Bilingual;
 
 /// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
 fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
@@ -43,11 +44,44 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         comments: comments(tx, t, &actor.id, &names)?,
         history_count,
         findings: found,
+        take_refused: take_refused(app, tx, t, actor)?,
         permissions: permissions::of(tx, t, actor)?,
         changed_from_suggestion: changed(t, stage),
         task: tasks::summary(t, &names),
         draft: shown,
     })
+}
+
+/// Why `actor` cannot take `t` now, in words that fit the case.
+fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Option<Bilingual>> {
+    if t.at.holder.as_deref() == Some(actor.id.as_str())
+        || matches!(t.at.state, State::Accepted | State::Skipped | State::Rejected)
+    {
+        return Ok(None);
+    }
+    if t.at.author() == Some(actor.id.as_str()) {
+        let text = match t.at.state {
+            State::Submitted => {
+                Some(("这是您的标注，正在等待质检", "this is your label; it waits for its check"))
+            }
+            State::InCheck => Some(("这是您的标注，正在质检", "this is your label; it is being checked")),
+            State::Checked => {
+                Some(("这是您的标注，正在等待抽检", "this is your label; it waits for its audit"))
+            }
+            State::InAudit => Some(("这是您的标注，正在抽检", "this is your label; it is being audited")),
+            _ => None,
+        };
+        if let Some((zh, en)) = text {
+            return Ok(Some(Bilingual::new(zh, en)));
+        }
+    }
+    let settings = projects::get(tx, &t.project)?.settings;
+    let now = app.lease_now(tx)?;
+    match leases::may_take(tx, t, actor, &settings, now) {
+        Ok(_) => Ok(None),
+        Err(p) if p.status >= 500 => Err(p),
+        Err(p) => Ok(Some(p.text)),
+    }
 }
 
 /// Fields that differ from the suggestion, of those that may be seen.

@@ -7,7 +7,7 @@ use crate::domain::task::{CreateTasks, Created};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{history, projects, scene};
+use crate::service::{history, projects, scene, thumbnail};
 use crate::store::Tx;
 use crate::{secret, values};
 use serde_json::Value;
@@ -30,8 +30,23 @@ const AT_ONCE: usize = 50;
 const HISTORY_S: f64 = 2.0;
 const FUTURE_S: f64 = 6.0;
 
+/// When the drafts of new tasks are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drafting {
+    /// With the tasks.
+    Now,
+    /// In the background, by a service that runs ([`super::drafting`]).
+    Later,
+}
+
 /// Makes tasks from episodes. `actor` is unset for the command line.
-pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&str>) -> Answer<Created> {
+pub fn create(
+    app: &App,
+    project: &str,
+    request: &CreateTasks,
+    actor: Option<&str>,
+    drafting: Drafting,
+) -> Answer<Created> {
     let project = app.store.read(|tx| projects::get(tx, project))?;
     let mut episodes = Episodes::of(app, request)?;
     let overlap = i64::from(request.overlap.unwrap_or(1));
@@ -71,7 +86,11 @@ pub fn create(app: &App, project: &str, request: &CreateTasks, actor: Option<&st
         match last.of(app, episode) {
             Ok(source) => {
                 let lang = request.lang.clone().unwrap_or_default();
-                let first = row(app, &project, source, episode, lang, None)?;
+                let given = match drafting {
+                    Drafting::Now => Given::Nothing,
+                    Drafting::Later => Given::Later,
+                };
+                let first = row(app, &project, source, episode, lang, given)?;
                 for index in 0..overlap {
                     let (id, priority) = (secret::id()?, request.priority);
                     rows.push(TaskRow {
@@ -250,7 +269,30 @@ pub fn prepare(
     last: &mut LastDrive,
 ) -> Answer<TaskRow> {
     let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
-    row(app, project, source, episode, String::new(), draft)
+    row(app, project, source, episode, String::new(), draft.map_or(Given::Nothing, Given::Draft))
+}
+
+/// The draft of an episode, in the language of its task or else of its project.
+pub fn draft_of(
+    app: &App,
+    project: &Project,
+    episode: &EpisodeRecord,
+    lang: &str,
+    last: &mut LastDrive,
+) -> Answer<Value> {
+    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
+    let words = if lang.is_empty() { &project.settings.lang } else { lang };
+    draft(app, source, episode, words.parse().unwrap_or_default())
+}
+
+/// The draft that a new task begins with.
+enum Given {
+    /// To be derived.
+    Nothing,
+    /// To be derived in the background.
+    Later,
+    /// This one.
+    Draft(Value),
 }
 
 fn row(
@@ -259,13 +301,15 @@ fn row(
     source: &Source,
     episode: &EpisodeRecord,
     lang: String,
-    given: Option<Value>,
+    given: Given,
 ) -> Answer<TaskRow> {
     let words = if lang.is_empty() { &project.settings.lang } else { &lang };
+    let pending = matches!(given, Given::Later);
     let initial = match given {
         // Nothing is derived for what is thrown away.
-        Some(draft) => draft,
-        None => draft(app, source, episode, words.parse().unwrap_or_default())?,
+        Given::Draft(draft) => draft,
+        Given::Later => Value::Object(serde_json::Map::new()),
+        Given::Nothing => draft(app, source, episode, words.parse().unwrap_or_default())?,
     };
     let keyframe = episode.keyframe.timestamp;
     let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
@@ -300,6 +344,10 @@ fn row(
         created: now,
         updated: now,
         lang,
+        asks_lead: false,
+        pictured: false,
+        pending,
+        thumbnail: thumbnail::draw(&source.drive, keyframe, episode.target_id.as_ref()),
     })
 }
 

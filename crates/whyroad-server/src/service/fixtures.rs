@@ -134,5 +134,9 @@ pub fn task() -> TaskRow {
         created: 0,
         updated: 0,
         lang: String::new(),
+        asks_lead: false,
+        pictured: false,
+        pending: false,
+        thumbnail: String::new(),
     }
 }

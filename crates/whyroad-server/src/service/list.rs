@@ -1,10 +1,10 @@
 //! Lists of tasks with filters, page by page. A cursor is the place of the last one, so that a page stays whole while
 //! others work.
 
-use crate::domain::task::Tasks;
+use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::{people, tasks};
+use crate::service::{people, seen, tasks};
 use crate::store::{Tx, Value as Cell};
 
 /// Tasks on a page when nothing is said, and at most.
@@ -28,12 +28,81 @@ pub struct Filter<'a> {
     pub cursor: Option<&'a str>,
     /// Page length.
     pub limit: Option<&'a str>,
+    /// Order: a word of [`ORDERS`], with `-` in front for descending.
+    pub sort: Option<&'a str>,
+    /// Only tasks with an open question to the lead.
+    pub asks_lead: bool,
     /// Only what is this user's (id): held, written or given.
     pub only_of: Option<&'a str>,
 }
 
+/// Who looks at the list.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewer<'a> {
+    /// User id.
+    pub user: &'a str,
+    /// May do Stage I: sees pictures only of what they have opened.
+    pub labels: bool,
+}
+
+/// Orders beside that of the queue, with their column and whether it holds numbers.
+const ORDERS: [(&str, &str, bool); 5] = [
+    ("updated", "updated", true),
+    ("created", "created", true),
+    ("scenario", "scenario_id", false),
+    ("clip", "clip_id", false),
+    ("state", "state", false),
+];
+
+/// A column to sort by.
+#[derive(Clone, Copy)]
+struct Order {
+    column: &'static str,
+    numeric: bool,
+    descending: bool,
+}
+
+impl Order {
+    /// From the word of a request; `None` for the order of the queue.
+    fn of(word: Option<&str>) -> Answer<Option<Self>> {
+        let (descending, word) = match word {
+            None | Some("" | "priority" | "-priority") => return Ok(None),
+            Some(text) => text.strip_prefix('-').map_or((false, text), |rest| (true, rest)),
+        };
+        let found = ORDERS.iter().find(|(name, ..)| *name == word).ok_or_else(|| {
+            Problem::request(format!("不能按 '{word}' 排序"), format!("cannot sort by '{word}'"))
+        })?;
+        Ok(Some(Self { column: found.1, numeric: found.2, descending }))
+    }
+
+    /// What comes after the place of `cursor`.
+    fn after(self, query: &mut Query, cursor: &str) -> Answer<()> {
+        let bad = || Problem::request("cursor 无效", "cursor is invalid");
+        let (value, id) = cursor.rsplit_once('_').ok_or_else(bad)?;
+        let value: Cell =
+            if self.numeric { value.parse::<i64>().map_err(|_| bad())?.into() } else { value.into() };
+        let (column, sign) = (self.column, if self.descending { '<' } else { '>' });
+        query.and(
+            &format!("({column} {sign} $ OR ({column} = $ AND id > $))"),
+            &[value.clone(), value, id.into()],
+        );
+        Ok(())
+    }
+
+    fn cursor(self, t: &tasks::TaskRow) -> String {
+        match self.column {
+            "updated" => format!("{}_{}", t.updated, t.id),
+            "created" => format!("{}_{}", t.created, t.id),
+            "scenario_id" => format!("{}_{}", t.scenario_id, t.id),
+            "clip_id" => format!("{}_{}", t.clip_id, t.id),
+            _ => format!("{}_{}", t.at.state.word(), t.id),
+        }
+    }
+}
+
 /// One page of the tasks of a project.
-pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks> {
+pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<'_>) -> Answer<Tasks> {
+    let order = Order::of(filter.sort)?;
     let limit = match filter.limit {
         None => USUAL,
         Some(text) => text.parse().ok().filter(|n| (1..=MOST).contains(n)).ok_or_else(|| {
@@ -73,26 +142,51 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>) -> Answer<Tasks
             &[user.into(), user.into(), user.into()],
         );
     }
-    if let Some(cursor) = filter.cursor {
-        let (priority, created, id) = place(cursor)?;
-        query.and(
-            "(priority < $ OR (priority = $ AND (created > $ OR (created = $ AND id > $))))",
-            &[priority.into(), priority.into(), created.into(), created.into(), id.into()],
-        );
+    if filter.asks_lead {
+        query.and("id IN (SELECT task_id FROM comments WHERE to_lead = 1 AND resolved = 0)", &[]);
     }
+    let total = match filter.cursor {
+        Some(_) => None,
+        None => {
+            let sql = format!("SELECT count(*) AS n FROM tasks WHERE {}", query.sql);
+            tx.row(&sql, &query.values)?.map(|r| r.int("n")).transpose()?
+        }
+    };
+    match (filter.cursor, order) {
+        (Some(cursor), Some(order)) => order.after(&mut query, cursor)?,
+        (Some(cursor), None) => {
+            let (priority, created, id) = place(cursor)?;
+            query.and(
+                "(priority < $ OR (priority = $ AND (created > $ OR (created = $ AND id > $))))",
+                &[priority.into(), priority.into(), created.into(), created.into(), id.into()],
+            );
+        }
+        (None, _) => {}
+    }
+    let sequence = match order {
+        None => "priority DESC, created, id".to_owned(),
+        Some(Order { column, descending: true, .. }) => format!("{column} DESC, id"),
+        Some(Order { column, .. }) => format!("{column}, id"),
+    };
     // Ids first: only the tasks of this page are read whole.
-    let sql = format!(
-        "SELECT id FROM tasks WHERE {} ORDER BY priority DESC, created, id LIMIT {}",
-        query.sql,
-        limit + 1
-    );
+    let sql = format!("SELECT id FROM tasks WHERE {} ORDER BY {sequence} LIMIT {}", query.sql, limit + 1);
     let ids = tx.rows(&sql, &query.values)?;
     let mut found = ids.iter().map(|r| tasks::get(tx, &r.text("id")?)).collect::<Answer<Vec<_>>>()?;
     let more = found.len() > limit;
     found.truncate(limit);
-    let next = found.last().filter(|_| more).map(|t| format!("{}_{}_{}", t.priority, t.created, t.id));
+    let cursor = |t: &tasks::TaskRow| match order {
+        None => format!("{}_{}_{}", t.priority, t.created, t.id),
+        Some(order) => order.cursor(t),
+    };
+    let next = found.last().filter(|_| more).map(cursor);
     let names = tasks::names(tx)?;
-    Ok(Tasks { items: found.iter().map(|t| tasks::summary(t, &names)).collect(), next })
+    let mut items = Vec::with_capacity(found.len());
+    for t in &found {
+        let pictured = t.pictured && (!viewer.labels || seen::was_shown(tx, t, viewer.user)?);
+        let thumbnail = pictured.then(|| format!("/api/v1/tasks/{}/thumbnail", t.id));
+        items.push(TaskSummary { thumbnail, ..tasks::summary(t, &names) });
+    }
+    Ok(Tasks { items, total, next })
 }
 
 fn states(query: &mut Query, words: Option<&str>) -> Answer<()> {

@@ -50,13 +50,23 @@ pub fn get(tx: &mut dyn Tx, id: &str) -> Answer<Project> {
 }
 
 fn check(project: &Project) -> Answer<()> {
-    let Settings { lease_s, audit_min_percent, audit_max_percent, lang, history: _ } = &project.settings;
+    let Settings {
+        lease_s,
+        audit_min_percent,
+        audit_max_percent,
+        lang,
+        history: _,
+        place_precision_m,
+        retention_days,
+    } = &project.settings;
     let sound = !project.name.trim().is_empty()
         && project.name.chars().count() <= 100
         && project.guide.len() <= 200_000
         && (30..=3600).contains(lease_s)
         && audit_min_percent <= audit_max_percent
         && *audit_max_percent <= 100
+        && (*place_precision_m == 0 || (100..=1_000_000).contains(place_precision_m))
+        && *retention_days <= 36_500
         && matches!(lang.as_str(), "zh" | "en");
     if sound {
         Ok(())
@@ -64,8 +74,8 @@ fn check(project: &Project) -> Answer<()> {
         Err(Problem::new(
             422,
             "project.invalid",
-            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值",
-            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum",
+            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，保留天数 0–36500",
+            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, retention 0 to 36500 days",
         ))
     }
 }

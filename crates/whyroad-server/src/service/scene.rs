@@ -41,9 +41,22 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let mut view = view(t, stage, &drive, frames, &signals);
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();
+    // Meanings name other signals: so that these have names, too.
+    let named: Vec<String> = view.about.values().flat_map(|a| signals_in(&a.meaning.zh)).collect();
+    view.about.extend(named.iter().filter_map(about).collect::<Vec<_>>());
     let view = Arc::new(view);
     app.scenes.put(key, &view);
     Ok(view)
+}
+
+/// Words of a text that may be ids of signals, such as `target.gap`.
+fn signals_in(text: &str) -> Vec<String> {
+    let part_of_id = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | '.');
+    text.split(|c| !part_of_id(c))
+        .map(|w| w.trim_matches('.'))
+        .filter(|w| w.contains('.'))
+        .map(str::to_owned)
+        .collect()
 }
 
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {
@@ -74,6 +87,18 @@ fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &
         about: BTreeMap::new(),
         hidden_until: (stage == Stage::Stage1).then(|| "stage2".to_owned()),
     }
+}
+
+/// The corner of the square of side `size`, m, that the ego is in at the keyframe.
+pub fn corner(app: &App, t: &TaskRow, size: f64) -> Answer<[f64; 2]> {
+    let Shown { drive, .. } = shown(app, t)?;
+    let frame = drive.times.partition_point(|at| at.0 <= t.keyframe_ns).saturating_sub(1);
+    let at = |values: &[f64]| values.get(frame).copied().filter(|v| v.is_finite());
+    let ego = drive.ego.as_ref().and_then(|e| Some([at(&e.motion.x)?, at(&e.motion.y)?]));
+    // Without an ego, of where any object is.
+    let any = || drive.tracks.iter().find_map(|t| Some([*t.motion.x.first()?, *t.motion.y.first()?]));
+    let [x, y] = ego.or_else(any).unwrap_or_default();
+    Ok([(x / size).floor() * size, (y / size).floor() * size])
 }
 
 fn words(column: Option<&Column>, frames: FrameRange) -> Vec<Option<String>> {

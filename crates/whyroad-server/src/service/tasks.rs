@@ -4,6 +4,7 @@ use crate::domain::task::TaskSummary;
 use crate::domain::workflow::{Position, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
+use crate::service::thumbnail;
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
@@ -64,11 +65,21 @@ pub struct TaskRow {
     pub updated: i64,
     /// Language that the label is to be written in: `zh`, `en`, or empty for any.
     pub lang: String,
+    /// A comment asks the lead and is not resolved.
+    pub asks_lead: bool,
+    /// The store has a picture of it.
+    pub pictured: bool,
+    /// Its draft is still to be made.
+    pub pending: bool,
+    /// The picture of a task that is being made; empty for one that was read.
+    pub thumbnail: String,
 }
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
-    assigned, holder, fence, lease_until, seq, created, updated, lang";
+    assigned, holder, fence, lease_until, seq, created, updated, lang, pending, \
+    (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
+    (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured";
 
 fn task(row: &Row) -> Answer<TaskRow> {
     let state = row.text("state")?;
@@ -105,6 +116,10 @@ fn task(row: &Row) -> Answer<TaskRow> {
         created: row.int("created")?,
         updated: row.int("updated")?,
         lang: row.text("lang")?,
+        asks_lead: row.int("asks")? > 0,
+        pictured: row.int("pictured")? > 0,
+        pending: row.int("pending")? != 0,
+        thumbnail: String::new(),
     })
 }
 
@@ -160,15 +175,19 @@ pub fn insert(tx: &mut dyn Tx, t: &TaskRow) -> Answer<bool> {
     let n = tx.run(
         "INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
            keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
-           fence, seq, created, updated, lang)
-         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, '[]', 0, 0, 0, 0, $18, $19, $20)
+           fence, seq, created, updated, lang, pending)
+         VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, '[]', 0, 0, 0, 0, $18, $19,
+           $20, $21)
          ON CONFLICT DO NOTHING",
         values![
             &t.id, &t.project, &t.episode.episode_id, t.overlap_index, t.overlap_count, &t.drive_id, &t.clip_id,
             &t.scenario_id, t.keyframe_ns, t.from_ns, t.to_ns, json(&t.episode)?, json(&t.initial)?, json(&t.draft)?,
-            t.version, t.priority, t.at.state.word(), t.created, t.updated, &t.lang,
+            t.version, t.priority, t.at.state.word(), t.created, t.updated, &t.lang, i64::from(t.pending),
         ],
     )?;
+    if n == 1 {
+        thumbnail::put(tx, &t.id, &t.thumbnail)?;
+    }
     Ok(n == 1)
 }
 
@@ -232,5 +251,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         overlap: t.overlap_count > 1,
         adjudication: t.adjudication.clone(),
         updated: t.updated,
+        asks_lead: t.asks_lead,
+        thumbnail: None,
     }
 }

@@ -15,11 +15,12 @@ use crate::service::create::{self, LastDrive};
 use crate::service::projects;
 use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
-use crate::store::Tx;
+use crate::store::{Store, Tx};
 use crate::values;
 use read::{Incoming, read_line};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashMap};
+use std::io::Write;
 use whyroad_model::messages::CocLabel;
 
 /// Most lines of one import.
@@ -78,34 +79,77 @@ impl ExportFormat {
     }
 }
 
-/// The lines of an export, by clip, then class, then number in the overlap group.
-pub fn export(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<String> {
-    let names = user_names(tx)?;
-    // Ids first: a project may have a hundred thousand tasks, each with its drafts.
+/// Tasks read in one transaction: an export goes on beside the work of others, and holds no connection while its
+/// receiver is slow.
+const EXPORTED_AT_ONCE: usize = 200;
+
+/// Writes the lines of an export, by clip, then class, then number in the overlap group; each task as it is when its
+/// turn comes. Never whole in memory.
+pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut dyn Write) -> Answer<()> {
+    let names = store.report(user_names)?;
+    let ids = store.report(|tx| exported_ids(tx, project, format))?;
+    for part in ids.chunks(EXPORTED_AT_ONCE) {
+        let text = store.report(|tx| {
+            let mut text = String::new();
+            for id in part {
+                line(tx, id, format, &names, &mut text)?;
+            }
+            Ok(text)
+        })?;
+        out.write_all(text.as_bytes()).map_err(Problem::store)?;
+    }
+    Ok(())
+}
+
+/// The tasks of an export in its order; ids alone, since a project may have a hundred thousand tasks, each with drafts.
+fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {
     let rows = tx.rows(
         "SELECT id, state, adjudication FROM tasks WHERE project_id = $1
          ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index",
         values![project],
     )?;
-    let mut out = String::new();
+    let mut ids = Vec::new();
     for row in rows {
-        let state = State::from_word(&row.text("state")?);
         // Of an overlap group only what was not overruled.
         let overruled = row.maybe_text("adjudication")?.as_deref() == Some("superseded");
-        if let ExportFormat::Labels(states, _) = format
-            && (overruled || !state.is_some_and(|s| states.contains(&s)))
-        {
-            continue;
+        let state = State::from_word(&row.text("state")?);
+        if match format {
+            ExportFormat::Tasks => true,
+            ExportFormat::Labels(states, _) => !overruled && state.is_some_and(|s| states.contains(&s)),
+        } {
+            ids.push(row.text("id")?);
         }
-        let t = tasks::get(tx, &row.text("id")?)?;
-        let line = match format {
-            ExportFormat::Tasks => task_line(tx, &t, &names)?,
-            ExportFormat::Labels(_, version) => label_line(&t, *version)?,
-        };
-        out.push_str(&line.to_string());
-        out.push('\n');
     }
-    Ok(out)
+    Ok(ids)
+}
+
+fn line(
+    tx: &mut dyn Tx,
+    id: &str,
+    format: &ExportFormat,
+    names: &HashMap<String, String>,
+    out: &mut String,
+) -> Answer<()> {
+    match format {
+        ExportFormat::Tasks => {
+            let t = tasks::get(tx, id)?;
+            out.push_str(&task_line(tx, &t, names)?.to_string());
+        }
+        ExportFormat::Labels(_, version) => {
+            let row =
+                tx.row("SELECT draft FROM tasks WHERE id = $1", values![id])?.ok_or_else(Problem::missing)?;
+            out.push_str(&label_line(row.text("draft")?, *version)?);
+        }
+    }
+    out.push('\n');
+    Ok(())
+}
+
+/// The lines of an export as one text, for small ones and tests.
+pub fn export(store: &Store, project: &str, format: &ExportFormat) -> Answer<String> {
+    let mut out = Vec::new();
+    export_to(store, project, format, &mut out)?;
+    String::from_utf8(out).map_err(Problem::store)
 }
 
 /// Login names by id: what another system knows people by.
@@ -115,12 +159,13 @@ fn user_names(tx: &mut dyn Tx) -> Answer<HashMap<String, String>> {
 
 /// The label; its provenance was written when it was handed in. An unfinished draft, which need not be a whole label,
 /// goes out as it is.
-fn label_line(t: &TaskRow, version: LabelVersion) -> Answer<Value> {
-    match serde_json::from_value::<CocLabel>(t.draft.clone()) {
-        Ok(label) if version == LabelVersion::V2_0 => {
-            serde_json::to_value(label.to_2_0()).map_err(Problem::store)
-        }
-        _ => Ok(t.draft.clone()),
+fn label_line(draft: String, version: LabelVersion) -> Answer<String> {
+    if version == LabelVersion::V2_1 {
+        return Ok(draft);
+    }
+    match serde_json::from_str::<CocLabel>(&draft) {
+        Ok(label) => serde_json::to_string(&label.to_2_0()).map_err(Problem::store),
+        Err(_) => Ok(draft),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::store::Tx;
 use crate::values;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
+use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
 
@@ -41,7 +42,7 @@ pub fn label(label: &Value, stage: Stage) -> Value {
 
 /// Refuses a change of `path` that the task's state does not allow.
 pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
-    let field = whyroad_label::merge::top(path);
+    let field = merge::top(path);
     match state {
         State::Stage1 if !STAGE1_OPEN.contains(&field) => Err(Problem::new(
             422,
@@ -92,7 +93,7 @@ pub fn comments(
 ) -> Answer<Vec<Comment>> {
     let all = t.at.state.stage() == Stage::Stage2;
     let rows = tx.rows(
-        "SELECT id, path, author, body, at, resolved FROM comments WHERE task_id = $1 ORDER BY at, id",
+        "SELECT id, path, author, body, at, resolved, to_lead FROM comments WHERE task_id = $1 ORDER BY at, id",
         values![&t.id],
     )?;
     let mut out = Vec::new();
@@ -101,7 +102,8 @@ pub fn comments(
         if all || author == user {
             let author = names.get(&author).cloned().unwrap_or(author);
             let (id, path, text) = (row.text("id")?, row.text("path")?, row.text("body")?);
-            out.push(Comment { id, path, author, text, at: row.int("at")?, resolved: row.flag("resolved")? });
+            let (resolved, to_lead) = (row.flag("resolved")?, row.flag("to_lead")?);
+            out.push(Comment { id, path, author, text, at: row.int("at")?, resolved, to_lead });
         }
     }
     Ok(out)
@@ -112,12 +114,22 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
     let all = t.at.state.stage() == Stage::Stage2;
     let names = tasks::names(tx)?;
     let rows = tx.rows(
-        "SELECT seq, at, actor, action, from_state, to_state, changes, note, version FROM history
+        "SELECT seq, at, actor, action, from_state, to_state, changes, snapshot, note, version FROM history
          WHERE task_id = $1 ORDER BY seq",
         values![&t.id],
     )?;
     let mut out = Vec::new();
+    let mut draft = t.initial.clone();
     for row in rows {
+        let before = draft.clone();
+        if let Some(snapshot) = row.maybe_text("snapshot")? {
+            draft = parse(&snapshot)?;
+        }
+        let changes: Vec<FieldChange> =
+            row.maybe_text("changes")?.map(|c| parse(&c)).transpose()?.unwrap_or_default();
+        for c in &changes {
+            merge::apply(&mut draft, c)?;
+        }
         let actor = row.maybe_text("actor")?;
         let (from, to) = (row.maybe_text("from_state")?, row.maybe_text("to_state")?);
         let state = |word: Option<String>| word.and_then(|w| State::from_word(&w));
@@ -133,14 +145,17 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
                 continue;
             }
         }
+        let before = label(&before, t.at.state.stage());
+        let was = |c: &FieldChange| before.pointer(&c.path).cloned().unwrap_or_default();
         out.push(HistoryEntry {
+            before: changes.iter().map(was).collect(),
             seq: row.int("seq")?,
             at: row.int("at")?,
             actor: actor.map_or_else(|| "whyroad".to_owned(), |a| names.get(&a).cloned().unwrap_or(a)),
             action,
             from_state,
             to_state,
-            changes: row.maybe_text("changes")?.map(|c| parse(&c)).transpose()?.unwrap_or_default(),
+            changes,
             comment: row.maybe_text("note")?,
             version: row.int("version")?,
         });

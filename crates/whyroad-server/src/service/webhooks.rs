@@ -21,6 +21,7 @@ use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
 use crate::service::tasks::{Entry, TaskRow};
 use crate::store::Tx;
+use crate::store::vault::{self, Vault};
 use crate::{secret, values};
 use serde_json::json;
 use std::collections::BTreeSet;
@@ -109,6 +110,7 @@ pub fn create(
     url: &str,
     events: &[String],
     reach: &Reach,
+    vault: &Vault,
     now: i64,
 ) -> Answer<Webhook> {
     if url.len() > 500 {
@@ -142,7 +144,7 @@ pub fn create(
     let (id, key) = (secret::id()?, secret::random(32)?);
     tx.run(
         "INSERT INTO webhooks (id, project_id, url, events, secret, created) VALUES ($1, $2, $3, $4, $5, $6)",
-        values![&id, project, url, json(&events)?, &key, now],
+        values![&id, project, url, json(&events)?, vault.seal(&vault::webhook(&id), &key)?, now],
     )?;
     Ok(Webhook {
         id,
@@ -221,6 +223,7 @@ pub fn deliver_due(app: &App) -> Answer<usize> {
             continue;
         }
         let sent_at = app.now();
+        let secret = app.store.vault.open_text(&vault::webhook(&message.webhook), &secret)?;
         let signature = signature(&secret, sent_at, &message.body);
         let headers = [("x-whyroad-signature", signature.as_str()), ("x-whyroad-delivery", &message.id)];
         let outcome = Receiver::parse(&message.url)

@@ -29,6 +29,7 @@ pub fn restore<R: BufRead>(
     store: &Store,
     mut open: impl FnMut() -> std::io::Result<R> + Send + 'static,
 ) -> Answer<u64> {
+    let vault = std::sync::Arc::clone(&store.vault);
     store.write(move |tx| {
         let mut lines = Lines(open().map_err(Problem::store)?);
         let head = lines.next()?.ok_or_else(|| broken("empty"))?;
@@ -57,6 +58,9 @@ pub fn restore<R: BufRead>(
         }
         let rows = read_all(tx, &mut lines)?;
         migrate::to(tx, LATEST)?;
+        // With another key than the backup's nothing is restored: its secrets would be lost.
+        vault.seal_all(tx)?;
+        vault.check(tx)?;
         Ok(rows)
     })
 }

@@ -26,6 +26,7 @@ pub(super) const TABLES: &[&str] = &[
     "history",
     "activity",
     "comments",
+    "thumbnails",
     "seen",
     "webhooks",
     "outbox",

@@ -12,6 +12,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0004_languages.sql"),
     include_str!("../../migrations/0005_tokens.sql"),
     include_str!("../../migrations/0006_dashboard.sql"),
+    include_str!("../../migrations/0007_page.sql"),
 ];
 
 /// The version of this program.

@@ -2,6 +2,7 @@
 
 use super::backend::{Backend, Purpose};
 use super::sql::Tx;
+use super::vault::Vault;
 use super::{postgres, sqlite};
 use crate::problem::{Answer, Problem};
 use std::path::{Path, PathBuf};
@@ -26,10 +27,20 @@ impl StoreLocation {
     }
 }
 
+/// The key file of a store that names none: beside a SQLite file, in the folder `data` for a server.
+pub fn key_file(place: &StoreLocation, data: &Path) -> PathBuf {
+    match place {
+        StoreLocation::File(path) => PathBuf::from(format!("{}.key", path.display())),
+        StoreLocation::Server(_) => data.join("labels.db.key"),
+    }
+}
+
 /// An opened store. Clones share it.
 #[derive(Clone)]
 pub struct Store {
     backend: Arc<dyn Backend>,
+    /// The keys that its secrets are sealed with.
+    pub vault: Arc<Vault>,
     /// What was kept of the store before its tables were brought forward, where they were: a file to go back to.
     pub kept: Option<PathBuf>,
 }
@@ -48,15 +59,41 @@ impl Store {
     }
 
     /// The same, with `aside` as the folder for the backup of a server's tables (`store.before-<version>.jsonl`, which
-    /// [`restore`] reads).
+    /// [`restore`] reads) and for the key file.
     pub fn open_keeping(place: &StoreLocation, aside: &Path) -> Answer<Self> {
-        fn shared(opened: (impl Backend + 'static, Option<PathBuf>)) -> Store {
-            Store { backend: Arc::new(opened.0), kept: opened.1 }
-        }
-        Ok(match place {
-            StoreLocation::File(path) => shared(sqlite::Sqlite::open(path)?),
-            StoreLocation::Server(url) => shared(postgres::Postgres::open(url, aside)?),
-        })
+        Self::open_with_key(place, aside, &key_file(place, aside))
+    }
+
+    /// The same, with the key file at `key`. Secrets from before sealing are sealed.
+    pub fn open_with_key(place: &StoreLocation, aside: &Path, key: &Path) -> Answer<Self> {
+        let opened = |(backend, kept): (Arc<dyn Backend>, Option<PathBuf>)| -> Answer<Store> {
+            let vault = Arc::new(Vault::open(key)?);
+            Ok(Store { backend, vault, kept })
+        };
+        let store = match place {
+            StoreLocation::File(path) => {
+                let (backend, kept) = sqlite::Sqlite::open(path)?;
+                opened((Arc::new(backend), kept))?
+            }
+            StoreLocation::Server(url) => {
+                let (backend, kept) = postgres::Postgres::open(url, aside)?;
+                opened((Arc::new(backend), kept))?
+            }
+        };
+        store.seal_all()?;
+        Ok(store)
+    }
+
+    /// Seals all secrets that are not sealed with the first key of the key file; the number of these.
+    pub(super) fn seal_all(&self) -> Answer<u64> {
+        let vault = Arc::clone(&self.vault);
+        self.write(move |tx| vault.seal_all(tx))
+    }
+
+    /// Replaces the key: all secrets are sealed with a new one; the number of secrets. No other service may use the
+    /// store meanwhile.
+    pub fn rotate_key(&self) -> Answer<u64> {
+        self.vault.rotate(|| self.seal_all())
     }
 
     /// Runs `job` in a transaction. What it returns is returned only after the commit.

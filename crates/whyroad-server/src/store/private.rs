@@ -1,6 +1,7 @@
 //! Files and folders that only their owner reads: the store holds password hashes and what people write.
 
 use std::fs::File;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Makes the folder `dir` where it does not exist, for its owner alone. One that exists stays as it is.
@@ -28,5 +29,44 @@ pub(super) fn file(path: &Path) -> std::io::Result<()> {
         }
     }
     drop(file);
+    Ok(())
+}
+
+/// Makes the file `path` with this content, for its owner alone; an error where it exists.
+pub(super) fn create(path: &Path, text: &str) -> std::io::Result<()> {
+    if let Some(dir) = path.parent().filter(|d| !d.as_os_str().is_empty()) {
+        folder(dir)?;
+    }
+    let mut options = File::options();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    let mut file = options.open(path)?;
+    file.write_all(text.as_bytes())?;
+    file.sync_all()
+}
+
+/// Replaces the content of the file `path`, whole or not at all.
+pub(super) fn replace(path: &Path, text: &str) -> std::io::Result<()> {
+    let aside = path.with_extension("new");
+    match std::fs::remove_file(&aside) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(e),
+        _ => {}
+    }
+    create(&aside, text)?;
+    std::fs::rename(&aside, path)
+}
+
+/// Takes an existing file from everybody but its owner. Of another owner it stays as it is.
+pub(super) fn only_owner(path: &Path) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        if std::fs::metadata(path)?.permissions().mode() & 0o077 != 0 {
+            let _ = std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600));
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = path;
     Ok(())
 }

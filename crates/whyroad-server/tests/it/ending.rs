@@ -2,12 +2,19 @@
 
 use crate::postgres_server::Server;
 use crate::recorded::{Future, Recorded};
+use crate::world::{Person, World};
 use std::io::{Read, Write};
 use std::net::TcpStream;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
+use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 use whyroad_server::App;
+use whyroad_server::domain::scene::SignalAbout;
+use whyroad_server::recordings::Recordings;
 use whyroad_server::store::{Store, StoreLocation};
 
 #[test]
@@ -62,8 +69,8 @@ fn what_was_begun_is_finished_when_the_service_ends() {
 #[test]
 fn a_service_on_postgresql_ends_without_a_panic() {
     let Some(server) = Server::start() else { return };
-    let store = Store::open(&StoreLocation::parse(&server.database())).unwrap();
     let dir = tempfile::tempdir().unwrap();
+    let store = Store::open_keeping(&StoreLocation::parse(&server.database()), dir.path()).unwrap();
     let recordings = Recorded { future: Future::Brakes, pictures: dir.path().to_path_buf() };
     let app = Arc::new(App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap());
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
@@ -81,4 +88,78 @@ fn a_service_on_postgresql_ends_without_a_panic() {
         .await
     });
     assert!(ended.expect("no panic").is_ok());
+}
+
+/// Drives whose derivation never ends.
+struct Endless(Recorded);
+
+impl Recordings for Endless {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+        self.0.drive(id)
+    }
+    fn signals(&self, _: &Drive) -> SignalTable {
+        loop {
+            std::thread::sleep(Duration::from_secs(1));
+        }
+    }
+    fn about(&self, name: &str) -> Option<SignalAbout> {
+        self.0.about(name)
+    }
+    fn draft(&self, drive: &Drive, signals: &SignalTable, episode: &EpisodeRecord, lang: Lang) -> CocLabel {
+        self.0.draft(drive, signals, episode, lang)
+    }
+    fn mined(&self) -> Vec<String> {
+        self.0.mined()
+    }
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>> {
+        self.0.episode_count(name, filter)
+    }
+    fn episodes(
+        &self,
+        name: &str,
+        filter: &EpisodeFilter,
+        after: Option<EpisodeCursor>,
+        limit: usize,
+    ) -> Option<Result<EpisodePage, String>> {
+        self.0.episodes(name, filter, after, limit)
+    }
+    fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
+        self.0.media(drive, frame)
+    }
+}
+
+/// A derivation that hangs, in a request and in the background, keeps nobody from stopping the service: within the 15 s
+/// that requests have, and the 2 s that the binary gives what is left (`cmd/serve.rs`).
+#[test]
+fn the_service_ends_within_twenty_seconds_while_derivations_hang() {
+    let world = World::on_sqlite(Future::Brakes);
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &serde_json::json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    ann.post(&format!("/tasks/{task}/lease"), &serde_json::json!({ "action": "take" })).fine();
+    let app = world.second(|app| {
+        let drives = Recorded { future: Future::Brakes, pictures: std::env::temp_dir() };
+        app.recordings = Arc::new(Endless(drives));
+    });
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+    let listener = runtime.block_on(tokio::net::TcpListener::bind("127.0.0.1:0")).unwrap();
+    let address = listener.local_addr().unwrap();
+    let (stop, stopped) = tokio::sync::oneshot::channel::<()>();
+    let served = runtime.spawn(whyroad_server::serve(app, listener, async move {
+        let _ = stopped.await;
+    }));
+    // Tasks whose drafts never come, and a scene that never comes.
+    world.tasks(&Person { address, ..admin }, &project, &["drive2", "drive3"], 1);
+    let mut hangs = TcpStream::connect(address).unwrap();
+    let cookie = ann.cookie.unwrap();
+    let request = format!("GET /api/v1/tasks/{task}/scene HTTP/1.1\r\nhost: t\r\ncookie: {cookie}\r\n\r\n");
+    hangs.write_all(request.as_bytes()).unwrap();
+    std::thread::sleep(Duration::from_millis(700));
+    let start = Instant::now();
+    stop.send(()).unwrap();
+    let ended = runtime.block_on(async { tokio::time::timeout(Duration::from_secs(30), served).await });
+    assert!(ended.unwrap().unwrap().is_ok());
+    runtime.shutdown_timeout(Duration::from_secs(2));
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
 }

@@ -14,6 +14,7 @@ mod identities;
 mod later_task;
 mod leaks;
 mod oidc;
+mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
 mod postgres_server;
 mod provider;
@@ -105,6 +106,17 @@ suite! {
     later_task::opening_a_later_task_shows_no_future_of_the_one_in_hand,
     later_task::where_only_the_episode_bars_a_later_task_may_be_begun,
     group::what_is_given_back_says_why_and_the_history_comes_in_pages,
+    page::lists_have_a_total_and_an_order_that_pages_keep,
+    page::many_tasks_are_changed_at_once_and_each_refusal_is_named,
+    page::the_work_to_do_is_counted_for_staff_and_for_oneself,
+    page::a_question_to_the_lead_marks_the_task_until_it_is_answered,
+    page::a_picture_is_for_those_who_cannot_do_stage_one_or_have_opened_the_task,
+    page::the_history_has_the_values_before_each_change,
+    page::a_label_put_together_from_a_group_is_checked_again,
+    page::why_a_task_cannot_be_taken_fits_the_case,
+    page::tasks_are_there_at_once_and_their_drafts_follow,
+    page::a_place_is_given_as_precisely_as_the_project_says,
+    page::finished_tasks_go_when_their_project_keeps_them_no_longer,
     wire::unchanged_answers_are_not_sent_again,
     wire::what_is_wrong_is_said_as_problem_json,
     wire::what_is_too_large_is_refused,

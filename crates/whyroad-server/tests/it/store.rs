@@ -82,12 +82,13 @@ fn transactions_on_sqlite() {
 fn transactions_on_postgresql() {
     let Some(server) = Server::start() else { return };
     let url = server.database();
-    transactions(&Store::open(&StoreLocation::parse(&url)).unwrap());
+    let dir = tempfile::tempdir().unwrap();
+    transactions(&Store::open_keeping(&StoreLocation::parse(&url), dir.path()).unwrap());
     // Two services that start at once on an empty database make its tables once.
     let url = server.database();
     std::thread::scope(|scope| {
         for _ in 0..4 {
-            scope.spawn(|| Store::open(&StoreLocation::parse(&url)).unwrap());
+            scope.spawn(|| Store::open_keeping(&StoreLocation::parse(&url), dir.path()).unwrap());
         }
     });
 }
@@ -147,7 +148,7 @@ fn dump(store: &Store) -> Vec<u8> {
 }
 
 fn fill(store: &Store) {
-    put(store, "csrf_key");
+    put(store, "some_key");
     store
         .write(|tx| {
             tx.run(
@@ -187,7 +188,7 @@ fn a_backup_restores_into_either_store_and_back() {
     assert_eq!(names(&third), Vec::<String>::new(), "nothing of a broken backup is kept");
 
     let Some(server) = Server::start() else { return };
-    let far = Store::open(&StoreLocation::parse(&server.database())).unwrap();
+    let far = Store::open_keeping(&StoreLocation::parse(&server.database()), dir.path()).unwrap();
     restore(&far, of(&bytes)).unwrap();
     assert_eq!(dump(&far), bytes);
 }
@@ -208,7 +209,7 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
     assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
     // A backup of an older program goes into a store of this one, of either kind.
     for place in [file(dir.path(), "fresh"), StoreLocation::parse(&server.database())] {
-        let fresh = Store::open(&place).unwrap();
+        let fresh = Store::open_keeping(&place, dir.path()).unwrap();
         let from = kept.clone();
         let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
         assert_eq!((rows, task(&fresh)), (4, ("t".into(), String::new())));
@@ -272,7 +273,7 @@ fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
     };
     check(&Store::open(&file(dir.path(), "s")).unwrap());
     let Some(server) = Server::start() else { return };
-    check(&Store::open(&StoreLocation::parse(&server.database())).unwrap());
+    check(&Store::open_keeping(&StoreLocation::parse(&server.database()), dir.path()).unwrap());
 }
 
 #[cfg(unix)]
@@ -293,4 +294,68 @@ fn what_the_store_keeps_is_for_its_owner_alone() {
     std::fs::set_permissions(folder.join("labels.db"), std::fs::Permissions::from_mode(0o644)).unwrap();
     let _again = Store::open(&file(&folder, "labels.db")).unwrap();
     assert_eq!(mode(&folder.join("labels.db")), 0o600);
+}
+
+/// A webhook's signing key and the CSRF key as they are in the tables.
+fn stored_secrets(store: &Store) -> Vec<String> {
+    let sql =
+        "SELECT secret AS value FROM webhooks UNION ALL SELECT value FROM settings WHERE name = 'csrf_key'";
+    store.read(|tx| tx.rows(sql, &[])).unwrap().iter().map(|r| r.text("value").unwrap()).collect()
+}
+
+fn with_secrets(store: &Store) {
+    store
+        .write(|tx| {
+            tx.run("INSERT INTO projects VALUES ('p', 'p', '', '{}', '{}', 0)", &[])?;
+            tx.run("INSERT INTO webhooks VALUES ('w', 'p', 'http://a', '[]', 'plain-secret', NULL, 0)", &[])?;
+            tx.run("INSERT INTO settings (name, value) VALUES ('csrf_key', 'plain-csrf')", &[])
+        })
+        .unwrap();
+}
+
+#[test]
+fn secrets_of_an_older_program_are_sealed_and_go_on_working_under_a_new_key() {
+    let dir = tempfile::tempdir().unwrap();
+    let place = file(dir.path(), "s");
+    with_secrets(&Store::open(&place).unwrap());
+    let store = Store::open(&place).unwrap();
+    let secrets = stored_secrets(&store);
+    assert!(secrets.iter().all(|s| s.starts_with("sealed:v1:")), "{secrets:?}");
+    let opened = |store: &Store| {
+        let secrets = stored_secrets(store);
+        ["webhook:w", "setting:csrf_key"]
+            .iter()
+            .zip(secrets)
+            .map(|(p, s)| store.vault.open_text(p, &s).unwrap())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(opened(&store), ["plain-secret", "plain-csrf"]);
+    let before = std::fs::read_to_string(store.vault.path()).unwrap();
+    assert_eq!(store.rotate_key().unwrap(), 2);
+    assert_ne!(std::fs::read_to_string(store.vault.path()).unwrap(), before);
+    assert_ne!(stored_secrets(&store), secrets);
+    assert_eq!(opened(&Store::open(&place).unwrap()), ["plain-secret", "plain-csrf"], "after a restart");
+}
+
+#[test]
+fn a_backup_needs_its_key() {
+    let dir = tempfile::tempdir().unwrap();
+    let place = file(dir.path(), "first");
+    with_secrets(&Store::open(&place).unwrap());
+    let first = Store::open(&place).unwrap();
+    let bytes = dump(&first);
+    assert!(!String::from_utf8_lossy(&bytes).contains("plain-"), "a backup holds no secret in plain text");
+    let taken = bytes.clone();
+    let other = Store::open(&file(dir.path(), "other")).unwrap();
+    let refused = restore(&other, move || Ok(Cursor::new(taken.clone()))).unwrap_err();
+    assert_eq!(refused.code, "store.key");
+    let second = file(dir.path(), "second");
+    std::fs::copy(first.vault.path(), dir.path().join("second.key")).unwrap();
+    let second = Store::open(&second).unwrap();
+    restore(&second, move || Ok(Cursor::new(bytes.clone()))).unwrap();
+    assert_eq!(stored_secrets(&second), stored_secrets(&first));
+    // A store whose key file was lost does not start with a new one.
+    drop(first);
+    std::fs::remove_file(dir.path().join("first.key")).unwrap();
+    assert_eq!(Store::open(&place).unwrap_err().code, "store.key");
 }

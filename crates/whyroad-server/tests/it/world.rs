@@ -41,23 +41,37 @@ impl World {
     }
 
     fn start(place: &StoreLocation, future: Future, dir: tempfile::TempDir) -> Self {
-        Self::open(place, future, dir, Arc::new(AtomicI64::new(NOON)), |_| {})
+        let keys = dir.path().to_path_buf();
+        Self::open(place, future, (dir, &keys), Arc::new(AtomicI64::new(NOON)), |_| {})
     }
 
     /// A second service on the same store and by the same clock, set up by `set_up`.
     pub fn beside(&self, set_up: impl FnOnce(&mut App)) -> Self {
-        Self::open(&self.place, self.future, tempfile::tempdir().unwrap(), Arc::clone(&self.clock), set_up)
+        let folders = (tempfile::tempdir().unwrap(), self._dir.path());
+        Self::open(&self.place, self.future, folders, Arc::clone(&self.clock), set_up)
+    }
+
+    /// A second service on the same store that does not serve yet.
+    pub fn second(&self, set_up: impl FnOnce(&mut App)) -> Arc<App> {
+        let recordings = Recorded { future: self.future, pictures: self._dir.path().to_path_buf() };
+        let store = Store::open_keeping(&self.place, self._dir.path()).unwrap();
+        let mut app = App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap();
+        let hands = Arc::clone(&self.clock);
+        app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
+        app.lease_clock = LeaseClock::Service;
+        set_up(&mut app);
+        Arc::new(app)
     }
 
     fn open(
         place: &StoreLocation,
         future: Future,
-        dir: tempfile::TempDir,
+        (dir, keys): (tempfile::TempDir, &std::path::Path),
         clock: Arc<AtomicI64>,
         set_up: impl FnOnce(&mut App),
     ) -> Self {
         let recordings = Recorded { future, pictures: dir.path().to_path_buf() };
-        let store = Store::open(place).unwrap();
+        let store = Store::open_keeping(place, keys).unwrap();
         let mut app = App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap();
         let hands = Arc::clone(&clock);
         app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
@@ -265,7 +279,24 @@ fn parse(bytes: &[u8]) -> Reply {
         .filter_map(|l| l.split_once(':'))
         .map(|(n, v)| (n.to_ascii_lowercase(), v.trim().to_owned()))
         .collect();
-    let reply = Reply { status, headers, body: bytes[end + 4..].to_vec() };
-    assert!(reply.header("transfer-encoding").is_none(), "answers have a length");
+    let mut reply = Reply { status, headers, body: bytes[end + 4..].to_vec() };
+    if reply.header("transfer-encoding") == Some("chunked") {
+        reply.body = joined(&reply.body);
+    }
     reply
+}
+
+/// The content of a body in chunks (RFC 9112, 7.1), which must be whole.
+fn joined(mut chunks: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    loop {
+        let end = chunks.windows(2).position(|w| w == b"\r\n").expect("a size of a chunk");
+        let size = usize::from_str_radix(std::str::from_utf8(&chunks[..end]).unwrap(), 16).unwrap();
+        chunks = &chunks[end + 2..];
+        if size == 0 {
+            return out;
+        }
+        out.extend_from_slice(&chunks[..size]);
+        chunks = &chunks[size + 2..];
+    }
 }

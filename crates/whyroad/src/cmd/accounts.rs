@@ -42,13 +42,36 @@ enum What {
         #[command(flatten)]
         store: store_args::StoreArgs,
     },
+    /// Seal the secrets in the store (signing keys of webhooks, key of the CSRF values) with a new key; stop the service
+    /// before
+    RotateKey {
+        #[command(flatten)]
+        store: store_args::StoreArgs,
+    },
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     match args.what {
         What::List { print, store } => list(&store, print, global.lang),
         What::Password { name, print, store } => password(&store, &name, print, global.lang),
+        What::RotateKey { store } => rotate_key(&store, global.lang),
     }
+}
+
+fn rotate_key(store: &store_args::StoreArgs, lang: Lang) -> anyhow::Result<ExitCode> {
+    let sealed = store.open_existing(lang)?.rotate_key().map_err(|p| error(&p, lang))?;
+    let file = store.key_file();
+    match lang {
+        Lang::Zh => say!(
+            "{sealed} 个密文已用新密钥重新加密；密钥文件 {}；较早的备份仍需原来的密钥文件",
+            file.display()
+        ),
+        Lang::En => say!(
+            "{sealed} secrets sealed with a new key, which is in {}; earlier backups still need the earlier key file",
+            file.display()
+        ),
+    }
+    Ok(output::FINE)
 }
 
 fn list(store: &store_args::StoreArgs, print: Print, lang: Lang) -> anyhow::Result<ExitCode> {

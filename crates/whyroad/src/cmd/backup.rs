@@ -15,7 +15,8 @@ use whyroad_server::store::{backup_to, restore};
 pub(crate) struct BackupArgs {
     #[command(flatten)]
     store: store_args::StoreArgs,
-    /// File to write (JSON lines); it holds password hashes and must be kept as the store itself
+    /// File to write (JSON lines); it holds password hashes and must be kept as the store itself. Secrets in it are
+    /// sealed: restoring it needs the key file, too
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -38,6 +39,14 @@ pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<Ex
     }
     let rows = backup_to(&store, &args.out).map_err(|p| store_args::error(&p, global.lang))?;
     report_rows(rows, &args.out, global.lang);
+    let key = args.store.key_file();
+    match global.lang {
+        Lang::Zh => say!("恢复时还需要密钥文件 {}；请与备份分开保存", key.display()),
+        Lang::En => say!(
+            "to restore it, the key file {} is needed, too; keep it apart from the backup",
+            key.display()
+        ),
+    }
     Ok(output::FINE)
 }
 

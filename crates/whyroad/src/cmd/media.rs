@@ -2,10 +2,11 @@
 
 use crate::output::Print;
 use crate::{Global, output};
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use serde_json::json;
-use std::path::PathBuf;
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::time::{SystemTime, UNIX_EPOCH};
 use whyroad_engine::media::{AddImages, ImageSource, ImageStart, MediaError, add_images, camera_name};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, DriveId, Lang, Nanos};
@@ -27,7 +28,7 @@ enum What {
 }
 
 #[derive(clap::Args)]
-#[command(group(clap::ArgGroup::new("source").required(true).args(["pictures", "times"])))]
+#[command(group(clap::ArgGroup::new("source").required(true).args(["pictures", "times", "video"])))]
 struct Add {
     /// Lake that has the drive
     #[arg(long, value_name = "DIR")]
@@ -41,14 +42,17 @@ struct Add {
     /// Folder of images (JPEG, PNG, WebP), one per frame, in the order of the numbers in their names
     #[arg(long, value_name = "DIR", requires = "rate")]
     pictures: Option<PathBuf>,
-    /// Images per second
-    #[arg(long, value_name = "HZ", value_parser = rate, requires = "pictures")]
+    /// Video file such as mp4; its frames are extracted with ffmpeg, which must be installed, and copied into the lake
+    #[arg(long, value_name = "FILE")]
+    video: Option<PathBuf>,
+    /// Images per second; for a video those that are extracted [default for a video: 10]
+    #[arg(long, value_name = "HZ", value_parser = rate, conflicts_with = "times")]
     rate: Option<f64>,
     /// When the first image was taken [default: the drive's start]
-    #[arg(long, value_name = "TIME", value_parser = Nanos::parse_iso, requires = "pictures")]
+    #[arg(long, value_name = "TIME", value_parser = Nanos::parse_iso, conflicts_with = "times")]
     start: Option<Nanos>,
     /// The same as seconds from the drive's start
-    #[arg(long, value_name = "S", value_parser = seconds, conflicts_with = "start", requires = "pictures", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = seconds, conflicts_with_all = ["start", "times"], allow_negative_numbers = true)]
     offset: Option<f64>,
     /// CSV file with the columns name (from the file's folder) and time (ISO 8601, or seconds from the drive's start)
     #[arg(long, value_name = "FILE")]
@@ -79,15 +83,18 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
     let lake = Lake::open(&a.lake)?;
     let id = DriveId::from(a.drive.as_str());
-    let source = match (&a.times, &a.pictures, a.rate) {
+    let start = || a.start.map_or(ImageStart::Offset(a.offset.unwrap_or(0.0)), ImageStart::At);
+    let rate_hz = a.rate.unwrap_or(VIDEO_RATE_HZ);
+    let extracted = a.video.as_ref().map(|video| Extracted::of(video, rate_hz, lang)).transpose()?;
+    let source = match (&a.times, &a.pictures, a.rate, &extracted) {
         (Some(list), ..) => ImageSource::List(list.clone()),
-        (None, Some(dir), Some(rate_hz)) => {
-            let start = a.start.map_or(ImageStart::Offset(a.offset.unwrap_or(0.0)), ImageStart::At);
-            ImageSource::Folder { dir: dir.clone(), start, rate_hz }
-        }
-        _ => bail!("--pictures with --rate, or --times"),
+        (None, Some(dir), Some(rate_hz), _) => ImageSource::Folder { dir: dir.clone(), start: start(), rate_hz },
+        (None, None, _, Some(frames)) => ImageSource::Folder { dir: frames.dir.clone(), start: start(), rate_hz },
+        _ => bail!("--pictures with --rate, --video, or --times"),
     };
-    let request = AddImages { camera: a.camera.clone(), source, copy: a.copy };
+    // What was extracted is only there for this call.
+    let copy = a.copy || extracted.is_some();
+    let request = AddImages { camera: a.camera.clone(), source, copy };
     let done = match add_images(&lake, &id, &request) {
         Ok(done) => done,
         Err(e) => {
@@ -121,6 +128,56 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
         }
     }
     Ok(if rejected > 0 { output::lost_input() } else { output::FINE })
+}
+
+/// Images per second that are taken from a video.
+const VIDEO_RATE_HZ: f64 = 10.0;
+
+/// The frames of a video in a folder that goes when this does.
+struct Extracted {
+    dir: PathBuf,
+}
+
+impl Extracted {
+    fn of(video: &Path, rate_hz: f64, lang: Lang) -> anyhow::Result<Self> {
+        if !video.is_file() {
+            bail!(match lang {
+                Lang::Zh => format!("没有文件 {}", video.display()),
+                Lang::En => format!("no file {}", video.display()),
+            });
+        }
+        let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
+        let dir = std::env::temp_dir().join(format!("whyroad-video-{}-{nanos}", std::process::id()));
+        std::fs::create_dir(&dir).with_context(|| format!("cannot write {}", dir.display()))?;
+        let frames = Self { dir };
+        let run = Command::new("ffmpeg")
+            .args(["-nostdin", "-v", "error", "-i"])
+            .arg(video)
+            .args(["-vf", &format!("fps={rate_hz}"), "-q:v", "3"])
+            .arg(frames.dir.join("%07d.jpg"))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .output();
+        let out = match run {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => bail!(match lang {
+                Lang::Zh => "没有安装 ffmpeg：安装它，或自行抽帧后用 --pictures",
+                Lang::En =>
+                    "ffmpeg is not installed: install it, or extract the frames yourself and use --pictures",
+            }),
+            other => other.context("cannot run ffmpeg")?,
+        };
+        if !out.status.success() {
+            bail!("ffmpeg: {}", String::from_utf8_lossy(&out.stderr).trim());
+        }
+        Ok(frames)
+    }
+}
+
+impl Drop for Extracted {
+    fn drop(&mut self) {
+        // A temporary folder that stays harms nobody.
+        let _ = std::fs::remove_dir_all(&self.dir);
+    }
 }
 
 fn say_rejected(rejected: &[(PathBuf, Bilingual)], lang: Lang) {

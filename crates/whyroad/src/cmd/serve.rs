@@ -17,6 +17,7 @@ use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
 use whyroad_server::app::Origin;
+use whyroad_server::blur::Blur;
 use whyroad_server::service::webhooks::Reach;
 
 /// Arguments of `whyroad serve`.
@@ -45,6 +46,10 @@ pub(crate) struct Args {
     /// service is reachable from other machines, this machine]
     #[arg(long, value_name = "HOST[:PORT]")]
     webhook_to: Vec<String>,
+    /// Program that makes faces and plates in an image unreadable, called as PROGRAM INPUT OUTPUT once per image; an
+    /// image for which it fails is not shown
+    #[arg(long, value_name = "PROGRAM", env = "WHYROAD_BLUR")]
+    blur: Option<PathBuf>,
     #[command(flatten)]
     store: store_args::StoreArgs,
     #[command(flatten)]
@@ -69,6 +74,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let store = args.store.open(global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
     app.oidc = oidc;
+    if let Some(program) = args.blur {
+        let cache = args.store.data.join("blurred");
+        app.blur = Some(
+            Blur::new(program, cache.clone()).with_context(|| format!("cannot write {}", cache.display()))?,
+        );
+    }
     if args.https {
         app.cookies = whyroad_server::app::Cookies::Secure;
     }
@@ -82,7 +93,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         _ => Reach::Network,
     };
     app.log = Arc::new(|line| say!("{line}"));
-    first_run::offer_project(&app, global.lang)?;
+    if args.lake.is_none() {
+        first_run::offer_project(&app, global.lang)?;
+    }
     let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
     say!("{}", where_to_look(at, &account, drives, global.lang));
     run_until_stopped(app, listener).context("the service stopped")?;

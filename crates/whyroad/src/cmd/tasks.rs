@@ -16,6 +16,8 @@ use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
 use whyroad_server::domain::task::{CreateTasks, Imported};
+use whyroad_server::service::create::Drafting;
+use whyroad_server::service::create::Drafting;
 use whyroad_server::service::transfer::{self, ExportFormat};
 use whyroad_server::service::{create, projects, tasks};
 use whyroad_server::store::Store;
@@ -184,7 +186,8 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
         lang: a.label_lang.clone(),
         ..CreateTasks::default()
     };
-    let made = create::create(&app, &project, &request, None).map_err(|p| error(&p, global.lang))?;
+    let made =
+        create::create(&app, &project, &request, None, Drafting::Now).map_err(|p| error(&p, global.lang))?;
     made.lost.iter().for_each(|why| say!("{why}"));
     let (new, known, left_out, lost) = (made.tasks.len(), made.known, made.left_out, made.lost.len());
     let counts = json!({
@@ -244,7 +247,9 @@ fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
     let project = find(&store, &a.project, global.lang)?;
     let format = ExportFormat::from_words(Some(&a.content), Some(&a.format_version), a.state.as_deref())
         .map_err(problem)?;
-    output::put(&store.read(|tx| transfer::export(tx, &project, &format)).map_err(problem)?);
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    transfer::export_to(&store, &project, &format, &mut out).map_err(problem)?;
+    std::io::Write::flush(&mut out)?;
     Ok(output::FINE)
 }
 

@@ -4,19 +4,40 @@ use super::tasks::look;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::problem::{Answer, Problem};
-use crate::service::{pickers, scene};
+use crate::service::tasks::TaskRow;
+use crate::service::{pickers, projects, scene};
+use std::sync::Arc;
 
 /// Largest image that is served.
 const MAX_PICTURE: u64 = 32 * 1024 * 1024;
 
 /// `GET /tasks/{t}/scene`
 pub fn scene(call: &Call<'_>) -> Answer<Reply> {
-    Reply::json(&*scene::scene(call.app, &look(call)?)?)
+    let t = look(call)?;
+    let mut view = scene::scene(call.app, &t)?;
+    if let Some(corner) = corner(call, &t)? {
+        Arc::make_mut(&mut view).shift(corner);
+    }
+    Reply::json(&*view)
 }
 
 /// `GET /tasks/{t}/map`
 pub fn map(call: &Call<'_>) -> Answer<Reply> {
-    Reply::json(&scene::map(call.app, &look(call)?)?)
+    let t = look(call)?;
+    let mut map = scene::map(call.app, &t)?;
+    if let Some(corner) = corner(call, &t)? {
+        map.shift(corner);
+    }
+    Reply::json(&map)
+}
+
+/// What positions of `t` are given relative to, m; none where the project gives them as recorded.
+fn corner(call: &Call<'_>, t: &TaskRow) -> Answer<Option<[f64; 2]>> {
+    let project = call.app.store.read(|tx| projects::get(tx, &t.project))?;
+    match f64::from(project.settings.place_precision_m) {
+        size if size > 0.0 => scene::corner(call.app, t, size).map(Some),
+        _ => Ok(None),
+    }
 }
 
 /// `GET /tasks/{t}/media/{camera}/{index}`
@@ -31,6 +52,7 @@ pub fn media(call: &Call<'_>) -> Answer<Reply> {
         Some("webp") => "image/webp",
         _ => return Err(Problem::missing()),
     };
+    let file = call.app.blur.as_ref().map_or(Ok(file.clone()), |blur| blur.image(&file))?;
     let size = std::fs::metadata(&file).map_err(|_| Problem::missing())?.len();
     if size > MAX_PICTURE {
         return Err(Problem::missing());

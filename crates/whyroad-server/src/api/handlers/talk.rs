@@ -96,7 +96,7 @@ pub fn resolve(call: &Call<'_>) -> Answer<Reply> {
 }
 
 fn read(tx: &mut dyn Tx, id: &str) -> Answer<Comment> {
-    let sql = "SELECT c.id, c.path, u.display, c.body, c.at, c.resolved FROM comments c JOIN users u ON u.id = c.author
+    let sql = "SELECT c.id, c.path, u.display, c.body, c.at, c.resolved, c.to_lead FROM comments c JOIN users u ON u.id = c.author
                WHERE c.id = $1";
     let row = tx.row(sql, values![id])?.ok_or_else(Problem::missing)?;
     Ok(Comment {
@@ -106,5 +106,6 @@ fn read(tx: &mut dyn Tx, id: &str) -> Answer<Comment> {
         text: row.text("body")?,
         at: row.int("at")?,
         resolved: row.flag("resolved")?,
+        to_lead: row.flag("to_lead")?,
     })
 }

@@ -5,13 +5,16 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::people::User;
 use crate::domain::task::{
-    Assign, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask, QueueState, WorkKind,
+    Assign, BulkChange, CreateTasks, LeaseAction, LeaseRequest, MinedFolder, MinedFolders, NextTask,
+    QueueState, WorkKind,
 };
-use crate::domain::workflow::{Actor, Role, Seen};
+use crate::domain::workflow::{Actor, Role};
 use crate::problem::{Answer, Problem};
-use crate::service::tasks::{Entry, TaskRow};
+use crate::service::create::Drafting;
+use crate::service::tasks::TaskRow;
 use crate::service::{
-    actions, answer, create, findings, history, leases, list as listing, people, projects, queue, seen, tasks,
+    actions, answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks,
+    thumbnail, work,
 };
 use crate::store::Tx;
 use whyroad_model::messages::EpisodeFilter;
@@ -25,11 +28,15 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
         part: call.query("q"),
         cursor: call.query("cursor"),
         limit: call.query("limit"),
+        sort: call.query("sort"),
+        asks_lead: call.query("asks") == Some("lead"),
         only_of: (!call.grant.is_staff() || call.query("mine") == Some("true"))
             .then_some(call.user()?.id.as_str()),
     };
     let project = call.grant.project()?;
-    Reply::json(&call.app.store.read(|tx| listing::page(tx, project, &filter))?)
+    let (user, labels) = (call.user()?, call.grant.roles.contains(&Role::Annotator));
+    let viewer = listing::Viewer { user: &user.id, labels };
+    Reply::json(&call.app.store.read(|tx| listing::page(tx, project, &filter, viewer))?)
 }
 
 /// `GET /mined`
@@ -50,7 +57,8 @@ pub fn mined(call: &Call<'_>) -> Answer<Reply> {
 /// `POST /projects/{p}/tasks:create`
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let request: CreateTasks = call.body()?;
-    Reply::json(&create::create(call.app, call.grant.project()?, &request, Some(&call.user()?.id))?)
+    let user = &call.user()?.id;
+    Reply::json(&create::create(call.app, call.grant.project()?, &request, Some(user), Drafting::Later)?)
 }
 
 /// `POST /projects/{p}/tasks:next`
@@ -63,7 +71,7 @@ pub fn next(call: &Call<'_>) -> Answer<Reply> {
         let now = app.lease_now(tx)?;
         queue::next(tx, &project, &user, &roles, kind, now)
     })?;
-    found.map_or_else(|| Ok(Reply::nothing()), |t| answer(call, &t))
+    found.map_or_else(|| Ok(Reply::nothing()), |t| answer(call, &drafting::ready(call.app, t)?))
 }
 
 /// `GET /projects/{p}/queue`
@@ -91,7 +99,7 @@ pub fn queue(call: &Call<'_>) -> Answer<Reply> {
 /// Reads a task for showing it, and records what of its drive the caller is shown.
 pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
     let (id, user) = (call.param("t"), call.user()?);
-    let t = call.app.store.read(|tx| tasks::get(tx, id))?;
+    let t = drafting::ready(call.app, call.app.store.read(|tx| tasks::get(tx, id))?)?;
     if !call.app.store.read(|tx| seen::was_shown(tx, &t, &user.id))? {
         let (row, user) = (t.clone(), user.id.clone());
         call.app.store.write(move |tx| seen::show(tx, &row, &user))?;
@@ -126,6 +134,9 @@ pub fn show(call: &Call<'_>) -> Answer<Reply> {
 pub fn lease(call: &Call<'_>) -> Answer<Reply> {
     let request: LeaseRequest = call.body()?;
     let (id, user, app) = (call.param("t").to_owned(), call.user()?.clone(), call.app.clone());
+    if request.action == LeaseAction::Take {
+        drafting::ready(call.app, call.app.store.read(|tx| tasks::get(tx, &id))?)?;
+    }
     let lease = call.app.store.write(move |tx| {
         let now = app.lease_now(tx)?;
         let mut t = tasks::get_for_change(tx, &id)?;
@@ -158,49 +169,41 @@ pub fn assign(call: &Call<'_>) -> Answer<Reply> {
     let (id, caller, now) = (call.param("t").to_owned(), call.user()?.clone(), call.app.now());
     let t = call.app.store.write(move |tx| {
         let mut t = tasks::get_for_change(tx, &id)?;
-        t.assigned = match &wanted {
-            None => None,
-            Some(name) => {
-                let user = people::find(tx, name)?.ok_or_else(Problem::missing)?;
-                if !projects::roles(tx, &t.project, &user.id)?.contains(&Role::Annotator) {
-                    return Err(Problem::new(
-                        422,
-                        "assign.not_annotator",
-                        "该用户不是本项目的标注员",
-                        "this user is not an annotator of the project",
-                    ));
-                }
-                refuse_who_has_seen(tx, &t, &user.id)?;
-                Some(user.id)
-            }
-        };
-        let (from, note) = (Some(t.at.state), t.assigned.clone());
-        let entry = Entry {
-            action: "assign",
-            actor: Some(&caller.id),
-            from,
-            note: note.as_deref(),
-            ..Entry::default()
-        };
-        history::record(tx, &mut t, &entry, now)?;
-        tasks::update(tx, &t)?;
+        bulk::assign(tx, &mut t, wanted.as_deref(), None, &caller, now)?;
         seen::show(tx, &t, &caller.id)?;
         Ok(t)
     })?;
     answer(call, &t)
 }
 
-/// Nobody is given a task to begin whose future they know.
-fn refuse_who_has_seen(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<()> {
-    let rule = projects::get(tx, &t.project)?.settings.history;
-    let beginning = !t.at.state.shows_future();
-    if beginning && seen::actor(tx, t, user, &[], rule)?.has_seen == Seen::Future {
-        return Err(Problem::new(
-            409,
-            "assign.future_seen",
-            "该用户已看过此任务关键帧之后的内容，不得做其阶段一",
-            "this user has seen what comes after the task's keyframe and cannot do its Stage I",
-        ));
-    }
-    Ok(())
+/// `POST /projects/{p}/tasks:change`
+pub fn change(call: &Call<'_>) -> Answer<Reply> {
+    let wanted: BulkChange = call.body()?;
+    let (project, caller, now) = (call.grant.project()?.to_owned(), call.user()?.clone(), call.app.now());
+    let changed = call.app.store.write(move |tx| bulk::change(tx, &project, &wanted, &caller, now))?;
+    Reply::json(&changed)
+}
+
+/// `GET /projects/{p}/work`
+pub fn work(call: &Call<'_>) -> Answer<Reply> {
+    let (project, user, now) = (call.grant.project()?, call.user()?, call.app.now());
+    let staff = call.grant.is_staff();
+    Reply::json(&call.app.store.report(|tx| work::of(tx, project, &user.id, staff, now))?)
+}
+
+/// `GET /tasks/{t}/thumbnail`
+pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
+    let (id, user) = (call.param("t"), call.user()?);
+    let labels = call.grant.roles.contains(&Role::Annotator);
+    let svg = call.app.store.read(|tx| {
+        // A keyframe is the future of an earlier one: who may yet do Stage I sees only what they have opened.
+        if labels {
+            let t = tasks::get(tx, id)?;
+            if !seen::was_shown(tx, &t, &user.id)? {
+                return Ok(None);
+            }
+        }
+        thumbnail::get(tx, id)
+    })?;
+    Ok(Reply::bytes("image/svg+xml", svg.ok_or_else(Problem::missing)?.into_bytes()))
 }

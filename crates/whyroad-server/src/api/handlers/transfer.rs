@@ -2,6 +2,7 @@
 
 use crate::api::call::Call;
 use crate::api::reply::Reply;
+use crate::api::stream::Stream;
 use crate::problem::{Answer, Problem};
 use crate::service::transfer::{self, ExportFormat};
 
@@ -9,11 +10,13 @@ use crate::service::transfer::{self, ExportFormat};
 pub fn export(call: &Call<'_>) -> Answer<Reply> {
     let project = call.grant.project()?;
     let format = ExportFormat::from_words(call.query("format"), call.query("version"), call.query("state"))?;
-    let text = call.app.store.report(|tx| transfer::export(tx, project, &format))?;
     let what = if format == ExportFormat::Tasks { "tasks" } else { "labels" };
+    let (store, project) = (call.app.store.clone(), project.to_owned());
+    let stream = Stream::new(move |out| transfer::export_to(&store, &project, &format, out));
     Ok(Reply {
         file_name: Some(format!("{what}.jsonl")),
-        ..Reply::bytes("application/x-ndjson", text.into_bytes())
+        stream: Some(stream),
+        ..Reply::bytes("application/x-ndjson", vec![])
     })
 }
 

@@ -6,6 +6,7 @@ use crate::domain::people::Done;
 use crate::domain::project::{NewWebhook, Webhooks};
 use crate::problem::Answer;
 use crate::service::webhooks;
+use std::sync::Arc;
 
 /// `GET /projects/{p}/webhooks`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -17,11 +18,11 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
 pub fn create(call: &Call<'_>) -> Answer<Reply> {
     let wanted: NewWebhook = call.body()?;
     let (project, now) = (call.grant.project()?.to_owned(), call.app.now());
-    let reach = call.app.reach.clone();
+    let (reach, vault) = (call.app.reach.clone(), Arc::clone(&call.app.store.vault));
     let hook = call
         .app
         .store
-        .write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, &reach, now))?;
+        .write(move |tx| webhooks::create(tx, &project, &wanted.url, &wanted.events, &reach, &vault, now))?;
     Reply::json(&hook)
 }
 

@@ -51,7 +51,7 @@ fn exported(words: (Option<&str>, Option<&str>, Option<&str>)) -> Vec<Value> {
         })
         .unwrap();
     let format = ExportFormat::from_words(words.0, words.1, words.2).unwrap();
-    let text = app.store.read(|tx| export(tx, "p", &format)).unwrap();
+    let text = export(&app.store, "p", &format).unwrap();
     assert!(text.is_empty() || text.ends_with('\n'));
     text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
 }

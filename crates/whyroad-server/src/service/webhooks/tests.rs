@@ -55,7 +55,8 @@ fn tell(app: &App, action: &'static str) {
 
 fn hook(app: &App, url: &str, events: &[&str]) -> Webhook {
     let (url, events) = (url.to_owned(), events.iter().map(|e| (*e).to_owned()).collect::<Vec<_>>());
-    app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::OwnMachine, 0)).unwrap()
+    let vault = Arc::clone(&app.store.vault);
+    app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::OwnMachine, &vault, 0)).unwrap()
 }
 
 fn pending(app: &App) -> (i64, Option<String>) {
@@ -146,7 +147,8 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
     s.app.reach = Reach::Network;
     let make = |url: &str, event: &str| {
         let (url, events) = (url.to_owned(), vec![event.to_owned()]);
-        let made = s.app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::Network, 0));
+        let vault = Arc::clone(&s.app.store.vault);
+        let made = s.app.store.write(move |tx| create(tx, "p", &url, &events, &Reach::Network, &vault, 0));
         made.map_or_else(|p| p.code, |_| "made")
     };
     for (url, event, outcome) in [
@@ -172,9 +174,12 @@ fn a_service_that_others_reach_calls_nothing_on_its_own_machine() {
 fn only_plain_addresses_are_taken() {
     let s = scene();
     for bad in ["ftp://a/", "file:///etc/passwd", "http://a\r\nx"] {
-        let url = bad.to_owned();
-        let refused =
-            s.app.store.write(move |tx| create(tx, "p", &url, &[], &Reach::OwnMachine, 0)).unwrap_err();
+        let (url, vault) = (bad.to_owned(), Arc::clone(&s.app.store.vault));
+        let refused = s
+            .app
+            .store
+            .write(move |tx| create(tx, "p", &url, &[], &Reach::OwnMachine, &vault, 0))
+            .unwrap_err();
         assert_eq!(refused.code, "webhook.url", "{bad}");
     }
 }

@@ -17,7 +17,7 @@ use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::service::projects;
 use whyroad_server::service::transfer::{self, ExportFormat};
-use whyroad_server::store::{Store, StoreLocation};
+use whyroad_server::store::{Store, StoreLocation, key_file};
 
 /// Arguments of `whyroad dataset build`.
 #[derive(clap::Args)]
@@ -192,7 +192,8 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
         bail!("no store at {}", path.display());
     }
     let folder = Path::new(source).parent().unwrap_or(Path::new("."));
-    let store = Store::open_keeping(&location, folder).map_err(|p| told(&p, lang))?;
+    let key = std::env::var_os("WHYROAD_KEY_FILE").map_or_else(|| key_file(&location, folder), PathBuf::from);
+    let store = Store::open_with_key(&location, folder, &key).map_err(|p| told(&p, lang))?;
     let all = store.read(projects::all).map_err(|p| told(&p, lang))?;
     let wanted: BTreeMap<&str, &str> = all
         .iter()
@@ -206,9 +207,7 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
     wanted
         .into_iter()
         .map(|(name, id)| {
-            let text = store
-                .read(|tx| transfer::export(tx, id, &ExportFormat::Tasks))
-                .map_err(|p| told(&p, lang))?;
+            let text = transfer::export(&store, id, &ExportFormat::Tasks).map_err(|p| told(&p, lang))?;
             Ok(LabelStream { name: name.to_owned(), lines: Box::new(Cursor::new(text)) })
         })
         .collect()

@@ -13,6 +13,7 @@ use whyroad_server::App;
 use whyroad_server::domain::project::HistoryRule;
 use whyroad_server::domain::task::CreateTasks;
 use whyroad_server::secret;
+use whyroad_server::service::create::Drafting;
 use whyroad_server::service::{create, people, projects};
 use whyroad_server::store::private;
 
@@ -53,8 +54,8 @@ pub(super) fn bundled(
 /// Most episodes of which tasks are made before the service answers.
 const MAX_OFFERED: u64 = 500;
 
-/// Gives a store without any project one, with tasks from the first mined folder, so that there is something to open. A
-/// larger folder is left to `whyroad tasks create`: its drafts would take long, and the service is to start at once.
+/// Gives a store without any project one, with tasks from the bundled drives, so that there is something to open. For a
+/// service without a lake of its own: who brings a lake makes the projects.
 pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     let problem = |p| store_args::error(&p, lang);
     let Some(mined) = app.recordings.mined().into_iter().next() else { return Ok(()) };
@@ -80,7 +81,7 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
     let (id, now) = (project.id.clone(), app.now());
     app.store.write(move |tx| projects::create(tx, &project, now)).map_err(problem)?;
     let request = CreateTasks { mined: Some(mined), ..CreateTasks::default() };
-    let made = create::create(app, &id, &request, None).map_err(problem)?;
+    let made = create::create(app, &id, &request, None, Drafting::Later).map_err(problem)?;
     match lang {
         Lang::Zh => say!("项目 demo：{} 个任务", made.tasks.len()),
         Lang::En => say!("project demo: {} tasks", made.tasks.len()),

@@ -1,0 +1,187 @@
+//! Faces and plates in camera images, made unreadable before an image leaves the service: by a program of the operator's
+//! that is given each image once. What it makes is kept; where it fails, no image is shown at all.
+
+use crate::problem::{Answer, Problem};
+use crate::secret;
+use crate::store::private;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::{Condvar, Mutex};
+use std::time::{Duration, Instant, UNIX_EPOCH};
+
+/// How long the program may take for one image.
+const TIME: Duration = Duration::from_secs(60);
+/// Between two looks whether it has ended.
+const LOOK_EVERY: Duration = Duration::from_millis(15);
+/// Programs that run at once.
+const AT_ONCE: usize = 2;
+
+/// The program, and where its images are kept.
+#[derive(Debug)]
+pub struct Blur {
+    program: PathBuf,
+    cache: PathBuf,
+    running: Mutex<usize>,
+    ended: Condvar,
+}
+
+impl Blur {
+    /// `program` is called as `program INPUT OUTPUT` and ends with 0 when OUTPUT is the image to be shown, of the same
+    /// format. Images are kept in `cache`, a folder for its owner alone.
+    pub fn new(program: PathBuf, cache: PathBuf) -> std::io::Result<Self> {
+        private::folder(&cache)?;
+        Ok(Self { program, cache, running: Mutex::new(0), ended: Condvar::new() })
+    }
+
+    /// The image to be shown in place of `file`.
+    pub fn image(&self, file: &Path) -> Answer<PathBuf> {
+        let about = std::fs::metadata(file).map_err(|_| Problem::missing())?;
+        let changed =
+            about.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok()).map_or(0, |d| d.as_nanos());
+        // Another program or a changed image is another result.
+        let key = format!("{}\n{}\n{changed}\n{}", self.program.display(), file.display(), about.len());
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("img");
+        let kept = self.cache.join(format!("{}.{extension}", secret::hash(&key)));
+        if kept.is_file() {
+            return Ok(kept);
+        }
+        let turn = self.turn()?;
+        let made = if kept.is_file() { Ok(()) } else { self.make(file, &kept, extension) };
+        drop(turn);
+        made.map(|()| kept)
+    }
+
+    fn make(&self, file: &Path, kept: &Path, extension: &str) -> Answer<()> {
+        let aside = self.cache.join(format!("{}.part.{extension}", secret::id()?));
+        let made = self.run(file, &aside);
+        let done = made.and_then(|()| {
+            if std::fs::metadata(&aside).is_ok_and(|m| m.len() > 0) && same_format(file, &aside) {
+                std::fs::rename(&aside, kept).map_err(|e| failed(&e.to_string()))
+            } else {
+                Err(failed("it wrote no image of the same format"))
+            }
+        });
+        // Of a failure nothing stays.
+        let _ = std::fs::remove_file(&aside);
+        done
+    }
+
+    fn run(&self, file: &Path, out: &Path) -> Answer<()> {
+        let mut child = Command::new(&self.program)
+            .arg(file)
+            .arg(out)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|e| failed(&e.to_string()))?;
+        let begun = Instant::now();
+        loop {
+            match child.try_wait() {
+                Ok(Some(status)) if status.success() => return Ok(()),
+                Ok(Some(status)) => return Err(failed(&status.to_string())),
+                Ok(None) if begun.elapsed() < TIME => std::thread::sleep(LOOK_EVERY),
+                Ok(None) => {
+                    let _ = child.kill();
+                    let _ = child.wait();
+                    return Err(failed("it took too long"));
+                }
+                Err(e) => return Err(failed(&e.to_string())),
+            }
+        }
+    }
+
+    fn turn(&self) -> Answer<Turn<'_>> {
+        let mut running = self.running.lock().map_err(Problem::store)?;
+        while *running >= AT_ONCE {
+            running = self.ended.wait(running).map_err(Problem::store)?;
+        }
+        *running += 1;
+        Ok(Turn(self))
+    }
+}
+
+/// One of the programs that may run.
+struct Turn<'b>(&'b Blur);
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        if let Ok(mut running) = self.0.running.lock() {
+            *running -= 1;
+        }
+        self.0.ended.notify_one();
+    }
+}
+
+/// Both files begin as the same kind of image does.
+fn same_format(a: &Path, b: &Path) -> bool {
+    let kind = |path: &Path| {
+        let mut head = [0; 12];
+        let mut file = std::fs::File::open(path).ok()?;
+        std::io::Read::read_exact(&mut file, &mut head).ok()?;
+        Some(match head {
+            [0xff, 0xd8, ..] => 1,
+            [0x89, b'P', b'N', b'G', ..] => 2,
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P'] => 3,
+            _ => return None,
+        })
+    };
+    kind(a).is_some_and(|k| kind(b) == Some(k))
+}
+
+fn failed(why: &str) -> Problem {
+    Problem::new(
+        503,
+        "media.blur",
+        format!("图片未能脱敏，因此不显示：{why}"),
+        format!("the image could not be blurred and is not shown: {why}"),
+    )
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt as _;
+
+    const PNG: &[u8] = b"\x89PNG\r\n\x1a\n0000 face";
+
+    fn blur(dir: &Path, script: &str) -> Blur {
+        let program = dir.join("blur.sh");
+        std::fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+        Blur::new(program, dir.join("cache")).unwrap()
+    }
+
+    #[test]
+    fn an_image_is_blurred_once_and_again_when_it_changes() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("a.png");
+        std::fs::write(&file, PNG).unwrap();
+        let blur = blur(
+            dir.path(),
+            &format!("echo x >> {}/calls; sed s/face/xxxx/ \"$1\" > \"$2\"", dir.path().display()),
+        );
+        let shown = blur.image(&file).unwrap();
+        assert!(std::fs::read(&shown).unwrap().ends_with(b"xxxx"));
+        assert_eq!(blur.image(&file).unwrap(), shown);
+        std::fs::write(&file, [PNG, b" face"].concat()).unwrap();
+        assert_ne!(blur.image(&file).unwrap(), shown);
+        assert_eq!(std::fs::read_to_string(dir.path().join("calls")).unwrap(), "x\nx\n");
+    }
+
+    #[test]
+    fn where_it_fails_nothing_is_shown_and_nothing_is_kept() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("a.png");
+        std::fs::write(&file, PNG).unwrap();
+        for script in
+            ["exit 3", "true", ": > \"$2\"", "cp \"$1\" \"$2\"; exit 1", "echo no image at all > \"$2\""]
+        {
+            let blur = blur(dir.path(), script);
+            assert_eq!(blur.image(&file).unwrap_err().code, "media.blur", "{script}");
+            assert_eq!(std::fs::read_dir(dir.path().join("cache")).unwrap().count(), 0, "{script}");
+        }
+        let gone = Blur::new(dir.path().join("no-program"), dir.path().join("cache")).unwrap();
+        assert_eq!(gone.image(&file).unwrap_err().code, "media.blur");
+    }
+}

@@ -1,0 +1,141 @@
+//! A small picture of a task's keyframe for lists: the road, the objects, the ego. One moment of the drive and nothing
+//! after it. Drawn once, when the task is made.
+
+use crate::problem::Answer;
+use crate::store::Tx;
+use crate::values;
+use std::fmt::Write as _;
+use whyroad_model::{Drive, Nanos, TrackId};
+
+/// Half the length and width that are shown, m: ahead and behind, and to the sides.
+const HALF_M: [f64; 2] = [30.0, 16.5];
+/// Behind the ego less is shown than ahead: its place is this far left of the middle, m.
+const SHIFT_M: f64 = 16.0;
+/// Objects and lines that are drawn at most: a picture is a few kilobytes.
+const MOST_OBJECTS: usize = 40;
+const MOST_LINES: usize = 60;
+
+/// The picture of `drive` at `at`, with the ego driving to the right.
+pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
+    let frame = drive.times.partition_point(|t| *t <= at).saturating_sub(1);
+    let Some(ego) = &drive.ego else { return String::new() };
+    let pose = |values: &[f64]| values.get(frame).copied().filter(|v| v.is_finite());
+    let m = &ego.motion;
+    let (Some(x), Some(y), Some(heading)) = (pose(&m.x), pose(&m.y), pose(&m.heading)) else {
+        return String::new();
+    };
+    let (sin, cos) = heading.sin_cos();
+    // Into the ego's frame, y down as the screen has it.
+    let place = |px: f64, py: f64| {
+        let (dx, dy) = (px - x, py - y);
+        (dx * cos + dy * sin - SHIFT_M, dx * sin - dy * cos)
+    };
+    let inside =
+        |(px, py): (f64, f64), room: f64| px.abs() <= HALF_M[0] + room && py.abs() <= HALF_M[1] + room;
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{} {} {} {}\"><rect x=\"-99\" y=\"-99\" width=\"198\" height=\"198\" fill=\"#7d868c\" fill-opacity=\".16\"/>",
+        -HALF_M[0],
+        -HALF_M[1],
+        2.0 * HALF_M[0],
+        2.0 * HALF_M[1],
+    );
+    let mut lines = 0;
+    for lane in drive.map.iter().flat_map(|map| &map.lanes) {
+        for line in [&lane.left, &lane.right] {
+            let points: Vec<(f64, f64)> = line.iter().map(|p| place(p.x, p.y)).collect();
+            if lines >= MOST_LINES || !points.windows(2).any(|w| crosses(w[0], w[1])) {
+                continue;
+            }
+            lines += 1;
+            out.push_str("<polyline fill=\"none\" stroke=\"#7d868c\" stroke-width=\".5\" points=\"");
+            let near = |i: usize| points.get(i).is_some_and(|b| i > 0 && crosses(points[i - 1], *b));
+            for (_, (px, py)) in points.iter().enumerate().filter(|(i, _)| near(*i) || near(i + 1)) {
+                let _ = write!(out, "{px:.1},{py:.1} ");
+            }
+            out.push_str("\"/>");
+        }
+    }
+    let mut objects = 0;
+    for track in &drive.tracks {
+        let Ok(row) = track.frames.binary_search(&(frame as u32)) else { continue };
+        let value =
+            |values: &[f64], usual: f64| values.get(row).copied().filter(|v| v.is_finite()).unwrap_or(usual);
+        let (tx, ty) = (value(&track.motion.x, f64::NAN), value(&track.motion.y, f64::NAN));
+        if !(tx.is_finite() && inside(place(tx, ty), 3.0)) || objects >= MOST_OBJECTS {
+            continue;
+        }
+        objects += 1;
+        let is_target = target == Some(&track.id);
+        let colour = if is_target {
+            "#d9480f"
+        } else if track.class.is_vru() {
+            "#c2462f"
+        } else if track.class.is_vehicle() {
+            "#4a8a5c"
+        } else {
+            "#7a8288"
+        };
+        let turn = heading - value(&track.motion.heading, heading);
+        let size = (value(&track.length_m, 1.0).max(0.8), value(&track.width_m, 0.8).max(0.8));
+        boxed(&mut out, place(tx, ty), turn, size, colour);
+        if is_target {
+            let (px, py) = place(tx, ty);
+            let _ = write!(
+                out,
+                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4.5\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1\"/>"
+            );
+        }
+    }
+    boxed(&mut out, (-SHIFT_M, 0.0), 0.0, (ego.length_m.max(1.0), ego.width_m.max(1.0)), "#2f7fd0");
+    out.push_str("</svg>");
+    out
+}
+
+/// True when a piece of a line may be in the picture: its bounding box is.
+fn crosses(a: (f64, f64), b: (f64, f64)) -> bool {
+    a.0.min(b.0) <= HALF_M[0]
+        && a.0.max(b.0) >= -HALF_M[0]
+        && a.1.min(b.1) <= HALF_M[1]
+        && a.1.max(b.1) >= -HALF_M[1]
+}
+
+fn boxed(out: &mut String, at: (f64, f64), turn: f64, size: (f64, f64), colour: &str) {
+    let _ = write!(
+        out,
+        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{colour}\" transform=\"rotate({:.0} {:.1} {:.1})\"/>",
+        at.0 - size.0 / 2.0,
+        at.1 - size.1 / 2.0,
+        size.0,
+        size.1,
+        turn.to_degrees(),
+        at.0,
+        at.1,
+    );
+}
+
+/// Stores the picture of a task; nothing where there is none.
+pub fn put(tx: &mut dyn Tx, task: &str, svg: &str) -> Answer<()> {
+    if !svg.is_empty() {
+        tx.run(
+            "INSERT INTO thumbnails (task_id, svg) VALUES ($1, $2) ON CONFLICT (task_id) DO NOTHING",
+            values![task, svg],
+        )?;
+    }
+    Ok(())
+}
+
+/// The picture of a task.
+pub fn get(tx: &mut dyn Tx, task: &str) -> Answer<Option<String>> {
+    tx.row("SELECT svg FROM thumbnails WHERE task_id = $1", values![task])?.map(|r| r.text("svg")).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_without_an_ego_has_no_picture() {
+        let drive = Drive { ego: None, times: vec![Nanos(0)], ..Drive::default() };
+        assert_eq!(draw(&drive, Nanos(0), None), "");
+    }
+}

@@ -1,0 +1,57 @@
+//! What there is to do in a project, as cards and the annotator's home show it: tasks by state, and what is the caller's.
+
+use crate::domain::project::{MyWork, Work};
+use crate::problem::Answer;
+use crate::service::drafting;
+use crate::store::{Tx, Value as Cell};
+use crate::values;
+
+/// Milliseconds of a day.
+const DAY_MS: i64 = 86_400_000;
+
+/// The work of `user` in `project` at `now`, ms since 1970; tasks by state as well where `staff`.
+pub fn of(tx: &mut dyn Tx, project: &str, user: &str, staff: bool, now: i64) -> Answer<Work> {
+    let mut by_state = std::collections::BTreeMap::new();
+    if staff {
+        let rows = tx.rows(
+            "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state",
+            values![project],
+        )?;
+        for r in rows {
+            by_state.insert(r.text("state")?, r.int("n")?);
+        }
+    }
+    let mut count = |sql: &str, values: &[Cell]| tx.row(sql, values)?.map_or(Ok(0), |r| r.int("n"));
+    let mut authored = |states: &str| {
+        let sql = format!(
+            "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND author = $2 AND state IN ({states})"
+        );
+        count(&sql, values![project, user])
+    };
+    let returned = authored("'rework'")?;
+    let begun = authored("'stage1', 'stage1_locked', 'stage2'")?;
+    let waiting = authored("'submitted', 'in_check', 'checked', 'in_audit'")?;
+    let accepted = authored("'accepted'")?;
+    let assigned = count(
+        "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND state = 'open' AND assigned = $2",
+        values![project, user],
+    )?;
+    let submitted_today = count(
+        "SELECT CAST(coalesce(sum(n), 0) AS BIGINT) AS n FROM activity
+         WHERE project_id = $1 AND day = $2 AND actor = $3 AND action = 'submit'",
+        values![project, now / DAY_MS, user],
+    )?;
+    let asked = if staff {
+        count(
+            "SELECT count(DISTINCT c.task_id) AS n FROM comments c JOIN tasks t ON t.id = c.task_id
+             WHERE c.to_lead = 1 AND c.resolved = 0 AND t.project_id = $1",
+            values![project],
+        )?
+    } else {
+        0
+    };
+    let pending = if staff { drafting::pending(tx, project)? } else { 0 };
+    let total = by_state.values().sum();
+    let mine = MyWork { returned, begun, assigned, waiting, accepted, submitted_today };
+    Ok(Work { by_state, total, asked, pending, mine })
+}

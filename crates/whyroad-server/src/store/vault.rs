@@ -1,0 +1,271 @@
+//! Secrets in the store, sealed: who reads the database or a backup of it, and not the key, learns none of them. The
+//! key is in a file of its own, readable by its owner alone.
+//!
+//! A key file holds one key a line, 64 hexadecimal digits; the first one seals, all of them open. So a key is replaced
+//! by putting a new one in front, sealing everything again, and taking the old one away ([`Vault::rotate`]).
+//!
+//! A sealed text is `sealed:v1:<key>:<nonce><ciphertext>`, in hexadecimal, under ChaCha20-Poly1305 (RFC 8439) with the
+//! secret's place as additional data: a sealed text that is moved to another place does not open there.
+
+use super::private;
+use super::sql::Tx;
+use crate::problem::{Answer, Problem};
+use crate::{secret, values};
+use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
+use std::path::{Path, PathBuf};
+use std::sync::RwLock;
+
+/// What a sealed text begins with.
+const SEALED: &str = "sealed:v1:";
+/// Bytes of a key.
+const KEY_BYTES: usize = 32;
+
+struct Key {
+    /// The beginning of its hash: which key sealed a text.
+    name: String,
+    text: String,
+    key: LessSafeKey,
+}
+
+impl Key {
+    fn parse(line: &str) -> Option<Self> {
+        let bytes = bytes(line).filter(|b| b.len() == KEY_BYTES)?;
+        let key = LessSafeKey::new(UnboundKey::new(&CHACHA20_POLY1305, &bytes).ok()?);
+        let name = secret::hash_bytes(&bytes).get(..8)?.to_owned();
+        Some(Self { name, text: line.to_owned(), key })
+    }
+}
+
+/// The keys of a store.
+pub struct Vault {
+    path: PathBuf,
+    keys: RwLock<Vec<Key>>,
+}
+
+impl std::fmt::Debug for Vault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Vault({})", self.path.display())
+    }
+}
+
+impl Vault {
+    /// The keys in the file at `path`; a new key where there is no file.
+    pub(super) fn open(path: &Path) -> Answer<Self> {
+        let text = match std::fs::read_to_string(path) {
+            Ok(text) => {
+                private::only_owner(path).map_err(|e| unusable(path, e))?;
+                text
+            }
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                let text = format!("{}\n", secret::random(KEY_BYTES)?);
+                // Two services may start at once: the first one's key counts.
+                match private::create(path, &text) {
+                    Ok(()) => text,
+                    Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {
+                        std::fs::read_to_string(path).map_err(|e| unusable(path, e))?
+                    }
+                    Err(e) => return Err(unusable(path, e)),
+                }
+            }
+            Err(e) => return Err(unusable(path, e)),
+        };
+        let vault = Self { path: path.to_owned(), keys: RwLock::new(vec![]) };
+        *vault.keys.write().map_err(Problem::store)? = vault.parse(&text)?;
+        Ok(vault)
+    }
+
+    fn parse(&self, text: &str) -> Answer<Vec<Key>> {
+        let lines = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+        let keys: Option<Vec<Key>> = lines.map(Key::parse).collect();
+        keys.filter(|k| !k.is_empty())
+            .ok_or_else(|| unusable(&self.path, "a line of it is not 64 hexadecimal digits, or it is empty"))
+    }
+
+    /// The key file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// `plain` sealed for `place`, such as `webhook:<id>`.
+    pub fn seal(&self, place: &str, plain: &str) -> Answer<String> {
+        let keys = self.keys.read().map_err(Problem::store)?;
+        let key = keys.first().ok_or_else(|| unusable(&self.path, "no key"))?;
+        let mut nonce = [0; NONCE_LEN];
+        getrandom::fill(&mut nonce).map_err(Problem::store)?;
+        let mut text = plain.as_bytes().to_vec();
+        key.key
+            .seal_in_place_append_tag(Nonce::assume_unique_for_key(nonce), Aad::from(place), &mut text)
+            .map_err(Problem::store)?;
+        Ok(format!("{SEALED}{}:{}{}", key.name, secret::hex(&nonce), secret::hex(&text)))
+    }
+
+    /// What [`Vault::seal`] sealed for the same place. A text from before sealing is returned as it is.
+    pub fn open_text(&self, place: &str, stored: &str) -> Answer<String> {
+        let Some(sealed) = stored.strip_prefix(SEALED) else { return Ok(stored.to_owned()) };
+        let cannot = || {
+            Problem::new(
+                503,
+                "store.key",
+                format!("存储中的密文无法用密钥文件 {} 解开：请换回写入时的密钥文件", self.path.display()),
+                format!(
+                    "secrets of the store cannot be opened with the key file {}: put the file back that they were sealed with",
+                    self.path.display()
+                ),
+            )
+        };
+        let (name, body) = sealed.split_once(':').ok_or_else(cannot)?;
+        let keys = self.keys.read().map_err(Problem::store)?;
+        let key = keys.iter().find(|k| k.name == name).ok_or_else(cannot)?;
+        let mut body = bytes(body).filter(|b| b.len() > NONCE_LEN).ok_or_else(cannot)?;
+        let mut text = body.split_off(NONCE_LEN);
+        let nonce = Nonce::try_assume_unique_for_key(&body).map_err(|_| cannot())?;
+        let plain = key.key.open_in_place(nonce, Aad::from(place), &mut text).map_err(|_| cannot())?;
+        String::from_utf8(plain.to_vec()).map_err(|_| cannot())
+    }
+
+    /// Seals what is not sealed yet with the first key: secrets of older programs and of older keys. The number of
+    /// secrets that were written.
+    pub(super) fn seal_all(&self, tx: &mut dyn Tx) -> Answer<u64> {
+        let current = {
+            let keys = self.keys.read().map_err(Problem::store)?;
+            keys.first().map(|k| format!("{SEALED}{}:", k.name)).unwrap_or_default()
+        };
+        let mut written = 0;
+        for row in tx.rows("SELECT id, secret FROM webhooks", &[])? {
+            let (id, stored) = (row.text("id")?, row.text("secret")?);
+            if !stored.starts_with(&current) {
+                let place = webhook(&id);
+                let sealed = self.seal(&place, &self.open_text(&place, &stored)?)?;
+                tx.run("UPDATE webhooks SET secret = $1 WHERE id = $2", values![sealed, &id])?;
+                written += 1;
+            }
+        }
+        let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
+        if let Some(stored) = row.map(|r| r.text("value")).transpose()?
+            && !stored.starts_with(&current)
+        {
+            let sealed = self.seal(CSRF, &self.open_text(CSRF, &stored)?)?;
+            tx.run("UPDATE settings SET value = $1 WHERE name = 'csrf_key'", values![sealed])?;
+            written += 1;
+        }
+        Ok(written)
+    }
+
+    /// Refuses a store whose secrets these keys do not open.
+    pub(super) fn check(&self, tx: &mut dyn Tx) -> Answer<()> {
+        for row in tx.rows("SELECT id, secret FROM webhooks", &[])? {
+            self.open_text(&webhook(&row.text("id")?), &row.text("secret")?)?;
+        }
+        let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
+        row.map_or(Ok(()), |r| self.open_text(CSRF, &r.text("value")?).map(drop))
+    }
+
+    /// Puts a new key in front of the file, runs `reseal`, and takes the older keys away. A failure on the way leaves
+    /// all keys in the file, and doing it again ends it.
+    pub(super) fn rotate(&self, reseal: impl FnOnce() -> Answer<u64>) -> Answer<u64> {
+        let fresh = secret::random(KEY_BYTES)?;
+        let old = {
+            let keys = self.keys.read().map_err(Problem::store)?;
+            keys.iter().map(|k| k.text.clone()).collect::<Vec<_>>().join("\n")
+        };
+        self.replace(&format!("{fresh}\n{old}\n"))?;
+        let written = reseal()?;
+        self.replace(&format!("{fresh}\n"))?;
+        Ok(written)
+    }
+
+    fn replace(&self, text: &str) -> Answer<()> {
+        let keys = self.parse(text)?;
+        private::replace(&self.path, text).map_err(|e| unusable(&self.path, e))?;
+        *self.keys.write().map_err(Problem::store)? = keys;
+        Ok(())
+    }
+}
+
+/// The place of the CSRF key.
+pub const CSRF: &str = "setting:csrf_key";
+
+/// The place of a webhook's signing key.
+pub fn webhook(id: &str) -> String {
+    format!("webhook:{id}")
+}
+
+fn bytes(hex: &str) -> Option<Vec<u8>> {
+    if !hex.len().is_multiple_of(2) || !hex.is_ascii() {
+        return None;
+    }
+    (0..hex.len()).step_by(2).map(|i| u8::from_str_radix(hex.get(i..i + 2)?, 16).ok()).collect()
+}
+
+fn unusable(path: &Path, why: impl std::fmt::Display) -> Problem {
+    Problem::new(
+        503,
+        "store.key",
+        format!("密钥文件 {} 无法使用：{why}", path.display()),
+        format!("the key file {} cannot be used: {why}", path.display()),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_opens_in_its_place_only_and_not_when_it_was_changed() {
+        let dir = tempfile::tempdir().unwrap();
+        let vault = Vault::open(&dir.path().join("k")).unwrap();
+        let sealed = vault.seal("webhook:a", "geheim 秘密").unwrap();
+        assert!(!sealed.contains("geheim"));
+        assert_ne!(sealed, vault.seal("webhook:a", "geheim 秘密").unwrap(), "a nonce is used once");
+        assert_eq!(vault.open_text("webhook:a", &sealed).unwrap(), "geheim 秘密");
+        assert_eq!(vault.open_text("webhook:b", &sealed).unwrap_err().code, "store.key");
+        let last = if sealed.ends_with('0') { "1" } else { "0" };
+        let changed = format!("{}{last}", &sealed[..sealed.len() - 1]);
+        assert_eq!(vault.open_text("webhook:a", &changed).unwrap_err().code, "store.key");
+        assert_eq!(vault.open_text("webhook:a", "from before").unwrap(), "from before");
+    }
+
+    #[test]
+    fn another_key_opens_nothing_and_a_replaced_one_all() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("k");
+        let vault = Vault::open(&path).unwrap();
+        let sealed = vault.seal(CSRF, "x").unwrap();
+        assert_eq!(Vault::open(&path).unwrap().open_text(CSRF, &sealed).unwrap(), "x", "after a restart");
+        let other = Vault::open(&dir.path().join("other")).unwrap();
+        assert_eq!(other.open_text(CSRF, &sealed).unwrap_err().code, "store.key");
+        let mut again = String::new();
+        vault
+            .rotate(|| {
+                again = vault.seal(CSRF, &vault.open_text(CSRF, &sealed)?)?;
+                Ok(1)
+            })
+            .unwrap();
+        assert_eq!(vault.open_text(CSRF, &again).unwrap(), "x");
+        assert!(vault.open_text(CSRF, &sealed).is_err(), "the old key is gone");
+        assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 1);
+    }
+
+    #[test]
+    fn a_broken_key_file_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        for text in ["", "# nothing\n", "abc\n", &"0".repeat(63), &"z".repeat(64)] {
+            let path = dir.path().join("k");
+            std::fs::write(&path, text).unwrap();
+            assert_eq!(Vault::open(&path).unwrap_err().code, "store.key", "{text}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_its_owner_reads_the_key() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("k");
+        Vault::open(&path).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).unwrap();
+        Vault::open(&path).unwrap();
+        assert_eq!(std::fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+}
