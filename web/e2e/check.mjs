@@ -26,11 +26,10 @@ async function sendBack(day) {
   await trace.getByText(COMMENT).waitFor();
   await checkAccessibility(page, "check");
   await shot(day, page, "check");
-  // By key, from where the remark left the focus.
+  // One card, the range in a loop.
+  await page.getByRole("button", { name: "循环", pressed: true }).waitFor();
+  // By one key, from where the comment left the focus: the comment says why.
   await page.keyboard.press("b");
-  const dialog = page.getByRole("dialog");
-  await dialog.getByRole("textbox").fill("请补充车距。");
-  await dialog.locator("button.primary").click();
   await page.locator('[data-action="next"]').waitFor();
 }
 
@@ -41,7 +40,7 @@ async function rework(day) {
   if (await page.locator('[data-action="take"]').count()) await page.locator('[data-action="take"]').click();
   await page.locator('[data-action="submit"]').waitFor();
   const trace = page.locator('[data-field="/coc_trace"]');
-  await trace.getByRole("textbox", { name: "因果描述" }).fill(day.trace.replace("原有车距", "原有约 18 m 的车距"));
+  await trace.getByRole("textbox", { name: "原因" }).fill(day.slots.reason.replace("原有车距", "原有约 18 m 的车距"));
   await trace.getByRole("button", { name: "标为已解决" }).click();
   await page.getByLabel("合法且安全").check();
   await page.locator('[data-saving="saved"]').waitFor();
@@ -54,8 +53,14 @@ async function accept(day) {
   const page = await home(day, "chen");
   await page.getByRole("button", { name: "领取下一个质检任务" }).click();
   await page.waitForURL(`**/tasks/${day.task}`);
-  await page.waitForFunction(() => document.querySelector('[data-field="/coc_trace"] textarea')?.value.includes("约 18 m"));
-  await page.locator('[data-action="accept"]').click();
+  // What was changed since it was returned is marked, and nothing else.
+  const added = page.locator('[data-field="/coc_trace"] ins');
+  await added.getByText("约 18 m 的").waitFor();
+  assert.equal(await added.count(), 1);
+  assert.equal(await page.locator('[data-field="/coc_trace"] del').count(), 0);
+  await checkAccessibility(page, "second check");
+  await shot(day, page, "recheck");
+  await page.keyboard.press("a");
   await page.locator('[data-action="next"]').waitFor();
 }
 
@@ -68,6 +73,7 @@ async function audit(day) {
   await page.locator('[data-action="history"]').click();
   const history = page.getByRole("dialog");
   await history.getByText("李明").first().waitFor();
+  await history.locator("ins", { hasText: "约 18 m 的" }).first().waitFor();
   await checkAccessibility(page, "history");
   await shot(day, page, "history");
   await page.keyboard.press("Escape");

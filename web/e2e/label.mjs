@@ -121,12 +121,29 @@ async function stageTwo(day) {
   assert.ok(await cause.isChecked());
   await page.keyboard.press("Alt+a");
   await page.keyboard.press("Escape");
+  // The draft has state and decision; what is inserted at the caret and typed makes the rest.
   await page.keyboard.press("5");
+  assert.match(await focused(page), /slot-state/);
   await page.keyboard.press("Control+a");
-  await typeChinese(page, day.trace);
+  await typeChinese(page, day.slots.state);
+  await page.keyboard.press("Enter");
+  assert.match(await focused(page), /slot-reason/);
+  await page.keyboard.press("Alt+i");
+  const menu = page.getByRole("listbox", { name: "插入" });
+  await menu.getByText(/自车速度 \d+ km\/h/).waitFor();
+  await checkAccessibility(page, "insert");
+  await shot(day, page, "insert");
+  await page.keyboard.press("1");
+  await menu.waitFor({ state: "detached" });
+  assert.notEqual(await page.locator('[data-slot="reason"]').inputValue(), "", "the first component was inserted");
+  await page.keyboard.press("Control+a");
+  await typeChinese(page, day.slots.reason);
+  await page.keyboard.press("Enter");
+  await page.keyboard.press("Control+a");
+  await typeChinese(page, day.slots.decision);
   await page.keyboard.press("Escape");
   await page.keyboard.press("6");
-  const records = section(page, "records").locator("[data-field^='/records/'] input");
+  const records = section(page, "records").locator("[data-field^='/records/'] input:not([type=radio])");
   for (let n = 0; n < (await records.count()); n++) {
     await tabTo(page, records.nth(n));
     if ((await records.nth(n).inputValue()) === "") await page.keyboard.type("1");

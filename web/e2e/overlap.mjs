@@ -76,7 +76,8 @@ async function sideBySide(day) {
   const { page } = day.people.wang;
   await page.goto(`${day.service.url}/tasks/${day.pair[0]}`);
   await page.locator('[data-action="overlap"]').click();
-  const dialog = page.getByRole("dialog");
+  const dialog = page.locator("section.adjudicate");
+  await page.locator("canvas").first().waitFor();
   await dialog.getByText("周敏").waitFor();
   await dialog.getByText("前方左侧轿车正在并入本车道").waitFor();
   await checkAccessibility(page, "side by side");

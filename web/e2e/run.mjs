@@ -28,7 +28,7 @@ const scratch = mkdtempSync(join(tmpdir(), "whyroad-e2e-"));
 const began = Date.now();
 /** What all steps share. `faults` is what the page complained of anywhere; it has to stay empty. */
 const day = {
-  trace: "左侧车道的车在前方 22 m 处压线切入本车道，其车速低于自车，两车正在接近；原有车距不足以保持安全，需要让出空间，因此自车减速让行。", faults: [], scratch, people: {}, shots: process.env.SHOTS ?? null, data: join(scratch, "data"), demo: process.env.WHYROAD_DEMO };
+  slots: { state: "左侧车道的车在前方 22 m 处压线切入本车道，其车速低于自车，两车正在接近", reason: "原有车距不足以保持安全，需要让出空间", decision: "自车减速让行" }, faults: [], scratch, people: {}, shots: process.env.SHOTS ?? null, data: join(scratch, "data"), demo: process.env.WHYROAD_DEMO };
 if (day.shots) mkdirSync(day.shots, { recursive: true });
 
 async function step(name, work) {

@@ -1,7 +1,7 @@
 // Names of scenarios from the framework, for the screens that list them and for the labeling screen: loaded once per
 // page.
 import * as api from "./api/calls.generated.ts";
-import { type Framework, readFramework } from "./label/framework.ts";
+import { className, type Framework, readFramework } from "./label/framework.ts";
 import { type Bilingual, localized } from "./text/text.svelte.ts";
 
 const loaded = $state<{ now: Framework | null }>({ now: null });
@@ -19,16 +19,18 @@ export function loadFramework(): Promise<Framework> {
   return asked;
 }
 
-/** The localized name of a leaf; its id while names are not loaded, and for `other` and leaves of another version. */
+/** The localized name of a leaf or an L2; its id while names are not loaded, and for classes of another version. */
 export function leafName(id: string): string {
-  const leaf = loaded.now?.leaves.get(id);
-  return leaf ? localized(leaf.name) : id;
+  const name = loaded.now && className(loaded.now.leaves, id);
+  return name ? localized(name) : id;
 }
 
 /** Names of the L1 and L2 of a leaf: `L1 › L2`; empty while they are unknown. */
 export function groupName(id: string): string {
-  const leaf = loaded.now?.leaves.get(id);
-  return leaf ? leaf.path.slice(0, -1).map(localized).join(" › ") : "";
+  const parts = id.split(".").slice(0, -1);
+  const leaves = loaded.now?.leaves;
+  const names = parts.flatMap((_, n) => (leaves ? [className(leaves, parts.slice(0, n + 1).join("."))] : []));
+  return names.flatMap((name) => (name ? [localized(name)] : [])).join(" › ");
 }
 
 export interface Group {

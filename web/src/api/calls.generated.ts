@@ -78,8 +78,12 @@ export const getProjectQueue = (p: string | number, query: { kind?: QueryValue }
   call<T["QueueState"]>("GET", `/projects/${encodeURIComponent(p)}/queue${queryString(query)}`, undefined, options);
 
 /** GET /projects/{p}/tasks */
-export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
+export const getProjectTasks = (p: string | number, query: { state?: QueryValue; scenario?: QueryValue; assignee?: QueryValue; mine?: QueryValue; q?: QueryValue; asks?: QueryValue; sort?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["Tasks"]> =>
   call<T["Tasks"]>("GET", `/projects/${encodeURIComponent(p)}/tasks${queryString(query)}`, undefined, options);
+
+/** POST /projects/{p}/tasks:change */
+export const postProjectTasksChange = (p: string | number, body: T["BulkChange"], options?: CallOptions): Promise<T["BulkChanged"]> =>
+  call<T["BulkChanged"]>("POST", `/projects/${encodeURIComponent(p)}/tasks:change`, body, options);
 
 /** POST /projects/{p}/tasks:create */
 export const postProjectTasksCreate = (p: string | number, body: T["CreateTasks"], options?: CallOptions): Promise<T["Created"]> =>
@@ -96,6 +100,10 @@ export const getProjectWebhooks = (p: string | number, options?: CallOptions): P
 /** POST /projects/{p}/webhooks */
 export const postProjectWebhooks = (p: string | number, body: T["NewWebhook"], options?: CallOptions): Promise<T["Webhook"]> =>
   call<T["Webhook"]>("POST", `/projects/${encodeURIComponent(p)}/webhooks`, body, options);
+
+/** GET /projects/{p}/work */
+export const getProjectWork = (p: string | number, options?: CallOptions): Promise<T["Work"]> =>
+  call<T["Work"]>("GET", `/projects/${encodeURIComponent(p)}/work`, undefined, options);
 
 /** GET /session */
 export const getSession = (options?: CallOptions): Promise<T["Session"]> =>
@@ -160,6 +168,10 @@ export const getTaskOverlap = (t: string | number, options?: CallOptions): Promi
 /** GET /tasks/{t}/scene */
 export const getTaskScene = (t: string | number, options?: CallOptions): Promise<T["SceneView"]> =>
   call<T["SceneView"]>("GET", `/tasks/${encodeURIComponent(t)}/scene`, undefined, options);
+
+/** GET /tasks/{t}/thumbnail */
+export const getTaskThumbnailUrl = (t: string | number): string =>
+  BASE + `/tasks/${encodeURIComponent(t)}/thumbnail`;
 
 /** POST /tasks/{t}/validate */
 export const postTaskValidate = (t: string | number, body: T["Validate"], options?: CallOptions): Promise<T["Findings"]> =>

@@ -51,6 +51,25 @@ export interface components {
             en: string;
             zh: string;
         };
+        BulkChange: {
+            /** @default null */
+            assign?: components["schemas"]["Assign"] | null;
+            /**
+             * Format: int64
+             * @default null
+             */
+            priority?: number | null;
+            tasks: string[];
+        };
+        BulkChanged: {
+            /** Format: uint32 */
+            changed: number;
+            refused: components["schemas"]["BulkRefused"][];
+        };
+        BulkRefused: {
+            task: string;
+            text: components["schemas"]["Bilingual"];
+        };
         CameraFrame: {
             /** Format: uint */
             index: number;
@@ -72,6 +91,7 @@ export interface components {
             path: string;
             resolved: boolean;
             text: string;
+            to_lead: boolean;
         };
         Coverage: {
             /** Format: int64 */
@@ -204,6 +224,7 @@ export interface components {
             actor: string;
             /** Format: int64 */
             at: number;
+            before: unknown[];
             changes: components["schemas"]["FieldChange"][];
             comment?: string | null;
             from_state?: components["schemas"]["State"] | null;
@@ -329,9 +350,25 @@ export interface components {
         MinedFolders: {
             items: components["schemas"]["MinedFolder"][];
         };
+        MyWork: {
+            /** Format: int64 */
+            accepted: number;
+            /** Format: int64 */
+            assigned: number;
+            /** Format: int64 */
+            begun: number;
+            /** Format: int64 */
+            returned: number;
+            /** Format: int64 */
+            submitted_today: number;
+            /** Format: int64 */
+            waiting: number;
+        };
         NewComment: {
             path: string;
             text: string;
+            /** @default false */
+            to_lead?: boolean;
         };
         NewProject: {
             /** @default  */
@@ -500,6 +537,16 @@ export interface components {
              * @default 300
              */
             lease_s?: number;
+            /**
+             * Format: uint32
+             * @default 0
+             */
+            place_precision_m?: number;
+            /**
+             * Format: uint32
+             * @default 0
+             */
+            retention_days?: number;
         };
         Setup: {
             display: string;
@@ -554,6 +601,7 @@ export interface components {
             permissions: string[];
             stage: components["schemas"]["Stage"];
             suggestion: components["schemas"]["Suggestion"];
+            take_refused?: components["schemas"]["Bilingual"] | null;
             task: components["schemas"]["TaskSummary"];
             /** Format: int64 */
             version: number;
@@ -568,6 +616,8 @@ export interface components {
              */
             fence?: number | null;
             /** @default null */
+            label?: unknown;
+            /** @default null */
             reason?: string | null;
             /**
              * Format: int64
@@ -577,6 +627,7 @@ export interface components {
         };
         TaskSummary: {
             adjudication?: string | null;
+            asks_lead: boolean;
             assigned_to?: string | null;
             author?: string | null;
             checker?: string | null;
@@ -592,12 +643,15 @@ export interface components {
             scenario_id: string;
             stage: components["schemas"]["Stage"];
             state: components["schemas"]["State"];
+            thumbnail?: string | null;
             /** Format: int64 */
             updated: number;
         };
         Tasks: {
             items: components["schemas"]["TaskSummary"][];
             next?: string | null;
+            /** Format: int64 */
+            total?: number | null;
         };
         Throughput: {
             action: string;
@@ -682,6 +736,18 @@ export interface components {
         Webhooks: {
             items: components["schemas"]["Webhook"][];
         };
+        Work: {
+            /** Format: int64 */
+            asked: number;
+            by_state: {
+                [key: string]: number;
+            };
+            mine: components["schemas"]["MyWork"];
+            /** Format: int64 */
+            pending: number;
+            /** Format: int64 */
+            total: number;
+        };
     };
     responses: never;
     parameters: never;
@@ -699,6 +765,9 @@ export type Assign = components["schemas"]["Assign"];
 export type AuditRecord = components["schemas"]["AuditRecord"];
 export type BeginAtProvider = components["schemas"]["BeginAtProvider"];
 export type Bilingual = components["schemas"]["Bilingual"];
+export type BulkChange = components["schemas"]["BulkChange"];
+export type BulkChanged = components["schemas"]["BulkChanged"];
+export type BulkRefused = components["schemas"]["BulkRefused"];
 export type CameraFrame = components["schemas"]["CameraFrame"];
 export type CameraView = components["schemas"]["CameraView"];
 export type Comment = components["schemas"]["Comment"];
@@ -737,6 +806,7 @@ export type Members = components["schemas"]["Members"];
 export type MetaView = components["schemas"]["MetaView"];
 export type MinedFolder = components["schemas"]["MinedFolder"];
 export type MinedFolders = components["schemas"]["MinedFolders"];
+export type MyWork = components["schemas"]["MyWork"];
 export type NewComment = components["schemas"]["NewComment"];
 export type NewProject = components["schemas"]["NewProject"];
 export type NewToken = components["schemas"]["NewToken"];
@@ -783,3 +853,4 @@ export type Users = components["schemas"]["Users"];
 export type Validate = components["schemas"]["Validate"];
 export type Webhook = components["schemas"]["Webhook"];
 export type Webhooks = components["schemas"]["Webhooks"];
+export type Work = components["schemas"]["Work"];

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "vitest";
 import type { SceneView, Task, User } from "../api/types.ts";
-import { addComponent, decide, evidenceNow, removeComponent, setKeyframe, setRange, toggleIn, toggleUncertainty } from "./edits.ts";
+import { addComponent, decide, evidenceNow, removeComponent, setKeyframe, setRange, toggleCause, toggleIn, toggleUncertainty } from "./edits.ts";
 import { readFramework } from "./framework.ts";
 import type { Json } from "./pointer.ts";
 import { clockOf } from "./times.ts";
@@ -122,4 +122,22 @@ test("uncertainty goes between low and high, in Stage I and in rework only", () 
   const locked = opened("stage2", { critical_components: components });
   toggleUncertainty(locked, 0);
   assert.equal(locked.draft.at("/critical_components/0/uncertainty"), undefined);
+});
+
+test("a single component is linked to a decision by itself, and never in place of what was chosen", () => {
+  const one = [{ id: "c1", description: "lead" }];
+  const editor = opened("stage2", { critical_components: one, driving_decision: {} });
+  decide(editor, "longitudinal", "resume");
+  assert.deepEqual(editor.draft.at("/causes/longitudinal"), { components: ["c1"] });
+  assert.deepEqual(editor.draft.undo() !== null && editor.draft.at("/causes"), undefined, "one undo takes back both");
+  const chosen = opened("stage2", { critical_components: one, driving_decision: {}, causes: { longitudinal: { unobserved: "fog" } } });
+  decide(chosen, "longitudinal", "resume");
+  assert.deepEqual(chosen.draft.at("/causes/longitudinal"), { unobserved: "fog" });
+  const two = opened("stage2", { critical_components: [...one, { id: "c2", description: "light" }], driving_decision: {} });
+  decide(two, "longitudinal", "resume");
+  assert.equal(two.draft.at("/causes/longitudinal"), undefined);
+  toggleCause(two, "longitudinal", "c2");
+  toggleCause(two, "longitudinal", "c1");
+  toggleCause(two, "longitudinal", "c2");
+  assert.deepEqual(two.draft.at("/causes/longitudinal"), { components: ["c1"] });
 });

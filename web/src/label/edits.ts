@@ -89,12 +89,30 @@ export function evidenceNow(editor: TaskEditor): void {
   if (iso && editor.player.now <= keyframe + 1e-6) toggleIn(editor, editor.currentComponent, "evidence_times", iso);
 }
 
+/** The only component is the cause of a decision that has none yet. */
+function linkOnly(editor: TaskEditor, channel: Channel): void {
+  const id = editor.components[0]?.["id"];
+  const now = editor.draft.at(pointers.causesOf(channel));
+  const named = editor.draft.at(pointers.causeComponents(channel));
+  const open = now === undefined || now === null || (Array.isArray(named) && named.length === 0);
+  if (editor.components.length === 1 && typeof id === "string" && open) editor.draft.set(pointers.causesOf(channel), { components: [id] });
+}
+
+/** Adds a component to the causes of a decision, or removes it: a cause is observed or not, so UNOBSERVED goes. */
+export function toggleCause(editor: TaskEditor, channel: Channel, id: string): void {
+  if (!editor.isEditable(pointers.causes)) return;
+  const now = editor.draft.at(pointers.causeComponents(channel));
+  const named = Array.isArray(now) ? now.map(String) : [];
+  editor.draft.set(pointers.causesOf(channel), { components: named.includes(id) ? named.filter((c) => c !== id) : [...named, id] });
+}
+
 /** Chooses a decision; causes and direction that belong only to the previous one are removed. */
 export function decide(editor: TaskEditor, channel: Channel, value: string | null): void {
   if (!editor.isEditable(pointers.decision)) return;
   editor.draft.group(() => {
     editor.draft.set(pointers.decisionOf(channel), value);
     if (value === null) editor.draft.set(pointers.causesOf(channel), undefined);
+    else linkOnly(editor, channel);
     if (channel !== "lateral") return;
     const allowed = editor.framework?.lateral.find((d) => d.id === value)?.directions ?? [];
     const now = editor.draft.at(pointers.lateralDirection);

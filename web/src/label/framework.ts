@@ -128,6 +128,11 @@ export interface RecordSpec {
   id: string;
   name: Bilingual;
   unit?: string;
+  /** Signal that measures it. */
+  signal?: string;
+  /** Its value is the id of an object of the scene. */
+  object?: boolean;
+  choices?: Named[];
 }
 /** `spec` of a task: `ResolvedSpec` of the framework. */
 export interface Spec {

@@ -33,6 +33,8 @@ export class TaskEditor {
   selected = $state<string | null>(null);
   /** What was just done, for screen readers: undo may change what is out of sight. */
   announcement = $state("");
+  /** A question to the lead is being written. */
+  asking = $state(false);
   /** Number of the component that evidence and objects go to. */
   currentComponent = $state(0);
   readonly id: string;
@@ -182,7 +184,16 @@ export class TaskEditor {
   private isUnaccepted(path: string): boolean {
     const before = this.initialAt(path);
     const filled = before !== undefined && before !== null && before !== "";
-    return filled && same(before, this.draft.at(path)) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+    return filled && !this.#isEvident(path) && same(before, this.draft.at(path)) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+  }
+
+  /** The only component is linked: nothing was chosen, so nothing needs to be confirmed. */
+  #isEvident(path: string): boolean {
+    if (this.components.length !== 1) return false;
+    return (["longitudinal", "lateral"] as const).some((channel) => {
+      const named = path === pointers.causesOf(channel) ? this.draft.at(pointers.causeComponents(channel)) : null;
+      return Array.isArray(named) && named.length === 1 && named[0] === this.components[0]?.["id"];
+    });
   }
 
   async #post(action: Parameters<typeof api.postTaskActions>[1]): Promise<boolean> {

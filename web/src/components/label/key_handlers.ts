@@ -16,6 +16,7 @@ interface ScreenActions {
   advance: () => void;
   reject: () => void;
   sendBack: () => void;
+  accept: () => void;
 }
 
 /** Shows the selected object, or the rule's target, together with the ego. */
@@ -43,6 +44,12 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     if (n === null) return;
     await tick();
     document.querySelector<HTMLElement>(`[data-component="${n}"] textarea`)?.focus();
+  }
+
+  async function ask(): Promise<void> {
+    editor.asking = true;
+    await tick();
+    document.querySelector<HTMLElement>('[data-section="comments"] form textarea')?.focus();
   }
 
   function flip(layer: "names" | "occlusion" | "velocities" | "spec"): void {
@@ -119,6 +126,8 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     rangeEnd: () => setRange(editor, "end"),
     safe: () => editor.canEdit && editor.stage === "stage2" && editor.review.setSafe(!editor.review.safe),
     reject: actions.reject,
+    accept: actions.accept,
+    askLead: () => editor.can("comment") && void ask(),
     sendBack: actions.sendBack,
     toComponents: () => toSection("components"),
     toLongitudinal: () => toSection("decisions", "[data-choices=longitudinal]"),

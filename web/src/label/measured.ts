@@ -1,0 +1,81 @@
+// What can be inserted into the trace: components, the decision in words, and what was measured at the moment shown.
+import { columnOf } from "../plots/series.ts";
+import { signalRows } from "../plots/signal_rows.ts";
+import { speedUnit } from "../plots/speed_unit.svelte.ts";
+import { scaleOf } from "../plots/units.ts";
+import { objectsAt } from "../scene/objects.ts";
+import { categoryName } from "../text/category_names.ts";
+import type { Lang } from "../text/text.svelte.ts";
+import { channels } from "./framework.ts";
+import { pointers } from "./field_pointers.ts";
+import type { TaskEditor } from "./task_editor.svelte.ts";
+
+export interface Insertion {
+  kind: "component" | "decision" | "measured";
+  /** Shown in the menu. */
+  name: string;
+  /** Put into the text. */
+  text: string;
+}
+
+/** Measured values offered beside the ego's and the target's: those that the rule compares come first. */
+const MOST_SIGNALS = 6;
+
+/** The decisions in words: `自车减速让行` or `the ego yields`. Empty while nothing is chosen. */
+export function decisionText(editor: TaskEditor, language: Lang): string {
+  const zh = language === "zh";
+  const names: string[] = [];
+  for (const channel of channels) {
+    const id = editor.decision(channel);
+    const name = typeof id === "string" ? editor.framework?.[channel].find((d) => d.id === id)?.name[language] : undefined;
+    if (name === undefined) continue;
+    const side = channel === "lateral" ? editor.draft.text(pointers.lateralDirection) : "";
+    const turned = side === "left" || side === "right";
+    names.push(zh ? (turned ? `向${side === "left" ? "左" : "右"}${name}` : name) : turned ? `${name} to the ${side}` : name);
+  }
+  const chosen = channels.every((channel) => editor.decision(channel) !== undefined);
+  if (names.length === 0) return chosen ? (zh ? "自车行驶状态不变" : "the ego goes on as before") : "";
+  return zh ? `自车${names.join("并")}` : `the ego's decision: ${names.join(" and ").toLowerCase()}`;
+}
+
+const number = (value: number, digits: number): string => {
+  const text = value.toFixed(Math.abs(value) >= 10 ? 0 : Math.min(1, digits));
+  return Number(text) === 0 ? text.replace("-", "") : text;
+};
+
+/** Values at the moment shown, in the reader's units. */
+export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
+  const scene = editor.clip.scene;
+  if (!scene) return [];
+  const zh = language === "zh";
+  const i = editor.player.index;
+  const out: Insertion[] = [];
+  const add = (name: string, text: string): void => void out.push({ kind: "measured", name: `${name} ${text}`, text: zh ? `${name} ${text}` : `${name} ${text}` });
+  const ofSpeed = scaleOf("m/s", speedUnit.unit);
+  const speed = scene.ego?.speed[i];
+  if (typeof speed === "number") add(zh ? "自车速度" : "ego speed", `${number(speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
+  const object = objectsAt(scene, i).find((o) => o.id === (editor.selected ?? editor.target));
+  if (object) {
+    const what = categoryName(object.class, language);
+    if (object.distance !== null) add(zh ? `与${what}相距` : `distance to the ${what}`, `${number(object.distance, 0)} m`);
+    if (object.speed !== null) add(zh ? `${what}速度` : `speed of the ${what}`, `${number(object.speed * ofSpeed.by, 1)} ${ofSpeed.unit}`);
+  }
+  const suggestion = editor.task?.suggestion;
+  for (const row of signalRows(scene, suggestion?.signals ?? [], suggestion?.conditions ?? [], { speeds: speedUnit.unit, lang: language })) {
+    if (out.length >= MOST_SIGNALS + 3) break;
+    const column = row.column ?? columnOf([], "number");
+    const value = column?.kind === "line" ? column.values[i] : null;
+    if (row.inRule && typeof value === "number" && Number.isFinite(value)) add(row.name, `${number(value, row.scale.digits)} ${row.scale.unit}`.trim());
+  }
+  return out;
+}
+
+/** All that can be inserted now, in the order of the menu. */
+export function insertions(editor: TaskEditor, language: Lang): Insertion[] {
+  const components = editor.components.flatMap((c): Insertion[] => {
+    const text = String(c["description"] ?? "").trim();
+    return text === "" ? [] : [{ kind: "component", name: `${String(c["id"] ?? "")} ${text}`, text }];
+  });
+  const decision = decisionText(editor, language);
+  return [...components, ...(decision === "" ? [] : [{ kind: "decision" as const, name: decision, text: decision }]), ...measuredNow(editor, language)];
+}

@@ -1,0 +1,51 @@
+// The trace in slots and back: nothing typed is lost, and what is missing is named.
+import assert from "node:assert/strict";
+import { test } from "vitest";
+import { fitsSlots, isDraft, lacks, languageOf, slotsOf, traceOf } from "./trace_slots.ts";
+
+// The drafts as whyroad-label's draft/trace.rs writes them.
+const DRAFT_ZH = "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。";
+const DRAFT_EN = "[DRAFT] the car ahead is slowing; the light is red; therefore the ego's decision: yield to agent.";
+
+test("a draft has state and decision; the reason is what a person adds", () => {
+  const zh = slotsOf(DRAFT_ZH);
+  assert.deepEqual(zh, { state: "左前方的轿车正在驶入自车车道", reason: "", decision: "自车让行" });
+  assert.ok(isDraft(DRAFT_ZH) && isDraft(DRAFT_EN) && !isDraft("因此自车让行"));
+  const whole = traceOf({ ...zh, reason: "车距不足" }, "zh");
+  assert.equal(whole, "左前方的轿车正在驶入自车车道；车距不足，因此自车让行。");
+  assert.ok(!isDraft(whole));
+  assert.deepEqual(slotsOf(DRAFT_EN), { state: "the car ahead is slowing", reason: "the light is red", decision: "the ego's decision: yield to agent" });
+});
+
+test("slots give back what was typed into them", () => {
+  for (const language of ["zh", "en"] as const) {
+    const typed =
+      language === "zh"
+        ? { state: "前车减速，距离 22 m", reason: "车距不足以保持安全，需要让出空间", decision: "自车减速让行" }
+        : { state: "the lead brakes 22 m ahead", reason: "the gap is too short at this speed", decision: "the ego slows down to yield" };
+    const text = traceOf(typed, language);
+    assert.deepEqual(slotsOf(text), typed);
+    assert.ok(fitsSlots(text));
+    assert.equal(languageOf(text, "zh"), language);
+    // Half typed, too: an empty slot leaves no marks behind.
+    for (const name of ["reason", "decision"] as const) {
+      const part = { ...typed, [name]: "" };
+      assert.deepEqual(slotsOf(traceOf(part, language)), part, `${language} without ${name}`);
+    }
+  }
+  assert.equal(traceOf({ state: "", reason: "", decision: "" }, "zh"), "");
+});
+
+test("a text in another form keeps its words", () => {
+  const free = "自车让行。左侧车辆压线切入";
+  assert.equal(slotsOf(free).state, free);
+  assert.equal(slotsOf("a sofa lies on the road; it is also soft").decision, "", "`so` inside a word joins nothing");
+  assert.ok(fitsSlots("前车刹车；来不及，因此减速。"));
+});
+
+test("what is missing is named, by content", () => {
+  assert.deepEqual(lacks(slotsOf(DRAFT_ZH)), ["reason"]);
+  assert.deepEqual(lacks({ state: "前车减速", reason: "太近", decision: "让行" }), ["short_reason"]);
+  assert.deepEqual(lacks({ state: "前车正在减速", reason: "前车正在减速", decision: "让行" }), ["repeats_state"]);
+  assert.deepEqual(lacks({ state: "the lead brakes", reason: "the gap is too short", decision: "yield" }), []);
+});

@@ -1,0 +1,80 @@
+// The causal trace as three slots, state, reason and decision, that flow into the one text which the label holds, and
+// back. Pure.
+import type { Lang } from "../text/text.svelte.ts";
+
+export interface TraceSlots {
+  state: string;
+  reason: string;
+  decision: string;
+}
+
+export type SlotName = keyof TraceSlots;
+export const slotNames: readonly SlotName[] = ["state", "reason", "decision"];
+
+/** What a program's draft opens with; a trace that a person has worked on does not. */
+const DRAFT_MARK = /^\s*(?:【草稿】|\[DRAFT\])\s*/i;
+const HAN = /\p{Script=Han}/gu;
+const WORD = /[\p{Script=Latin}\d][\p{Script=Latin}\d'-]*/gu;
+
+/** Before the decision: the last of these in the text. */
+const THEREFORE = /[，,；;。.]?\s*(?:因此|所以|故而|(?<![\p{L}])(?:therefore|so|hence)(?![\p{L}]))[，,]?\s*/giu;
+/** Between state and reason: the first of these. */
+const BETWEEN = /[；;]\s*/u;
+const END = /[。.\s]+$/u;
+
+export const isDraft = (text: string): boolean => DRAFT_MARK.test(text);
+
+/** The language of a text: that of most of its words; `otherwise` without any. */
+export function languageOf(text: string, otherwise: Lang): Lang {
+  const han = text.match(HAN)?.length ?? 0;
+  const words = text.match(WORD)?.length ?? 0;
+  return han === 0 && words === 0 ? otherwise : han >= words ? "zh" : "en";
+}
+
+/** The slots of a text. A text in another form keeps all of its words: what has no slot of its own is in `state`. */
+export function slotsOf(text: string): TraceSlots {
+  const plain = text.replace(DRAFT_MARK, "").trim();
+  const found = [...plain.matchAll(THEREFORE)].filter((m) => m.index > 0).at(-1);
+  const before = found ? plain.slice(0, found.index) : plain;
+  const decision = found ? plain.slice(found.index + found[0].length).replace(END, "") : "";
+  const between = BETWEEN.exec(before);
+  if (!between) return { state: found ? before : before.replace(END, ""), reason: "", decision };
+  return { state: before.slice(0, between.index), reason: before.slice(between.index + between[0].length).replace(END, ""), decision };
+}
+
+/** The text of the slots: one sentence in the order state, reason, decision. Empty slots leave no marks behind. */
+export function traceOf(slots: TraceSlots, language: Lang): string {
+  const { state, reason, decision } = slots;
+  const zh = language === "zh";
+  const first = [state, reason].filter((part) => part !== "").join(zh ? "；" : "; ");
+  if (first === "" && decision === "") return "";
+  const whole = decision === "" ? first : first === "" ? (zh ? `因此${decision}` : `Therefore ${decision}`) : first + (zh ? `，因此${decision}` : `, therefore ${decision}`);
+  return whole + (zh ? "。" : ".");
+}
+
+/** Do the slots give back the text, so that editing them loses nothing? */
+export function fitsSlots(text: string): boolean {
+  const plain = text.replace(DRAFT_MARK, "");
+  const bare = (t: string): string => t.replace(/[\s，。；,.;]|因此|所以|故而|therefore|hence|\bso\b/giu, "").toLowerCase();
+  return bare(traceOf(slotsOf(plain), languageOf(plain, "zh"))) === bare(plain);
+}
+
+/** What is missing for a trace that explains: judged by content, not by length alone. */
+export type TraceLack = "state" | "reason" | "decision" | "short_reason" | "repeats_state";
+
+/** Least content of a reason: Chinese characters, or words. */
+const REASON_LEAST = { zh: 5, en: 4 } as const;
+
+/** The content of a text: Chinese characters, or words of other languages. */
+export function contentOf(text: string): { n: number; language: Lang } {
+  const language = languageOf(text, "zh");
+  return { n: (language === "zh" ? text.match(HAN) : text.match(WORD))?.length ?? 0, language };
+}
+
+export function lacks(slots: TraceSlots): TraceLack[] {
+  const out: TraceLack[] = slotNames.filter((name) => slots[name].trim() === "");
+  const { n, language } = contentOf(slots.reason);
+  if (n > 0 && n < REASON_LEAST[language]) out.push("short_reason");
+  if (n > 0 && slots.reason.trim() === slots.state.trim()) out.push("repeats_state");
+  return out;
+}
