@@ -52,7 +52,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     document.querySelector<HTMLElement>('[data-section="comments"] form textarea')?.focus();
   }
 
-  function flip(layer: "names" | "occlusion" | "velocities" | "spec"): void {
+  function flip(layer: "names" | "occlusion" | "velocities" | "spec" | "spec2"): void {
     viewSettings[layer] = !viewSettings[layer];
     saveViewSettings();
   }
@@ -137,6 +137,6 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     toRecords: () => toSection("records"),
     toFindings: () => toSection("findings"),
     toComments: () => toSection("comments"),
-    spec: () => flip("spec"),
+    spec: () => flip(editor.stage === "stage1" ? "spec" : "spec2"),
   };
 }

@@ -8,8 +8,9 @@ interface Layers {
   occlusion: boolean;
   /** Name of the camera shown last; empty for a drive's first. */
   camera: string;
-  /** The labeling specification is shown above the form. */
+  /** The labeling specification is shown: in Stage I, where it is read, and in Stage II, which fits one screen without. */
   spec: boolean;
+  spec2: boolean;
   /** Arrows of the objects' velocities. */
   velocities: boolean;
   legend: boolean;
@@ -32,13 +33,14 @@ export const viewSettings = $state<Layers>({
   occlusion: own.occlusion !== false,
   camera: typeof own.camera === "string" ? own.camera : "",
   spec: own.spec !== false,
+  spec2: own.spec2 === true,
   velocities: own.velocities === true,
   legend: own.legend !== false,
 });
 
 export function saveViewSettings(): void {
-  const { history, names, occlusion, velocities, legend, camera, spec } = viewSettings;
-  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, velocities, legend, camera, spec }));
+  const { history, names, occlusion, velocities, legend, camera, spec, spec2 } = viewSettings;
+  localStorage.setItem(KEY, JSON.stringify({ history, names, occlusion, velocities, legend, camera, spec, spec2 }));
 }
 
 /** Position of a splitter in this browser, in percent. */
