@@ -13,19 +13,63 @@
   for (const b of document.querySelectorAll("button[data-lang]")) {
     b.addEventListener("click", () => language(b.dataset.lang));
   }
-  // `#zh` and `#en` in the address choose the language, so that a link can.
+  // `#zh` and `#en` in the address choose the language, so that a link can; else the browser's language counts.
   const wanted = location.hash.slice(1);
-  language(wanted === "zh" || wanted === "en" ? wanted : root.lang);
+  const own = (navigator.languages ?? [navigator.language]).map((l) => l.slice(0, 2)).find((l) => l === "zh" || l === "en");
+  language(wanted === "zh" || wanted === "en" ? wanted : (own ?? root.lang));
+
+  // A few cards a page: all of them would be tens of thousands of pixels.
+  const PER_PAGE = 6;
+  let page = 0;
+  let matching = cards;
+  const pager = document.createElement("nav");
+  pager.className = "pager";
+  const turn = (to) => {
+    const pages = Math.max(1, Math.ceil(matching.length / PER_PAGE));
+    page = Math.min(pages - 1, Math.max(0, to));
+    const shown = new Set(matching.slice(page * PER_PAGE, (page + 1) * PER_PAGE));
+    for (const c of cards) c.hidden = !shown.has(c);
+    pager.hidden = pages === 1;
+    pager.replaceChildren(
+      ...[...Array(pages).keys()]
+        .filter((n) => n === 0 || n === pages - 1 || Math.abs(n - page) <= 3)
+        .map((n) => {
+          const b = document.createElement("button");
+          b.type = "button";
+          b.textContent = n + 1;
+          if (n === page) b.setAttribute("aria-current", "page");
+          b.addEventListener("click", () => {
+            turn(n);
+            document.getElementById("episodes").scrollIntoView();
+          });
+          return b;
+        }),
+    );
+  };
+  if (cards.length > 0) {
+    cards[cards.length - 1].after(pager);
+    turn(0);
+  }
+  // A link to a card opens its page.
+  const reveal = () => {
+    const card = location.hash.length > 1 ? document.getElementById(decodeURIComponent(location.hash.slice(1)))?.closest(".card") : null;
+    const at = card ? matching.indexOf(card) : -1;
+    if (at >= 0 && card.hidden) {
+      turn(Math.floor(at / PER_PAGE));
+      card.scrollIntoView();
+    }
+  };
+  addEventListener("hashchange", reveal);
+  reveal();
+  // What is printed is the whole.
+  addEventListener("beforeprint", () => matching.forEach((c) => (c.hidden = false)));
+  addEventListener("afterprint", () => turn(page));
 
   const filter = () => {
     const leaf = form.leaf.value, drive = form.drive.value, primary = form.primary.checked;
-    let shown = 0;
-    for (const c of cards) {
-      const ok = (!leaf || c.dataset.leaf === leaf) && (!drive || c.dataset.drive === drive) && (!primary || c.dataset.primary === "1");
-      c.hidden = !ok;
-      shown += ok ? 1 : 0;
-    }
-    form.querySelector(".shown").textContent = shown;
+    matching = cards.filter((c) => (!leaf || c.dataset.leaf === leaf) && (!drive || c.dataset.drive === drive) && (!primary || c.dataset.primary === "1"));
+    turn(0);
+    form.querySelector(".shown").textContent = matching.length;
   };
   if (form) {
     form.addEventListener("change", filter);

@@ -208,3 +208,36 @@ fn what_is_no_picture_of_the_drive_is_named_and_left_out() {
     );
     assert!(zh.err.contains("不在行程内") && zh.err.contains("数据湖未改动"), "{}", zh.err);
 }
+
+#[test]
+fn frames_of_a_video_are_attached_where_ffmpeg_is_installed() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    lake(at);
+    let drive = drives(at).remove(0);
+    let missing = add(at, &format!("--drive {drive} --camera front --video no.mp4"));
+    assert!(missing.code == 1 && missing.err.contains("no file no.mp4"), "{}", missing.err);
+    let video = std::process::Command::new("ffmpeg")
+        .args("-v error -f lavfi -i testsrc=duration=2:size=64x36:rate=25 v.mp4".split(' '))
+        .current_dir(at)
+        .status();
+    if !video.is_ok_and(|s| s.success()) {
+        let told = add(at, &format!("--drive {drive} --camera front --video {}", file!()));
+        println!("skipped: no ffmpeg");
+        assert_ne!(told.code, 0);
+        return;
+    }
+    let run = add(at, &format!("--drive {drive} --camera front --video v.mp4 --rate 5 --offset 1"));
+    assert_eq!(run.code, 0, "{}{}", run.out, run.err);
+    let whole = whyroad_lake::Lake::open(at.join("lake")).unwrap().read_drive(&drive.as_str().into()).unwrap();
+    let media = media_table(at, &drive);
+    // Two seconds at five images per second, the first one a second after the start; copied into the lake.
+    assert_eq!(media.len(), 10);
+    assert!(((media[0].time - whole.times[0]).as_secs_f64() - 1.0).abs() < 1e-6);
+    assert!(((media[9].time - media[0].time).as_secs_f64() - 1.8).abs() < 1e-6);
+    assert!(at.join(format!("lake/media/{drive}/front")).read_dir().unwrap().count() == 10);
+    // Text is no video, and nothing is attached.
+    std::fs::write(at.join("text.mp4"), "text").unwrap();
+    let broken = add(at, &format!("--drive {drive} --camera side --video text.mp4"));
+    assert!(broken.code == 1 && broken.err.contains("ffmpeg"), "{}", broken.err);
+}

@@ -110,6 +110,10 @@ fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
     let whole = std::fs::read_to_string(at.join("safe/backup.jsonl")).unwrap();
     std::fs::write(at.join("cut.jsonl"), &whole[..whole.len() / 2]).unwrap();
     assert_eq!(run(at, "restore --data two --from cut.jsonl").code, 1);
+    // Secrets in it are sealed: it needs the key that it was made with.
+    let keyless = run(at, "restore --data two --from safe/backup.jsonl");
+    assert!(keyless.code == 1 && keyless.err.contains("store.key"), "{}", keyless.err);
+    std::fs::copy(at.join("one/labels.db.key"), at.join("two/labels.db.key")).unwrap();
     good(at, "restore --data two --from safe/backup.jsonl");
     let twice = run(at, "restore --data two --from safe/backup.jsonl");
     assert!(twice.err.contains("restore.not_empty"), "{}", twice.err);
@@ -133,4 +137,23 @@ fn who_cannot_sign_in_any_more_is_given_a_new_password() {
     assert_eq!(admin.get("/users").status, 401, "all sessions have ended");
     let mut again = Client::sign_in_with(service.at, "admin", password.trim());
     assert_eq!(again.get("/session").good()["user"]["name"], "admin");
+}
+
+#[test]
+fn the_key_of_a_store_is_replaced_and_the_store_goes_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    let service = Service::start(&["--data", at.join("one").to_str().unwrap()]);
+    let _admin = Client::set_up(service.at, "admin");
+    drop(service);
+    let before = std::fs::read_to_string(at.join("one/labels.db.key")).unwrap();
+    let done = run(at, "accounts rotate-key --data one");
+    assert!(done.code == 0 && done.err.contains("sealed with a new key"), "{}", done.err);
+    assert_ne!(std::fs::read_to_string(at.join("one/labels.db.key")).unwrap(), before);
+    let service = Service::start(&["--data", at.join("one").to_str().unwrap()]);
+    Client::sign_in(service.at, "admin");
+    drop(service);
+    std::fs::write(at.join("one/labels.db.key"), before).unwrap();
+    let wrong = run(at, "accounts list --data one");
+    assert!(wrong.code == 1 && wrong.err.contains("store.key"), "{}", wrong.err);
 }
