@@ -44,8 +44,15 @@ impl Times {
     fn figures(&self) -> (usize, f64, f64, f64) {
         let mut all = self.0.lock().unwrap().clone();
         all.sort_by(f64::total_cmp);
-        let at = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1))).copied();
-        (all.len(), at(0.5).unwrap_or(f64::NAN), at(0.99).unwrap_or(f64::NAN), all.last().copied().unwrap_or(f64::NAN))
+        let at = |share: f64| {
+            all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1))).copied()
+        };
+        (
+            all.len(),
+            at(0.5).unwrap_or(f64::NAN),
+            at(0.99).unwrap_or(f64::NAN),
+            all.last().copied().unwrap_or(f64::NAN),
+        )
     }
 }
 
@@ -99,7 +106,8 @@ fn main() {
     let mut hands = Vec::new();
     for n in 0..annotators {
         let who = world.person(&admin, &project, &format!("ann{n}"), &["annotator"]);
-        let t: Value = who.post(&format!("/projects/{project}/tasks:next"), &json!({ "kind": "label" })).fine();
+        let t: Value =
+            who.post(&format!("/projects/{project}/tasks:next"), &json!({ "kind": "label" })).fine();
         hands.push(Hand {
             who,
             task: t["task"]["id"].as_str().unwrap().to_owned(),
@@ -147,7 +155,9 @@ fn main() {
         scope.spawn(|| {
             let mut minute = 0;
             while !stop.load(Ordering::Relaxed) && Instant::now() < ends {
-                std::thread::sleep(Duration::from_secs(60).min(ends.saturating_duration_since(Instant::now())));
+                std::thread::sleep(
+                    Duration::from_secs(60).min(ends.saturating_duration_since(Instant::now())),
+                );
                 minute += 1;
                 println!("  minute {minute}: memory {:?} MB", memory_mb());
             }

@@ -384,7 +384,9 @@ export interface components {
              *       "audit_min_percent": 10,
              *       "history": "drive",
              *       "lang": "zh",
-             *       "lease_s": 300
+             *       "lease_s": 300,
+             *       "place_precision_m": 0,
+             *       "retention_days": 0
              *     }
              */
             settings?: components["schemas"]["Settings"];

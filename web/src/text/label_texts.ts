@@ -80,7 +80,7 @@ export const labelTexts = {
   "plot.unavailable": ["日志中没有", "not in the log"],
 
   "stage.1": ["阶段一：只看历史，列出关键要素", "Stage I: list the critical components from history only"],
-  "stage.2": ["阶段二：看后续 6 s，选择决策、关联原因、撰写因果描述", "Stage II: with the next 6 s, choose decisions, link causes, write the trace"],
+  "stage.2": ["阶段二：看后续 6 s，选择决策、关联原因、撰写因果描述", "Stage II: with the next 6 s: decisions, causes, trace"],
   "stage.lock": ["锁定阶段一", "Lock Stage I"],
   "stage.submit": ["提交质检", "Submit for check"],
   "stage.skip": ["跳过", "Skip"],
@@ -132,7 +132,7 @@ export const labelTexts = {
   "dec.longitudinal": ["纵向", "Longitudinal"],
   "dec.lateral": ["横向", "Lateral"],
   "dec.direction": ["方向", "Direction"],
-  "dec.null": ["无决策变化", "No change of decision"],
+  "dec.null": ["无决策变化", "No change"],
   "dec.not": ["不要混淆", "Not to be confused with"],
   "dec.mandated": ["此 L3 场景规定横向决策：{what}", "This L3 scenario prescribes the lateral decision: {what}"],
 

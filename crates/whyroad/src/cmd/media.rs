@@ -88,8 +88,12 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
     let extracted = a.video.as_ref().map(|video| Extracted::of(video, rate_hz, lang)).transpose()?;
     let source = match (&a.times, &a.pictures, a.rate, &extracted) {
         (Some(list), ..) => ImageSource::List(list.clone()),
-        (None, Some(dir), Some(rate_hz), _) => ImageSource::Folder { dir: dir.clone(), start: start(), rate_hz },
-        (None, None, _, Some(frames)) => ImageSource::Folder { dir: frames.dir.clone(), start: start(), rate_hz },
+        (None, Some(dir), Some(rate_hz), _) => {
+            ImageSource::Folder { dir: dir.clone(), start: start(), rate_hz }
+        }
+        (None, None, _, Some(frames)) => {
+            ImageSource::Folder { dir: frames.dir.clone(), start: start(), rate_hz }
+        }
         _ => bail!("--pictures with --rate, --video, or --times"),
     };
     // What was extracted is only there for this call.

@@ -229,7 +229,8 @@ fn frames_of_a_video_are_attached_where_ffmpeg_is_installed() {
     }
     let run = add(at, &format!("--drive {drive} --camera front --video v.mp4 --rate 5 --offset 1"));
     assert_eq!(run.code, 0, "{}{}", run.out, run.err);
-    let whole = whyroad_lake::Lake::open(at.join("lake")).unwrap().read_drive(&drive.as_str().into()).unwrap();
+    let whole =
+        whyroad_lake::Lake::open(at.join("lake")).unwrap().read_drive(&drive.as_str().into()).unwrap();
     let media = media_table(at, &drive);
     // Two seconds at five images per second, the first one a second after the start; copied into the lake.
     assert_eq!(media.len(), 10);
