@@ -17,7 +17,6 @@ use whyroad_model::Lang;
 use whyroad_server::App;
 use whyroad_server::domain::task::{CreateTasks, Imported};
 use whyroad_server::service::create::Drafting;
-use whyroad_server::service::create::Drafting;
 use whyroad_server::service::transfer::{self, ExportFormat};
 use whyroad_server::service::{create, projects, tasks};
 use whyroad_server::store::Store;
