@@ -97,7 +97,7 @@ try {
     { path: "/coc_trace", value: "左侧车道的车在前方 22 m 处压线切入；原有车距不足以保持安全，需要让出空间，因此自车减速让行。" },
     { path: "/driving_decision/longitudinal", value: "yield_to_agent" },
     { path: "/driving_decision/lateral", value: null },
-    ...(open.spec?.records ?? []).map((r) => ({ path: `/records/${r.id}`, value: r.choices?.[0]?.id ?? (r.unit ? 1 : "car") })),
+    ...(open.spec?.records ?? []).map((r) => ({ path: `/records/${r.id}`, value: r.choices?.[0]?.id === "yes" ? true : (r.choices?.[0]?.id ?? (r.unit ? 1 : "car")) })),
   ];
   const saved = await as("li")("PATCH", `/tasks/${wanted.id}/draft`, { fence: open.fence, base_version: open.version, changes });
   if (saved.findings.some((f) => f.severity === "error")) console.log(saved.findings);

@@ -49,13 +49,13 @@ fn measured(
         let value = unit.map_or(base, |u| u.of_base(base));
         return serde_json::Number::from_f64(significant(value)).map(serde_json::Value::Number);
     }
-    let word = match column.category(row) {
-        Some(word) => word,
-        None => match column.flag(row) {
-            Tri::True => "yes",
-            Tri::False => "no",
-            Tri::Unknown => return None,
-        },
+    let Some(word) = column.category(row) else {
+        // Flags are stored without language (`scenarios/records.yaml`).
+        return match column.flag(row) {
+            Tri::True => Some(true.into()),
+            Tri::False => Some(false.into()),
+            Tri::Unknown => None,
+        };
     };
     spec.choices.iter().any(|c| c.id == word).then(|| word.into())
 }
