@@ -166,7 +166,6 @@ class SampleDataset:
 
 def _reader(array: pa.Array) -> Callable[[int], Any]:
     """Gives the value at a position: numbers of lists as NumPy arrays, everything else as Python values."""
-    import pyarrow as pa
     import pyarrow.types as types
 
     if types.is_struct(array.type):
@@ -177,15 +176,26 @@ def _reader(array: pa.Array) -> Callable[[int], Any]:
         return lambda i: {name: read(i) for name, read in fields}
     if types.is_list(array.type):
         return _list_reader(array)
-    if isinstance(array, pa.DictionaryArray):
-        array = array.dictionary_decode()
-    return lambda i: array[i].as_py()
+    if types.is_binary(array.type):
+        # Images: only those that are asked for are copied.
+        return lambda i: array[i].as_py()
+    values = _values(array)
+    return lambda i: values[i]
+
+
+def _values(array: pa.Array) -> list[Any]:
+    """All values of an array without children, as Python values; null is None."""
+    import pyarrow.types as types
+
+    if array.null_count and not (types.is_string(array.type) or types.is_boolean(array.type)):
+        return list(array.to_pylist())
+    return list(array.to_numpy(zero_copy_only=False).tolist())
 
 
 def _list_reader(array: pa.Array) -> Callable[[int], Any]:
     import pyarrow.types as types
 
-    offsets = array.offsets.to_numpy()
+    offsets = array.offsets.to_numpy().tolist()
     known = array.is_valid().to_numpy(zero_copy_only=False) if array.null_count else None
     if types.is_floating(array.type.value_type):
         # Null is unknown, and unknown is NaN.
@@ -195,6 +205,9 @@ def _list_reader(array: pa.Array) -> Callable[[int], Any]:
             return None if known is not None and not known[i] else values[offsets[i] : offsets[i + 1]].copy()
 
         return numbers
+    if not types.is_nested(array.type.value_type):
+        words = _values(array.values)
+        return lambda i: None if known is not None and not known[i] else words[offsets[i] : offsets[i + 1]]
     read = _reader(array.values)
 
     def items(i: int) -> Any:
