@@ -36,7 +36,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let limits = table.numbers(id::MAP_SPEED_LIMIT).map(<[f64]>::to_vec);
     let headways = table.numbers(id::LEAD_THW).map(<[f64]>::to_vec);
     let limit = |i: usize| limits.as_ref().map_or(f64::NAN, |l| l[i]);
-    let free = |i: usize| headways.as_ref().is_none_or(|h| !(h[i] <= FREE_HEADWAY_S));
+    let free = |i: usize| headways.as_ref().is_none_or(|h| h[i].is_nan() || h[i] > FREE_HEADWAY_S);
     let cruises = |i: &usize| {
         let i = *i;
         fair[i] && ego.speed[i] > CRUISING_MPS && ego.accel[i].abs() < STEADY_MPS2 && free(i)
