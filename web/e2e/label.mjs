@@ -106,6 +106,8 @@ async function stageTwo(day) {
   const { page } = day.people.li;
   // The focus goes to the decisions by itself.
   await page.waitForFunction(() => document.activeElement?.closest("[data-section=decisions]"));
+  // In a group of choices digits choose; outside of it they lead to the sections.
+  await page.keyboard.press("Escape");
   await page.keyboard.press("2");
   await choose(page, "longitudinal", "yield_to_agent");
   await page.keyboard.press("Alt+a");

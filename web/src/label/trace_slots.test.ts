@@ -1,7 +1,7 @@
 // The trace in slots and back: nothing typed is lost, and what is missing is named.
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { fitsSlots, isDraft, lacks, languageOf, slotsOf, traceOf } from "./trace_slots.ts";
+import { fitsSlots, isDraft, lacks, languageOf, slotsOf, stillDraft, traceOf } from "./trace_slots.ts";
 
 // The drafts as whyroad-label's draft/trace.rs writes them.
 const DRAFT_ZH = "【草稿】左前方的轿车正在驶入自车车道，因此自车让行。";
@@ -15,6 +15,15 @@ test("a draft has state and decision; the reason is what a person adds", () => {
   assert.equal(whole, "左前方的轿车正在驶入自车车道；车距不足，因此自车让行。");
   assert.ok(!isDraft(whole));
   assert.deepEqual(slotsOf(DRAFT_EN), { state: "the car ahead is slowing", reason: "the light is red", decision: "the ego's decision: yield to agent" });
+});
+
+test("a draft stays one until its reason is written", () => {
+  const slots = slotsOf(DRAFT_ZH);
+  const other = { ...slots, decision: "自车跟车" };
+  assert.equal(stillDraft(traceOf(other, "zh"), DRAFT_ZH, other), "【草稿】左前方的轿车正在驶入自车车道，因此自车跟车。");
+  const whole = { ...slots, reason: "车距不足以保持安全" };
+  assert.ok(!isDraft(stillDraft(traceOf(whole, "zh"), DRAFT_ZH, whole)));
+  assert.equal(stillDraft("自己写的。", "自己写的", slotsOf("自己写的")), "自己写的。", "what a person wrote is no draft");
 });
 
 test("slots give back what was typed into them", () => {

@@ -24,6 +24,11 @@ const END = /[。.\s]+$/u;
 
 export const isDraft = (text: string): boolean => DRAFT_MARK.test(text);
 
+/** `text` with the mark of a draft as long as `before` has it and the reason, which no program gives, is missing. */
+export function stillDraft(text: string, before: string, slots: TraceSlots): string {
+  return isDraft(before) && slots.reason.trim() === "" ? (DRAFT_MARK.exec(before)?.[0] ?? "") + text : text;
+}
+
 /** The language of a text: that of most of its words; `otherwise` without any. */
 export function languageOf(text: string, otherwise: Lang): Lang {
   const han = text.match(HAN)?.length ?? 0;
