@@ -74,6 +74,24 @@ def test_values_are_those_of_the_arrow_table(release: Path) -> None:
         assert [i["bytes"] for i in s["images"]] == [i["bytes"] for i in row["images"]]
 
 
+def test_one_by_one_and_all_at_once_give_the_same(release: Path) -> None:
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+    at_once = opened.dataset(split)
+    for _ in range(3):
+        all_rows = list(at_once)  # more than ONE_BY_ONE reads: the group is converted
+    for i, expected in enumerate(all_rows):
+        alone = opened.dataset(split)[i]
+        assert alone.keys() == expected.keys()
+        for name, value in expected.items():
+            if isinstance(value, np.ndarray):
+                assert np.array_equal(alone[name], value, equal_nan=True), name
+            elif name in ("objects", "map", "components"):
+                assert [str(o) for o in alone[name]] == [str(o) for o in value], name
+            elif name != "groups":
+                assert alone[name] == value, name
+
+
 def test_a_transform_and_a_folder_that_is_no_release(release: Path, tmp_path: Path) -> None:
     opened = whyroad.open_release(release)
     split = max(opened.splits, key=opened.splits.get)

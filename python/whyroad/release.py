@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Row groups that a data set keeps in memory: neighbors of a sample are likely to be read next.
 KEPT_ROW_GROUPS = 8
+#: Samples of a row group that are read one by one; from then on the whole group is converted at once.
+ONE_BY_ONE = 8
 
 
 def open_release(path: str | Path) -> Release:
@@ -111,7 +113,7 @@ class SampleDataset:
                 self._starts.append(total)
                 total += metadata.row_group(group).num_rows
         self._length = total
-        self._kept: OrderedDict[int, Callable[[int], dict[str, Any]]] = OrderedDict()
+        self._kept: OrderedDict[int, _RowGroup] = OrderedDict()
 
     def __len__(self) -> int:
         return self._length
@@ -122,7 +124,7 @@ class SampleDataset:
         if not 0 <= index < self._length:
             raise IndexError(index)
         group = bisect_right(self._starts, index) - 1
-        item = _sample(self._read(group)(index - self._starts[group]))
+        item = _sample(self._read(group).row(index - self._starts[group]))
         return self._transform(item) if self._transform else item
 
     def __iter__(self) -> Iterator[Any]:
@@ -148,7 +150,7 @@ class SampleDataset:
             positions = np.concatenate([np.arange(self._starts[g], ends[g]) for g in some])
             yield from rng.permutation(positions).tolist()
 
-    def _read(self, group: int) -> Callable[[int], dict[str, Any]]:
+    def _read(self, group: int) -> _RowGroup:
         import pyarrow.parquet as pq
 
         if group in self._kept:
@@ -157,11 +159,27 @@ class SampleDataset:
         number, of_file = self._groups[group]
         with pq.ParquetFile(self._files[number]) as file:
             table = file.read_row_group(of_file, columns=self._columns)
-        rows = _reader(table.to_struct_array().combine_chunks())
+        rows = _RowGroup(table.to_struct_array().combine_chunks())
         self._kept[group] = rows
         while len(self._kept) > KEPT_ROW_GROUPS:
             self._kept.popitem(last=False)
         return rows
+
+
+class _RowGroup:
+    """Rows of one row group: a few one by one, many by converting all."""
+
+    def __init__(self, rows: pa.Array) -> None:
+        self._rows = rows
+        self._asked = 0
+        self._all: Callable[[int], Any] | None = None
+
+    def row(self, index: int) -> dict[str, Any]:
+        self._asked += 1
+        if self._all is None and self._asked > ONE_BY_ONE:
+            self._all = _reader(self._rows)
+        row: dict[str, Any] = self._all(index) if self._all else _reader(self._rows.slice(index, 1))(0)
+        return row
 
 
 def _reader(array: pa.Array) -> Callable[[int], Any]:
@@ -169,7 +187,7 @@ def _reader(array: pa.Array) -> Callable[[int], Any]:
     import pyarrow.types as types
 
     if types.is_struct(array.type):
-        fields = [(f.name, _reader(array.field(i))) for i, f in enumerate(array.type)]
+        fields = [(f.name, _reader(child)) for f, child in zip(array.type, array.flatten(), strict=True)]
         if array.null_count:
             known = array.is_valid().to_numpy(zero_copy_only=False)
             return lambda i: {name: read(i) for name, read in fields} if known[i] else None
@@ -195,20 +213,23 @@ def _values(array: pa.Array) -> list[Any]:
 def _list_reader(array: pa.Array) -> Callable[[int], Any]:
     import pyarrow.types as types
 
-    offsets = array.offsets.to_numpy().tolist()
+    # Of a slice: only its own values, counted from its first.
+    positions = array.offsets.to_numpy()
+    offsets = (positions - positions[0]).tolist()
+    child = array.flatten()
     known = array.is_valid().to_numpy(zero_copy_only=False) if array.null_count else None
     if types.is_floating(array.type.value_type):
         # Null is unknown, and unknown is NaN.
-        values = array.values.to_numpy(zero_copy_only=False)
+        values = child.to_numpy(zero_copy_only=False)
 
         def numbers(i: int) -> Any:
             return None if known is not None and not known[i] else values[offsets[i] : offsets[i + 1]].copy()
 
         return numbers
     if not types.is_nested(array.type.value_type):
-        words = _values(array.values)
+        words = _values(child)
         return lambda i: None if known is not None and not known[i] else words[offsets[i] : offsets[i + 1]]
-    read = _reader(array.values)
+    read = _reader(child)
 
     def items(i: int) -> Any:
         if known is not None and not known[i]:
