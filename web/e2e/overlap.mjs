@@ -113,7 +113,7 @@ async function pages(day) {
   const all = Number(message.match(/\d+/)[0]) + day.pair.length;
   assert.ok(all > 50, `${all} tasks`);
   await page.keyboard.press("Escape");
-  await page.getByText("已列出 50 个任务").waitFor();
+  await page.getByText(`共 ${all} 个任务，已列出 50 个`).waitFor();
   await page.getByRole("button", { name: "加载更多" }).click();
   await page.getByText(`已列出 ${all} 个任务`).waitFor();
   const links = await page.locator("tbody a").evaluateAll((found) => found.map((a) => a.getAttribute("href")));
