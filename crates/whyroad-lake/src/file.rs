@@ -5,7 +5,7 @@ use crate::{LAKE_VERSION, LakeError};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 use parquet::file::properties::WriterProperties;
 use std::fs::File;
 use std::path::Path;
@@ -35,6 +35,19 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
     Ok(batch.num_rows())
 }
 
+/// Refuses metadata of a damaged file on which the Parquet reader would panic: columns that begin before the file or have
+/// a negative length.
+///
+/// # Errors
+/// Where a column chunk states a negative offset or length.
+pub fn check_columns(metadata: &ParquetMetaData) -> Result<(), &'static str> {
+    let damaged = metadata.row_groups().iter().flat_map(RowGroupMetaData::columns).any(|column| {
+        let start = column.dictionary_page_offset().unwrap_or_else(|| column.data_page_offset());
+        start < 0 || column.compressed_size() < 0
+    });
+    if damaged { Err("a column has a negative offset or length") } else { Ok(()) }
+}
+
 /// Reads one table whole; `None` when the file does not exist (the log has no such table).
 pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, LakeError> {
     let file = match File::open(path) {
@@ -44,6 +57,7 @@ pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, 
     };
     let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
+    check_columns(builder.metadata()).map_err(|e| broken(&e))?;
     let metadata = builder.metadata().file_metadata();
     let value = |key: &str| {
         let found = metadata.key_value_metadata()?.iter().find(|kv| kv.key == key)?;
@@ -72,4 +86,19 @@ pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, 
         return Err(broken(&format!("{} of {rows} rows can be read", batch.num_rows())));
     }
     Ok(Some(Table { path: path.to_owned(), batch }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::frames;
+
+    #[test]
+    fn a_column_with_a_negative_offset_is_refused() {
+        // Found by the fuzz target `lake-frames`; the Parquet reader panics on it.
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), include_bytes!("../tests/fixtures/negative_offset.parquet")).unwrap();
+        let Err(e) = read_table(file.path(), frames::ROW_ORDER) else { panic!("it was read") };
+        assert_eq!(e.code(), "lake.table_broken");
+    }
 }

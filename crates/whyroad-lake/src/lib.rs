@@ -25,6 +25,7 @@ mod validity;
 pub use clips::clip_metadata;
 pub use error::{CODES, LakeError};
 pub use facts::DriveFacts;
+pub use file::check_columns;
 pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;
 pub use outline::Outline;

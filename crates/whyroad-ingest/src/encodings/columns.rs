@@ -26,9 +26,9 @@ pub(crate) fn read_parquet_bytes(content: Vec<u8>) -> Result<Columns, String> {
 }
 
 fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
-    let reader = ParquetRecordBatchReaderBuilder::try_new(source)
-        .and_then(|b| b.build())
-        .map_err(|e| e.to_string())?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(source).map_err(|e| e.to_string())?;
+    whyroad_lake::check_columns(builder.metadata())?;
+    let reader = builder.build().map_err(|e| e.to_string())?;
     reader.collect::<Result<_, _>>().map(Columns).map_err(|e| e.to_string())
 }
 

@@ -6,6 +6,7 @@ use super::columns::{
     VERSION_KEY,
 };
 use crate::LakeError;
+use crate::file::check_columns;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, RecordBatch};
@@ -42,6 +43,7 @@ impl EpisodeIndex {
         let file = File::open(table).map_err(LakeError::io(table))?;
         let metadata =
             ArrowReaderMetadata::load(&file, Default::default()).map_err(|e| LakeError::broken(table, e))?;
+        check_columns(metadata.metadata()).map_err(|e| LakeError::broken(table, e))?;
         let stated = metadata.metadata().file_metadata().key_value_metadata();
         let version = stated.and_then(|all| all.iter().find(|kv| kv.key == VERSION_KEY)?.value.clone());
         if version.as_deref() != Some(EPISODES_VERSION.to_string().as_str()) {

@@ -2,7 +2,7 @@
 
 use super::pages::{Dense, Values, read};
 use super::{FRAME, KEY, ROW_ORDER, StoredDrive};
-use crate::file::ROW_ORDER_KEY;
+use crate::file::{ROW_ORDER_KEY, check_columns};
 use crate::{LAKE_VERSION, LakeError};
 use parquet::basic::Type;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
@@ -32,6 +32,7 @@ impl Table {
         };
         let metadata =
             ParquetMetaDataReader::new().parse_and_finish(&file).map_err(|e| LakeError::broken(path, e))?;
+        check_columns(&metadata).map_err(|e| LakeError::broken(path, e))?;
         let stated = metadata.file_metadata().key_value_metadata();
         let value = |key: &str| stated?.iter().find(|kv| kv.key == key)?.value.clone();
         match value("whyroad.lake_version").and_then(|v| v.parse::<u32>().ok()) {
