@@ -48,7 +48,7 @@ impl ByteStrings {
 
 /// Floating-point numbers (float64, or int64 converted) from a file's bytes.
 pub fn numbers(file: &[u8]) -> Result<Table, String> {
-    let npy = npyz::NpyFile::new(file).map_err(|e| e.to_string())?;
+    let npy = open(file)?;
     let shape: Vec<usize> = npy.shape().iter().map(|&n| n as usize).collect();
     let (rows, columns) = match shape[..] {
         [n] => (n, 1),
@@ -78,7 +78,7 @@ pub fn numbers(file: &[u8]) -> Result<Table, String> {
 /// Byte strings (`S8`) from a file's bytes, each at its full width: NumPy and the crate take zeros at a string's end
 /// for padding, but in a bus frame they are data. They are taken as they lie in the file, not one allocation each.
 pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
-    let npy = npyz::NpyFile::new(file).map_err(|e| e.to_string())?;
+    let npy = open(file)?;
     let width = match npy.dtype() {
         npyz::DType::Plain(kind) if kind.type_char() == npyz::TypeChar::ByteStr => kind.num_bytes(),
         _ => None,
@@ -93,6 +93,23 @@ pub fn byte_strings(file: &[u8]) -> Result<ByteStrings, String> {
         .get(..size)
         .ok_or_else(|| format!("{} of {size} bytes of the array are there", payload.len()))?;
     Ok(ByteStrings { width, bytes: bytes.to_vec() })
+}
+
+/// The array, unless its header states more elements than the file has bytes: the crate multiplies the dimensions
+/// without a check.
+fn open(file: &[u8]) -> Result<npyz::NpyFile<&[u8]>, String> {
+    if let Some(payload) = payload(file) {
+        let header = String::from_utf8_lossy(&file[..file.len() - payload.len()]);
+        let shape =
+            header.rsplit_once("shape").and_then(|(_, rest)| rest.split(')').next()).unwrap_or_default();
+        let dimensions = shape.split(|c: char| !c.is_ascii_digit()).filter(|d| !d.is_empty());
+        let elements =
+            dimensions.map(|d| d.parse::<usize>().ok()).try_fold(1_usize, |n, d| n.checked_mul(d?));
+        if elements.is_none_or(|n| n > file.len()) {
+            return Err("the file ends inside the array".to_owned());
+        }
+    }
+    npyz::NpyFile::new(file).map_err(|e| e.to_string())
 }
 
 /// What follows the header (NumPy's format description, `numpy.lib.format`): magic and version are 8 bytes, the
@@ -125,5 +142,16 @@ mod tests {
         }
         let numbers = String::from_utf8_lossy(&one).replace("'|S4'", "'<f4'");
         assert!(byte_strings(numbers.as_bytes()).is_err());
+    }
+
+    #[test]
+    fn a_shape_beyond_the_file_is_an_error() {
+        // Found by the fuzz target `npy-frame_positions`: the product of the dimensions does not fit into 64 bits.
+        for shape in ["(9223372036854775807, 3)", "(99999999999999999999,)", "(4, 4)"] {
+            let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+            let length = (header.len() as u16).to_le_bytes();
+            let file = [b"\x93NUMPY\x01\x00".as_slice(), &length, header.as_bytes(), &[0; 8]].concat();
+            assert_eq!(numbers(&file).unwrap_err(), "the file ends inside the array", "{shape}");
+        }
     }
 }
