@@ -96,6 +96,7 @@ pub(crate) fn open<'a>(
     let broken = |e: &dyn std::fmt::Display| DatasetError::broken(path, e);
     let file = File::open(path).map_err(DatasetError::io(path))?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
+    whyroad_lake::check_columns(builder.metadata()).map_err(|e| broken(&e))?;
     let expected = schema();
     let found = builder.schema();
     for field in expected.fields() {
