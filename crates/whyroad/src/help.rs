@@ -305,6 +305,7 @@ mod tests {
         ("restore", "fills a store"),
         ("serve", "runs until it is stopped"),
         ("tasks export", "prints JSON Lines only"),
+        ("migrate", "prints JSON Lines only"),
         ("demo", "writes a report, shows the other commands"),
         ("completions", "prints a script"),
         ("man", "writes files"),
