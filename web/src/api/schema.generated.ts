@@ -320,6 +320,7 @@ export interface components {
         MatchedCondition: {
             actual_value: unknown;
             condition: string;
+            description?: components["schemas"]["Bilingual"] | null;
         };
         Member: {
             languages: string[];
