@@ -1,5 +1,5 @@
-//! Drives of a lake for the checks of labels: by clip id, with their signals and what the rules find in them; the last few
-//! stay in memory, because labels mostly come drive by drive.
+//! Drives of a lake for the checks of labels: by clip id, with their signals and what the rules find in them; the last
+//! few stay in memory, because labels mostly come drive by drive.
 
 use crate::drives::signals_of;
 use crate::output::record::write_down;
@@ -27,7 +27,8 @@ pub struct LabelDrives {
 }
 
 impl LabelDrives {
-    /// Drives of `lake`, mined with the rules of `framework`. Rules with faults are left out; loading has reported them.
+    /// Drives of `lake`, mined with the rules of `framework`. Rules with faults are left out; loading has reported
+    /// them.
     pub fn new(lake: Lake, framework: &Framework) -> Self {
         let (rules, _) = RuleSet::of_framework(framework, Catalogue::bundled());
         Self { lake, rules, kept: Mutex::default() }

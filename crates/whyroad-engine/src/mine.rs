@@ -124,8 +124,8 @@ pub fn mine_each<E: Send>(
     Ok(diagnostics)
 }
 
-/// The episodes of a drive that is in memory: derived, searched and arbitrated now; nothing is read or stored. `plan` is
-/// that of `rules`.
+/// The episodes of a drive that is in memory: derived, searched and arbitrated now; nothing is read or stored. `plan`
+/// is that of `rules`.
 pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpisodes {
     let table = whyroad_signals::derive(drive);
     let found = find_all(plan, &Signals::of_table(&table));

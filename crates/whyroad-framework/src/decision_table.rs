@@ -1,5 +1,5 @@
-//! Which decisions a class goes with (`scenarios/decisions.yaml`, which says what each part means), leaves with what they
-//! inherit from their L2.
+//! Which decisions a class goes with (`scenarios/decisions.yaml`, which says what each part means), leaves with what
+//! they inherit from their L2.
 
 mod read;
 

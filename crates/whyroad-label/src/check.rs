@@ -1,9 +1,9 @@
 //! The checker of labels (DATA_FORMAT.md 4.3): documents in, findings out, each with a code, a location and a hint.
 //!
-//! A label takes the fast path first: one typed pass over its bytes ([`form::lean`]), and the rules ([`rulebook`]) with a sink
-//! that only notes whether there was a finding. If there is any doubt, the document is parsed again with spans
-//! (`whyroad_framework::check`), walked tolerantly ([`form::tolerant`]), and the same rules report in words. Other messages are
-//! checked by whyroad-framework. Nothing here opens a file: `Splitter` takes bytes and gives documents.
+//! A label takes the fast path first: one typed pass over its bytes ([`form::lean`]), and the rules ([`rulebook`]) with
+//! a sink that only notes whether there was a finding. If there is any doubt, the document is parsed again with spans
+//! (`whyroad_framework::check`), walked tolerantly ([`form::tolerant`]), and the same rules report in words. Other
+//! messages are checked by whyroad-framework. Nothing here opens a file: `Splitter` takes bytes and gives documents.
 
 mod business;
 mod cause;

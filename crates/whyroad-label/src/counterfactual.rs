@@ -1,9 +1,9 @@
-//! What would the ego have done without one object? The recorded scene is driven on from the keyframe by a car-following
-//! and yielding model that is fitted to the ego's own history; each object (and the light) is removed in turn, and the
-//! objects are ranked by how much farther the ego would have come.
+//! What would the ego have done without one object? The recorded scene is driven on from the keyframe by a
+//! car-following and yielding model that is fitted to the ego's own history; each object (and the light) is removed in
+//! turn, and the objects are ranked by how much farther the ego would have come.
 //!
-//! Pure functions of a drive and a frame. The model drives along the path that the ego then drove and speaks of speed only:
-//! it knows no lane change, no nudge and no turn, and other road users keep to their recorded tracks.
+//! Pure functions of a drive and a frame. The model drives along the path that the ego then drove and speaks of speed
+//! only: it knows no lane change, no nudge and no turn, and other road users keep to their recorded tracks.
 
 mod idm;
 mod scene;

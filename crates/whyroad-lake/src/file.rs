@@ -35,8 +35,8 @@ pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> 
     Ok(batch.num_rows())
 }
 
-/// Refuses metadata of a damaged file on which the Parquet reader would panic: columns that begin before the file or have
-/// a negative length.
+/// Refuses metadata of a damaged file on which the Parquet reader would panic: columns that begin before the file or
+/// have a negative length.
 ///
 /// # Errors
 /// Where a column chunk states a negative offset or length.

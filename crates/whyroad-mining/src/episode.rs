@@ -59,7 +59,8 @@ pub enum Rank {
 /// Conditions that an episode lists at most: those that are met most narrowly decide.
 pub const LISTED_CONDITIONS: usize = 5;
 
-/// What a response condition comes to, from its truth by frame over `range`; `None` for a frame in which it is not judged.
+/// What a response condition comes to, from its truth by frame over `range`; `None` for a frame in which it is not
+/// judged.
 pub(crate) fn response(range: FrameRange, mut truth: impl FnMut(usize) -> Option<Tri>) -> EgoResponse {
     let mut known = true;
     for frame in range.start..range.end {

@@ -1,9 +1,9 @@
-//! `serve/mixed`: a labelling day in one process. 200 annotators save a change every second, 20 dashboards are read every
-//! second, and one export after the other goes out; the service and its clients share the machine. On SQLite.
+//! `serve/mixed`: a labelling day in one process. 200 annotators save a change every second, 20 dashboards are read
+//! every second, and one export after the other goes out; the service and its clients share the machine. On SQLite.
 //!
 //! `cargo bench -p whyroad-server --bench mixed -- [--seconds 30] [--annotators 200] [--dashboards 20] [--tasks 2000]`.
-//! Prints the times of each kind of call and the memory of the process; with `--limit-ms 100` it fails when a save takes
-//! longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute.
+//! Prints the times of each kind of call and the memory of the process; with `--limit-ms 100` it fails when a save
+//! takes longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute.
 
 #![allow(clippy::unwrap_used, reason = "a bench says what went wrong by failing")]
 

@@ -1,5 +1,5 @@
-//! Faces and plates in camera images, made unreadable before an image leaves the service: by a program of the operator's
-//! that is given each image once. What it makes is kept; where it fails, no image is shown at all.
+//! Faces and plates in camera images, made unreadable before an image leaves the service: by a program of the
+//! operator's that is given each image once. What it makes is kept; where it fails, no image is shown at all.
 
 use crate::problem::{Answer, Problem};
 use crate::secret;

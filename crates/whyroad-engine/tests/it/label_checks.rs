@@ -1,6 +1,6 @@
-//! Labels against the drives that they speak of: labels drafted from the bundled simulated drives (and the recorded ones,
-//! where they are at hand) are true as far as motion goes; each is then made false in one way, and the check that names
-//! the fault must find it. What the ego did is the simulator's, not ours.
+//! Labels against the drives that they speak of: labels drafted from the bundled simulated drives (and the recorded
+//! ones, where they are at hand) are true as far as motion goes; each is then made false in one way, and the check that
+//! names the fault must find it. What the ego did is the simulator's, not ours.
 #![allow(clippy::print_stdout, reason = "the table is what a reader wants to see")]
 
 use serde_json::{Value, json};

@@ -1,5 +1,5 @@
-//! The label against the recording: what the ego did after the keyframe, where the objects were that the texts name, and
-//! what the rules found. Each finding states time, signal and value, and is only made where the signals are known.
+//! The label against the recording: what the ego did after the keyframe, where the objects were that the texts name,
+//! and what the rules found. Each finding states time, signal and value, and is only made where the signals are known.
 
 mod decision;
 mod effect;

@@ -1,5 +1,5 @@
-//! The recorded drive behind a label, for the checks that compare the two. Handed in by whoever has it: this crate reads
-//! no lake and derives no signal.
+//! The recorded drive behind a label, for the checks that compare the two. Handed in by whoever has it: this crate
+//! reads no lake and derives no signal.
 
 use std::fmt;
 use std::sync::Arc;

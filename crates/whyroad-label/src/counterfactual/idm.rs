@@ -37,8 +37,8 @@ impl Default for Driver {
 }
 
 impl Driver {
-    /// The driver of the ego up to `frame`: what it wanted is the fastest that it drove or is allowed to, its headway the
-    /// one that it kept while it followed somebody steadily. `None` where its speed is unknown.
+    /// The driver of the ego up to `frame`: what it wanted is the fastest that it drove or is allowed to, its headway
+    /// the one that it kept while it followed somebody steadily. `None` where its speed is unknown.
     pub fn fitted(_: &Drive, signals: &SignalTable, frame: usize) -> Option<Self> {
         let speed = signals.frame_columns.get("ego.speed")?;
         let now = speed.number(frame)?;

@@ -1,6 +1,6 @@
-//! The corpus of true and faulty labels in both languages (`corpus/*.yaml`, written by hand; the faults of structure are
-//! made here). A fault counts as found only by a code that names it; a true label may have no finding at all. Half of the
-//! base labels were not looked at while the checks were written: `HELD_OUT`.
+//! The corpus of true and faulty labels in both languages (`corpus/*.yaml`, written by hand; the faults of structure
+//! are made here). A fault counts as found only by a code that names it; a true label may have no finding at all. Half
+//! of the base labels were not looked at while the checks were written: `HELD_OUT`.
 #![allow(clippy::print_stdout)] // the table is what a reader wants to see
 
 mod build;

@@ -14,7 +14,8 @@
 //! | ego_response | utf8, null | observed, absent or unknown: whether the ego answered the trigger |
 //! | line_start, line_bytes | int64 | where the episode's line is in `episodes.jsonl` |
 //!
-//! Rows are in the order of drive, keyframe, class, target. Only `target_id`, `primary_episode_id` and `ego_response` are nullable.
+//! Rows are in the order of drive, keyframe, class, target. Only `target_id`, `primary_episode_id` and `ego_response`
+//! are nullable.
 
 use super::LineSpan;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};

@@ -1,5 +1,5 @@
-//! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a column.
-//! Only drives with noisy measurements have any; all others never come here.
+//! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a
+//! column. Only drives with noisy measurements have any; all others never come here.
 
 use super::bits::Bits;
 use super::compare::holds;

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EgoResponse {
-    /// The ego did what the rule counts as an answer (it slowed, waited, moved aside), or the rule's match is itself what
-    /// the ego did.
+    /// The ego did what the rule counts as an answer (it slowed, waited, moved aside), or the rule's match is itself
+    /// what the ego did.
     Observed,
     /// It did not, in the whole time range: a missed response, or one that was not needed.
     Absent,

@@ -1,6 +1,6 @@
-//! Drafts in the background. Deriving a draft takes a second or so, and a lead makes hundreds of tasks at once: these are
-//! stored at once, pending, and their drafts are made one after the other beside the service's work. Whoever opens a
-//! pending task before its turn has its draft made then.
+//! Drafts in the background. Deriving a draft takes a second or so, and a lead makes hundreds of tasks at once: these
+//! are stored at once, pending, and their drafts are made one after the other beside the service's work. Whoever opens
+//! a pending task before its turn has its draft made then.
 
 use crate::app::App;
 use crate::problem::{Answer, Problem};
@@ -47,8 +47,8 @@ fn put(app: &App, id: String, draft: Value) -> Answer<()> {
     })
 }
 
-/// Makes drafts until the service ends. Not waited for: a derivation that hangs does not keep the service from stopping,
-/// and what is still pending is made after the next start.
+/// Makes drafts until the service ends. Not waited for: a derivation that hangs does not keep the service from
+/// stopping, and what is still pending is made after the next start.
 pub fn spawn(app: &Arc<App>) -> JoinHandle<()> {
     let service = Arc::downgrade(app);
     std::thread::spawn(move || {

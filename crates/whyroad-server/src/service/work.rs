@@ -1,4 +1,5 @@
-//! What there is to do in a project, as cards and the annotator's home show it: tasks by state, and what is the caller's.
+//! What there is to do in a project, as cards and the annotator's home show it: tasks by state, and what is the
+//! caller's.
 
 use crate::domain::project::{MyWork, Work};
 use crate::problem::Answer;

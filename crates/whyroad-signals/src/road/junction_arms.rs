@@ -16,8 +16,8 @@ const SAME_ARM_M: f64 = 20.0;
 const DIRECTION_M: f64 = 10.0;
 /// Two arms this near to a straight line are opposite, rad: 30 deg.
 const OPPOSITE_RAD: f64 = 30.0 * PI / 180.0;
-/// Who comes in at this angle or more comes from opposite, rad: 115 deg, so that of three arms at equal angles, 120 deg,
-/// the other two do.
+/// Who comes in at this angle or more comes from opposite, rad: 115 deg, so that of three arms at equal angles, 120
+/// deg, the other two do.
 const AGAINST_RAD: f64 = 115.0 * PI / 180.0;
 /// Adjacent arms nearer than this make an acute corner, rad: 50 deg.
 const ACUTE_RAD: f64 = 50.0 * PI / 180.0;

@@ -1,12 +1,13 @@
-//! What went wrong on recorded drives: swerves against turns, going round against a bent lane, U-turns, turns that reach
-//! beyond their junction, and post-encroachment time where ways join. Paths are given by formulas; expected values are
-//! worked out in the comments.
+//! What went wrong on recorded drives: swerves against turns, going round against a bent lane, U-turns, turns that
+//! reach beyond their junction, and post-encroachment time where ways join. Paths are given by formulas; expected
+//! values are worked out in the comments.
 use crate::scene::{EGO_LENGTH, Table, add, car, drive, lane, map, near};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 use whyroad_model::ObjectClass::Car;
 use whyroad_model::Tri::{False, True};
 
-/// Straight along x to 0, then an arc of this radius to the left by `angle`, then straight on; `s` is the way from x = 0.
+/// Straight along x to 0, then an arc of this radius to the left by `angle`, then straight on; `s` is the way from x =
+/// 0.
 fn arc(s: f64, radius: f64, angle: f64) -> (f64, f64, f64) {
     if s <= 0.0 {
         return (s, 0.0, 0.0);

@@ -42,8 +42,8 @@ enum What {
         #[command(flatten)]
         store: store_args::StoreArgs,
     },
-    /// Seal the secrets in the store (signing keys of webhooks, key of the CSRF values) with a new key; stop the service
-    /// before
+    /// Seal the secrets in the store (signing keys of webhooks, key of the CSRF values) with a new key; stop the
+    /// service before
     RotateKey {
         #[command(flatten)]
         store: store_args::StoreArgs,

@@ -28,7 +28,9 @@ export function typed(choices: readonly Choice[], text: string): Choice | null {
   );
 }
 
-/** Handles the keys of one group. `choose` gets the choice, and whether one key said all, so that the next may follow. */
+/**
+ * Handles the keys of one group. `choose` gets the choice, and whether one key said all, so that the next may follow.
+ */
 export function choiceKeys(choices: () => readonly Choice[], choose: (id: string, done: boolean) => void): (e: KeyboardEvent) => void {
   let text = "";
   let timer: ReturnType<typeof setTimeout> | undefined;

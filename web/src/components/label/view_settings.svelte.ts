@@ -8,7 +8,9 @@ interface Layers {
   occlusion: boolean;
   /** Name of the camera shown last; empty for a drive's first. */
   camera: string;
-  /** The labeling specification is shown: in Stage I, where it is read, and in Stage II, which fits one screen without. */
+  /**
+   * The labeling specification is shown: in Stage I, where it is read, and in Stage II, which fits one screen without.
+   */
   spec: boolean;
   spec2: boolean;
   /** Arrows of the objects' velocities. */

@@ -7,7 +7,8 @@ use whyroad_framework::{LabelWords, Lexicon};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::ProvenanceSource;
 
-/// Marks with which the drafts of this program opened up to version 0.1; a trace that has one was not written by a person.
+/// Marks with which the drafts of this program opened up to version 0.1; a trace that has one was not written by a
+/// person.
 const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 
 /// Each component says something. True when one does not.

@@ -1,5 +1,5 @@
-//! The objects of the components against the tracks: they exist, could be seen at their evidence times, and are where and
-//! do what the text says.
+//! The objects of the components against the tracks: they exist, could be seen at their evidence times, and are where
+//! and do what the text says.
 
 use super::window::{Window, kmh};
 use crate::check::reading::Named;
@@ -229,7 +229,8 @@ fn anybody(c: &ComponentView<'_>, n: &Named, words: &LabelWords, w: &Window<'_>,
     });
 }
 
-/// The light has the colour that the text gives it, at one of the evidence times or within the second before the keyframe.
+/// The light has the colour that the text gives it, at one of the evidence times or within the second before the
+/// keyframe.
 fn light<'n>(
     c: &ComponentView<'_>,
     named: impl Iterator<Item = &'n Named>,
