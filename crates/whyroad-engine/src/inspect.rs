@@ -69,7 +69,7 @@ pub struct SignalShare {
 impl DriveSummary {
     /// Counts a drive of the lake, or only its clip `clip`. Signals are read from the lake where it stores them.
     pub fn read(lake: &Lake, id: &DriveId, clip: Option<&str>) -> Result<Self, LakeError> {
-        let drive = lake.read_drive(id)?;
+        let drive = crate::estimated(lake.read_drive(id)?);
         let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
         let index = clip.and_then(|id| clips.iter().position(|c| c.clip_id == id));

@@ -13,7 +13,7 @@ pub mod perturb;
 pub mod recordings;
 mod states;
 
-pub use states::{ObjectStates, States, states};
+pub use states::{ObjectStates, States, estimated, states};
 pub use whyroad_signals::{MetaActions, VERSION as SIGNALS_VERSION, meta_actions};
 
 #[cfg(test)]

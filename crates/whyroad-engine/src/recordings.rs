@@ -1,6 +1,7 @@
 //! Drives, signals, mined folders and camera images of one lake, as a long-running service needs them: what comes while
 //! it runs is seen at once, and drives in use stay in memory. Knows no HTTP; the binary hands it to the service.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -83,6 +84,14 @@ impl LakeRecordings {
     /// whole drive and contain its future.
     pub fn signals(&self, drive: &Drive) -> SignalTable {
         whyroad_signals::derive(drive)
+    }
+
+    /// The drive with complete motion; it may be cut at a keyframe, and nothing later has an influence then.
+    pub fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
+        match whyroad_signals::estimate(drive) {
+            Cow::Owned(complete) => Arc::new(complete),
+            Cow::Borrowed(_) => Arc::clone(drive),
+        }
     }
 
     /// Names of the mined folders, as they are now.

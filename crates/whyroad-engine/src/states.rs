@@ -1,9 +1,10 @@
 //! Motion and classes of a drive as they could be known at a moment: the one call through which consumers (data sets,
-//! Python, the service) take speeds, accelerations and classes. Today they are what the lake holds, cut; a later
-//! estimator replaces what is behind this call, not the call.
+//! Python, the service) take speeds, accelerations and classes. They are estimated from the drive cut at that moment.
 
+use std::borrow::Cow;
 use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass, TrackId};
+use whyroad_signals::estimate;
 
 /// What is known of the ego and the tracked objects from frames `0..frames` of a drive.
 #[derive(Clone, Debug, Default)]
@@ -48,32 +49,25 @@ impl ObjectStates {
 /// `states(drive, drive.frame_count())` is the whole drive.
 pub fn states(drive: &Drive, until: usize) -> States {
     let frames = until.min(drive.frame_count());
-    let objects = drive.tracks.iter().filter_map(|t| {
-        let rows = t.frames.partition_point(|&f| (f as usize) < frames);
-        (rows > 0).then(|| ObjectStates {
-            id: t.id.clone(),
-            class: t.class,
-            frames: t.frames[..rows].to_vec(),
-            motion: cut(&t.motion, rows),
-            length_m: t.length_m[..rows].to_vec(),
-            width_m: t.width_m[..rows].to_vec(),
-            height_m: t.height_m[..rows].to_vec(),
-        })
+    let whole = frames == drive.frame_count();
+    let seen = if whole { estimate(drive).into_owned() } else { estimated(drive.until_frame(frames)) };
+    let objects = seen.tracks.into_iter().map(|t| ObjectStates {
+        id: t.id,
+        class: t.class,
+        frames: t.frames,
+        motion: t.motion,
+        length_m: t.length_m,
+        width_m: t.width_m,
+        height_m: t.height_m,
     });
-    States { frames, ego: drive.ego.as_ref().map(|e| cut(&e.motion, frames)), objects: objects.collect() }
+    States { frames, objects: objects.collect(), ego: seen.ego.map(|e| e.motion) }
 }
 
-fn cut(m: &Motion, rows: usize) -> Motion {
-    let head = |v: &Vec<f64>| v[..rows.min(v.len())].to_vec();
-    Motion {
-        x: head(&m.x),
-        y: head(&m.y),
-        z: head(&m.z),
-        heading: head(&m.heading),
-        vx: head(&m.vx),
-        vy: head(&m.vy),
-        accel: head(&m.accel),
-        yaw_rate: head(&m.yaw_rate),
+/// The drive with complete motion, for what shows it: the lake holds measurements only.
+pub fn estimated(drive: Drive) -> Drive {
+    match estimate(&drive) {
+        Cow::Owned(complete) => complete,
+        Cow::Borrowed(_) => drive,
     }
 }
 

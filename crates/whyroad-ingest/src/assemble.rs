@@ -1,12 +1,12 @@
-//! What several adapters need to turn rows into scene tables: frames, kinematics, maps, plausibility.
+//! What several adapters need to turn rows into scene tables: frames, maps, plausibility.
 
+pub mod angles;
 pub(crate) mod feature_map;
 pub(crate) mod frames;
 pub(crate) mod geodesy;
 pub(crate) mod geometry;
 pub(crate) mod junctions;
-pub mod kinematics;
 pub(crate) mod lane_lights;
-pub mod plausibility;
+pub(crate) mod plausibility;
 pub(crate) mod resample;
 pub(crate) mod se3;

@@ -15,7 +15,7 @@ mod run;
 mod source;
 
 pub use adapter::{Adapter, AdapterRef, DriveSink, FormatAbout, Located, SkipReason, Source};
-pub use assemble::{kinematics, plausibility};
+pub use assemble::angles;
 pub use encodings::can;
 pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, pai, scenarionet, sumo, table, waymo};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};

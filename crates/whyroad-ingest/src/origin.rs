@@ -25,7 +25,7 @@ impl Origin {
     /// True when the lake's drive of this id has other content and came from another source.
     fn is_taken(&self, id: &DriveId, content_hash: &str, lake: &Lake) -> bool {
         let other_source = lake.note(id, NOTE).is_some_and(|note| note != self.0.as_bytes());
-        other_source && lake.read_drive(id).is_ok_and(|d| d.meta.content_hash != content_hash)
+        other_source && lake.content_hash(id).is_some_and(|held| held != content_hash)
     }
 
     /// Gives the drive another id when its own belongs to another source; the id depends on the source alone, so that

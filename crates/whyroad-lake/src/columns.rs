@@ -39,6 +39,10 @@ impl TableBuilder {
     pub fn integers(self, name: &str, values: impl IntoIterator<Item = i64>) -> Self {
         self.push(name, false, Arc::new(Int64Array::from_iter_values(values)))
     }
+    /// Integers that may be unknown.
+    pub fn integers_or_null(self, name: &str, values: impl IntoIterator<Item = Option<i64>>) -> Self {
+        self.push(name, true, Arc::new(values.into_iter().collect::<Int64Array>()))
+    }
     /// Counts and indices that are always known.
     pub fn indices(self, name: &str, values: impl IntoIterator<Item = u32>) -> Self {
         self.push(name, false, Arc::new(UInt32Array::from_iter_values(values)))
@@ -134,6 +138,10 @@ impl Table {
         let a = self.column(name)?.as_primitive_opt::<Int64Type>().ok_or_else(|| self.wrong_type(name))?;
         self.no_null(name, a)?;
         Ok(a.values().to_vec())
+    }
+    pub fn integers_or_null(&self, name: &str) -> Result<Vec<Option<i64>>, LakeError> {
+        let a = self.column(name)?.as_primitive_opt::<Int64Type>().ok_or_else(|| self.wrong_type(name))?;
+        Ok(a.iter().collect())
     }
     pub fn indices(&self, name: &str) -> Result<Vec<u32>, LakeError> {
         let a = self.column(name)?.as_primitive_opt::<UInt32Type>().ok_or_else(|| self.wrong_type(name))?;

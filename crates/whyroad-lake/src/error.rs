@@ -28,6 +28,8 @@ pub enum LakeError {
         path: PathBuf,
         /// Version found.
         found: u32,
+        /// Formats of the drives that have to be ingested again, where they are known.
+        formats: Vec<String>,
     },
     /// No such drive.
     #[error("drive '{0}' not found in the lake")]
@@ -81,6 +83,10 @@ impl LakeError {
         |source| LakeError::Io { path: path.to_owned(), source }
     }
 
+    pub(crate) fn version(path: &Path, found: u32, formats: Vec<String>) -> LakeError {
+        LakeError::Version { path: path.to_owned(), found, formats }
+    }
+
     pub(crate) fn broken(path: &Path, reason: impl std::fmt::Display) -> LakeError {
         LakeError::TableBroken { path: path.to_owned(), reason: reason.to_string() }
     }
@@ -120,10 +126,7 @@ impl LakeError {
                 "先用 `whyroad ingest FORMAT PATH --lake DIR` 建立数据湖",
                 "make one with `whyroad ingest FORMAT PATH --lake DIR`",
             ),
-            LakeError::Version { .. } => Bilingual::new(
-                "请升级 whyroad，或重新导入原始数据",
-                "use the whyroad that wrote it, or ingest the source data again into a new lake",
-            ),
+            LakeError::Version { path, found, formats } => version_hint(path, *found, formats),
             LakeError::DriveMissing(_) => Bilingual::new(
                 "用 `whyroad inspect --lake DIR` 查看已有行程",
                 "`whyroad inspect --lake DIR` lists the drives",
@@ -155,4 +158,24 @@ impl LakeError {
             LakeError::DriveMissing(_) | LakeError::DriveInvalid { .. } => d,
         }
     }
+}
+
+/// How to get on: by ingesting again into the same lake, or with a newer program.
+fn version_hint(path: &Path, found: u32, formats: &[String]) -> Bilingual {
+    if found > crate::LAKE_VERSION {
+        return Bilingual::new("请升级 whyroad", "use a newer whyroad");
+    }
+    // The folder of the lake: above `drives/` for a file of a drive.
+    let lake = path.ancestors().find(|dir| dir.join("drives").is_dir());
+    let lake = lake.map_or_else(|| "LAKE".into(), |dir| dir.display().to_string());
+    let formats = if formats.is_empty() { vec!["FORMAT".to_owned()] } else { formats.to_vec() };
+    let commands: Vec<String> =
+        formats.iter().map(|format| format!("`whyroad ingest {format} PATH --lake {lake}`")).collect();
+    Bilingual::new(
+        format!("请将原始数据重新导入同一数据湖：{}；行程编号不变，标注与任务继续有效", commands.join("；")),
+        format!(
+            "ingest the source data again into the same lake: {}; drives keep their ids, labels and tasks stay valid",
+            commands.join("; ")
+        ),
+    )
 }

@@ -65,7 +65,7 @@ pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, 
     };
     match value(VERSION_KEY).and_then(|v| v.parse::<u32>().ok()) {
         Some(LAKE_VERSION) => {}
-        Some(found) => return Err(LakeError::Version { path: path.to_owned(), found }),
+        Some(found) => return Err(LakeError::version(path, found, Vec::new())),
         None => return Err(broken(&"the file does not state its lake version")),
     }
     match value(ROW_ORDER_KEY) {

@@ -3,7 +3,7 @@
 use crate::manifest::{DriveManifest, LakeMarker};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
 use crate::{DriveFacts, LAKE_VERSION, LakeError, clip_metadata, file, leftovers, validity};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -34,36 +34,57 @@ pub enum WriteOutcome {
 impl Lake {
     /// Opens an existing lake.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
-        let dir = dir.as_ref().to_owned();
+        let (lake, version) = Self::of_any_version(dir.as_ref())?;
+        if version != LAKE_VERSION {
+            let formats = lake.outdated_formats();
+            return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
+        }
+        Ok(lake)
+    }
+
+    /// The lake and the version that its marker states.
+    fn of_any_version(dir: &Path) -> Result<(Self, u32), LakeError> {
         let path = dir.join(MARKER);
         let text = match fs::read_to_string(&path) {
             Ok(t) => t,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(LakeError::NotALake(dir)),
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                return Err(LakeError::NotALake(dir.to_owned()));
+            }
             Err(e) => return Err(LakeError::io(&path)(e)),
         };
         let marker: LakeMarker = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
-        if marker.version != LAKE_VERSION {
-            return Err(LakeError::Version { path, found: marker.version });
-        }
-        Ok(Self { dir })
+        Ok((Self { dir: dir.to_owned() }, marker.version))
     }
 
     /// Opens the lake for writing, making an empty one if it does not exist. What a killed process left half written
-    /// is removed.
+    /// is removed. An older lake becomes one of this version: each of its drives is refused by readers until it is
+    /// written again.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let dir = dir.as_ref();
-        match Self::open(dir) {
-            Err(LakeError::NotALake(_)) => {}
-            Ok(lake) => {
+        match Self::of_any_version(dir) {
+            Err(LakeError::NotALake(_)) => {
+                fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?
+            }
+            Ok((lake, LAKE_VERSION)) => {
                 leftovers::remove(&lake.dir.join("drives"));
                 return Ok(lake);
             }
-            other => return other,
+            Ok((lake, older)) if older < LAKE_VERSION => leftovers::remove(&lake.dir.join("drives")),
+            Ok(_) => return Self::open(dir),
+            Err(e) => return Err(e),
         }
-        fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?;
         let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
         write_json(&dir.join(MARKER), &marker)?;
         Ok(Self { dir: dir.to_owned() })
+    }
+
+    /// Formats of the drives that this build does not read, sorted.
+    fn outdated_formats(&self) -> Vec<String> {
+        let formats = self.drive_ids().into_iter().filter_map(|id| {
+            let manifest = self.manifest_of_any_version(&id).ok()?;
+            (manifest.lake_version != LAKE_VERSION).then_some(manifest.meta.format)
+        });
+        formats.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// The lake's folder.
@@ -104,6 +125,20 @@ impl Lake {
     }
 
     pub(crate) fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
+        let manifest = self.manifest_of_any_version(id)?;
+        if manifest.lake_version != LAKE_VERSION {
+            let path = self.drive_dir(id).join(MANIFEST);
+            return Err(LakeError::version(&path, manifest.lake_version, vec![manifest.meta.format]));
+        }
+        Ok(manifest)
+    }
+
+    /// Hash of the content from which the lake's drive of this id was made, also where this build does not read it.
+    pub fn content_hash(&self, id: &DriveId) -> Option<String> {
+        Some(self.manifest_of_any_version(id).ok()?.meta.content_hash)
+    }
+
+    fn manifest_of_any_version(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
         let path = self.checked_dir(id)?.join(MANIFEST);
         let text = match fs::read_to_string(&path) {
             Ok(t) => t,
@@ -112,11 +147,7 @@ impl Lake {
             }
             Err(e) => return Err(LakeError::io(&path)(e)),
         };
-        let manifest: DriveManifest = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
-        if manifest.lake_version != LAKE_VERSION {
-            return Err(LakeError::Version { path, found: manifest.lake_version });
-        }
-        Ok(manifest)
+        serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))
     }
 
     /// Reads one drive whole.
@@ -203,7 +234,7 @@ impl Lake {
         fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
         // What the log does not have and was stated about the drive stays stated.
         let mut meta = drive.meta.clone();
-        if let Ok(held) = self.manifest(id) {
+        if let Ok(held) = self.manifest_of_any_version(id) {
             let own = DriveFacts::of(&meta);
             DriveFacts::of(&held.meta).state(&mut meta);
             own.state(&mut meta);

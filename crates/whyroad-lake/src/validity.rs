@@ -32,7 +32,8 @@ pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
         ]
         .iter()
         .all(|&n| n == 0 || n == frames);
-        if !motion_has_len(&ego.motion, frames) || !bus_ok {
+        let known_at_ok = ego.known_at.is_empty() || ego.known_at.len() == frames;
+        if !motion_has_len(&ego.motion, frames) || !bus_ok || !known_at_ok {
             return Some("the ego's columns differ in length from the frames".into());
         }
     }
@@ -51,13 +52,18 @@ fn broken_track(t: &Track, frames: usize) -> Option<String> {
         return Some(format!("track '{}' has frames out of order or beyond the drive", t.id));
     }
     let columns_ok = [&t.length_m, &t.width_m, &t.height_m, &t.interior_points].iter().all(|c| c.len() == n)
-        && [t.turn_signal.len(), t.visible_share.len(), t.occluder.len()].iter().all(|&m| m == 0 || m == n)
+        && [t.turn_signal.len(), t.visible_share.len(), t.occluder.len(), t.known_at.len()]
+            .iter()
+            .all(|&m| m == 0 || m == n)
+        && t.class_changes.windows(2).all(|w| w[0].row < w[1].row)
+        && t.class_changes.first().is_none_or(|c| c.row == 0)
         && motion_has_len(&t.motion, n);
     (!columns_ok).then(|| format!("track '{}' has columns of unequal length", t.id))
 }
 
 fn motion_has_len(m: &Motion, n: usize) -> bool {
     [&m.x, &m.y, &m.z, &m.heading, &m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|c| c.len() == n)
+        && (m.forward.is_empty() || m.forward.len() == n)
 }
 
 /// True for an id that names a folder on every file system and never leaves the lake.

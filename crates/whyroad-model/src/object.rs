@@ -76,4 +76,20 @@ impl ObjectClass {
             Self::Pedestrian | Self::WheeledPedestrian | Self::Bicycle | Self::Bicyclist | Self::EBike
         )
     }
+
+    /// The highest speed over ground that is believed of an object of the class, m/s; more is an identity switch or a bad
+    /// box, not a motion.
+    pub fn max_speed_mps(self) -> f64 {
+        match self {
+            // The fastest sprint on record peaks at 12.4 m/s (Bolt, Berlin 2009).
+            Self::Pedestrian => 12.5,
+            // Wheelchairs and skaters downhill.
+            Self::WheeledPedestrian => 20.0,
+            // Racing cyclists on a descent reach about 110 km/h.
+            Self::Bicycle | Self::Bicyclist | Self::EBike => 32.0,
+            // Greyhounds and horses: 70 km/h.
+            Self::Animal => 20.0,
+            _ => 80.0,
+        }
+    }
 }

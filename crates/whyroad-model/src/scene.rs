@@ -2,6 +2,11 @@
 //! metric world frame (x east-ish, y left of x, z up), headings in radians counter-clockwise from x in
 //! (-pi, pi]. **Every pose, the ego's included, is the centre of the object's box.** NaN in a number
 //! means that the log does not state it.
+//!
+//! **Only what was measured.** A log without velocities has none here: they are estimated from the part of the drive
+//! that may be seen (`whyroad_signals::estimate`), after [`Drive::until`] has cut it.
+
+mod cut;
 
 use crate::{DriveId, FrameRange, Nanos, Need, ObjectClass, RoadMap, TrackId};
 use serde::{Deserialize, Serialize};
@@ -107,9 +112,13 @@ pub struct Ego {
     pub motion: Motion,
     /// Vehicle bus signals; empty vectors where the log has none.
     pub bus: EgoBus,
+    /// Time of the latest measurement on which each row rests, where that is later than the frame (a pose between two
+    /// samples rests on both); empty when no row rests on a later one.
+    pub known_at: Vec<Nanos>,
 }
 
-/// Motion of a box centre in the world frame; all vectors have one length, NaN is unknown.
+/// Motion of a box centre in the world frame; all vectors have one length (`forward` may be empty), NaN is unknown.
+/// Velocities, acceleration and yaw rate are known only where the log states them.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     /// m.
@@ -128,13 +137,17 @@ pub struct Motion {
     pub accel: Vec<f64>,
     /// rad/s, counter-clockwise.
     pub yaw_rate: Vec<f64>,
+    /// m/s along the heading, negative backwards, where the log states a speed and no velocity vector; empty when no
+    /// row has one.
+    pub forward: Vec<f64>,
 }
 
 impl Motion {
     /// `n` rows, all unknown.
     pub fn unknown(n: usize) -> Self {
         let v = || vec![f64::NAN; n];
-        Self { x: v(), y: v(), z: v(), heading: v(), vx: v(), vy: v(), accel: v(), yaw_rate: v() }
+        let forward = Vec::new();
+        Self { x: v(), y: v(), z: v(), heading: v(), vx: v(), vy: v(), accel: v(), yaw_rate: v(), forward }
     }
 
     /// Number of rows.
@@ -203,10 +216,13 @@ pub enum TurnSignal {
 pub struct Track {
     /// Id within the drive.
     pub id: TrackId,
-    /// Class on our scale.
+    /// Class on our scale by all rows that are here: the one that most rows state, where some state one.
     pub class: ObjectClass,
     /// Class in the source's words.
     pub source_class: String,
+    /// Class by time, where it changes: what is stated from each of these rows on, the first entry from row 0. Empty
+    /// when every row has `class`.
+    pub class_changes: Vec<ClassChange>,
     /// Frame of each row, strictly ascending; may have gaps.
     pub frames: Vec<u32>,
     /// Motion of the box centre, one row a frame in `frames`.
@@ -227,6 +243,19 @@ pub struct Track {
     /// What hid most of the rest by that model; empty if it has none. May name a track that was itself never
     /// seen and so is not in the drive.
     pub occluder: Vec<Option<TrackId>>,
+    /// As [`Ego::known_at`], a row each.
+    pub known_at: Vec<Nanos>,
+}
+
+/// A class that the source states from a row on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ClassChange {
+    /// First row for which it is stated.
+    pub row: u32,
+    /// Class on our scale.
+    pub class: ObjectClass,
+    /// Class in the source's words.
+    pub source_class: String,
 }
 
 impl Track {
@@ -236,6 +265,37 @@ impl Track {
             (Some(&a), Some(&b)) => FrameRange::new(a as usize, b as usize + 1),
             _ => FrameRange::default(),
         }
+    }
+
+    /// Takes the class that the source states for each row. The track's own class is the one that most rows state, the
+    /// earlier one of two that are equally frequent; unknown only when no row states one.
+    pub fn state_classes<'a>(&mut self, stated: impl IntoIterator<Item = (ObjectClass, &'a str)>) {
+        let mut changes: Vec<ClassChange> = Vec::new();
+        // Rows by class, in the order in which the classes appear.
+        let mut counts: Vec<((ObjectClass, &'a str), usize)> = Vec::new();
+        for (row, stated) in stated.into_iter().enumerate() {
+            if changes.last().is_none_or(|c| (c.class, c.source_class.as_str()) != stated) {
+                let (class, source_class) = (stated.0, stated.1.to_owned());
+                changes.push(ClassChange { row: row as u32, class, source_class });
+            }
+            match counts.iter_mut().find(|(of, _)| *of == stated) {
+                Some((_, rows)) => *rows += 1,
+                None => counts.push((stated, 1)),
+            }
+        }
+        // Backwards, because `max_by_key` takes the last of several that are equal.
+        let most =
+            counts.into_iter().rev().max_by_key(|((class, _), rows)| (*class != ObjectClass::Unknown, *rows));
+        if let Some(((class, source_class), _)) = most {
+            (self.class, self.source_class) = (class, source_class.to_owned());
+        }
+        self.class_changes = if changes.len() > 1 { changes } else { Vec::new() };
+    }
+
+    /// Class and class in the source's words as stated for `row`.
+    pub fn class_at(&self, row: usize) -> (ObjectClass, &str) {
+        let stated = self.class_changes.iter().rev().find(|c| c.row as usize <= row);
+        stated.map_or((self.class, self.source_class.as_str()), |c| (c.class, c.source_class.as_str()))
     }
 
     /// Row of `frame`, if the object was observed then.

@@ -22,6 +22,7 @@ fn motion(x: impl Fn(f64) -> f64, y: impl Fn(f64) -> f64, vx: f64) -> Motion {
         vy: vec![0.0; FRAMES],
         accel: vec![0.0; FRAMES],
         yaw_rate: vec![0.0; FRAMES],
+        forward: vec![],
     }
 }
 

@@ -24,6 +24,11 @@ pub trait Recordings: Send + Sync {
     /// nothing but the drive that is given.
     fn signals(&self, drive: &Drive) -> SignalTable;
 
+    /// `drive` with what its log did not measure (velocities) estimated, from nothing but the drive that is given.
+    fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
+        Arc::clone(drive)
+    }
+
     /// What the signal called `name` is; `None` for a name that no signal has.
     fn about(&self, name: &str) -> Option<SignalAbout>;
 

@@ -6,6 +6,7 @@ use crate::conflict::{self, pet, ttc, ttc_lane};
 use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
+use crate::estimate::estimate;
 use crate::needs::missing;
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
@@ -27,10 +28,12 @@ use std::collections::BTreeSet;
 use whyroad_model::catalogue::id;
 use whyroad_model::{Drive, Need, SignalTable};
 
-/// All signals that `drive` supports; the others are in `unavailable` with what the log lacks.
+/// All signals that `drive` supports; the others are in `unavailable` with what the log lacks. Takes the drive as the
+/// lake has it: what it did not measure is estimated here, from this drive alone.
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
+    let drive = &*estimate(drive);
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
@@ -50,6 +53,7 @@ pub fn derive(drive: &Drive) -> SignalTable {
 
 /// Only the meta actions of [`derive`], without the other signals; `None` when the log has no ego pose.
 pub fn meta_actions(drive: &Drive) -> Option<MetaActions> {
+    let drive = &*estimate(drive);
     EgoStage::new(drive, &missing(drive)).map(|ego| ego.actions)
 }
 

@@ -1,11 +1,13 @@
 //! Scene tables to signal tables: what each leaf's rule asks about, as named quantities over time.
 //!
 //! Pure functions of one [`Drive`]; nothing here reads a file, knows an input format or decides what a scenario is.
+//! What the log did not measure is estimated first (`estimate`), from the drive that is given and nothing else.
 //! Names and meanings are in `schema/signals.yaml`; one file per signal family, in folders by stage (`ego`, `road`,
 //! `target`, `conflict`, `behavior`, `sight`, `refav`) in the order in which they build on one another. Signals are
 //! derived over the whole drive, before it is cut into clips.
 
 pub mod catalogue;
+pub mod estimate;
 pub mod geometry;
 mod needs;
 mod series;
@@ -28,6 +30,7 @@ mod occluders;
 pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestriction};
 pub use derive::{derive, meta_actions};
 pub use ego::meta_actions::MetaActions;
+pub use estimate::estimate;
 pub use occluders::occluders;
 pub use road::lane_ids::ego_lane_ids;
 pub use sight::Occluder;

@@ -49,6 +49,10 @@ impl Recordings for ServiceRecordings {
         self.lake.signals(drive)
     }
 
+    fn estimated(&self, drive: &Arc<Drive>) -> Arc<Drive> {
+        self.lake.estimated(drive)
+    }
+
     fn about(&self, name: &str) -> Option<SignalAbout> {
         let def = Catalogue::bundled().get(name)?;
         let (kind, unit) = match &def.kind {

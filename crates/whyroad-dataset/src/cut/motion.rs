@@ -5,8 +5,8 @@ use crate::sample::{EgoBox, Trajectory};
 use crate::spec::{Cut, Reference};
 use whyroad_engine::{MetaActions, States, meta_actions, states};
 use whyroad_model::catalogue::CategoryValue;
-use whyroad_model::scene::{Ego, EgoBus, Motion, Track};
-use whyroad_model::{Drive, Nanos};
+use whyroad_model::scene::{Ego, Motion};
+use whyroad_model::{Drive, FrameRange, Nanos};
 
 /// Seconds of the drive before the history that the states may use: an estimator needs some run-up.
 const RUN_UP_S: f64 = 3.0;
@@ -38,7 +38,7 @@ impl Window {
         let time = drive.times[frame];
         let first = drive.times.partition_point(|t| *t < time.plus_secs(-cut.history_s - RUN_UP_S));
         let end = drive.times.partition_point(|t| *t <= time.plus_secs(cut.future_s + 0.5));
-        let stretch = stretch(drive, first, end);
+        let stretch = drive.stretch(FrameRange::new(first, end));
         let t0 = frame - first;
         let (past, whole) = (states(&stretch, t0 + 1), states(&stretch, stretch.frame_count()));
         let ego = stretch.ego.as_ref()?;
@@ -57,7 +57,7 @@ impl Window {
         }
         let (s, c) = heading.sin_cos();
         let pose = Pose { x: x - to_centre * c, y: y - to_centre * s, z, heading };
-        let past_actions = meta_actions(&self::stretch(&stretch, 0, t0 + 1));
+        let past_actions = meta_actions(&stretch.until_frame(t0 + 1));
         let whole_actions = meta_actions(&stretch);
         Some(Self { drive: stretch, t0, past, whole, pose, to_centre, past_actions, whole_actions })
     }
@@ -155,71 +155,6 @@ fn mix(v: &[f64], a: usize, b: usize, w: f64) -> f64 {
     }
 }
 
-/// Frames `first..end` of a drive: meta data, ego and tracks.
-fn stretch(drive: &Drive, first: usize, end: usize) -> Drive {
-    let part = |v: &Vec<f64>| v.get(first..end.min(v.len())).unwrap_or_default().to_vec();
-    let motion = |m: &Motion| Motion {
-        x: part(&m.x),
-        y: part(&m.y),
-        z: part(&m.z),
-        heading: part(&m.heading),
-        vx: part(&m.vx),
-        vy: part(&m.vy),
-        accel: part(&m.accel),
-        yaw_rate: part(&m.yaw_rate),
-    };
-    Drive {
-        meta: drive.meta.clone(),
-        times: drive.times[first..end].to_vec(),
-        ego: drive.ego.as_ref().map(|e| Ego {
-            motion: motion(&e.motion),
-            // Bus signals are not needed for states; a shorter copy would have to cut each of them.
-            bus: EgoBus::default(),
-            length_m: e.length_m,
-            width_m: e.width_m,
-            height_m: e.height_m,
-            reference_to_centre_m: e.reference_to_centre_m,
-        }),
-        tracks: drive.tracks.iter().filter_map(|t| track(t, first, end)).collect(),
-        ..Drive::default()
-    }
-}
-
-fn track(t: &Track, first: usize, end: usize) -> Option<Track> {
-    let (a, b) = (
-        t.frames.partition_point(|&f| (f as usize) < first),
-        t.frames.partition_point(|&f| (f as usize) < end),
-    );
-    if a == b {
-        return None;
-    }
-    let part = |v: &Vec<f64>| v.get(a..b).unwrap_or_default().to_vec();
-    let m = &t.motion;
-    Some(Track {
-        id: t.id.clone(),
-        class: t.class,
-        source_class: t.source_class.clone(),
-        frames: t.frames[a..b].iter().map(|f| f - first as u32).collect(),
-        motion: Motion {
-            x: part(&m.x),
-            y: part(&m.y),
-            z: part(&m.z),
-            heading: part(&m.heading),
-            vx: part(&m.vx),
-            vy: part(&m.vy),
-            accel: part(&m.accel),
-            yaw_rate: part(&m.yaw_rate),
-        },
-        length_m: part(&t.length_m),
-        width_m: part(&t.width_m),
-        height_m: part(&t.height_m),
-        interior_points: part(&t.interior_points),
-        turn_signal: vec![],
-        visible_share: vec![],
-        occluder: vec![],
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -238,6 +173,7 @@ mod tests {
             vy: vec![10.0; n],
             accel: vec![0.0; n],
             yaw_rate: vec![0.0; n],
+            forward: vec![],
         };
         Drive {
             times: (0..n).map(|i| Nanos::from_secs_f64(t(i))).collect(),

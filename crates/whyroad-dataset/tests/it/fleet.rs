@@ -43,6 +43,7 @@ fn along(x0: f64, y: f64, speed: f64, n: usize) -> Motion {
         vy: vec![0.0; n],
         accel: vec![ACCEL_MPS2; n],
         yaw_rate: vec![0.0; n],
+        forward: vec![],
     }
 }
 

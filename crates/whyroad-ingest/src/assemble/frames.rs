@@ -4,7 +4,7 @@
 //! positions, sizes and velocities linearly between the two samples around the frame, headings the shorter way round.
 //! Nothing is filled over more than the given gap; outside its samples an object is not there.
 
-use crate::assemble::kinematics::{self, unwrapped, wrap_angle};
+use crate::assemble::angles::{unwrapped, wrap_angle};
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::resample::linear;
 use whyroad_model::ObjectClass;
@@ -57,9 +57,11 @@ pub(crate) struct Sampled {
     pub z: Vec<f64>,
     /// rad.
     pub heading: Vec<f64>,
-    /// Over ground, m/s. All NaN where the log has no velocities: they are then derived from the positions.
+    /// Over ground, m/s. NaN where the log has no velocities.
     pub vx: Vec<f64>,
     pub vy: Vec<f64>,
+    /// Along the heading, m/s, where the log states a speed and no velocity vector; NaN otherwise.
+    pub forward: Vec<f64>,
     /// m.
     pub length: Vec<f64>,
     pub width: Vec<f64>,
@@ -78,6 +80,21 @@ pub(crate) struct Sample {
     /// Length, width, height, m; what is not above zero is unknown.
     pub size: [f64; 3],
     pub points: f64,
+    /// Speed along the heading, m/s.
+    pub forward: f64,
+}
+
+impl Sample {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self {
+        time: f64::NAN,
+        position: [f64::NAN; 3],
+        heading: f64::NAN,
+        velocity: [f64::NAN; 2],
+        size: [f64::NAN; 3],
+        points: f64::NAN,
+        forward: f64::NAN,
+    };
 }
 
 impl Sampled {
@@ -95,6 +112,7 @@ impl Sampled {
             (&mut self.width, known(s.size[1])),
             (&mut self.height, known(s.size[2])),
             (&mut self.points, s.points),
+            (&mut self.forward, s.forward),
         ] {
             list.push(value);
         }
@@ -105,17 +123,9 @@ impl Sampled {
         let at = |v: &[f64]| linear(&self.times, v, frames, max_gap_s);
         let heading = at(&unwrapped(&self.heading)).into_iter().map(wrap_angle).collect::<Vec<_>>();
         let (x, y) = (at(&self.x), at(&self.y));
-        let derived = kinematics::derive(frames, &x, &y, &heading, |_| false);
-        let told = self.vx.iter().any(|v| v.is_finite());
-        let (vx, vy, accel) = if told {
-            let (vx, vy) = (at(&self.vx), at(&self.vy));
-            // One derivative of what the log tells is less noisy than two of the positions.
-            let accel = kinematics::acceleration(frames, &vx, &vy, &heading);
-            (vx, vy, accel)
-        } else {
-            (derived.vx, derived.vy, derived.accel)
-        };
-        Motion { z: at(&self.z), x, y, heading, vx, vy, accel, yaw_rate: derived.yaw_rate }
+        let (vx, vy) = (at(&self.vx), at(&self.vy));
+        let forward = if self.forward.iter().any(|v| v.is_finite()) { at(&self.forward) } else { Vec::new() };
+        Motion { z: at(&self.z), x, y, heading, vx, vy, forward, ..Motion::unknown(frames.len()) }
     }
 
     /// The object as a track: rows for the frames in which it is there. Also the number of rows whose speed cannot be.
@@ -132,7 +142,7 @@ impl Sampled {
         // Only the frames in which it is there go into the fits, so that one object's cost is its own length.
         let own: Vec<f64> = there.iter().map(|&i| frames[i]).collect();
         let mut motion = self.motion_at(&own, max_gap_s);
-        let impossible = forget_impossible(class, &mut motion);
+        let impossible = forget_impossible(class, &own, &mut motion);
         let at = |v: &[f64]| linear(&self.times, v, &own, max_gap_s);
         let track = Track {
             id: id.into(),
@@ -144,9 +154,7 @@ impl Sampled {
             width_m: at(&self.width),
             height_m: at(&self.height),
             interior_points: at(&self.points),
-            turn_signal: Vec::new(),
-            visible_share: Vec::new(),
-            occluder: Vec::new(),
+            ..Track::default()
         };
         (track, impossible)
     }
@@ -170,7 +178,7 @@ mod tests {
             heading,
             velocity: [f64::NAN; 2],
             size: [4.0, 2.0, 0.0],
-            points: f64::NAN,
+            ..Sample::UNKNOWN
         }
     }
 
@@ -192,7 +200,7 @@ mod tests {
         let frames: Vec<f64> = (0..16).map(|i| f64::from(i) / 10.0).collect();
         let (track, _) = s.track_at("a", ObjectClass::Car, "car", &frames, 0.6);
         assert_eq!(track.frames, [0, 1, 2, 3, 4, 5, 15]);
-        assert!((track.motion.x[2] - 2.0).abs() < 1e-9 && (track.motion.vx[2] - 10.0).abs() < 1e-6);
+        assert!((track.motion.x[2] - 2.0).abs() < 1e-9 && track.motion.vx[2].is_nan(), "nothing is derived");
         // From 3.0 to -3.0 over pi is 0.283 rad; at two fifths of the way it is 3.113.
         assert!((track.motion.heading[2] - (3.0 + 0.4 * (std::f64::consts::TAU - 6.0))).abs() < 1e-9);
         assert!(track.height_m[0].is_nan() && (track.length_m[0] - 4.0).abs() < 1e-12);

@@ -1,34 +1,29 @@
-//! Speeds that cannot be: an identity switch or a bad box, not a motion. The position stays, the motion becomes
-//! unknown.
+//! Speeds that cannot be: an identity switch or a bad box, not a motion. A stated velocity becomes unknown; what follows
+//! from positions is estimated later, so that a step between two of them is only counted and reported.
 
+use crate::assemble::resample::MAX_GAP_S;
 use whyroad_model::ObjectClass;
 use whyroad_model::scene::Motion;
 
-/// The highest speed over ground that is believed for a class, m/s.
-pub fn max_speed_mps(class: ObjectClass) -> f64 {
-    match class {
-        // The fastest sprint on record peaks at 12.4 m/s (Bolt, Berlin 2009).
-        ObjectClass::Pedestrian => 12.5,
-        // Wheelchairs and skaters downhill.
-        ObjectClass::WheeledPedestrian => 20.0,
-        // Racing cyclists on a descent reach about 110 km/h.
-        ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::EBike => 32.0,
-        // Greyhounds and horses: 70 km/h.
-        ObjectClass::Animal => 20.0,
-        _ => 80.0,
+/// Makes stated velocities that cannot be unknown; the number of rows that have one, or that lie further from the row
+/// before than the object can go. `seconds` has the time of each row.
+pub(crate) fn forget_impossible(class: ObjectClass, seconds: &[f64], m: &mut Motion) -> usize {
+    let limit = class.max_speed_mps();
+    let mut rows = 0;
+    for i in 0..m.len() {
+        let stated = m.speed(i);
+        let along = m.forward.get(i).map_or(f64::NAN, |v| v.abs());
+        if stated > limit || along > limit {
+            (m.vx[i], m.vy[i], m.accel[i]) = (f64::NAN, f64::NAN, f64::NAN);
+            m.forward.get_mut(i).into_iter().for_each(|v| *v = f64::NAN);
+            rows += 1;
+        } else if stated.is_nan() && along.is_nan() && i > 0 {
+            let dt = seconds[i] - seconds[i - 1];
+            let step = (m.x[i] - m.x[i - 1]).hypot(m.y[i] - m.y[i - 1]);
+            rows += usize::from(dt <= MAX_GAP_S && step > limit * dt);
+        }
     }
-}
-
-/// Makes the motion of impossible rows unknown; the number of rows.
-pub fn forget_impossible(class: ObjectClass, motion: &mut Motion) -> usize {
-    let limit = max_speed_mps(class);
-    let rows: Vec<usize> = (0..motion.len()).filter(|&i| motion.speed(i) > limit).collect();
-    for &i in &rows {
-        motion.vx[i] = f64::NAN;
-        motion.vy[i] = f64::NAN;
-        motion.accel[i] = f64::NAN;
-    }
-    rows.len()
+    rows
 }
 
 #[cfg(test)]
@@ -39,8 +34,16 @@ mod tests {
     fn a_pedestrian_at_sixty_is_unknown_and_a_car_is_not() {
         let motion = || Motion { vx: vec![16.7, 1.4], vy: vec![0.0; 2], ..Motion::unknown(2) };
         let mut walker = motion();
-        assert_eq!(forget_impossible(ObjectClass::Pedestrian, &mut walker), 1);
+        assert_eq!(forget_impossible(ObjectClass::Pedestrian, &[0.0, 0.1], &mut walker), 1);
         assert!(walker.vx[0].is_nan() && walker.vx[1] == 1.4);
-        assert_eq!(forget_impossible(ObjectClass::Car, &mut motion()), 0);
+        assert_eq!(forget_impossible(ObjectClass::Car, &[0.0, 0.1], &mut motion()), 0);
+    }
+
+    #[test]
+    fn a_step_that_cannot_be_is_counted_and_the_positions_stay() {
+        // 2 m in 0.1 s, then 2 m in 1 s.
+        let mut m = Motion { x: vec![0.0, 2.0, 4.0], y: vec![0.0; 3], ..Motion::unknown(3) };
+        assert_eq!(forget_impossible(ObjectClass::Pedestrian, &[0.0, 0.1, 1.1], &mut m), 1);
+        assert_eq!(m.x, [0.0, 2.0, 4.0]);
     }
 }

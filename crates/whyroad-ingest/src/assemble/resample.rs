@@ -1,5 +1,8 @@
 //! Samples at the log's own times to values at frame times. A gap in the samples stays a gap.
 
+/// Samples further apart than this are not of one motion, s.
+pub const MAX_GAP_S: f64 = 0.25;
+
 /// Linear between the two samples around each frame, unknown outside the samples and where they are further apart
 /// than `max_gap_s`. `times` ascend; so do `frames`.
 pub fn linear(times: &[f64], values: &[f64], frames: &[f64], max_gap_s: f64) -> Vec<f64> {

@@ -46,7 +46,7 @@ pub(crate) fn rotate(q: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 /// Direction of the frame's x axis in the ground plane, rad counter-clockwise from x.
 pub(crate) fn heading(q: [f64; 4]) -> f64 {
     let x = rotate(q, [1.0, 0.0, 0.0]);
-    crate::assemble::kinematics::wrap_angle(x[1].atan2(x[0]))
+    crate::assemble::angles::wrap_angle(x[1].atan2(x[0]))
 }
 
 /// `a` after `b`: the rotation that turns by `b` first.

@@ -13,7 +13,6 @@ pub(crate) mod map_file;
 mod pose;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
-use crate::assemble::kinematics;
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::feather;
@@ -27,7 +26,7 @@ use pose::PoseTrack;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, MediaFrame, Motion, Track};
+use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, MediaFrame, Motion, Track};
 use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -163,8 +162,7 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     if at_axle {
         report.diagnostics.push(findings::box_at_axle(&label));
     }
-    let seconds: Vec<f64> = times.iter().map(|t| (t - times[0]) as f64 / 1e9).collect();
-    let ego = with_pose.then(|| ego(&times, &seconds, &posed, ego_box));
+    let ego = with_pose.then(|| ego(&times, &posed, ego_box));
     let mut unknown_categories = BTreeMap::new();
     let tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
     rows.count.keep("track", rows.objects.len());
@@ -298,7 +296,7 @@ fn drop_uncovered(
     }
 }
 
-fn ego(times: &[i64], seconds: &[f64], posed: &BTreeMap<i64, Se3>, shape: EgoBox) -> Ego {
+fn ego(times: &[i64], posed: &BTreeMap<i64, Se3>, shape: EgoBox) -> Ego {
     let mut motion = Motion::unknown(times.len());
     for (i, t) in times.iter().enumerate() {
         let pose = posed[t];
@@ -306,15 +304,13 @@ fn ego(times: &[i64], seconds: &[f64], posed: &BTreeMap<i64, Se3>, shape: EgoBox
         (motion.x[i], motion.y[i], motion.z[i]) = (centre[0], centre[1], centre[2]);
         motion.heading[i] = se3::heading(pose.q);
     }
-    let d = kinematics::derive(seconds, &motion.x, &motion.y, &motion.heading, |_| false);
-    (motion.vx, motion.vy, motion.accel, motion.yaw_rate) = (d.vx, d.vy, d.accel, d.yaw_rate);
     Ego {
         length_m: shape.length_m,
         width_m: shape.width_m,
         height_m: shape.height_m,
         reference_to_centre_m: shape.centre[0],
         motion,
-        bus: EgoBus::default(),
+        ..Ego::default()
     }
 }
 
@@ -349,12 +345,10 @@ fn tracks(
                 (motion.x[i], motion.y[i], motion.z[i]) = (p[0], p[1], p[2]);
                 motion.heading[i] = se3::heading(q);
             }
-            // In the ego's frame the derivatives would be relative to a moving car: they stay unknown.
+            // In the ego's frame a step is relative to a moving car.
             if !posed.is_empty() {
                 let seconds: Vec<f64> = cuboids.iter().map(|c| (c.time - times[0]) as f64 / 1e9).collect();
-                let d = kinematics::derive(&seconds, &motion.x, &motion.y, &motion.heading, |_| false);
-                (motion.vx, motion.vy, motion.accel, motion.yaw_rate) = (d.vx, d.vy, d.accel, d.yaw_rate);
-                let rows = forget_impossible(class, &mut motion);
+                let rows = forget_impossible(class, &seconds, &mut motion);
                 if rows > 0 {
                     impossible.insert(id.to_owned(), rows);
                 }
@@ -370,9 +364,7 @@ fn tracks(
                 width_m: cuboids.iter().map(|c| c.size[1]).collect(),
                 height_m: cuboids.iter().map(|c| c.size[2]).collect(),
                 interior_points: cuboids.iter().map(|c| c.points).collect(),
-                turn_signal: Vec::new(),
-                visible_share: Vec::new(),
-                occluder: Vec::new(),
+                ..Track::default()
             }
         })
         .collect();

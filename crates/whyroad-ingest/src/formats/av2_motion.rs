@@ -13,7 +13,7 @@ use super::av2::map_file::read_map;
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source, whole};
 use crate::assemble::frames::Sampled;
 use crate::assemble::geometry::{centre_line, distance};
-use crate::assemble::kinematics::MAX_GAP_S;
+use crate::assemble::resample::MAX_GAP_S;
 use crate::encodings::columns::read_parquet;
 use crate::options::{Options, START};
 use crate::report::SourceReport;
@@ -23,7 +23,7 @@ use scenario::{EGO, Scenario, class_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FRAME_RATE_HZ, FrameOfReference, Track};
+use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference, Track};
 use whyroad_model::{Drive, Need, RoadMap};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -177,7 +177,7 @@ fn ego(samples: &Sampled, frames: &[f64]) -> Ego {
         height_m: FORD_FUSION.height_m,
         reference_to_centre_m: 0.0,
         motion: samples.motion_at(frames, MAX_GAP_S),
-        bus: EgoBus::default(),
+        ..Ego::default()
     }
 }
 

@@ -191,6 +191,7 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             reference_to_centre_m: motion::CAMERA_TO_CENTRE_M,
             motion,
             bus,
+            ..Ego::default()
         }),
         tracks,
         map: None,

@@ -27,7 +27,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track};
+use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -281,30 +281,33 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
 }
 
 fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Ego {
-    let forward = mapping.ego.reference_to_centre_m;
+    let reference = mapping.ego.reference_to_centre_m;
     let mut sampled = Sampled::default();
     for (row, &time) in poses.iter().zip(times) {
-        // The velocity is that of the pose's point; away from it the middle of the car moves differently in turns.
-        let velocity = row.velocity.filter(|_| forward == 0.0).map_or([f64::NAN; 2], |[ahead, left]| {
+        // The velocity is that of the pose's point: away from it the middle of the car swings sideways in turns, but goes
+        // as fast along the heading.
+        let at_centre = row.velocity.filter(|_| reference == 0.0);
+        let velocity = at_centre.map_or([f64::NAN; 2], |[ahead, left]| {
             let v = se3::rotate(row.pose.q, [ahead, left, 0.0]);
             [v[0], v[1]]
         });
+        let forward = row.velocity.filter(|_| reference != 0.0).map_or(f64::NAN, |[ahead, _]| ahead);
         sampled.push(Sample {
             time,
-            position: row.pose.apply([forward, 0.0, 0.0]),
+            position: row.pose.apply([reference, 0.0, 0.0]),
             heading: se3::heading(row.pose.q),
             velocity,
-            size: [f64::NAN; 3],
-            points: f64::NAN,
+            forward,
+            ..Sample::UNKNOWN
         });
     }
     Ego {
         length_m: mapping.ego.length_m.unwrap_or(f64::NAN),
         width_m: mapping.ego.width_m.unwrap_or(f64::NAN),
         height_m: mapping.ego.height_m.unwrap_or(f64::NAN),
-        reference_to_centre_m: forward,
+        reference_to_centre_m: reference,
         motion: sampled.motion_at(frames, EGO_GAP_S),
-        bus: EgoBus::default(),
+        ..Ego::default()
     }
 }
 
@@ -357,7 +360,7 @@ fn tracks(
         let velocity = row.velocity.unwrap_or([f64::NAN; 2]);
         let (size, heading) = (row.size, se3::heading(pose.q));
         let sample =
-            Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, points: f64::NAN };
+            Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, ..Sample::UNKNOWN };
         let (_, samples) = objects.entry(row.id).or_insert_with(|| (row.class, BTreeMap::new()));
         match samples.insert(row.time, sample) {
             Some(_) => count.drop_rows("duplicate", 1),

@@ -14,7 +14,7 @@ mod tables;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
 use crate::assemble::frames::{Sample, Sampled, every_tenth};
-use crate::assemble::kinematics;
+use crate::assemble::resample::MAX_GAP_S as MAX_POSE_GAP_S;
 use crate::assemble::se3::{self, Se3};
 use crate::options::{LICENCE, Options};
 use crate::report::{RowCount, SourceReport};
@@ -237,19 +237,27 @@ fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceRep
                     heading: se3::heading(q),
                     velocity: [f64::NAN; 2],
                     size: EGO_SIZE_M,
-                    points: f64::NAN,
+                    ..Sample::UNKNOWN
                 });
             }
             None => count.drop_rows("invalid", 1),
         }
     }
     report.tables.push(count);
-    sampled.motion_at(frames, kinematics::MAX_GAP_S)
+    sampled.motion_at(frames, MAX_POSE_GAP_S)
 }
 
 fn ego(motion: Motion, bus: EgoBus) -> Ego {
     let [length_m, width_m, height_m] = EGO_SIZE_M;
-    Ego { length_m, width_m, height_m, reference_to_centre_m: AXLE_TO_CENTRE_M, motion, bus }
+    Ego {
+        length_m,
+        width_m,
+        height_m,
+        reference_to_centre_m: AXLE_TO_CENTRE_M,
+        motion,
+        bus,
+        ..Ego::default()
+    }
 }
 
 /// Our class for a category of nuScenes (23 of the detection set and `static_object`); `None` for others.
@@ -302,6 +310,7 @@ fn tracks(t: &SceneTables, frames: &[f64], zero: i64, label: &str, report: &mut 
             velocity: [f64::NAN; 2],
             size: [length, width, height],
             points: a.num_lidar_pts.unwrap_or(f64::NAN),
+            ..Sample::UNKNOWN
         };
         if objects.entry(&a.instance_token).or_default().insert(time, sample).is_some() {
             count.drop_rows("duplicate", 1);

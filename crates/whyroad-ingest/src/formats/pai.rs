@@ -13,7 +13,7 @@ mod obstacles;
 mod tree;
 
 use crate::adapter::{Adapter, DriveSink, FormatAbout, Located, Source};
-use crate::assemble::kinematics::MAX_GAP_S;
+use crate::assemble::resample::MAX_GAP_S;
 use crate::encodings::columns::{Columns, read_parquet_bytes};
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
@@ -24,7 +24,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
 use tree::{Clip, Tree};
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, Track};
+use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -191,7 +191,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
             height_m: shape.map_or(f64::NAN, |s| s.height_m),
             reference_to_centre_m: centre[0],
             motion,
-            bus: EgoBus::default(),
+            ..Ego::default()
         }),
         tracks: tracks.unwrap_or_default(),
         map: None,

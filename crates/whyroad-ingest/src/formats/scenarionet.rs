@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use tracks::Tracks;
 use whyroad_model::road_map::Point3;
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, FrameOfReference, LightState};
+use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -153,7 +153,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         height_m: median(&e.height),
         reference_to_centre_m: 0.0,
         motion: e.motion_at(&frames.seconds, MAX_GAP_S),
-        bus: EgoBus::default(),
+        ..Ego::default()
     });
 
     let (lights, stops) = lights(root, &times, start);

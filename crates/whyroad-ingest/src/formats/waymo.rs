@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::road_map::Point3;
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, LightColour, LightState};
+use whyroad_model::scene::{DriveMeta, Ego, LightColour, LightState};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
@@ -215,7 +215,7 @@ fn objects(
                     height_m: median(&object.height),
                     reference_to_centre_m: 0.0,
                     motion: object.motion_at(&frames.seconds, MAX_GAP_S),
-                    bus: EgoBus::default(),
+                    ..Ego::default()
                 });
             }
             Ok(object) => {

@@ -233,7 +233,7 @@ fn irregular_times_are_brought_to_tenths_and_angles_go_the_short_way() {
     );
     let m = &drive.ego.as_ref().unwrap().motion;
     for (i, t) in expected.iter().enumerate() {
-        let turned = whyroad_ingest::kinematics::wrap_angle((179.0 + 10.0 * t).to_radians());
+        let turned = whyroad_ingest::angles::wrap_angle((179.0 + 10.0 * t).to_radians());
         assert!(near(m.heading[i], turned, 1e-5), "at {t} s: {} for {turned}", m.heading[i]);
         // The middle is 1.5 m ahead of the axle, interpolated between samples that turn by at most 1.5 degrees.
         assert!(near(m.x[i], -10.0 * t + 1.5 * turned.cos(), 1e-3));

@@ -37,7 +37,7 @@ impl Table {
         let value = |key: &str| stated?.iter().find(|kv| kv.key == key)?.value.clone();
         match value("whyroad.lake_version").and_then(|v| v.parse::<u32>().ok()) {
             Some(LAKE_VERSION) => {}
-            Some(found) => return Err(LakeError::Version { path: path.to_owned(), found }),
+            Some(found) => return Err(LakeError::version(path, found, Vec::new())),
             None => return Err(LakeError::broken(path, "the file does not state its lake version")),
         }
         if value(ROW_ORDER_KEY).as_deref() != Some(ROW_ORDER) {

@@ -3,8 +3,8 @@
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
 use crate::tables::frames;
-use whyroad_model::Drive;
 use whyroad_model::scene::{CLIP_FRAMES, Ego, EgoBus, Motion};
+use whyroad_model::{Drive, Nanos};
 
 pub(crate) const ROW_ORDER: &str = "frame";
 
@@ -17,7 +17,8 @@ pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
         .texts("clip_id", (0..n).map(|f| clips[f / CLIP_FRAMES].as_str()))
         .indices("frame", (0..).take(n))
         .integers("time_ns", drive.times.iter().map(|t| t.0));
-    motion_columns(table, &ego.motion)
+    let known_at = (0..n).map(|i| (drive.times[i], ego.known_at.get(i)));
+    motion_columns(known_at_column(table, known_at), &ego.motion)
         .numbers("length_m", constant(ego.length_m))
         .numbers("width_m", constant(ego.width_m))
         .numbers("height_m", constant(ego.height_m))
@@ -36,8 +37,28 @@ pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
         .texts_or_null("route_command", (0..n).map(|i| bus.route_command.get(i).and_then(Option::as_ref)))
 }
 
-/// The eight columns of [`Motion`], shared by `ego` and `tracks`.
+/// When the rows at `times` were known, where that is later than their frame.
+pub(crate) fn known_at_column<'a>(
+    table: TableBuilder,
+    rows: impl Iterator<Item = (Nanos, Option<&'a Nanos>)>,
+) -> TableBuilder {
+    let later = rows.map(|(time, at)| at.filter(|at| **at > time).map(|at| at.0));
+    table.integers_or_null("known_at_ns", later)
+}
+
+/// The inverse of [`known_at_column`].
+pub(crate) fn read_known_at(t: &Table) -> Result<Vec<Nanos>, LakeError> {
+    let later = t.integers_or_null("known_at_ns")?;
+    if later.iter().all(Option::is_none) {
+        return Ok(Vec::new());
+    }
+    let times = t.integers("time_ns")?;
+    Ok(later.into_iter().zip(times).map(|(at, time)| Nanos(at.unwrap_or(time))).collect())
+}
+
+/// The columns of [`Motion`], shared by `ego` and `tracks`.
 pub(crate) fn motion_columns(table: TableBuilder, m: &Motion) -> TableBuilder {
+    let forward = |i: usize| m.forward.get(i).copied().unwrap_or(f64::NAN);
     table
         .numbers("x_m", m.x.iter().copied())
         .numbers("y_m", m.y.iter().copied())
@@ -47,6 +68,7 @@ pub(crate) fn motion_columns(table: TableBuilder, m: &Motion) -> TableBuilder {
         .numbers("vy_mps", m.vy.iter().copied())
         .numbers("accel_mps2", m.accel.iter().copied())
         .numbers("yaw_rate_radps", m.yaw_rate.iter().copied())
+        .numbers("forward_mps", (0..m.len()).map(forward))
 }
 
 /// The inverse of [`motion_columns`].
@@ -60,6 +82,7 @@ pub(crate) fn read_motion(t: &Table) -> Result<Motion, LakeError> {
         vy: t.numbers("vy_mps")?,
         accel: t.numbers("accel_mps2")?,
         yaw_rate: t.numbers("yaw_rate_radps")?,
+        forward: empty_if_unknown(t.numbers("forward_mps")?, |v| !v.is_nan()),
     })
 }
 
@@ -83,8 +106,7 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError
         reference_to_centre_m: first("reference_to_centre_m")?,
         motion: read_motion(t)?,
         bus: EgoBus {
-            // Lakes written before this column was there are still read: their buses have no speed.
-            speed_mps: if t.has("bus_speed_mps") { number("bus_speed_mps")? } else { Vec::new() },
+            speed_mps: number("bus_speed_mps")?,
             steering: number("steering_rad")?,
             brake: flag("brake")?,
             throttle: number("throttle")?,
@@ -94,5 +116,6 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError
             cruise: flag("cruise")?,
             route_command: empty_if_unknown(route, Option::is_some),
         },
+        known_at: read_known_at(t)?,
     })
 }

@@ -3,12 +3,12 @@
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, empty_if_unknown, member_name};
-use crate::tables::ego::{motion_columns, read_motion};
+use crate::tables::ego::{known_at_column, motion_columns, read_known_at, read_motion};
 use crate::tables::frames;
 use arrow_array::Array;
 use std::collections::BTreeMap;
 use whyroad_model::scene::{CLIP_FRAMES, Motion, Track, TurnSignal};
-use whyroad_model::{Drive, ObjectClass, TrackId};
+use whyroad_model::{Drive, Nanos, ObjectClass, TrackId};
 
 pub(crate) const ROW_ORDER: &str = "clip,track_id,frame";
 
@@ -33,16 +33,25 @@ pub(crate) fn to_table(drive: &Drive) -> TableBuilder {
         vy: number(|t| &t.motion.vy),
         accel: number(|t| &t.motion.accel),
         yaw_rate: number(|t| &t.motion.yaw_rate),
+        forward: order
+            .iter()
+            .map(|&(_, t, row)| drive.tracks[t].motion.forward.get(row).copied().unwrap_or(f64::NAN))
+            .collect(),
     };
+    let known_at = order.iter().map(|&(_, t, row)| {
+        let track = &drive.tracks[t];
+        (drive.times[track.frames[row] as usize], track.known_at.get(row))
+    });
+    let class = |&(_, t, row): &(usize, usize, usize)| drive.tracks[t].class_at(row);
     let frame_of = |&(_, t, row): &(usize, usize, usize)| drive.tracks[t].frames[row];
     let table = TableBuilder::default()
         .texts("clip_id", order.iter().map(|&(c, _, _)| clips[c].as_str()))
         .texts("track_id", tracks().map(|t| t.id.as_str()))
         .indices("frame", order.iter().map(frame_of))
         .integers("time_ns", order.iter().map(|o| drive.times[frame_of(o) as usize].0))
-        .texts("class", tracks().map(|t| t.class.id()))
-        .texts("source_class", tracks().map(|t| &t.source_class));
-    motion_columns(table, &motion)
+        .texts("class", order.iter().map(|o| class(o).0.id()))
+        .texts("source_class", order.iter().map(|o| class(o).1));
+    motion_columns(known_at_column(table, known_at), &motion)
         .numbers("length_m", number(|t| &t.length_m))
         .numbers("width_m", number(|t| &t.width_m))
         .numbers("height_m", number(|t| &t.height_m))
@@ -75,9 +84,9 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
     let points = t.numbers("interior_points")?;
     let signals: Vec<Option<TurnSignal>> = t.members("turn_signal")?;
 
-    // Lakes written before these two columns are read as sources that state nothing, which they are.
-    let shares = if t.has("visible_share") { t.numbers("visible_share")? } else { Vec::new() };
-    let occluders = if t.has("occluder") { Some(t.texts_or_null("occluder")?) } else { None };
+    let shares = t.numbers("visible_share")?;
+    let occluders = t.texts_or_null("occluder")?;
+    let (known_at, times) = (read_known_at(t)?, t.integers("time_ns")?);
 
     let key = |i: usize| (frames[i] as usize / CLIP_FRAMES, ids.value(i), frames[i]);
     if let Some(row) = (1..t.rows()).find(|&i| key(i - 1) >= key(i)) {
@@ -98,14 +107,15 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
         .into_iter()
         .map(|(id, rows)| {
             let pick = |v: &[f64]| rows.iter().map(|&i| v[i]).collect::<Vec<_>>();
-            let class_text = classes.value(rows[0]);
-            let class = ObjectClass::from_id(class_text).ok_or_else(|| {
-                LakeError::broken(&t.path, format!("'{class_text}' is not an object class"))
-            })?;
-            Ok(Track {
+            let class = |row: usize| {
+                ObjectClass::from_id(classes.value(row)).ok_or_else(|| {
+                    LakeError::broken(&t.path, format!("'{}' is not an object class", classes.value(row)))
+                })
+            };
+            let stated = rows.iter().map(|&i| Ok((class(i)?, source_classes.value(i))));
+            let stated = stated.collect::<Result<Vec<_>, LakeError>>()?;
+            let mut track = Track {
                 id: TrackId::from(id),
-                class,
-                source_class: source_classes.value(rows[0]).to_owned(),
                 frames: rows.iter().map(|&i| frames[i]).collect(),
                 motion: Motion {
                     x: pick(&motion.x),
@@ -116,23 +126,40 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Vec<Track>, La
                     vy: pick(&motion.vy),
                     accel: pick(&motion.accel),
                     yaw_rate: pick(&motion.yaw_rate),
+                    forward: empty_if_unknown(
+                        rows.iter().filter_map(|&i| motion.forward.get(i).copied()).collect(),
+                        |v| !v.is_nan(),
+                    ),
                 },
                 length_m: pick(&sizes[0]),
                 width_m: pick(&sizes[1]),
                 height_m: pick(&sizes[2]),
                 interior_points: pick(&points),
                 turn_signal: empty_if_unknown(rows.iter().map(|&i| signals[i]).collect(), Option::is_some),
-                visible_share: empty_if_unknown(
-                    rows.iter().filter_map(|&i| shares.get(i).copied()).collect(),
-                    |share| !share.is_nan(),
-                ),
-                occluder: occluders.map_or_else(Vec::new, |ids| {
-                    let id = |&i: &usize| ids.is_valid(i).then(|| TrackId::from(ids.value(i)));
-                    empty_if_unknown(rows.iter().map(id).collect(), Option::is_some)
+                visible_share: empty_if_unknown(rows.iter().map(|&i| shares[i]).collect(), |share: &f64| {
+                    !share.is_nan()
                 }),
-            })
+                occluder: empty_if_unknown(
+                    rows.iter()
+                        .map(|&i| occluders.is_valid(i).then(|| TrackId::from(occluders.value(i))))
+                        .collect(),
+                    Option::is_some,
+                ),
+                known_at: later_than_frames(&rows, &known_at, &times),
+                ..Track::default()
+            };
+            track.state_classes(stated);
+            Ok(track)
         })
         .collect()
+}
+
+/// When the rows of one track were known; empty when none was known later than its frame.
+fn later_than_frames(rows: &[usize], known_at: &[Nanos], times: &[i64]) -> Vec<Nanos> {
+    if !rows.iter().any(|&i| known_at.get(i).is_some_and(|at| at.0 > times[i])) {
+        return Vec::new();
+    }
+    rows.iter().map(|&i| known_at[i]).collect()
 }
 
 #[cfg(test)]
@@ -155,7 +182,7 @@ mod tests {
         let read_back = |tracks: Vec<Track>| {
             let drive = Drive {
                 meta: whyroad_model::scene::DriveMeta { drive_id: "d".into(), ..Default::default() },
-                times: vec![whyroad_model::Nanos(0)],
+                times: vec![Nanos(0)],
                 tracks,
                 ..Drive::default()
             };
@@ -167,37 +194,5 @@ mod tests {
         assert_eq!(read_back(vec![track("a"), track("b")]).unwrap().len(), 2);
         // A writer that does not sort its tracks first.
         assert_eq!(read_back(vec![track("b"), track("a")]).unwrap_err().code(), "lake.row_order");
-    }
-
-    #[test]
-    fn a_lake_from_before_the_sensor_model_columns_is_read_as_one_that_does_not_tell() {
-        let stated = Track {
-            id: "a".into(),
-            frames: vec![0],
-            motion: Motion::unknown(1),
-            length_m: vec![4.0],
-            width_m: vec![2.0],
-            height_m: vec![1.5],
-            interior_points: vec![1.0],
-            visible_share: vec![0.5],
-            occluder: vec![Some("b".into())],
-            ..Track::default()
-        };
-        let drive = Drive {
-            meta: whyroad_model::scene::DriveMeta { drive_id: "d".into(), ..Default::default() },
-            times: vec![whyroad_model::Nanos(0)],
-            tracks: vec![stated],
-            ..Drive::default()
-        };
-        let batch = to_table(&drive).finish().unwrap();
-        let now = from_table(&Table { path: "now".into(), batch: batch.clone() }, 1).unwrap();
-        assert_eq!((now[0].visible_share[0], &now[0].occluder[0]), (0.5, &Some("b".into())));
-        let kept: Vec<usize> = (0..batch.num_columns())
-            .filter(|&i| !["visible_share", "occluder"].contains(&batch.schema().field(i).name().as_str()))
-            .collect();
-        assert_eq!(kept.len() + 2, batch.num_columns());
-        let old = Table { path: "old".into(), batch: batch.project(&kept).unwrap() };
-        let old = from_table(&old, 1).unwrap();
-        assert!(old[0].visible_share.is_empty() && old[0].occluder.is_empty());
     }
 }

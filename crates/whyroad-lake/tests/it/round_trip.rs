@@ -25,7 +25,7 @@ fn numbers(n: usize) -> impl Strategy<Value = Vec<f64>> {
 }
 
 fn motion(n: usize) -> impl Strategy<Value = Motion> {
-    prop::collection::vec(numbers(n), 8).prop_map(|mut c| {
+    (prop::collection::vec(numbers(n), 8), bus_column(n, 7.5)).prop_map(|(mut c, forward)| {
         let mut next = || c.pop().unwrap();
         Motion {
             x: next(),
@@ -36,6 +36,7 @@ fn motion(n: usize) -> impl Strategy<Value = Motion> {
             vy: next(),
             accel: next(),
             yaw_rate: next(),
+            forward: forward.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect(),
         }
     })
 }
@@ -93,6 +94,7 @@ fn ego(n: usize) -> impl Strategy<Value = Ego> {
                 cruise: b.4,
                 route_command: b.5,
             },
+            known_at: Vec::new(),
         }
     })
 }
@@ -128,6 +130,7 @@ fn track(index: usize, frames: usize) -> impl Strategy<Value = Track> {
                     },
                     visible_share: share.into_iter().map(|s| s.unwrap_or(f64::NAN)).collect(),
                     occluder,
+                    ..Track::default()
                 }
             })
     })
@@ -397,8 +400,76 @@ fn what_is_broken_is_named() {
     assert_eq!(lake.read_drive(&"d".into()).unwrap_err().code(), "lake.table_broken");
 
     let marker = dir.path().join("whyroad-lake.json");
-    fs::write(&marker, fs::read_to_string(&marker).unwrap().replace(": 1", ": 99")).unwrap();
+    fs::write(&marker, fs::read_to_string(&marker).unwrap().replace(": 2", ": 99")).unwrap();
     assert_eq!(Lake::open(dir.path()).unwrap_err().code(), "lake.version");
+}
+
+#[test]
+fn classes_by_time_and_when_rows_were_known_are_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = Lake::create_or_open(dir.path()).unwrap();
+    let mut drive = small_drive("1");
+    let at = |frame: usize, ms: i64| Nanos(drive.times[frame].0 + ms * 1_000_000);
+    let ego_known_at: Vec<Nanos> =
+        (0..drive.times.len()).map(|i| at(i, if i % 2 == 0 { 0 } else { 30 })).collect();
+    let rows = drive.tracks[0].frames.clone();
+    let track_known_at: Vec<Nanos> = rows.iter().map(|&f| at(f as usize, 400)).collect();
+    drive.ego =
+        Some(Ego { motion: Motion::unknown(drive.times.len()), known_at: ego_known_at, ..Ego::default() });
+    drive.tracks[0].known_at = track_known_at;
+    let class = |row: usize| match row {
+        0 => (ObjectClass::Unknown, "?"),
+        1..9 => (ObjectClass::Car, "car"),
+        _ => (ObjectClass::Truck, "box truck"),
+    };
+    drive.tracks[0].state_classes((0..rows.len()).map(class));
+    assert_eq!(drive.tracks[0].class_changes.len(), 3);
+    lake.write_drive(&drive).unwrap();
+    let back = lake.read_drive(&drive.meta.drive_id).unwrap();
+    assert_eq!(back.ego.unwrap().known_at, drive.ego.unwrap().known_at);
+    let (a, b) = (&back.tracks[0], &drive.tracks[0]);
+    assert_eq!((a.class, &a.source_class, &a.known_at), (b.class, &b.source_class, &b.known_at));
+    assert_eq!(a.class_changes, b.class_changes);
+}
+
+/// Makes a lake one of version 1, whose tables this build refuses.
+fn age(lake: &std::path::Path) {
+    let older = |path: std::path::PathBuf, key: &str| {
+        let text = fs::read_to_string(&path).unwrap();
+        let aged =
+            text.replace(&format!("\"{key}\": {}", whyroad_lake::LAKE_VERSION), &format!("\"{key}\": 1"));
+        assert_ne!(text, aged);
+        fs::write(path, aged).unwrap();
+    };
+    older(lake.join("whyroad-lake.json"), "version");
+    older(lake.join("drives/d/drive.json"), "lake_version");
+}
+
+#[test]
+fn an_older_lake_is_refused_with_the_command_and_ingesting_into_it_again_keeps_what_was_stated() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = Lake::create_or_open(dir.path()).unwrap();
+    let mut drive = small_drive("1");
+    drive.meta.format = "sumo".into();
+    lake.write_drive(&drive).unwrap();
+    let facts = whyroad_lake::DriveFacts { session: Some("morning".into()), ..Default::default() };
+    lake.state_facts(&"d".into(), facts).unwrap();
+    age(dir.path());
+
+    let refused = Lake::open(dir.path()).unwrap_err();
+    assert_eq!(refused.code(), "lake.version");
+    let hint = refused.diagnostic().hint.unwrap();
+    let command = format!("whyroad ingest sumo PATH --lake {}", dir.path().display());
+    assert!(hint.en.contains(&command) && hint.zh.contains(&command), "{hint:?}");
+
+    // Ingest opens it, readers refuse the drive until it is there again.
+    let lake = Lake::create_or_open(dir.path()).unwrap();
+    let refused = lake.read_drive(&"d".into()).unwrap_err();
+    assert_eq!(refused.code(), "lake.version");
+    assert!(refused.diagnostic().hint.unwrap().en.contains(&command));
+    assert_eq!(lake.write_drive(&drive).unwrap(), WriteOutcome::Replaced);
+    let back = Lake::open(dir.path()).unwrap().read_drive(&"d".into()).unwrap();
+    assert_eq!(back.meta.session.as_deref(), Some("morning"));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::domain::task::{CreateTasks, Created};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{history, projects, scene, thumbnail};
+use crate::service::{history, projects, thumbnail};
 use crate::store::Tx;
 use crate::{secret, values};
 use serde_json::Value;
@@ -354,7 +354,7 @@ fn row(
 fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang) -> Answer<Value> {
     let whole = app.recordings.draft(&source.drive, source.signals(app), episode, lang);
     let keyframe = episode.keyframe.timestamp;
-    let history = scene::cut(&source.drive, keyframe);
+    let history = source.drive.until(keyframe);
     let signals = app.recordings.signals(&history);
     let before = app.recordings.draft(&history, &signals, &until(episode, keyframe), lang);
     serde_json::to_value(join(whole, before, keyframe)).map_err(Problem::store)

@@ -3,11 +3,9 @@
 
 pub mod cache;
 mod columns;
-mod cut;
 mod map;
 mod shown;
 
-pub use cut::cut;
 pub use map::map;
 
 use cache::SceneKey;
@@ -38,6 +36,7 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     }
     let Shown { drive, frames } = shown(app, t)?;
     let signals = app.recordings.signals(&drive);
+    let drive = app.recordings.estimated(&drive);
     let mut view = view(t, stage, &drive, frames, &signals);
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();

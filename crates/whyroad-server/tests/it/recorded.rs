@@ -63,8 +63,15 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
             .collect(),
         ..EgoBus::default()
     };
-    let ego =
-        Ego { length_m: 4.8, width_m: 1.9, height_m: 1.6, reference_to_centre_m: 1.4, motion: ego, bus };
+    let ego = Ego {
+        length_m: 4.8,
+        width_m: 1.9,
+        height_m: 1.6,
+        reference_to_centre_m: 1.4,
+        motion: ego,
+        bus,
+        ..Ego::default()
+    };
     let mut tracks = vec![track("a", 0..frames, brakes), track("b", 50..90, brakes)];
     if brakes {
         tracks.push(track("secret_pedestrian", KEYFRAME + 1..frames, brakes));

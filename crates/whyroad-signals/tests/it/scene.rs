@@ -3,7 +3,7 @@
 #![allow(dead_code, missing_docs, reason = "each test file uses its part")]
 
 use whyroad_model::road_map::{Area, Lane, Point3, RoadMap};
-use whyroad_model::scene::{Drive, Ego, EgoBus, Motion, Track};
+use whyroad_model::scene::{Drive, Ego, Motion, Track};
 use whyroad_model::{Nanos, ObjectClass, SignalTable, Tri};
 
 /// x (m), y (m), heading (rad) at a time (s).
@@ -56,7 +56,7 @@ pub fn drive(frames: usize, pose: impl Fn(f64) -> Pose) -> Drive {
         height_m: 1.6,
         reference_to_centre_m: 0.0,
         motion,
-        bus: EgoBus::default(),
+        ..Ego::default()
     });
     drive
 }

@@ -103,7 +103,7 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
     let (framework, coverage) = (found.framework, found.coverage);
     let context = ReportContext { framework, coverage, signals: &signals, lang };
     let part = |id: &DriveId| -> Result<DrivePart, LakeError> {
-        let drive = found.lake.read_drive(id)?;
+        let drive = whyroad_engine::estimated(found.lake.read_drive(id)?);
         let none = ChosenEpisodes::default();
         let chosen = found.chosen.get(id).unwrap_or(&none);
         // Only cards show signals.

@@ -12,6 +12,7 @@ const ALLOWED: &[(&str, &str)] = &[];
 /// The stages of whyroad-signals, each of which may import only those before it and itself.
 const STAGES: &[&str] = &[
     "geometry",
+    "estimate",
     "series",
     "catalogue",
     "needs",

@@ -1,6 +1,6 @@
 //! `city_SE3_egovehicle.feather`: where the rear axle is in the city, about 170 times a second, and in between.
 
-use crate::assemble::kinematics::MAX_GAP_S;
+use crate::assemble::resample::MAX_GAP_S;
 use crate::assemble::se3::{Se3, unit};
 use crate::encodings::columns::Columns;
 use crate::report::RowCount;

@@ -75,7 +75,7 @@ impl Scenario {
                 heading: heading[i],
                 velocity: [vx[i], vy[i]],
                 size: [f64::NAN; 3],
-                points: f64::NAN,
+                ..Sample::UNKNOWN
             });
         }
         for (kind, samples) in out.tracks.values() {

@@ -1,8 +1,8 @@
 //! Camera poses (earth-centred) to the motion of the car's box centre in a local frame, at frame times.
 
 use super::recording::Pose;
+use crate::assemble::angles::wrap_angle;
 use crate::assemble::geodesy::LocalFrame;
-use crate::assemble::kinematics::{derive, wrap_angle};
 use crate::assemble::resample::linear;
 use crate::assemble::se3::{rotate, slerp};
 use whyroad_model::scene::Motion;
@@ -20,8 +20,7 @@ pub(super) const EGO_HEIGHT_M: f64 = 1.675;
 /// The camera is behind the windscreen at about mid-length; where exactly is not published, so nothing is added.
 pub(super) const CAMERA_TO_CENTRE_M: f64 = 0.0;
 
-/// Motion at `frames` (seconds on the log's clock). Velocity is the data set's own; acceleration and yaw rate are
-/// derived.
+/// Motion at `frames` (seconds on the log's clock). Velocity is the data set's own.
 pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
     let Some(&origin) = pose.positions.first() else { return Motion::unknown(frames.len()) };
     let local = LocalFrame::at_ecef(origin);
@@ -47,8 +46,7 @@ pub(super) fn at_frames(pose: &Pose, frames: &[f64]) -> Motion {
             wrap_angle(forward[1].atan2(forward[0]))
         })
         .collect();
-    let derived = derive(frames, &x, &y, &heading, |_| false);
-    Motion { x, y, z, heading, vx, vy, accel: derived.accel, yaw_rate: derived.yaw_rate }
+    Motion { x, y, z, heading, vx, vy, ..Motion::unknown(frames.len()) }
 }
 
 /// True when there is a pose at `t`, or poses around it that are near enough.

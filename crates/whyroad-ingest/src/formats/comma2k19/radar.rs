@@ -93,7 +93,7 @@ fn place(row: &RadarRow, frame: usize, ego: &Motion, out: &mut Motion) {
     out.y.push(ego.y[frame] + s * forward + c * row.left_m);
     out.z.push(ego.z[frame]);
     out.heading.push(if speed < 0.0 {
-        crate::assemble::kinematics::wrap_angle(heading + std::f64::consts::PI)
+        crate::assemble::angles::wrap_angle(heading + std::f64::consts::PI)
     } else {
         heading
     });
@@ -121,6 +121,7 @@ mod tests {
             vy: vec![5.0; n],
             accel: vec![0.0; n],
             yaw_rate: vec![0.0; n],
+            forward: vec![],
         };
         let row = |time, is_new| RadarRow {
             time,

@@ -1,8 +1,7 @@
 //! `egomotion`: poses of the rig (rear axle, on the ground) in the rig's own frame at the clip's start, about 100 Hz.
 //! Times are microseconds from the clip's start; the first ones may be negative.
 
-use crate::assemble::kinematics::{self, MAX_GAP_S};
-use crate::assemble::resample::linear;
+use crate::assemble::resample::{MAX_GAP_S, linear};
 use crate::assemble::se3::{self, Se3, unit};
 use crate::encodings::columns::Columns;
 use crate::report::RowCount;
@@ -76,42 +75,45 @@ impl PoseTrack {
     }
 
     /// Motion of the point `centre` (in the rig, m) at the frames (us), which are those of [`PoseTrack::frames`]. False
-    /// when the table's velocities contradict its positions; the motion is then derived from the positions.
+    /// when the table's velocities contradict its positions; they are then unknown.
     pub fn motion(&self, frames: &[i64], centre: [f64; 3]) -> (Motion, bool) {
         let mut motion = Motion::unknown(frames.len());
-        let mut lever = vec![[0.0; 2]; frames.len()];
+        let mut axle = vec![[f64::NAN; 2]; frames.len()];
         for (i, &time) in frames.iter().enumerate() {
             let Some(pose) = self.at(time) else { continue };
             let p = pose.apply(centre);
             (motion.x[i], motion.y[i], motion.z[i]) = (p[0], p[1], p[2]);
-            lever[i] = [p[0] - pose.t[0], p[1] - pose.t[1]];
+            axle[i] = [pose.t[0], pose.t[1]];
             motion.heading[i] = se3::heading(pose.q);
         }
-        let seconds: Vec<f64> = frames.iter().map(|&t| t as f64 / 1e6).collect();
-        let d = kinematics::derive(&seconds, &motion.x, &motion.y, &motion.heading, |_| false);
-        motion.yaw_rate = d.yaw_rate;
-        (motion.vx, motion.vy, motion.accel) = (d.vx, d.vy, d.accel);
         if self.velocities.is_empty() {
             return (motion, true);
         }
-        // The table's velocity is the rear axle's: a turning car's box centre moves sideways as well.
+        let seconds: Vec<f64> = frames.iter().map(|&t| t as f64 / 1e6).collect();
         let times: Vec<f64> = self.times.iter().map(|&t| t as f64 / 1e6).collect();
         let axis = |k: usize| -> Vec<f64> {
             let own: Vec<f64> = self.velocities.iter().map(|v| v[k]).collect();
-            let at_axle = linear(&times, &own, &seconds, MAX_GAP_S);
-            let turn = |i: usize| motion.yaw_rate[i] * if k == 0 { -lever[i][1] } else { lever[i][0] };
-            at_axle.iter().enumerate().map(|(i, v)| v + turn(i)).collect()
+            linear(&times, &own, &seconds, MAX_GAP_S)
         };
         let (vx, vy) = (axis(0), axis(1));
-        let mut errors: Vec<f64> = (0..frames.len())
-            .map(|i| (vx[i] - motion.vx[i]).hypot(vy[i] - motion.vy[i]))
+        let mut errors: Vec<f64> = (1..frames.len().saturating_sub(1))
+            .map(|i| {
+                let dt = seconds[i + 1] - seconds[i - 1];
+                let step = |k: usize| (axle[i + 1][k] - axle[i - 1][k]) / dt;
+                (vx[i] - step(0)).hypot(vy[i] - step(1))
+            })
             .filter(|e| e.is_finite())
             .collect();
         errors.sort_by(f64::total_cmp);
         let agree = errors.get(errors.len() / 2).is_some_and(|e| *e <= MAX_VELOCITY_ERROR_MPS);
         if agree {
-            motion.accel = kinematics::acceleration(&seconds, &vx, &vy, &motion.heading);
-            (motion.vx, motion.vy) = (vx, vy);
+            // The table's velocity is the rear axle's: a turning car's box centre also goes sideways, but as fast along
+            // the heading.
+            let along = |i: usize| {
+                let (s, c) = motion.heading[i].sin_cos();
+                vx[i] * c + vy[i] * s
+            };
+            motion.forward = (0..frames.len()).map(along).collect();
         }
         (motion, agree || errors.is_empty())
     }
@@ -146,7 +148,7 @@ mod tests {
             let track = track(&times, 5.0, stated);
             let (motion, same) = track.motion(&track.frames(), [1.5, 0.0, 0.0]);
             assert_eq!(same, agree);
-            assert!((motion.vx[3] - if agree { stated } else { 5.0 }).abs() < 1e-6);
+            assert_eq!(motion.forward.get(3).map(|v| (v * 1e6).round() / 1e6), agree.then_some(stated));
             assert!((motion.x[0] - 1.5).abs() < 1e-12);
         }
     }

@@ -116,7 +116,7 @@ impl Obstacles {
                 heading: se3::heading(se3::compose(pose.q, row.q)),
                 velocity: [f64::NAN; 2],
                 size: row.size,
-                points: f64::NAN,
+                ..Sample::UNKNOWN
             });
         }
         let (Some(first), false) = (rows.first(), sampled.times.is_empty()) else { return };

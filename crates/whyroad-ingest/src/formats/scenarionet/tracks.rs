@@ -106,7 +106,7 @@ impl Tracks {
                 heading: at(&heading, i, 0),
                 velocity: [0, 1].map(|j| at(&velocity, i, j)),
                 size: [at(&length, i, 0), at(&width, i, 0), at(&height, i, 0)],
-                points: f64::NAN,
+                ..Sample::UNKNOWN
             };
             if sample.position[..2].iter().chain([&sample.heading]).all(|v| v.is_finite()) {
                 sampled.push(sample);

@@ -3,7 +3,7 @@
 
 use super::csv::for_each_row;
 use super::vehicle_types::IsPerson;
-use crate::assemble::kinematics::wrap_angle;
+use crate::assemble::angles::wrap_angle;
 use crate::encodings::compressed::without_ending;
 use crate::encodings::xml::{Tag, for_each_tag};
 use crate::report::RowCount;

@@ -5,7 +5,7 @@
 //! round), speeds in between are interpolated linearly. Frames without the ego are cut.
 
 use super::fcd::{Object, Sample};
-use crate::assemble::kinematics::wrap_angle;
+use crate::assemble::angles::wrap_angle;
 use std::collections::BTreeSet;
 
 const FRAME_NS: i64 = 100_000_000;

@@ -3,8 +3,9 @@
 use super::fcd::{Fcd, Object, Sample};
 use super::frames;
 use super::vehicle_types::{IsPerson, VehicleType, VehicleTypes};
-use crate::assemble::kinematics::{self, MAX_GAP_S, wrap_angle};
+use crate::assemble::angles::wrap_angle;
 use crate::assemble::plausibility::forget_impossible;
+use crate::assemble::resample::MAX_GAP_S;
 use std::collections::BTreeMap;
 use whyroad_model::TrackId;
 use whyroad_model::scene::{Ego, EgoBus, Motion, Track, TurnSignal};
@@ -60,22 +61,12 @@ fn motion(
         }
         notes.jumps += 1;
     }
-    let d = kinematics::derive(&seconds, &m.x, &m.y, &m.heading, jumped);
-    (m.vx, m.vy, m.accel, m.yaw_rate) = (d.vx, d.vy, d.accel, d.yaw_rate);
     if is_person == IsPerson::No {
-        for (i, (_, s)) in rows.iter().enumerate() {
-            let (sin, cos) = s.heading.sin_cos();
-            if !s.speed.is_nan() {
-                let sideways = m.vy[i] * cos - m.vx[i] * sin;
-                m.vx[i] = s.speed * cos - sideways * sin;
-                m.vy[i] = s.speed * sin + sideways * cos;
-            }
-            if !s.accel.is_nan() {
-                m.accel[i] = s.accel;
-            }
-        }
+        // A person's speed is that of the walk, whatever way the person faces.
+        m.forward = empty_when_unknown(rows.iter().map(|(_, s)| s.speed).collect());
+        m.accel = rows.iter().map(|(_, s)| s.accel).collect();
     }
-    let rows = forget_impossible(shape.class, &mut m);
+    let rows = forget_impossible(shape.class, &seconds, &mut m);
     if rows > 0 {
         notes.impossible.insert(id.to_owned(), rows);
     }
@@ -103,6 +94,10 @@ fn turn_signal(bits: u32) -> TurnSignal {
     }
 }
 
+fn empty_when_unknown(values: Vec<f64>) -> Vec<f64> {
+    if values.iter().any(|v| !v.is_nan()) { values } else { Vec::new() }
+}
+
 fn empty_when_never_told<T>(values: Vec<Option<T>>) -> Vec<Option<T>> {
     if values.iter().any(Option::is_some) { values } else { Vec::new() }
 }
@@ -121,6 +116,7 @@ pub(super) fn ego_table(rows: &[(u32, Sample)], shape: &VehicleType, notes: &mut
             aeb: empty_when_never_told(rows.iter().map(|(_, s)| s.aeb).collect()),
             ..EgoBus::default()
         },
+        ..Ego::default()
     }
 }
 
@@ -153,9 +149,8 @@ pub(super) fn tracks(
             height_m: vec![shape.height_m; n],
             interior_points: vec![f64::NAN; n],
             turn_signal: empty_when_never_told(signals),
-            // Told by the sensor model, where one is asked for.
-            visible_share: Vec::new(),
-            occluder: Vec::new(),
+            // Visibility comes from the sensor model, where one is asked for.
+            ..Track::default()
         });
     }
     out

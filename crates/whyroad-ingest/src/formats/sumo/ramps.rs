@@ -38,7 +38,7 @@ impl<'e> Flows<'e> {
     /// True where one-way roads merge or part: none leads back where one comes from, one side is a single road, and all
     /// of them go one way.
     pub fn run_together(&self) -> bool {
-        let apart = |a: f64, b: f64| crate::assemble::kinematics::wrap_angle(a - b).abs();
+        let apart = |a: f64, b: f64| crate::assemble::angles::wrap_angle(a - b).abs();
         self.from.is_disjoint(&self.to)
             && (self.from.len() == 1 || self.to.len() == 1)
             && self.headings.iter().all(|&a| self.headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))

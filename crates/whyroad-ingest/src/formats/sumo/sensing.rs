@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use whyroad_model::TrackId;
 use whyroad_model::road_map::RoadMap;
-use whyroad_model::scene::{Ego, Track};
+use whyroad_model::scene::{Ego, Motion, Track};
 
 /// Sight lines a target.
 pub const SIGHT_LINES: usize = 100;
@@ -94,7 +94,7 @@ impl Footprint {
             let (dx, dy) = (l * self.half_length, w * self.half_width);
             (self.y + dx * sin + dy * cos).atan2(self.x + dx * cos - dy * sin)
         });
-        let turned = corners.map(|a| crate::assemble::kinematics::wrap_angle(a - centre));
+        let turned = corners.map(|a| crate::assemble::angles::wrap_angle(a - centre));
         (centre, turned.into_iter().fold(0.0, f64::min), turned.into_iter().fold(0.0, f64::max))
     }
 }
@@ -130,7 +130,7 @@ fn look(target: &Footprint, others: &[(usize, Footprint)], walls: &[Wall]) -> Si
         .filter(|(_, o)| o.distance() - o.half_length < target.distance() + target.half_length)
         .filter(|(_, o)| {
             let (other, least, most) = o.span();
-            let apart = crate::assemble::kinematics::wrap_angle(other - centre);
+            let apart = crate::assemble::angles::wrap_angle(other - centre);
             // A sensor inside a box has it all around.
             o.hit((1.0, 0.0)) == Some(0.0) || (apart + least <= high && apart + most >= low)
         })
@@ -260,10 +260,8 @@ fn keep(track: &mut Track, rows: &[usize]) {
         }
     }
     pick(&mut track.frames, rows);
-    let m = &mut track.motion;
-    for column in
-        [&mut m.x, &mut m.y, &mut m.z, &mut m.heading, &mut m.vx, &mut m.vy, &mut m.accel, &mut m.yaw_rate]
-    {
+    let Motion { x, y, z, heading, vx, vy, accel, yaw_rate, forward } = &mut track.motion;
+    for column in [x, y, z, heading, vx, vy, accel, yaw_rate, forward] {
         pick(column, rows);
     }
     for column in [&mut track.length_m, &mut track.width_m, &mut track.height_m, &mut track.interior_points] {

@@ -53,17 +53,24 @@ pub(super) struct EgoRows {
 struct Pose {
     position: [f64; 3],
     heading: f64,
-    velocity: [f64; 2],
+    velocity: Velocity,
+}
+
+/// A stated velocity, m/s: over ground, or along the heading alone.
+#[derive(Clone, Copy)]
+pub(super) struct Velocity {
+    pub vector: [f64; 2],
+    pub forward: f64,
 }
 
 /// Velocity over ground from `vx_mps, vy_mps`, or from `speed_mps` along the heading (negative: backwards).
-pub(super) fn velocities(sheet: &Sheet, headings: &[f64], problems: &mut Problems) -> Vec<[f64; 2]> {
+pub(super) fn velocities(sheet: &Sheet, problems: &mut Problems) -> Vec<Velocity> {
     if sheet.has("speed_mps") && !sheet.has("vx_mps") {
         let speed = sheet.numbers("speed_mps", problems);
-        return speed.iter().zip(headings).map(|(v, h)| [v * h.cos(), v * h.sin()]).collect();
+        return speed.into_iter().map(|forward| Velocity { vector: [f64::NAN; 2], forward }).collect();
     }
     let (vx, vy) = (sheet.numbers("vx_mps", problems), sheet.numbers("vy_mps", problems));
-    vx.into_iter().zip(vy).map(|(x, y)| [x, y]).collect()
+    vx.into_iter().zip(vy).map(|(x, y)| Velocity { vector: [x, y], forward: f64::NAN }).collect()
 }
 
 /// Reads the table; `None` when no row can be kept.
@@ -73,7 +80,7 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
     let times = sheet.times(reader.start, p);
     let [x, y, z] = ["x_m", "y_m", "z_m"].map(|n| sheet.numbers(n, p));
     let headings = sheet.headings(p);
-    let velocity = velocities(&sheet, &headings, p);
+    let velocity = velocities(&sheet, p);
     let [accel, yaw_rate, speed, steering, throttle] =
         ["accel_mps2", "yaw_rate_radps", "bus_speed_mps", "steering_rad", "throttle"]
             .map(|n| sheet.numbers(n, p));
@@ -160,13 +167,22 @@ impl EgoRows {
         for (pose, &time) in self.pose.iter().zip(&seconds) {
             let (s, c) = pose.heading.sin_cos();
             let [x, y, z] = pose.position;
+            // A velocity is that of the reference point; the middle of the car also swings round it, but goes as fast
+            // along the heading.
+            let Velocity { vector, forward } = pose.velocity;
+            let (vector, forward) = match d {
+                0.0 => (vector, forward),
+                _ if forward.is_nan() => ([f64::NAN; 2], vector[0] * c + vector[1] * s),
+                _ => (vector, forward),
+            };
             samples.push(Sample {
                 time,
                 position: [x + d * c, y + d * s, z],
                 heading: pose.heading,
-                velocity: pose.velocity,
+                velocity: vector,
+                forward,
                 size: [f64::NAN; 3],
-                points: f64::NAN,
+                ..Sample::UNKNOWN
             });
         }
         let mut motion = samples.motion_at(&clock.frames, clock.max_gap_s);
@@ -177,14 +193,6 @@ impl EgoRows {
         }
         if told(&self.accel) {
             motion.accel = number(&self.accel);
-        }
-        if samples.vx.iter().any(|v| v.is_finite()) && d != 0.0 {
-            // Stated velocities are those of the reference point; the middle of the car also swings round it.
-            for i in 0..motion.len() {
-                let (s, c) = motion.heading[i].sin_cos();
-                motion.vx[i] -= motion.yaw_rate[i] * d * s;
-                motion.vy[i] += motion.yaw_rate[i] * d * c;
-            }
         }
         let last = latest(&seconds, &clock.frames, clock.max_gap_s);
         Ego {
@@ -204,6 +212,7 @@ impl EgoRows {
                 cruise: states(&self.bus.cruise, &last),
                 route_command: states(&self.bus.route_command, &last),
             },
+            ..Ego::default()
         }
     }
 }

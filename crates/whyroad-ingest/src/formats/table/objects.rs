@@ -53,7 +53,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         ["x_m", "y_m", "z_m", "length_m", "width_m", "height_m", "interior_points"]
             .map(|n| sheet.numbers(n, p));
     let headings = sheet.headings(p);
-    let velocity = velocities(&sheet, &headings, p);
+    let velocity = velocities(&sheet, p);
     let signals: Vec<Option<TurnSignal>> = sheet.words("turn_signal", "one of off, left, right, hazard", p);
 
     let share = |text: &str| text.parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v));
@@ -94,7 +94,8 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
                 time,
                 position: [x[i], y[i], z[i]],
                 heading: headings[i],
-                velocity: velocity[i],
+                velocity: velocity[i].vector,
+                forward: velocity[i].forward,
                 size: [length[i], width[i], height[i]],
                 points: points[i],
             });

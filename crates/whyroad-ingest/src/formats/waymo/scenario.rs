@@ -109,7 +109,7 @@ fn state(field: Field<'_>) -> Parsed<Option<Sample>> {
         heading: v[8],
         velocity: [v[9], v[10]],
         size: [v[5], v[6], v[7]],
-        points: f64::NAN,
+        ..Sample::UNKNOWN
     }))
 }
 

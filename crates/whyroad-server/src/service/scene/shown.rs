@@ -1,6 +1,5 @@
 //! The part of a drive that a task shows now.
 
-use super::cut::cut;
 use crate::app::App;
 use crate::domain::workflow::Stage;
 use crate::problem::{Answer, Problem};
@@ -27,7 +26,7 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
         )
     })?;
     let (drive, last) = match t.at.state.stage() {
-        Stage::Stage1 => (Arc::new(cut(&whole, Nanos(t.keyframe_ns))), t.keyframe_ns),
+        Stage::Stage1 => (Arc::new(whole.until(Nanos(t.keyframe_ns))), t.keyframe_ns),
         Stage::Stage2 => (whole, t.to_ns),
     };
     let start = drive.times.partition_point(|at| at.0 < t.from_ns);

@@ -1,6 +1,7 @@
 //! Expected values are the analytic derivatives of the motions.
 
 use super::*;
+use std::f64::consts::PI;
 
 /// Frame times with the jitter of a real log: 0.100196 s on average, one pair 1 ns closer.
 fn jittered(n: usize) -> Vec<f64> {
@@ -51,7 +52,7 @@ fn a_circle_has_its_speed_its_yaw_rate_and_no_acceleration_along_the_heading() {
     let (r, v) = (20.0, 8.0);
     let w = v / r;
     let t = jittered(80);
-    let heading = sample(&t, |t| wrap_angle(w * t + FRAC_PI_2 + 0.5));
+    let heading = sample(&t, |t| wrap(w * t + FRAC_PI_2 + 0.5));
     assert!(heading.windows(2).any(|h| h[1] - h[0] < -PI), "the test must cross the wrap");
     let d = derive(
         &t,
@@ -101,11 +102,4 @@ fn a_heading_that_flips_is_not_a_turn() {
     let heading: Vec<f64> = (0..10).map(|i| if i < 5 { 0.1 } else { 0.1 - PI }).collect();
     let d = derive(&t, &[0.0; 10], &[0.0; 10], &heading, |_| false);
     assert!(d.yaw_rate.iter().all(|w| close(*w, 0.0, 1e-12)), "{:?}", d.yaw_rate);
-}
-
-#[test]
-fn wrapping_keeps_pi_and_never_gives_minus_pi() {
-    assert_eq!(wrap_angle(PI), PI);
-    assert_eq!(wrap_angle(-PI), PI);
-    assert!(close(wrap_angle(179f64.to_radians() - -179f64.to_radians()), -2f64.to_radians(), 1e-12));
 }

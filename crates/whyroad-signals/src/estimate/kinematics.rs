@@ -6,7 +6,8 @@
 //! acceleration is exact, also at the first and last row (there the window is one-sided), nothing is a frame late,
 //! and 1 cm of noise in the positions leaves about 0.03 m/s and 0.2 m/s2. Nothing here knows a format.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use crate::geometry::{unwrap, wrap};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// Rows further apart than this are not of one motion, s.
@@ -29,12 +30,6 @@ pub struct Derived {
     pub accel: Vec<f64>,
     /// rad/s, counter-clockwise.
     pub yaw_rate: Vec<f64>,
-}
-
-/// `angle` in (-pi, pi].
-pub fn wrap_angle(angle: f64) -> f64 {
-    let a = (angle + PI).rem_euclid(TAU) - PI;
-    if a == -PI { PI } else { a }
 }
 
 /// Motion of one object. `times_s` ascend, relative to any origin; `breaks(i)` says that row `i` does not continue
@@ -62,11 +57,11 @@ pub fn derive(
         }
     }
     let turned = |i: usize| {
-        let step = wrap_angle(heading[i] - heading[i - 1]).abs();
+        let step = wrap(heading[i] - heading[i - 1]).abs();
         step.is_nan() || step > MAX_HEADING_STEP_RAD
     };
     for run in runs(times_s, |i| turned(i) || breaks(i)) {
-        let steady = unwrapped(&heading[run.clone()]);
+        let steady = unwrap(&heading[run.clone()]);
         let local_times = &times_s[run.clone()];
         let whole = 0..steady.len();
         for i in whole.clone() {
@@ -148,18 +143,6 @@ fn fit(t: &[f64], v: &[f64], window: Range<usize>, at: usize) -> Fit {
     let b = s0 * (r1 * s4 - r2 * s3) - r0 * (s1 * s4 - s2 * s3) + s2 * (s1 * r2 - s2 * r1);
     let c = s0 * (s2 * r2 - s3 * r1) - s1 * (s1 * r2 - s2 * r1) + r0 * (s1 * s3 - s2 * s2);
     if det == 0.0 { none } else { Fit { slope: b / det, bend: 2.0 * c / det } }
-}
-
-/// The same angles without jumps of a full turn.
-pub fn unwrapped(angles: &[f64]) -> Vec<f64> {
-    let mut out = Vec::with_capacity(angles.len());
-    let mut last: Option<(f64, f64)> = None;
-    for &a in angles {
-        let next = last.map_or(a, |(raw, steady)| steady + wrap_angle(a - raw));
-        last = Some((a, next));
-        out.push(next);
-    }
-    out
 }
 
 #[cfg(test)]

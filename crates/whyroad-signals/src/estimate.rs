@@ -1,0 +1,105 @@
+//! States of the ego and the objects from what the log measured: the step before any signal.
+//!
+//! The lake holds measurements only; velocities, accelerations and yaw rates that a log does not have are unknown in
+//! it. [`estimate`] completes them, from the drive that it is given and nothing else: on a drive cut at the keyframe
+//! ([`Drive::until`]) it is causal, on a whole drive it may use both sides of a row. What reads motion calls it first:
+//! [`crate::derive`] and [`crate::meta_actions`] do so themselves and take drives as the lake has them; so do
+//! `whyroad_engine::states` and the engine's `estimated` for pictures and summaries. An estimated drive must not be
+//! estimated again.
+//!
+//! Which columns are completed: `vx`, `vy`, `accel` and `yaw_rate` of [`Motion`], row by row. Positions, headings, sizes
+//! and classes are taken as measured. Not here: signals, and everything that needs a map.
+
+mod kinematics;
+
+use crate::geometry::wrap;
+use std::borrow::Cow;
+use whyroad_model::scene::{FrameOfReference, Motion, Track};
+use whyroad_model::{Drive, ObjectClass};
+
+/// A sideways step of more than this in 0.1 s is a jump (simulators change lanes so), not a motion, m.
+const MAX_SIDE_STEP_M: f64 = 1.0;
+
+/// The drive with complete motion. Borrowed when nothing is to be completed: when the log states all of it, or has no
+/// pose of the ego, so that positions are relative to a moving car and say nothing of velocities over ground.
+pub fn estimate(drive: &Drive) -> Cow<'_, Drive> {
+    let complete = |m: &Motion| {
+        m.forward.is_empty()
+            && [&m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|v| v.iter().all(|x| !x.is_nan()))
+    };
+    let all = drive.ego.iter().map(|e| &e.motion).chain(drive.tracks.iter().map(|t| &t.motion));
+    if drive.meta.frame_of_reference == FrameOfReference::Ego || all.into_iter().all(complete) {
+        return Cow::Borrowed(drive);
+    }
+    let mut drive = drive.clone();
+    let start = drive.times.first().copied().unwrap_or_default();
+    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    if let Some(ego) = &mut drive.ego {
+        let lengths = vec![ego.length_m; ego.motion.len()];
+        complete_motion(&mut ego.motion, &seconds, &lengths, ObjectClass::Car);
+    }
+    for Track { motion, frames, length_m, class, .. } in &mut drive.tracks {
+        let own: Vec<f64> = frames.iter().map(|&f| seconds[f as usize]).collect();
+        complete_motion(motion, &own, length_m, *class);
+    }
+    Cow::Owned(drive)
+}
+
+/// Completes what is unknown of one object's motion; `seconds` ascend, a row each, as `lengths`.
+fn complete_motion(m: &mut Motion, seconds: &[f64], lengths: &[f64], class: ObjectClass) {
+    let on_wheels =
+        !matches!(class, ObjectClass::Pedestrian | ObjectClass::WheeledPedestrian | ObjectClass::Animal);
+    let jumps = |row: usize| on_wheels && jumps_sideways(m, seconds, lengths, row);
+    let derived = kinematics::derive(seconds, &m.x, &m.y, &m.heading, jumps);
+    let stated = m.forward.iter().chain(m.vx.iter().filter(|_| m.forward.is_empty())).any(|v| !v.is_nan());
+    for row in 0..m.len() {
+        let forward = m.forward.get(row).copied().unwrap_or(f64::NAN);
+        if m.vx[row].is_nan() || m.vy[row].is_nan() {
+            (m.vx[row], m.vy[row]) = (derived.vx[row], derived.vy[row]);
+            if !forward.is_nan() {
+                // The log states the speed along the heading; the positions say how much it goes sideways, if they do.
+                let (s, c) = m.heading[row].sin_cos();
+                let sideways = Some(m.vy[row] * c - m.vx[row] * s).filter(|v| !v.is_nan()).unwrap_or(0.0);
+                (m.vx[row], m.vy[row]) = (forward * c - sideways * s, forward * s + sideways * c);
+            }
+        }
+    }
+    // One derivative of what the log states is less noisy than two of the positions.
+    let accel =
+        if stated { kinematics::acceleration(seconds, &m.vx, &m.vy, &m.heading) } else { derived.accel };
+    fill(&mut m.accel, &accel);
+    fill(&mut m.yaw_rate, &derived.yaw_rate);
+    forget_impossible(class, m);
+}
+
+/// Takes `estimated` where `stated` is unknown.
+fn fill(stated: &mut [f64], estimated: &[f64]) {
+    stated.iter_mut().zip(estimated).filter(|(s, _)| s.is_nan()).for_each(|(s, e)| *s = *e);
+}
+
+/// Speeds that cannot be are an identity switch or a bad box, not a motion: the position stays, the motion is unknown.
+fn forget_impossible(class: ObjectClass, m: &mut Motion) {
+    let limit = class.max_speed_mps();
+    for row in (0..m.len()).filter(|&row| m.speed(row) > limit).collect::<Vec<_>>() {
+        m.vx[row] = f64::NAN;
+        m.vy[row] = f64::NAN;
+        m.accel[row] = f64::NAN;
+    }
+}
+
+/// True when the front bumper went sideways, since the row before, faster than any vehicle can.
+fn jumps_sideways(m: &Motion, seconds: &[f64], lengths: &[f64], row: usize) -> bool {
+    let dt = seconds[row] - seconds[row - 1];
+    let front = |i: usize| {
+        let (s, c) = m.heading[i].sin_cos();
+        let half = lengths.get(i).copied().unwrap_or(f64::NAN) / 2.0;
+        (m.x[i] + half * c, m.y[i] + half * s)
+    };
+    let (a, b) = (front(row - 1), front(row));
+    let middle = m.heading[row - 1] + wrap(m.heading[row] - m.heading[row - 1]) / 2.0;
+    let side = (b.1 - a.1) * middle.cos() - (b.0 - a.0) * middle.sin();
+    dt <= kinematics::MAX_GAP_S && side.abs() > MAX_SIDE_STEP_M * (dt / 0.1).max(1.0)
+}
+
+#[cfg(test)]
+mod tests;
