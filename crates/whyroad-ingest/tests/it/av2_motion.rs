@@ -83,6 +83,7 @@ fn classes_are_those_of_the_object_types() {
 #[test]
 fn positions_headings_and_velocities_are_the_files_own() {
     let Some((drive, _)) = read() else { return };
+    let drive = crate::estimated(drive);
     let expect = |m: &Motion, row: usize, want: [f64; 5]| {
         let got = [m.x[row], m.y[row], m.heading[row], m.vx[row], m.vy[row]];
         assert!(got.iter().zip(want).all(|(a, b)| near(*a, b, 1e-6)), "{got:?} for {want:?}");

@@ -71,6 +71,7 @@ fn ego_speed_is_that_of_the_raw_poses() {
         ("adcf7d18", [(20, 0.003), (50, 0.335), (90, 3.321), (120, 3.989)]),
     ] {
         let Some((drive, _)) = read(prefix) else { return };
+        let drive = crate::estimated(drive);
         let ego = drive.ego.unwrap();
         for (frame, expected) in speeds {
             // The centre swings round the axle in a bend, and our window is twice as long: 0.1 m/s of room.

@@ -23,3 +23,8 @@ fn only_skipped(problems: &[whyroad_model::Diagnostic]) -> bool {
     };
     !problems.is_empty() && problems.iter().all(of_scripts)
 }
+
+/// The drive with complete motion: adapters give what was measured.
+fn estimated(drive: whyroad_model::Drive) -> whyroad_model::Drive {
+    whyroad_signals::estimate(&drive).into_owned()
+}

@@ -67,6 +67,7 @@ fn check_car(drive: &Drive, id: &str) {
 #[test]
 fn ros2_odometry_and_detections_in_the_cars_frame() {
     let (drive, report) = read("ros2_lz4.mcap", &Options::default());
+    let drive = crate::estimated(drive);
     check_ego(&drive, 0.0);
     check_car(&drive, "1");
     // 50 Hz to 10 Hz; one detection has no id.
@@ -79,6 +80,7 @@ fn ros2_odometry_and_detections_in_the_cars_frame() {
 #[test]
 fn foxglove_messages_in_the_worlds_frame() {
     let (drive, report) = read("foxglove_zstd.mcap", &Options::default());
+    let drive = crate::estimated(drive);
     assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
     check_ego(&drive, 0.0);
     check_car(&drive, "7");
@@ -93,6 +95,7 @@ fn foxglove_messages_in_the_worlds_frame() {
 #[test]
 fn a_fleets_own_messages_by_a_mapping_file() {
     let (drive, report) = read("fleet.mcap", &with_mapping());
+    let drive = crate::estimated(drive);
     assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
     check_ego(&drive, 1.4);
     let ego = drive.ego.as_ref().unwrap();

@@ -74,6 +74,7 @@ fn scenes_read_together_are_what_each_is_alone() {
 #[test]
 fn the_ego_is_the_middle_of_the_car_at_the_frames() {
     let (drive, report) = first();
+    let drive = crate::estimated(drive);
     let ego = drive.ego.as_ref().unwrap();
     assert_eq!(drive.times[0].0, 1_533_151_603_500_000_000);
     // The rear axle is at 600 + 10 t, the middle 1.385 m ahead.
@@ -89,6 +90,7 @@ fn the_ego_is_the_middle_of_the_car_at_the_frames() {
 #[test]
 fn objects_are_interpolated_between_keyframes_and_not_over_a_missing_one() {
     let (drive, report) = first();
+    let drive = crate::estimated(drive);
     let car = drive.tracks.iter().find(|t| t.class == ObjectClass::Car).unwrap();
     // x = 620 + 5 t and heading 3.0 + 0.4 t, over pi from frame 4 on.
     assert_eq!(car.frames.len(), 21);

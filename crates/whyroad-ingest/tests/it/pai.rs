@@ -53,7 +53,7 @@ fn clips_of_downloaded_chunks_are_sources() {
 #[test]
 fn rear_axle_poses_become_the_motion_of_the_box_centre() {
     let (drive, report) = read(&fixtures().join("tree"), 0);
-    let drive = drive.unwrap();
+    let drive = crate::estimated(drive.unwrap());
     assert_eq!(drive.meta.drive_id.as_str(), FIRST);
     assert_eq!(
         (drive.meta.place.as_deref(), drive.meta.source.as_str()),
@@ -86,7 +86,7 @@ fn rear_axle_poses_become_the_motion_of_the_box_centre() {
 #[test]
 fn boxes_in_the_rig_at_their_own_time_come_to_rest_in_the_world() {
     let (drive, report) = read(&fixtures().join("tree"), 0);
-    let drive = drive.unwrap();
+    let drive = crate::estimated(drive.unwrap());
     let ids: Vec<_> = drive.tracks.iter().map(|t| (t.id.as_str(), t.class)).collect();
     // Track 0 is the ego itself.
     assert_eq!(

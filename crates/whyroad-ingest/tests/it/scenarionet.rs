@@ -62,6 +62,7 @@ fn every_protocol_and_both_numpys_give_the_same_drive() {
 #[test]
 fn ego_and_objects_are_where_the_script_puts_them() {
     let (drive, report) = read("p5");
+    let drive = crate::estimated(drive);
     let ego = drive.ego.as_ref().unwrap();
     // x = -40 + 10 t at t = 1.5 s.
     assert!(

@@ -58,6 +58,7 @@ fn read(dir: &tempfile::TempDir) -> (Option<Drive>, SourceReport) {
 #[test]
 fn bumpers_become_centres_and_degrees_from_north_radians_from_east() {
     let (drive, report) = crossroads();
+    let drive = crate::estimated(drive);
     assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
     assert_eq!(drive.meta.drive_id.as_str(), "crossroads-ego");
     assert_eq!(drive.times[0], Nanos::parse_iso("2026-01-01T00:00:00Z").unwrap());
@@ -195,7 +196,7 @@ fn twenty_hertz_is_thinned_and_one_hertz_is_filled_and_said_so() {
     assert_eq!(report.tables[0].set_aside.get("between_frames"), Some(&20));
 
     let (drive, report) = read(&fcd(1.0, 4, scene));
-    let drive = drive.unwrap();
+    let drive = crate::estimated(drive.unwrap());
     assert_eq!(drive.frame_count(), 31);
     assert!(codes(&report).contains(&"sumo.fcd.step"));
     let other = &drive.tracks[0].motion;
@@ -208,7 +209,7 @@ fn a_lane_change_without_duration_is_a_jump_and_no_speed() {
     let (drive, report) = read(&dir);
     let warning = report.diagnostics.iter().find(|d| d.code == "sumo.fcd.lane_jump").unwrap();
     assert!(warning.message.en.starts_with("1 sideways jump"), "{}", warning.message.en);
-    let m = drive.unwrap().ego.unwrap().motion;
+    let m = crate::estimated(drive.unwrap()).ego.unwrap().motion;
     assert!(m.vy.iter().all(|v| near(*v, 0.0)) && m.vx.iter().all(|v| near(*v, 10.0)), "{:?}", m.vy);
 }
 
@@ -216,7 +217,7 @@ fn a_lane_change_without_duration_is_a_jump_and_no_speed() {
 fn a_lane_change_with_duration_has_its_sideways_speed() {
     // 3.2 m in 3.2 s: 1 m/s to the left.
     let dir = fcd(0.1, 20, |t| vec![car("ego", 10.0 * t, t)]);
-    let m = read(&dir).0.unwrap().ego.unwrap().motion;
+    let m = crate::estimated(read(&dir).0.unwrap()).ego.unwrap().motion;
     assert!(m.vy.iter().all(|v| near(*v, 1.0)) && m.vx.iter().all(|v| near(*v, 10.0)), "{:?}", m.vy);
 }
 

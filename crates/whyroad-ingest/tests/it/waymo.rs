@@ -56,7 +56,7 @@ fn each_record_is_a_drive() {
 #[test]
 fn objects_and_the_ego_move_as_the_script_says() {
     let (drive, report) = read(&file(), 0);
-    let drive = drive.unwrap();
+    let drive = crate::estimated(drive.unwrap());
     let ego = drive.ego.as_ref().unwrap();
     // x = -40 + 10 t - t^2 at 2 s; braking at 2 m/s2.
     assert!(
