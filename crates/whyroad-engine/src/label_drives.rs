@@ -35,7 +35,7 @@ impl LabelDrives {
     }
 
     fn read(&self, id: &DriveId) -> Option<Arc<Recorded>> {
-        let drive = self.lake.read_drive(id).ok()?;
+        let drive = crate::estimated(self.lake.read_drive(id).ok()?);
         let signals = signals_of(&self.lake, id).ok()?;
         let plan = Plan::of(&self.rules);
         let found = find_all(&plan, &Signals::of_table(&signals));

@@ -185,7 +185,7 @@ fn add_noise(m: &mut Motion, frames: &[u32], noise: Noise, random: &mut Random) 
         column.iter_mut().zip(series(sd)).for_each(|(v, e)| *v += e);
     }
     m.heading.iter_mut().for_each(|h| *h = wrapped(*h));
-    for column in [&mut m.vx, &mut m.vy] {
+    for column in [&mut m.vx, &mut m.vy, &mut m.forward] {
         column.iter_mut().zip(series(VELOCITY_MPS)).for_each(|(v, e)| *v += e);
     }
     m.accel = vec![f64::NAN; n];
@@ -196,6 +196,7 @@ fn forget_velocities(m: &mut Motion) {
     for column in [&mut m.vx, &mut m.vy, &mut m.accel, &mut m.yaw_rate] {
         column.fill(f64::NAN);
     }
+    m.forward.clear();
 }
 
 /// The angle in (-pi, pi].
@@ -251,6 +252,7 @@ fn rows_of(track: &Track, rows: &[usize]) -> Track {
         (&mut out.motion.vy, &m.vy),
         (&mut out.motion.accel, &m.accel),
         (&mut out.motion.yaw_rate, &m.yaw_rate),
+        (&mut out.motion.forward, &m.forward),
         (&mut out.length_m, &track.length_m),
         (&mut out.width_m, &track.width_m),
         (&mut out.height_m, &track.height_m),
@@ -261,6 +263,10 @@ fn rows_of(track: &Track, rows: &[usize]) -> Track {
     }
     out.turn_signal = some(&track.turn_signal, rows);
     out.occluder = some(&track.occluder, rows);
+    out.known_at = some(&track.known_at, rows);
+    if !track.class_changes.is_empty() {
+        out.state_classes(rows.iter().map(|&r| track.class_at(r)));
+    }
     out
 }
 
