@@ -1,6 +1,6 @@
 //! Conflict and criticality of pairs, against motions given by formulas. Expected values are worked out in the
 //! comments; the ego is 4 m x 2 m, cars too.
-use crate::scene::{Table, add, area, car, drive, map, near, road};
+use crate::scene::{Table, add, add_seen, area, car, drive, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
 use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
 use whyroad_model::Tri::{False, True};
@@ -170,16 +170,17 @@ fn time_to_line_by_hand() {
 fn the_unknown_stays_unknown() {
     // No size: no gap. A size but no acceleration, on a collision course: no required acceleration.
     let mut d = drive(10, |t| (20.0 * t, 0.0, 0.0));
-    car(&mut d, "braked", |t| (44.0 + 10.0 * t, 0.0, 0.0));
+    // Seen once: its speed is stated, its acceleration cannot be estimated.
+    add_seen(&mut d, "braked", Car, (4.0, 2.0), |frame| frame == 3, |t| (44.0 + 10.0 * t, 0.0, 0.0));
     add(&mut d, "point", Car, (f64::NAN, f64::NAN), |t| (44.0 + 10.0 * t, 0.0, 0.0));
-    // One known value, elsewhere, keeps the log's accelerations from being derived from the speeds.
     let lead = d.tracks.iter_mut().find(|t| t.id.as_str() == "braked").unwrap();
-    lead.motion.accel[..9].fill(f64::NAN);
+    lead.motion.accel[0] = f64::NAN;
     let t = Table::of(&d);
     for name in ["target.btn", "target.a_long_req", "target.ttc_accel", "target.ttc_box_accel"] {
         assert!(t.num("braked", name, 3).is_nan(), "{name}");
     }
-    near(t.num("braked", "target.ttc", 0), 4.0, 1e-6);
+    // 40 m at first, closing at 10 m/s for 0.3 s.
+    near(t.num("braked", "target.ttc", 3), 3.7, 1e-6);
     for name in ["target.btn", "target.stn", "target.dst", "target.lateral_gap", "target.time_to_conflict"] {
         assert!(t.num("point", name, 3).is_nan(), "{name}");
     }
