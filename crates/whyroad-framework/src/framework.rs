@@ -2,7 +2,9 @@
 
 mod load;
 
-use crate::{DecisionSets, DecisionTable, LabelWords, Lexicon, RecordTypes, ResolvedSpec, Taxonomy};
+use crate::{
+    DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, RecordTypes, ResolvedSpec, Taxonomy,
+};
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -36,6 +38,8 @@ pub struct Framework {
     pub decision_table: DecisionTable,
     /// What the required records may hold.
     pub record_types: RecordTypes,
+    /// Texts of label drafts.
+    pub draft_texts: DraftTexts,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
     /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.

@@ -9,6 +9,7 @@ pub mod decision_table;
 pub mod decisions;
 pub mod diff;
 pub mod docs;
+pub mod draft_texts;
 pub mod framework;
 pub mod label_words;
 pub mod lexicon;
@@ -22,6 +23,7 @@ pub mod version;
 
 pub use decision_table::DecisionTable;
 pub use decisions::DecisionSets;
+pub use draft_texts::DraftTexts;
 pub use framework::{ExpressionSource, Framework, RuleSource};
 pub use label_words::LabelWords;
 pub use lexicon::Lexicon;

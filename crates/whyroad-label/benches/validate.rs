@@ -69,4 +69,25 @@ fn main() {
             );
         }
     }
+    many_faults(quick);
+}
+
+/// A document with a fault in each of many components, on one line: time per fault must not grow with their number.
+fn many_faults(quick: bool) {
+    let checker = Checker::new(Framework::bundled());
+    let mut last = f64::NAN;
+    for n in if quick { [10, 20] } else { [20_000, 85_000] } {
+        let mut label: serde_json::Value = serde_json::from_str(EXAMPLES[0].1).unwrap_or_default();
+        label["critical_components"] = vec![serde_json::json!({}); n].into();
+        let text = label.to_string();
+        let start = Instant::now();
+        let found = black_box(checker.check_text(&text)).len();
+        let us = start.elapsed().as_secs_f64() * 1e6 / n as f64;
+        println!(
+            "{:<28} {n:>6} components, {found} findings: {us:.2} us each ({:.2} of the last)",
+            "validate/faults",
+            us / last
+        );
+        last = us;
+    }
 }

@@ -1,7 +1,7 @@
 //! Label skeletons: what mining and the ego's own motion already tell, filled in; the rest left for a person.
 //!
-//! A skeleton is never a finished label. Its trace opens with a mark that says so, and its notes say what was
-//! inferred from what, and what the annotator still owes. Causes are taken only from what could be observed at
+//! A skeleton is never a finished label. Its provenance is a rule, the label checks recognise its trace where a person
+//! hands it in unchanged, and its notes say what was inferred from what, and what the annotator still owes. Causes are taken only from what could be observed at
 //! or before the keyframe; decisions only from the motion after it (LABELING.md 6).
 
 mod clip;
@@ -11,6 +11,7 @@ mod records;
 mod trace;
 
 pub use decision::LongitudinalMotion;
+pub(crate) use trace::is_draft;
 
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};
@@ -73,14 +74,18 @@ pub fn draft(
     let records = spec
         .map(|s| records::known(signals, keyframe, episode.target_id.as_ref(), &s.records, &mut notes))
         .unwrap_or_default();
-    let coc_trace = trace::sentence(&framework.decisions, &components, &decision, lang);
+    let mut components = components;
+    if let Some(seen) = trace::seen(framework, class, &components, lang) {
+        components.insert(0, seen);
+    }
+    let seed = trace::seed(&episode.episode_id);
+    let coc_trace = trace::sentence(framework, class, &components, &decision, lang, seed);
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",
     ));
     let (time_range, moment) = clip::inside(drive, episode, &mut notes);
     let id = &episode.scenario_id;
-    let mut components = components;
     for (i, c) in components.iter_mut().enumerate() {
         c.id = Some(format!("c{}", i + 1));
         c.evidence_times = vec![moment.timestamp];

@@ -6,7 +6,7 @@ use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
 use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
-use crate::{LabelWords, Lexicon, RecordTypes};
+use crate::{DraftTexts, LabelWords, Lexicon, RecordTypes};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::yaml::Entry;
@@ -18,6 +18,7 @@ const LEXICON: &str = "schema/decision_lexicon.yaml";
 const LABEL_WORDS: &str = "schema/label_words.yaml";
 const DECISION_TABLE: &str = "scenarios/decisions.yaml";
 const RECORD_TYPES: &str = "scenarios/records.yaml";
+const DRAFT_TEXTS: &str = "schema/draft_texts.yaml";
 const SIGNALS: &str = "schema/signals.yaml";
 const PRECEDENCE: &str = "schema/precedence.yaml";
 
@@ -58,6 +59,11 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
             out.extend(found);
         }
         None => out.push(missing_file(LABEL_WORDS)),
+    }
+    if let Some(text) = files.get(DRAFT_TEXTS) {
+        let (texts, found) = DraftTexts::parse(DRAFT_TEXTS, text);
+        framework.draft_texts = texts;
+        out.extend(found);
     }
     // A framework without these tables leaves out the checks that read them.
     if let Some(text) = files.get(DECISION_TABLE) {

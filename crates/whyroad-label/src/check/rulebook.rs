@@ -107,7 +107,7 @@ impl Rulebook<'_> {
         if !another_class && !impossible {
             cause_text::kind(label, &texts, words, sink);
         }
-        if placeholder::trace(label, words, sink) || placeholder::draft(label, sink) {
+        if placeholder::trace(label, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
         if !another_class && text::unrelated(label, &texts, words, sink) {

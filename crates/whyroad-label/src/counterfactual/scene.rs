@@ -9,10 +9,13 @@ use whyroad_model::{Drive, ObjectClass, SignalTable, TrackId};
 const SIDE_MARGIN_M: f64 = 0.35;
 /// The path is driven on straight beyond its end, m.
 const BEYOND_M: f64 = 80.0;
-/// Who comes onto the path less than this before or after the ego would be there is given way, s.
-const TIME_MARGIN_S: f64 = 1.5;
+/// Who comes onto the path less than this after the ego would have been there is given way, s: drivers wait for people who
+/// are about to cross, and for cars that are about to come in.
+const BEFORE_S: f64 = 3.0;
+/// Who leaves the path less than this before the ego would be there is given way, s.
+const AFTER_S: f64 = 1.5;
 /// Who will come onto the path later than this is not seen to yet, s.
-const FORESIGHT_S: f64 = 4.0;
+const FORESIGHT_S: f64 = 5.0;
 /// Objects farther off the path at all times are left out, m.
 const NEAR_M: f64 = 15.0;
 
@@ -151,8 +154,8 @@ impl Scene {
                 .iter()
                 .find(|v| v.from_beside && v.from_s > t && v.from_s < t + FORESIGHT_S && v.at_m > s)?;
             let arrives_s = t + (visit.at_m - s) / v.max(1.0);
-            let meets = arrives_s > visit.from_s - TIME_MARGIN_S && arrives_s < visit.to_s + TIME_MARGIN_S;
-            meets.then(|| Constraint { by, gap_m: visit.at_m - s, speed_mps: 0.0 })
+            let meets = arrives_s > visit.from_s - BEFORE_S && arrives_s < visit.to_s + AFTER_S;
+            meets.then_some(Constraint { by, gap_m: visit.at_m - s, speed_mps: 0.0 })
         });
         let light = self.light.as_ref().and_then(move |(line, steps)| {
             let gap_m = line - s;

@@ -81,11 +81,14 @@ pub(super) fn decision(value: Value, report: &mut Vec<Diagnostic>) -> Option<Val
     let ids: Vec<String> = match &value {
         Value::Object(o) if o.contains_key(name::LONGITUDINAL) || o.contains_key(name::LATERAL) => {
             let part = |k: &str| o.get(k).cloned().unwrap_or(Value::Null);
-            let side =
-                o.get(name::LATERAL_DIRECTION).or_else(|| o.get("direction")).cloned().unwrap_or(Value::Null);
-            return Some(
-                json!({ (name::LONGITUDINAL): part(name::LONGITUDINAL), (name::LATERAL): part(name::LATERAL), (name::LATERAL_DIRECTION): side }),
-            );
+            let mut out = json!({
+                (name::LONGITUDINAL): part(name::LONGITUDINAL), (name::LATERAL): part(name::LATERAL),
+            });
+            let side = o.get(name::LATERAL_DIRECTION).or_else(|| o.get("direction"));
+            if let Some(side) = side.filter(|s| !s.is_null()) {
+                out[name::LATERAL_DIRECTION] = side.clone();
+            }
+            return Some(out);
         }
         Value::String(s) => s.split(['/', '+', ',']).map(|p| p.trim().to_owned()).collect(),
         Value::Array(a) => a.iter().filter_map(|v| v.as_str().map(str::to_owned)).collect(),
@@ -108,10 +111,13 @@ pub(super) fn decision(value: Value, report: &mut Vec<Diagnostic>) -> Option<Val
         }
     }
     let id = |d: Option<&'static str>| d.map_or(Value::Null, |d| json!(d));
-    Some(json!({
+    let mut out = json!({
         (name::LONGITUDINAL): id(along.map(|d| d.id())), (name::LATERAL): id(across.map(|d| d.id())),
-        (name::LATERAL_DIRECTION): id(side.map(|d| d.id())),
-    }))
+    });
+    if let Some(side) = side {
+        out[name::LATERAL_DIRECTION] = json!(side.id());
+    }
+    Some(out)
 }
 
 /// Components: objects, or texts.

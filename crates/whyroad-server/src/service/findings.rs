@@ -6,7 +6,6 @@ use crate::domain::task::Finding;
 use crate::domain::workflow::Stage;
 use crate::service::visible;
 use serde_json::{Value, json};
-use std::borrow::Cow;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
@@ -30,7 +29,7 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
             found
         }
         Stage::Stage2 => {
-            let text = with_causes(draft).to_string();
+            let text = as_submitted(draft).to_string();
             let mut found: Vec<Finding> = app.stage2_checker.check_text(&text).iter().map(finding).collect();
             let trace = draft.get(name::COC_TRACE).and_then(Value::as_str).unwrap_or_default();
             let known = found.iter().any(|f| f.code == CODES[0]);
@@ -42,15 +41,16 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
     }
 }
 
-/// The draft with empty causes where it has none. A label from elsewhere may do without them, as those of format 2.0
-/// do; one that is made here names a cause of each decision, or UNOBSERVED with a reason (LABELING.md 6).
-fn with_causes(draft: &Value) -> Cow<'_, Value> {
-    if draft.get(name::CAUSES).is_some_and(|c| !c.is_null()) {
-        return Cow::Borrowed(draft);
-    }
+/// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere may do
+/// without causes, as those of format 2.0 do; one that is made here names a cause of each decision, or UNOBSERVED with a
+/// reason (LABELING.md 6).
+fn as_submitted(draft: &Value) -> Value {
     let mut whole = draft.clone();
-    whole[name::CAUSES] = json!({});
-    Cow::Owned(whole)
+    if whole.get(name::CAUSES).is_none_or(Value::is_null) {
+        whole[name::CAUSES] = json!({});
+    }
+    whole[name::PROVENANCE] = json!({ (name::SOURCE): "person" });
+    whole
 }
 
 /// True when one of them is an error.

@@ -173,7 +173,11 @@ fn each_primary_episode_has_a_draft_and_the_demo_says_what_the_checker_says() {
         .map(|(n, _)| n.trim().parse::<usize>().unwrap())
         .sum();
     assert_eq!(told, findings, "{}", run.err);
-    assert!(labels.iter().all(|l| l["coc_trace"].as_str().unwrap().starts_with("[DRAFT]")));
+    assert!(
+        labels
+            .iter()
+            .all(|l| l["provenance"]["source"] == "rule" && l["coc_trace"].as_str().unwrap().is_ascii())
+    );
     let cutin = labels.iter().find(|l| l["scenario"]["l3"] == "urgent").unwrap();
     // The ego brakes from 19 to 11 m/s for the car that cuts in.
     assert_eq!(cutin["driving_decision"]["longitudinal"], "yield_to_agent");
@@ -250,7 +254,11 @@ fn in_chinese_the_demo_speaks_and_drafts_chinese() {
     assert_eq!(run.code, 0);
     assert!(run.out.contains("个 L3 场景：已找到") && run.err.contains("个标注草稿"));
     let labels = lines(&dir.path().join("draft_labels.jsonl"));
-    assert!(labels.iter().all(|l| l["coc_trace"].as_str().unwrap().starts_with("【草稿】")));
+    assert!(
+        labels
+            .iter()
+            .all(|l| l["provenance"]["source"] == "rule" && l["coc_trace"].as_str().unwrap().ends_with('。'))
+    );
     let page = std::fs::read_to_string(dir.path().join("report.html")).unwrap();
     assert!(page.starts_with("<!doctype html>\n<html lang=\"zh\">"));
 }

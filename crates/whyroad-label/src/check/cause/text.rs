@@ -133,7 +133,7 @@ fn gives_cause(
         }
     }
     let lower = text.to_ascii_lowercase();
-    for word in BECAUSE {
+    for word in BECAUSE.iter().chain(&[" and ", " but ", " while "]) {
         bounds.extend(lower.match_indices(word).map(|(at, _)| at));
     }
     bounds.sort_unstable();

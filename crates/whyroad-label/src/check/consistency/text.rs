@@ -129,10 +129,10 @@ pub(in crate::check) fn unrelated(
 /// Each thing in the trace is in a component.
 pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
-    let components = texts.components_there(words);
-    if components.is_empty() {
+    if texts.all_components(words).is_empty() {
         return;
     }
+    let components = texts.components_there(words);
     let is_new = |n: &&Named| {
         let group = &words.objects[n.group];
         group.named && !group.own.meets(components)

@@ -1,11 +1,13 @@
 //! Texts that say nothing: placeholders, and words that have to do with no road.
 
 use crate::check::rulebook::Texts;
-use crate::check::view::View;
+use crate::check::view::{ComponentView, View};
+use crate::draft::is_draft;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::{LabelWords, Lexicon};
+use whyroad_framework::{Framework, LabelWords, Lexicon};
+use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::pointer;
-use whyroad_model::messages::ProvenanceSource;
+use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSource};
 
 /// Marks with which the drafts of this program opened up to version 0.1; a trace that has one was not written by a
 /// person.
@@ -66,20 +68,52 @@ fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
 }
 
 /// The trace is still what the program wrote.
-pub(in crate::check) fn draft(label: &View<'_>, sink: &mut dyn Sink) -> bool {
+pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mut dyn Sink) -> bool {
     let Some(text) = label.trace.get() else { return false };
     // A draft that says it is one is no fault.
     if matches!(label.source, Slot::Is(ProvenanceSource::Rule | ProvenanceSource::Model)) {
         return false;
     }
-    let marked = DRAFT_MARKS.iter().any(|m| text.trim_start().starts_with(m));
+    let marked =
+        DRAFT_MARKS.iter().any(|m| text.trim_start().starts_with(m)) || is_unchanged(label, text, framework);
     if marked {
         sink.report(Finding::error("label.trace.draft", pointer::COC_TRACE), &|| {
             Words::new("因果描述仍是程序生成的草稿", "the trace is still the program's draft").hint(
-                "改写为：状态、原因、决策，并删去草稿标记",
-                "write state, reason and decision, and delete the draft mark",
+                "用自己的话改写为：状态、原因、决策",
+                "write state, reason and decision in your own words",
             )
         });
     }
     marked
+}
+
+/// What a draft of the same components and decisions would say.
+fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
+    let Some(first) = label.parts.first().and_then(|c| c.description.get()) else { return false };
+    // A draft opens with its first component; a capital may have been made of the first letter.
+    let head = |t: &str| t.chars().skip(1).take(6).collect::<String>();
+    if head(first) != head(trace.trim_start()) {
+        return false;
+    }
+    let component = |c: &ComponentView<'_>| CriticalComponent {
+        category: None,
+        description: c.description.get().unwrap_or_default().to_owned(),
+        uncertainty: None,
+        id: None,
+        evidence_times: Vec::new(),
+        linked_objects: Vec::new(),
+    };
+    let components: Vec<_> = label.parts.iter().map(component).collect();
+    let decision = DrivingDecision {
+        longitudinal: label.longitudinal.get(),
+        lateral: label.lateral.get(),
+        lateral_direction: label.direction.get(),
+    };
+    let s = &label.scenario;
+    let class = ScenarioId {
+        l1: s.l1.get().unwrap_or_default().to_owned(),
+        l2: s.l2.get().map(str::to_owned),
+        l3: s.l3.get().map(str::to_owned),
+    };
+    is_draft(framework, &class, &components, &decision, trace)
 }

@@ -184,6 +184,8 @@ impl Reader<'_> {
             Role::Agent => match (self.governs, self.actor) {
                 (true, Actor::Unknown) => self.actor = Actor::Object,
                 (true, _) => {}
+                // "So it stops": whoever decides is still meant.
+                (false, Actor::Ego) if self.is_pronoun(hit) => {}
                 (false, _) => self.actor = Actor::Other,
             },
             Role::Phrase(phrase) => self.mention(hit, phrase),
@@ -196,6 +198,11 @@ impl Reader<'_> {
             self.governs = matches!(hit.role, Role::ObjectOf | Role::Phrase(_) | Role::NegationAdjacent);
         }
         self.anything_in_sentence = true;
+    }
+
+    fn is_pronoun(&self, hit: Hit) -> bool {
+        let word = &self.text[hit.start..hit.end];
+        self.out.marked && ["it", "they"].iter().any(|p| word.eq_ignore_ascii_case(p))
     }
 
     fn mention(&mut self, hit: Hit, phrase: usize) {
@@ -211,7 +218,7 @@ impl Reader<'_> {
             Some(n) if n.used => {
                 let last = self.out.mentions.last().map_or(hit.start, |m| m.end);
                 let between = self.text[last..hit.start].trim().to_ascii_lowercase();
-                let joined = ["or", "nor", "或", "也不", "也", "或者", "and"].contains(&between.as_str());
+                let joined = ["or", "nor", "或", "也不", "也", "或者"].contains(&between.as_str());
                 if joined { Force::Negated } else { Force::Doubtful }
             }
             _ => Force::Asserted,

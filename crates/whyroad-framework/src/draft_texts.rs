@@ -1,0 +1,175 @@
+//! Texts of label drafts (`schema/draft_texts.yaml`, which says what each part is).
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::{Bilingual, Diagnostic, Lang, Location, ScenarioId, yaml};
+
+/// All texts of drafts.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DraftTexts {
+    #[allow(dead_code)] // read by people
+    #[serde(default)]
+    version: String,
+    sides: BTreeMap<String, Pair>,
+    classes: BTreeMap<String, ClassTexts>,
+    decisions: DecisionTexts,
+}
+
+/// Texts of one class.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClassTexts {
+    /// The component where the recording tells none.
+    seen: Option<Seen>,
+    /// Why it calls for a decision.
+    why: Option<Phrasings>,
+}
+
+/// What a class is about, in words.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Seen {
+    zh: String,
+    en: String,
+    /// Uncertainty high.
+    #[serde(default)]
+    pub high: bool,
+}
+
+impl Seen {
+    /// In `lang`.
+    pub fn get(&self, lang: Lang) -> &str {
+        match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        }
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Pair {
+    zh: String,
+    en: String,
+}
+
+/// Several ways to say the same.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Phrasings {
+    zh: Vec<String>,
+    en: Vec<String>,
+}
+
+impl Phrasings {
+    /// All of `lang`.
+    pub fn all(&self, lang: Lang) -> &[String] {
+        match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        }
+    }
+
+    /// The one that `seed` chooses; empty where there is none.
+    pub fn pick(&self, lang: Lang, seed: u64) -> &str {
+        let all = self.all(lang);
+        let n = all.len() as u64;
+        all.get(seed.checked_rem(n).unwrap_or(0) as usize).map_or("", String::as_str)
+    }
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DecisionTexts {
+    longitudinal: BTreeMap<String, Phrasings>,
+    lateral: BTreeMap<String, Phrasings>,
+    none: Phrasings,
+}
+
+impl DraftTexts {
+    /// From the text of `schema/draft_texts.yaml`; `file` is named in diagnostics.
+    pub fn parse(file: &str, text: &str) -> (DraftTexts, Vec<Diagnostic>) {
+        match yaml::from_str(text) {
+            Ok(texts) => (texts, Vec::new()),
+            Err(e) => {
+                let place = Location {
+                    file: Some(file.to_owned()),
+                    line: e.mark.map(|m| m.line),
+                    column: e.mark.map(|m| m.column),
+                    ..Location::default()
+                };
+                let message = Bilingual::new(
+                    format!("草稿文本无法读取：{}", e.message),
+                    format!("the texts of drafts cannot be read: {}", e.message),
+                );
+                (DraftTexts::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)])
+            }
+        }
+    }
+
+    /// What the class is about: of the leaf, or of its L2.
+    pub fn seen(&self, class: &ScenarioId) -> Option<&Seen> {
+        self.of(class, |c| c.seen.as_ref())
+    }
+
+    /// Why it calls for a decision: of the leaf, or of its L2.
+    pub fn why(&self, class: &ScenarioId) -> Option<&Phrasings> {
+        self.of(class, |c| c.why.as_ref())
+    }
+
+    fn of<T>(&self, class: &ScenarioId, part: impl Fn(&ClassTexts) -> Option<&T>) -> Option<&T> {
+        let l2 = ScenarioId { l3: None, ..class.clone() };
+        [class, &l2].into_iter().find_map(|id| self.classes.get(&id.to_string()).and_then(&part))
+    }
+
+    /// A longitudinal decision as the end of a trace.
+    pub fn longitudinal(&self, d: Longitudinal) -> Option<&Phrasings> {
+        self.decisions.longitudinal.get(d.id())
+    }
+
+    /// A lateral decision as the end of a trace; `{side}` stands for its direction.
+    pub fn lateral(&self, d: Lateral) -> Option<&Phrasings> {
+        self.decisions.lateral.get(d.id())
+    }
+
+    /// No change of decision.
+    pub fn none(&self) -> &Phrasings {
+        &self.decisions.none
+    }
+
+    /// The word of a direction.
+    pub fn side(&self, side: LateralDirection, lang: Lang) -> &str {
+        self.sides.get(side.id()).map_or("", |p| match lang {
+            Lang::Zh => &p.zh,
+            Lang::En => &p.en,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Framework;
+    use whyroad_model::Lang;
+    use whyroad_model::decision::{Lateral, Longitudinal};
+
+    #[test]
+    fn every_leaf_and_decision_has_texts() {
+        let f = Framework::bundled();
+        for leaf in f.specs.keys() {
+            let seen = f.draft_texts.seen(leaf).unwrap_or_else(|| panic!("{leaf}"));
+            assert!(!seen.get(Lang::Zh).is_ascii() && seen.get(Lang::En).is_ascii(), "{leaf}");
+            let why = f.draft_texts.why(leaf).unwrap_or_else(|| panic!("{leaf}"));
+            for lang in [Lang::Zh, Lang::En] {
+                assert!(why.all(lang).len() >= 2, "{leaf}");
+            }
+        }
+        for d in Longitudinal::ALL {
+            assert!(f.draft_texts.longitudinal(*d).is_some_and(|p| p.all(Lang::Zh).len() >= 2), "{d}");
+        }
+        for d in Lateral::ALL {
+            assert!(f.draft_texts.lateral(*d).is_some_and(|p| p.all(Lang::En).len() >= 2), "{d}");
+        }
+    }
+}
