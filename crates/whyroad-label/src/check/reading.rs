@@ -42,7 +42,7 @@ pub(super) struct TextFacts {
 /// Ends of clauses.
 const CLAUSE_ENDS: [char; 13] = ['，', '。', '；', '：', '、', '！', '？', ',', '.', ';', ':', '!', '?'];
 /// Under these, what follows in the clause is not said to be there.
-const SUPPOSED: [&str; 30] = [
+const SUPPOSED: &[&str] = &[
     "若",
     "如果",
     "一旦",
@@ -73,6 +73,14 @@ const SUPPOSED: [&str; 30] = [
     "other than",
     "in order to let",
     "should a",
+    // What cannot be seen is not said to be there.
+    "看不到",
+    "看不见",
+    "看不清",
+    "看清",
+    "cannot see",
+    "can't see",
+    "cannot be seen",
 ];
 const ABSENT: [&str; 12] = [
     "无",

@@ -292,7 +292,7 @@ fn light(signals: &SignalTable, frame: usize, frames: &[Option<usize>]) -> Optio
             last = match f.and_then(|f| state.category(f)) {
                 Some("red" | "red_yellow") => LightStep::Red,
                 Some("yellow") => LightStep::Yellow,
-                Some("green" | "green_yield") => LightStep::Free,
+                Some(state) if state.contains("green") => LightStep::Free,
                 // Past the line there is no light; what it showed last is kept.
                 _ => last,
             };

@@ -265,9 +265,8 @@ fn light<'n>(
     let mut frames = frames_of(c, w);
     frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));
     let states: Vec<&str> = frames.iter().filter_map(|f| w.category("light.state", *f)).collect();
-    let is = |s: &&&str| {
-        **s == *said || (*said == "green" && **s == "green_yield") || (*said == "red" && **s == "red_yellow")
-    };
+    // A kind of green is green; a flashing light is not compared.
+    let is = |s: &&&str| s.contains(*said) || s.contains("flashing");
     if states.is_empty() || states.contains(&"none") || states.iter().any(|s| is(&s)) {
         return;
     }
@@ -277,7 +276,7 @@ fn light<'n>(
         let zh = match state {
             "red" => "红灯",
             "yellow" => "黄灯",
-            "green" | "green_yield" => "绿灯",
+            s if s.contains("green") => "绿灯",
             "off" => "熄灭",
             _ => "其他灯色",
         };
