@@ -9,8 +9,8 @@ use whyroad_model::{Drive, ObjectClass, SignalTable, TrackId};
 const SIDE_MARGIN_M: f64 = 0.35;
 /// The path is driven on straight beyond its end, m.
 const BEYOND_M: f64 = 80.0;
-/// Who comes onto the path less than this after the ego would have been there is given way, s: drivers wait for people who
-/// are about to cross, and for cars that are about to come in.
+/// Who comes onto the path less than this after the ego would have been there is given way, s: drivers wait for
+/// people who are about to cross, and for cars that are about to come in.
 const BEFORE_S: f64 = 3.0;
 /// Who leaves the path less than this before the ego would be there is given way, s.
 const AFTER_S: f64 = 1.5;

@@ -1,5 +1,6 @@
 //! The draft of the trace: the state, why it calls for a decision, the decision (LABELING.md 7), in words of
-//! `schema/draft_texts.yaml`. Which phrasing is taken follows from a seed, so that the same episode gives the same text.
+//! `schema/draft_texts.yaml`. Which phrasing is taken follows from a seed, so that the same episode gives the same
+//! text.
 
 use whyroad_framework::Framework;
 use whyroad_framework::label_words::WordRole;

@@ -1,5 +1,5 @@
-//! The counterfactual model against ground truth from SUMO (`examples/counterfactual`): whether removing a thing changes
-//! how far the ego comes.
+//! The counterfactual model against ground truth from SUMO (`examples/counterfactual`): whether removing a thing
+//! changes how far the ego comes.
 #![allow(clippy::print_stdout)] // the table is what a reader wants to see
 
 use serde::Deserialize;

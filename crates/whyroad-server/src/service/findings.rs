@@ -41,9 +41,9 @@ pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
     }
 }
 
-/// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere may do
-/// without causes, as those of format 2.0 do; one that is made here names a cause of each decision, or UNOBSERVED with a
-/// reason (LABELING.md 6).
+/// The draft as it will be handed in: by a person, and with empty causes where it has none. A label from elsewhere
+/// may do without causes, as those of format 2.0 do; one that is made here names a cause of each decision, or
+/// UNOBSERVED with a reason (LABELING.md 6).
 fn as_submitted(draft: &Value) -> Value {
     let mut whole = draft.clone();
     if whole.get(name::CAUSES).is_none_or(Value::is_null) {
