@@ -32,6 +32,6 @@ pub use outline::Outline;
 pub use signals::SignalFile;
 pub use stamp::Stamp;
 
-/// Version of the lake's layout. Raised when a reader of the old one would misread the new one. Version 1 had speeds and
-/// accelerations in it that were derived, which cannot be told from measured ones: such a drive is ingested again.
+/// Version of the lake's layout. Raised when a reader of the old one would misread the new one. Version 1 had speeds
+/// and accelerations in it that were derived, which cannot be told from measured ones: such a drive is ingested again.
 pub const LAKE_VERSION: u32 = 2;

@@ -77,8 +77,8 @@ impl ObjectClass {
         )
     }
 
-    /// The highest speed over ground that is believed of an object of the class, m/s; more is an identity switch or a bad
-    /// box, not a motion.
+    /// The highest speed over ground that is believed of an object of the class, m/s; more is an identity switch or a
+    /// bad box, not a motion.
     pub fn max_speed_mps(self) -> f64 {
         match self {
             // The fastest sprint on record peaks at 12.4 m/s (Bolt, Berlin 2009).

@@ -7,8 +7,8 @@
 //! `whyroad_engine::states` and the engine's `estimated` for pictures and summaries. An estimated drive must not be
 //! estimated again.
 //!
-//! Which columns are completed: `vx`, `vy`, `accel` and `yaw_rate` of [`Motion`], row by row. Positions, headings, sizes
-//! and classes are taken as measured. Not here: signals, and everything that needs a map.
+//! Which columns are completed: `vx`, `vy`, `accel` and `yaw_rate` of [`Motion`], row by row. Positions, headings,
+//! sizes and classes are taken as measured. Not here: signals, and everything that needs a map.
 
 mod kinematics;
 

@@ -1,5 +1,5 @@
-//! Speeds that cannot be: an identity switch or a bad box, not a motion. A stated velocity becomes unknown; what follows
-//! from positions is estimated later, so that a step between two of them is only counted and reported.
+//! Speeds that cannot be: an identity switch or a bad box, not a motion. A stated velocity becomes unknown; what
+//! follows from positions is estimated later, so that a step between two of them is only counted and reported.
 
 use crate::assemble::resample::MAX_GAP_S;
 use whyroad_model::ObjectClass;

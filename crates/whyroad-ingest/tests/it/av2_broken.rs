@@ -290,8 +290,8 @@ fn a_track_that_re_enters_keeps_its_gap_and_gets_no_speed_from_it() {
 
 #[test]
 fn speeds_that_cannot_be_become_unknown() {
-    // A pedestrian who keeps 5 m ahead of a car at 10 m/s and then jumps by 2 m a frame: 30 m/s over ground, in the nine
-    // steps between ten rows.
+    // A pedestrian who keeps 5 m ahead of a car at 10 m/s and then jumps by 2 m a frame: 30 m/s over ground, in the
+    // nine steps between ten rows.
     let walker = |f: i64| Row { category: "PEDESTRIAN", ..row(f, "p", 5.0 + 2.0 * f as f64) };
     let rows: Vec<Row> = (0..10).map(walker).chain(following(10)).collect();
     let (drive, report) = Log::new(&[annotations(&rows)]).with_poses(&steady_poses(10)).read();

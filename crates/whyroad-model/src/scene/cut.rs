@@ -4,10 +4,10 @@ use super::{Drive, DriveMeta, Ego, EgoBus, Motion, Track};
 use crate::{FrameRange, Nanos};
 
 impl Drive {
-    /// The drive up to and with `until`: frames, rows and states of later times are not in it, nor what rests on a later
-    /// measurement (a pose between two samples, of which the second is later). Two recordings that are equal up to
-    /// `until` give equal results. The hash of the content and the list of what is missing speak of the whole drive and
-    /// are empty.
+    /// The drive up to and with `until`: frames, rows and states of later times are not in it, nor what rests on a
+    /// later measurement (a pose between two samples, of which the second is later). Two recordings that are equal up
+    /// to `until` give equal results. The hash of the content and the list of what is missing speak of the whole drive
+    /// and are empty.
     pub fn until(&self, until: Nanos) -> Drive {
         let times = &self.times[..self.times.partition_point(|t| *t <= until)];
         let ego = self.ego.as_ref().map(|e| e.rows(times, 0, Some(until)));

@@ -113,7 +113,7 @@ mod tests {
         // To its author, as a rework that must be checked again; the label itself is untouched.
         assert_eq!((t.at.state, t.at.author(), t.at.checked), (State::Rework, Some("ann"), false));
         assert_eq!(t.draft, json!({ "coc_trace": "a" }));
-        let text = app.store.read(|tx| export(tx, "p", &ExportFormat::Tasks)).unwrap();
+        let text = export(&app.store, "p", &ExportFormat::Tasks).unwrap();
         let line: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
         let last = line["task"]["history"].as_array().unwrap().last().unwrap().clone();
         assert_eq!((&last["action"], &last["note"]), (&json!("reopen"), &json!("leaf: a, rather b")));
