@@ -17,6 +17,7 @@ const SEEN = (day) => ({
     ["/", "projects"],
     [`/projects/${day.project}/tasks`, "tasks"],
     [`/projects/${day.project}/dashboard`, "dashboard"],
+    [`/projects/${day.project}/analytics`, "analytics"],
     [`/projects/${day.project}/members`, "members"],
     [`/projects/${day.project}`, "project"],
     [`/projects/${day.project}/exchange`, "exchange"],

@@ -7,7 +7,7 @@ test("every screen's address is routeOf back as that screen", () => {
   const all: Route[] = [
     { screen: "projects" },
     { screen: "project", project: "p1" },
-    ...(["tasks", "dashboard", "members", "exchange"] as const).map((screen) => ({ screen, project: "a b/ü%" })),
+    ...(["tasks", "dashboard", "analytics", "members", "exchange"] as const).map((screen) => ({ screen, project: "a b/ü%" })),
     { screen: "label", task: "t/1" },
     { screen: "users" },
     { screen: "settings" },

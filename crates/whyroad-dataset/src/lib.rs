@@ -8,6 +8,7 @@
 
 pub mod baseline;
 pub mod build;
+pub mod carry;
 pub mod diff;
 pub mod doubtful;
 pub mod export;

@@ -14,6 +14,7 @@ pub mod framework;
 pub mod label_words;
 pub mod lexicon;
 pub mod listing;
+pub mod mapping;
 pub mod markdown;
 pub mod record_types;
 pub mod schemas;

@@ -3,9 +3,11 @@
 //! Pure functions: nothing here opens a file, reads a clock or knows how drives and labels are stored.
 
 pub mod agreement;
+pub mod carry;
 pub mod check;
 pub mod counterfactual;
 pub mod draft;
+pub mod facts;
 pub mod import;
 pub mod merge;
 pub mod migrate;

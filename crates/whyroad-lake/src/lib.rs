@@ -17,6 +17,7 @@ mod manifest;
 mod media;
 pub mod mined;
 mod outline;
+pub mod sheet;
 pub mod signals;
 mod stamp;
 mod tables;

@@ -9,6 +9,7 @@ mod error;
 mod index;
 mod lines;
 mod question;
+mod summary;
 mod write;
 
 pub use columns::{EPISODES_VERSION, episode_table};
@@ -16,6 +17,7 @@ pub use error::MinedWriteError;
 pub use index::EpisodeIndex;
 pub use lines::{EpisodeLines, LineSpan};
 pub use question::MiningQuestion;
+pub use summary::{DriveSummary, EpisodeSummary};
 pub use write::{Existing, FinishedEpisodes, MinedFolderWriter};
 
 use crate::LakeError;

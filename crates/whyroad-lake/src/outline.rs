@@ -2,12 +2,12 @@
 
 use crate::lake::{Lake, remove_dir};
 use crate::signals::{SignalFile, write_signals};
-use crate::tables::frames;
+use crate::tables::{frames, states};
 use crate::{LakeError, clips, file};
 use std::fs;
 use std::path::PathBuf;
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
-use whyroad_model::scene::DriveMeta;
+use whyroad_model::scene::{ContextState, DriveMeta};
 use whyroad_model::{DriveId, FrameRange, Nanos, SignalTable};
 
 /// A drive's head: enough to say what its clips are and whether it has changed.
@@ -41,6 +41,17 @@ impl Lake {
         let clips = clips::metadata(&meta, &times, &sources);
         let clip_frames = clips::clip_ranges(times.len());
         Ok(Outline { meta, times, clips, clip_frames })
+    }
+
+    /// What the log states of weather, surface and the like; `None` where it states nothing.
+    pub fn stated_context(&self, id: &DriveId) -> Result<Option<Vec<ContextState>>, LakeError> {
+        if !self.manifest(id)?.tables.contains_key("context") {
+            return Ok(None);
+        }
+        let path = self.drive_dir(id).join("context.parquet");
+        let table = file::read_table(&path, states::CONTEXT_ORDER)?
+            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
+        Ok(Some(states::context_from_table(&table)?))
     }
 
     fn signals_dir(&self, id: &DriveId) -> PathBuf {

@@ -5,6 +5,7 @@
 
 pub mod bars;
 pub mod birds_eye;
+pub mod charts;
 pub mod markup;
 pub mod plot;
 pub mod raster;

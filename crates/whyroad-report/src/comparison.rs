@@ -1,11 +1,13 @@
-//! Two mined folders compared: what was gained, lost, reclassified, moved in time, or changed its primary class. Used
-//! for a changed rule, another version, or another signal derivation over the same drives.
+//! Two sets of episodes over the same drives compared: what was gained, lost, reclassified, moved in time, or changed
+//! its primary class. Used for two mined folders, two versions of the rules, and the samples of two releases.
 //!
 //! An episode of one side and an episode of the other are the same moment when they are on one drive and target and
 //! [`Moment::match_error`] says so. Pairs of one class are made first; what is left is paired across classes.
 
+mod page;
 mod text;
 
+pub use page::{PageHead, render_page};
 pub use text::render;
 
 use crate::evaluation::matching::{Moment, pairs};
@@ -57,10 +59,17 @@ pub struct ChangedEpisode {
     /// Keyframe of the second minus keyframe of the first, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keyframe_shift_s: Option<f64>,
-    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for what is
-    /// lost or reclassified, a label of the class before. `None` where no labels were given.
+    /// The drive.
+    pub drive: DriveId,
+    /// Keyframe in the second folder, in the first where the second has none.
+    pub keyframe: whyroad_model::Nanos,
+    /// A label of this moment was accepted by a person: for what is gained, a label of the class after; for everything
+    /// else, a label of the class before. `None` where no labels were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accepted: Option<bool>,
+    /// Of a reclassified moment: a label of the class after was accepted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accepted_after: Option<bool>,
 }
 
 /// Counts of one class.
@@ -75,8 +84,15 @@ pub struct ClassComparison {
     /// Of these, moments that people accepted with this class; `None` where no labels were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accepted: Option<BTreeMap<Change, usize>>,
+    /// Reclassified moments that people accepted with the class after.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub accepted_after: usize,
     /// The first of each change, by id.
     pub examples: Vec<ChangedEpisode>,
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 /// The comparison of two folders.
@@ -107,6 +123,15 @@ pub struct AcceptedMoment {
 
 /// An accepted label belongs to an episode whose keyframe is no further away, s.
 const ACCEPTED_WITHIN_S: f64 = 1.0;
+
+impl AcceptedMoment {
+    /// True when the label is of this episode.
+    fn is_of(&self, e: &EpisodeRecord) -> bool {
+        self.drive == e.drive_id
+            && self.scenario == e.scenario_id
+            && self.keyframe.seconds_since(e.keyframe.timestamp).abs() <= ACCEPTED_WITHIN_S
+    }
+}
 
 /// Compares the episodes of two folders. `drives_*` are the drives that each searched; `accepted`, where it is given,
 /// judges the changes.
@@ -212,13 +237,8 @@ impl Comparison {
         change: Change,
         accepted: Option<&[AcceptedMoment]>,
     ) {
-        let judged = accepted.map(|labels| {
-            labels.iter().any(|l| {
-                l.drive == of.drive_id
-                    && l.scenario == of.scenario_id
-                    && l.keyframe.seconds_since(of.keyframe.timestamp).abs() <= ACCEPTED_WITHIN_S
-            })
-        });
+        let judge = |e: &EpisodeRecord| accepted.map(|labels| labels.iter().any(|l| l.is_of(e)));
+        let judged = judge(of);
         let both = a.zip(b);
         let shift = both.map(|(a, b)| Moment::of_episode(a).lateness(&Moment::of_episode(b)));
         let changed = ChangedEpisode {
@@ -229,12 +249,18 @@ impl Comparison {
                 .filter(|(a, b)| a.scenario_id != b.scenario_id)
                 .map(|(_, b)| b.scenario_id.clone()),
             keyframe_shift_s: shift,
+            drive: of.drive_id.clone(),
+            keyframe: b.unwrap_or(of).keyframe.timestamp,
             accepted: judged,
+            accepted_after: b.filter(|_| change == Change::Reclassified).and_then(judge),
         };
         let class = self.class(&of.scenario_id, accepted);
         *class.changes.entry(change).or_default() += 1;
         if let (Some(counts), Some(true)) = (&mut class.accepted, judged) {
             *counts.entry(change).or_default() += 1;
+        }
+        if changed.accepted_after == Some(true) {
+            class.accepted_after += 1;
         }
         if class.examples.iter().filter(|e| e.change == change).count() < EXAMPLES {
             class.examples.push(changed);
@@ -251,6 +277,15 @@ impl Comparison {
     /// Episodes of all classes with this change.
     pub fn total(&self, change: Change) -> usize {
         self.classes.values().filter_map(|c| c.changes.get(&change)).sum()
+    }
+
+    /// Against accepted labels: moments that people accepted and only the second folder has with their class, and those
+    /// that only the first has. Reclassified moments count on both sides. `None` where no labels were given.
+    pub fn verdict(&self) -> Option<(usize, usize)> {
+        let after: usize = self.classes.values().map(|c| c.accepted_after).sum();
+        let gains = self.total_accepted(Change::Gained)? + after;
+        let loses = self.total_accepted(Change::Lost)? + self.total_accepted(Change::Reclassified)?;
+        Some((gains, loses))
     }
 
     /// Moments that people accepted, of those with this change; `None` where no labels were given.

@@ -4,6 +4,7 @@
 //! Nothing here finds episodes or derives signals: both are handed in, because this crate must not depend on
 //! the crates that make them. Nothing here writes a file; callers store what is returned.
 
+pub mod analytics;
 pub mod comparison;
 pub mod coverage;
 pub mod evaluation;

@@ -16,6 +16,7 @@ pub use whyroad_render::plot::SignalInfo;
 use whyroad_framework::Framework;
 use whyroad_model::messages::{Coverage, EpisodeRecord};
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_render::markup::Markup;
 
 /// What holds for the whole report.
 #[derive(Clone, Copy, Debug)]
@@ -125,12 +126,18 @@ pub struct ReportBuilder<'a> {
     cards: Vec<card::Card>,
     episodes: usize,
     drives: Vec<page::DriveLine>,
+    analytics: Option<Markup>,
 }
 
 impl<'a> ReportBuilder<'a> {
     /// An empty report.
     pub fn new(context: ReportContext<'a>) -> Self {
-        Self { context, cards: Vec::new(), episodes: 0, drives: Vec::new() }
+        Self { context, cards: Vec::new(), episodes: 0, drives: Vec::new(), analytics: None }
+    }
+
+    /// Puts the analytics after the coverage.
+    pub fn put_analytics(&mut self, fragment: Markup) {
+        self.analytics = Some(fragment);
     }
 
     /// Adds a drive; in the order of the page.
@@ -143,7 +150,7 @@ impl<'a> ReportBuilder<'a> {
     /// The page.
     pub fn finish(self) -> String {
         let rows = coverage::rows(&self.context.framework.taxonomy, self.context.coverage);
-        page::render(&self.context, &rows, &self.drives, &self.cards, self.episodes)
+        page::render(&self.context, &rows, &self.drives, &self.cards, self.episodes, self.analytics.as_ref())
     }
 }
 

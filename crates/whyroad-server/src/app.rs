@@ -5,6 +5,7 @@ use crate::limits::Limits;
 use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
+use crate::reports::Reports;
 use crate::service::scene::cache::SceneCache;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
@@ -33,6 +34,8 @@ pub struct App {
     pub stage2_checker: Checker<'static>,
     /// Drives.
     pub recordings: Arc<dyn Recordings>,
+    /// Makes reports; none where nobody handed them in.
+    pub reports: Option<Arc<dyn Reports>>,
     /// The time.
     pub clock: Clock,
     /// By whose clock leases expire.
@@ -109,6 +112,7 @@ impl App {
             stage2_checker: Checker::new(framework)
                 .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
             recordings,
+            reports: None,
             clock: Arc::new(wall_clock),
             lease_clock: LeaseClock::Store,
             limits: Limits::default(),

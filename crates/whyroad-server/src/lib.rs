@@ -11,6 +11,7 @@ pub mod limits;
 pub mod oidc;
 pub mod problem;
 pub mod recordings;
+pub mod reports;
 pub mod secret;
 pub mod service;
 pub mod store;

@@ -9,6 +9,7 @@ pub mod create;
 pub mod dashboard;
 pub mod drafting;
 pub mod drafts;
+pub mod facts;
 pub mod findings;
 #[cfg(test)]
 mod fixtures;
@@ -16,6 +17,7 @@ pub mod history;
 pub mod identities;
 pub mod leases;
 pub mod list;
+pub mod migration;
 pub mod people;
 pub mod permissions;
 pub mod pickers;

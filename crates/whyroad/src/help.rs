@@ -18,6 +18,20 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "taxonomy diff",
         &[("A framework folder against the built-in one", "whyroad taxonomy diff bundled my-framework")],
     ),
+    (
+        "taxonomy migrate",
+        &[
+            ("A commented mapping to fill in", "whyroad taxonomy migrate mapping.yaml --init"),
+            (
+                "Try it on the store of the labelling service",
+                "whyroad taxonomy migrate mapping.yaml --store whyroad-data --dry-run",
+            ),
+            (
+                "A release and exported labels into a new folder",
+                "whyroad taxonomy migrate mapping.yaml --release release --labels labels.jsonl --out carried",
+            ),
+        ],
+    ),
     ("taxonomy docs", &[("Fail if a generated page is out of date", "whyroad taxonomy docs --check")]),
     ("taxonomy schemas", &[("Write the schemas to a folder", "whyroad taxonomy schemas --out schemas")]),
     (
@@ -163,10 +177,17 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     ),
     (
         "compare",
-        &[(
-            "Before and after a change of a rule",
-            "whyroad compare mined mined-new --labels accepted.jsonl --examples",
-        )],
+        &[
+            (
+                "Two mined folders, judged by accepted labels",
+                "whyroad compare mined mined-new --labels accepted.jsonl --examples",
+            ),
+            (
+                "What changed rules do, as a page",
+                "whyroad compare bundled my-framework --lake lake --labels whyroad-data --out compare.html",
+            ),
+            ("Two releases", "whyroad compare release-1 release-2 --out compare.html"),
+        ],
     ),
     (
         "serve",
@@ -218,6 +239,14 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             (
                 "In Chinese, at most 100 episodes with an image",
                 "whyroad report --lake lake --mined mined --max-episodes 100 --lang zh",
+            ),
+            (
+                "With labelling and releases, and the numbers as CSV and Parquet",
+                "whyroad report --lake lake --mined mined --labels whyroad-data --release release --tables tables",
+            ),
+            (
+                "What is short of 50 labels, and what a label costs",
+                "whyroad report --lake lake --mined mined --labels whyroad-data --target 50 --rate 60 --summary",
             ),
         ],
     ),

@@ -4,6 +4,7 @@
 #[macro_use]
 mod output;
 
+mod analytics;
 mod cmd;
 mod framework_folder;
 mod help;
@@ -44,7 +45,7 @@ pub(crate) struct Global {
 
 #[derive(Subcommand)]
 enum Command {
-    /// List, show, lint, compare and document the taxonomy
+    /// List, show, lint, compare, migrate and document the taxonomy
     Taxonomy(cmd::taxonomy::Args),
     /// Check labels and other messages
     Validate(cmd::validate::Args),
@@ -64,7 +65,7 @@ enum Command {
     Rules(cmd::rules::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
-    /// Compare two mined folders: gained, lost, reclassified, moved
+    /// Compare two mined folders, two frameworks over one lake, or two releases
     Compare(cmd::compare::Args),
     /// Run the labelling service: the page and its API
     Serve(cmd::serve::Args),
@@ -84,7 +85,7 @@ enum Command {
     Dataset(cmd::dataset::Args),
     /// Train and evaluate a model from the history alone, which any other model should beat
     Baseline(cmd::baseline::Args),
-    /// Write the coverage report
+    /// Write the report: classes by stage, what is missing, quality, coverage, episodes
     Report(cmd::report::Args),
     /// Run everything on sample drives and write a report
     Demo(cmd::demo::Args),

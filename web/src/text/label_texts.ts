@@ -210,6 +210,8 @@ export const labelTexts = {
   "act.reopen": ["重新打开", "reopened"],
   "act.adjudicate": ["裁决", "adjudicated"],
   "act.restore": ["恢复旧版", "restored"],
+  "act.before_migration": ["类别迁移前的草稿", "draft before classes changed"],
+  "act.migrate": ["类别迁移", "classes changed"],
   "act.assign": ["指派", "assigned"],
   "act.comment": ["意见", "comment"],
   "act.restore_this": ["恢复到此", "Restore this"],

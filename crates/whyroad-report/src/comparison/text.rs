@@ -24,9 +24,9 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
             let _ = writeln!(out, "{}: {} ({}{more})", t(zh, en), drives.len(), names.join(", "));
         }
     }
-    if let (Some(gained), Some(lost)) = (c.total_accepted(Change::Gained), c.total_accepted(Change::Lost)) {
+    if let Some((gained, lost)) = c.verdict() {
         let _ = match lang {
-            Lang::Zh => writeln!(out, "与已接受标签相比：新增 {gained} 个、丢失 {lost} 个经人工接受的时刻"),
+            Lang::Zh => writeln!(out, "与已接受标注相比：新增 {gained} 个、丢失 {lost} 个经人工接受的时刻"),
             Lang::En => {
                 writeln!(out, "against accepted labels: gains {gained}, loses {lost} that people accepted")
             }

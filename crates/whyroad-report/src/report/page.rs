@@ -50,6 +50,7 @@ pub(super) fn render(
     drives: &[DriveLine],
     cards: &[Card],
     episodes: usize,
+    analytics: Option<&Markup>,
 ) -> String {
     let unresolved = coverage::unresolved(&context.framework.taxonomy, context.coverage);
     let mut m = Markup::new();
@@ -75,6 +76,9 @@ pub(super) fn render(
     unexplained(&mut m, context);
     unknown(&mut m, context);
     m.raw("</section>");
+    if let Some(analytics) = analytics {
+        m.piece(analytics);
+    }
     drives_table(&mut m, drives);
     episodes_section(&mut m, context, drives, cards, episodes);
     m.raw("<section id=\"leaves\"><details open><summary><h2>")

@@ -123,6 +123,14 @@ pub static ROUTES: &[Route] = &[
         projects::dashboard,
     )
     .gives::<Dashboard>(),
+    Route::get(
+        "/projects/{p}/analytics",
+        Access::Lead,
+        "Classes by stage, what is missing, corrections, forecast: the page of `whyroad report`",
+        projects::analytics,
+    )
+    .query(&[("utc_offset", "shift of hours of the day from UTC, whole hours; default 0")])
+    .gives::<AnalyticsPage>(),
     // Tasks.
     Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
         .query(&[

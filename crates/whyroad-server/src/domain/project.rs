@@ -43,6 +43,10 @@ pub struct Settings {
     pub place_precision_m: u32,
     /// Days after which finished tasks are removed with their labels; 0 to keep them.
     pub retention_days: u32,
+    /// Cost of an hour of work, for the cost per accepted label; null is unknown.
+    pub hourly_rate: Option<f64>,
+    /// Currency of the rate, as it is to be shown.
+    pub currency: String,
 }
 
 /// What somebody may have seen of a drive and still do the Stage I of a task of it.
@@ -68,6 +72,8 @@ impl Default for Settings {
             history: HistoryRule::Drive,
             place_precision_m: 0,
             retention_days: 0,
+            hourly_rate: None,
+            currency: "CNY".to_owned(),
         }
     }
 }
@@ -198,6 +204,13 @@ pub struct Dashboard {
     pub coverage: Vec<Coverage>,
     /// Audit outcome by author.
     pub audit: Vec<AuditRecord>,
+}
+
+/// The analytics of a project.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct AnalyticsPage {
+    /// A piece of a page in both languages, with its own style and without script; `html[lang]` decides what is seen.
+    pub html: String,
 }
 
 /// What somebody did on a day.

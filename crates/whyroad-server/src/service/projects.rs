@@ -58,6 +58,8 @@ fn check(project: &Project) -> Answer<()> {
         history: _,
         place_precision_m,
         retention_days,
+        hourly_rate,
+        currency,
     } = &project.settings;
     let sound = !project.name.trim().is_empty()
         && project.name.chars().count() <= 100
@@ -67,6 +69,8 @@ fn check(project: &Project) -> Answer<()> {
         && *audit_max_percent <= 100
         && (*place_precision_m == 0 || (100..=1_000_000).contains(place_precision_m))
         && *retention_days <= 36_500
+        && hourly_rate.is_none_or(|r| (0.0..=1e6).contains(&r))
+        && currency.chars().count() <= 10
         && matches!(lang.as_str(), "zh" | "en");
     if sound {
         Ok(())
@@ -74,8 +78,8 @@ fn check(project: &Project) -> Answer<()> {
         Err(Problem::new(
             422,
             "project.invalid",
-            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，保留天数 0–36500",
-            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, retention 0 to 36500 days",
+            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，保留天数 0–36500，工时费率 0–1000000",
+            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, retention 0 to 36500 days, hourly rate 0 to 1000000",
         ))
     }
 }

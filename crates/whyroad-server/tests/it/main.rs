@@ -13,6 +13,7 @@ mod group;
 mod identities;
 mod later_task;
 mod leaks;
+mod migration;
 mod oidc;
 mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
@@ -117,6 +118,9 @@ suite! {
     page::tasks_are_there_at_once_and_their_drafts_follow,
     page::a_place_is_given_as_precisely_as_the_project_says,
     page::finished_tasks_go_when_their_project_keeps_them_no_longer,
+    migration::classes_are_carried_along_and_what_is_undecided_goes_to_people,
+    migration::facts_are_those_of_the_history,
+    migration::the_analytics_page_is_for_leads,
     wire::unchanged_answers_are_not_sent_again,
     wire::what_is_wrong_is_said_as_problem_json,
     wire::what_is_too_large_is_refused,

@@ -1,33 +1,44 @@
-//! `whyroad compare A B`: what changed between two mined folders.
+//! `whyroad compare A B`: what changed between two mined folders, two frameworks over one lake, or two releases.
+
+mod sides;
 
 use crate::output::{self, Print};
-use crate::{Global, framework_folder};
+use crate::{Global, analytics, framework_folder};
 use anyhow::{Context as _, bail};
+use sides::{Kind, Side};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_lake::MinedFolder;
-use whyroad_model::messages::{CocLabel, EpisodeRecord};
+use whyroad_label::facts::LabelStage;
+use whyroad_model::messages::CocLabel;
 use whyroad_model::{DriveId, ScenarioId};
-use whyroad_report::comparison::{AcceptedMoment, compare, render};
+use whyroad_report::comparison::{AcceptedMoment, PageHead, compare, render, render_page};
 
 /// Arguments of `whyroad compare`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// Mined folder before the change
+    /// Before the change: a mined folder, a framework folder (or `bundled`), or a release
     #[arg(value_name = "A")]
     before: PathBuf,
-    /// Mined folder after the change
+    /// After the change: the same kind, or a framework folder against a mined folder
     #[arg(value_name = "B")]
     after: PathBuf,
-    /// Accepted labels (JSON Lines, from `tasks export`) that judge the changes
-    #[arg(long, value_name = "FILE")]
-    labels: Option<PathBuf>,
+    /// Lake that frameworks are run over
+    #[arg(long, value_name = "DIR")]
+    lake: Option<PathBuf>,
+    /// Accepted labels that judge the changes: JSON Lines from `tasks export`, or the store (labels.db, the folder with
+    /// it, postgres://...)
+    #[arg(long, value_name = "FILE|STORE")]
+    labels: Option<String>,
     /// Only this class: an L1, L2 or leaf
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
     /// Name changed episodes, up to five per class and change
     #[arg(long)]
     examples: bool,
+    /// Write a page with classes and examples
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     print: Print,
 }
@@ -41,46 +52,66 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         },
         None => None,
     };
-    let (drives_before, before) = read(&args.before, class.as_ref())?;
-    let (drives_after, after) = read(&args.after, class.as_ref())?;
-    let accepted = args.labels.as_deref().map(|file| accepted(file, &drives_before)).transpose()?;
-    let comparison = compare((&drives_before, &before), (&drives_after, &after), accepted.as_deref());
-    args.print.put(&comparison, || render(&comparison, global.lang, args.examples))?;
-    Ok(output::FINE)
-}
-
-/// Drives that were searched, and the episodes of a class (all classes where none is named).
-fn read(dir: &Path, class: Option<&ScenarioId>) -> anyhow::Result<(Vec<DriveId>, Vec<EpisodeRecord>)> {
-    let folder = MinedFolder::open(dir)
-        .with_context(|| format!("{} is not a folder of `whyroad mine --out DIR`", dir.display()))?;
-    let coverage = match folder.coverage() {
-        Ok(coverage) => coverage,
-        Err(d) => bail!("{}", output::render_text(&d, whyroad_model::Lang::En)),
-    };
-    let mut episodes = Vec::new();
-    for episode in folder.episodes().map_err(|e| anyhow::anyhow!("{e}"))? {
-        match episode {
-            Ok(e) if class.is_none_or(|c| e.scenario_id.is_within(c)) => episodes.push(e),
-            Ok(_) => {}
-            Err(d) => bail!("{}", output::render_text(&d, whyroad_model::Lang::En)),
-        }
+    let kinds = (Kind::of(&args.before)?, Kind::of(&args.after)?);
+    if (kinds.0 == Kind::Release) != (kinds.1 == Kind::Release) {
+        bail!("a release can only be compared with a release");
     }
-    Ok((coverage.drives, episodes))
+    let read = |path: &Path, kind| Side::read(global, path, kind, args.lake.as_deref(), class.as_ref());
+    let (before, after) = (read(&args.before, kinds.0)?, read(&args.after, kinds.1)?);
+    let drives: BTreeSet<&DriveId> = before.drives.iter().chain(&after.drives).collect();
+    let accepted = args.labels.as_deref().map(|s| accepted(s, &drives, global)).transpose()?;
+    let comparison =
+        compare((&before.drives, &before.episodes), (&after.drives, &after.episodes), accepted.as_deref());
+    if let Some(out) = &args.out {
+        let names = (args.before.display().to_string(), args.after.display().to_string());
+        // Classes that only the later framework has are in its taxonomy, the others in the earlier one's.
+        let taxonomies: Vec<_> = [&after.taxonomy, &before.taxonomy, &Some(framework.taxonomy.clone())]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect();
+        let head = PageHead { before: &names.0, after: &names.1, taxonomies: &taxonomies, lang: global.lang };
+        if let Some(dir) = out.parent().filter(|d| !d.as_os_str().is_empty()) {
+            std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+        }
+        std::fs::write(out, render_page(&comparison, &head))
+            .with_context(|| format!("cannot write {}", out.display()))?;
+        say!("{}", out.display());
+    }
+    args.print.put(&comparison, || render(&comparison, global.lang, args.examples))?;
+    Ok(if before.lost || after.lost { output::lost_input() } else { output::FINE })
 }
 
-/// Accepted labels of a file, by the drive that their clip belongs to.
-fn accepted(file: &Path, drives: &[DriveId]) -> anyhow::Result<Vec<AcceptedMoment>> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+/// Accepted labels, of the drives that are compared.
+fn accepted(
+    source: &str,
+    drives: &BTreeSet<&DriveId>,
+    global: &Global,
+) -> anyhow::Result<Vec<AcceptedMoment>> {
+    let path = Path::new(source);
+    let is_store = source.contains("://")
+        || path.is_dir()
+        || path.extension().is_some_and(|e| e == "db" || e == "sqlite");
+    if is_store {
+        let tasks = analytics::labelling(source, None, global.lang)?.tasks;
+        let moments = tasks.into_iter().filter(|t| t.stage == LabelStage::Accepted && !t.superseded);
+        return Ok(moments
+            .filter(|t| drives.contains(&t.drive))
+            .filter_map(|t| {
+                let label = t.label?;
+                Some(AcceptedMoment { drive: t.drive, scenario: label.scenario?, keyframe: label.keyframe? })
+            })
+            .collect());
+    }
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {source}"))?;
     let mut out = Vec::new();
     for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
-        let label: CocLabel =
-            serde_json::from_str(line).with_context(|| format!("{}:{}", file.display(), i + 1))?;
-        let of = &label.scenario;
-        let id =
-            [Some(&of.l1), Some(&of.l2), of.l3.as_ref()].into_iter().flatten().cloned().collect::<Vec<_>>();
+        let label: CocLabel = serde_json::from_str(line).with_context(|| format!("{source}:{}", i + 1))?;
+        let of = label.scenario;
         // A clip is named by its drive and a number: <drive>_000.
         let drive = label.clip_id.rsplit_once('_').map(|(drive, _)| DriveId::from(drive));
-        if let (Some(drive), Ok(scenario)) = (drive.filter(|d| drives.contains(d)), id.join(".").parse()) {
+        if let Some(drive) = drive.filter(|d| drives.contains(d)) {
+            let scenario = ScenarioId { l1: of.l1, l2: Some(of.l2), l3: of.l3 };
             out.push(AcceptedMoment { drive, scenario, keyframe: label.keyframe.timestamp });
         }
     }

@@ -3,7 +3,7 @@
 mod build;
 mod doubtful;
 mod export;
-mod query;
+pub(crate) mod query;
 pub(crate) mod score;
 mod show;
 mod verify;

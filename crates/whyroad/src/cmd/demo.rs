@@ -86,7 +86,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     let page = args.out.join("report.html");
     let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
-    let found = Found { framework: &framework, lake: &lake, coverage: &result.coverage, chosen: &chosen };
+    let found = Found {
+        framework: &framework,
+        lake: &lake,
+        coverage: &result.coverage,
+        chosen: &chosen,
+        analytics: None,
+    };
     let lost = write_page(&found, &page, global.lang)?;
     steps.findings(&lost);
     let table = summary::table(&framework.taxonomy, &result.coverage, &episodes, &lake, global.lang);

@@ -1,7 +1,9 @@
-//! `whyroad report`: what mining found, as one self-contained page.
+//! `whyroad report`: what there is by class and stage, what is missing, and what mining found, as one self-contained
+//! page; the same numbers as text, JSON and tables.
 
+use crate::cmd::dataset::query::Queries;
 use crate::output::{Print, render_text};
-use crate::{Global, framework_folder, output};
+use crate::{Global, analytics, framework_folder, output};
 use anyhow::{Context as _, bail};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -12,7 +14,10 @@ use whyroad_framework::Framework;
 use whyroad_lake::mined::MinedFile;
 use whyroad_lake::{Lake, LakeError, MinedFolder};
 use whyroad_model::messages::Coverage;
-use whyroad_model::{Diagnostic, DriveId, Lang, SignalTable};
+use whyroad_model::{Diagnostic, DriveId, Lang, Nanos, ScenarioId, SignalTable};
+use whyroad_report::analytics::{
+    Analytics, AnalyticsInputs, HourlyRate, render_text as render_analytics, tables,
+};
 use whyroad_report::report::{
     CardChoice, ChosenEpisodes, DrivePart, ReportBuilder, ReportContext, SignalInfo,
 };
@@ -30,11 +35,54 @@ pub(crate) struct Args {
     /// The page
     #[arg(long, value_name = "FILE", default_value = "report.html")]
     out: PathBuf,
+    #[command(flatten)]
+    numbers: Numbers,
     /// Maximum number of episodes with an image, primary ones first; the rest is counted
     #[arg(long, value_name = "N", default_value_t = MAX_CARDS)]
     max_episodes: usize,
     #[command(flatten)]
     print: Print,
+}
+
+/// What the numbers are made from beside the mined folder, and where they go.
+#[derive(clap::Args, Default)]
+pub(crate) struct Numbers {
+    /// Store of the labelling service: labels.db, the folder with it, or postgres://...
+    #[arg(long, value_name = "STORE")]
+    labels: Option<String>,
+    /// Only this project of the store [default: all projects together]
+    #[arg(long, value_name = "NAME", requires = "labels")]
+    project: Option<String>,
+    /// Release whose samples are counted; may be repeated
+    #[arg(long, value_name = "DIR")]
+    release: Vec<PathBuf>,
+    /// Accepted labels wanted of each leaf [default: the quota of the project]
+    #[arg(long, value_name = "N")]
+    target: Option<u64>,
+    /// Cost of an hour of work [default: cost per label is unknown]
+    #[arg(long, value_name = "AMOUNT", requires = "labels")]
+    rate: Option<f64>,
+    /// Currency of --rate
+    #[arg(long, value_name = "CODE", default_value = "CNY")]
+    currency: String,
+    /// Day that ages and forecasts count from, YYYY-MM-DD [default: that of the last change of a task]
+    #[arg(long, value_name = "DATE", value_parser = day)]
+    as_of: Option<Nanos>,
+    /// Shift of hours of the day from UTC, h
+    #[arg(long, value_name = "H", default_value_t = 0, allow_hyphen_values = true,
+        value_parser = clap::value_parser!(i8).range(-14..=14))]
+    utc_offset: i8,
+    /// Folder for the numbers as CSV and Parquet, and for the queries of shortfalls
+    #[arg(long, value_name = "DIR")]
+    tables: Option<PathBuf>,
+    /// Also print the numbers as text; `--format json` has them always
+    #[arg(long)]
+    summary: bool,
+}
+
+/// The end of a day: everything of it counts.
+fn day(text: &str) -> Result<Nanos, String> {
+    Nanos::parse_iso(&format!("{text}T23:59:59Z")).map_err(|_| format!("'{text}' is not a day: YYYY-MM-DD"))
 }
 
 /// About 30 kB per episode: what a browser still scrolls smoothly.
@@ -60,13 +108,35 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut lost = Vec::new();
     let readable = mined.episodes()?.filter_map(|line| line.map_err(|d| lost.push(*d)).ok());
     let chosen = CardChoice::new(args.max_episodes).choose_all(readable);
-    let found = Found { framework: &framework, lake: &lake, coverage: &coverage, chosen: &chosen };
+    let (analytics, of_analytics) = match analyze(&framework, &mined, &lake, &args.numbers, global.lang)? {
+        Ok(made) => made,
+        Err(d) => return Ok(refuse(&d, global.lang)),
+    };
+    lost.extend(of_analytics);
+    let found = Found {
+        framework: &framework,
+        lake: &lake,
+        coverage: &coverage,
+        chosen: &chosen,
+        analytics: Some(&analytics),
+    };
     lost.extend(write_page(&found, &args.out, global.lang)?);
+    if let Some(dir) = &args.numbers.tables {
+        write_tables(&analytics, dir)?;
+    }
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
-    let written = json!({ "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len() });
-    args.print.put(&written, || format!("{}\n", args.out.display()))?;
+    let written = json!({
+        "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len(), "analytics": analytics,
+    });
+    args.print.put(&written, || {
+        let numbers = match args.numbers.summary {
+            true => render_analytics(&analytics, global.lang) + "\n",
+            false => String::new(),
+        };
+        format!("{numbers}{}\n", args.out.display())
+    })?;
     Ok(if !lost.is_empty() {
         output::lost_input()
     } else if faults.is_empty() {
@@ -81,6 +151,67 @@ fn refuse(d: &Diagnostic, lang: Lang) -> ExitCode {
     output::FINDINGS
 }
 
+/// The analytics with what could not be read for them, or why there are none.
+type Analyzed = Result<(Analytics, Vec<Diagnostic>), Box<Diagnostic>>;
+
+fn analyze(
+    framework: &Framework,
+    folder: &MinedFolder,
+    lake: &Lake,
+    numbers: &Numbers,
+    lang: Lang,
+) -> anyhow::Result<Analyzed> {
+    let (mined, lost) = match analytics::mined(folder, Some(lake)) {
+        Ok(read) => read,
+        Err(d) => return Ok(Err(d)),
+    };
+    let project = numbers.project.as_deref();
+    let labelling = numbers.labels.as_deref().map(|s| analytics::labelling(s, project, lang)).transpose()?;
+    let releases =
+        (!numbers.release.is_empty()).then(|| analytics::releases(&numbers.release)).transpose()?;
+    let wanted = match numbers.target {
+        Some(n) => {
+            framework.taxonomy.ids().into_iter().filter(ScenarioId::is_leaf).map(|id| (id, n)).collect()
+        }
+        None => labelling.as_ref().map(|l| l.wanted.clone()).unwrap_or_default(),
+    };
+    let rate = numbers.rate.map(|amount| HourlyRate { amount, currency: numbers.currency.clone() });
+    let queries = Queries::new(framework);
+    let inputs = AnalyticsInputs {
+        mined: Some(&mined),
+        tasks: labelling.as_ref().map(|l| &l.tasks[..]),
+        releases: releases.as_deref(),
+        wanted: &wanted,
+        rate: rate.as_ref(),
+        as_of: numbers.as_of,
+        utc_offset_h: numbers.utc_offset,
+        query: &|class, n| queries.query(class, n),
+    };
+    Ok(Ok((Analytics::new(framework, &inputs), lost)))
+}
+
+/// Tables as CSV and Parquet, and `queries/<class>.json`. Queries of an earlier run that no longer hold are removed.
+fn write_tables(analytics: &Analytics, dir: &Path) -> anyhow::Result<()> {
+    for sheet in tables(analytics) {
+        sheet.write(dir)?;
+    }
+    let queries = dir.join("queries");
+    std::fs::create_dir_all(&queries).with_context(|| format!("cannot make {}", queries.display()))?;
+    for old in
+        std::fs::read_dir(&queries)?.flatten().filter(|f| f.path().extension().is_some_and(|e| e == "json"))
+    {
+        std::fs::remove_file(old.path())?;
+    }
+    for s in &analytics.shortfalls {
+        if let Some(query) = &s.query {
+            let path = queries.join(format!("{}.json", s.scenario_id));
+            let text = serde_json::to_string_pretty(query)?;
+            std::fs::write(&path, text + "\n").with_context(|| format!("cannot write {}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
 /// What a page is made of.
 #[derive(Clone, Copy)]
 pub(crate) struct Found<'a> {
@@ -88,6 +219,8 @@ pub(crate) struct Found<'a> {
     pub lake: &'a Lake,
     pub coverage: &'a Coverage,
     pub chosen: &'a BTreeMap<DriveId, ChosenEpisodes>,
+    /// The numbers; without them the page has its coverage and episodes only.
+    pub analytics: Option<&'a Analytics>,
 }
 
 /// Writes the page, drives on all cores; a drive that cannot be read is named, and is not in it.
@@ -114,6 +247,9 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
         Ok(DrivePart::new(&context, &drive, &signals, chosen))
     };
     let mut page = ReportBuilder::new(context);
+    if let Some(analytics) = found.analytics {
+        page.put_analytics(whyroad_report::analytics::page::fragment(analytics));
+    }
     let mut lost = Vec::new();
     map_drives(&coverage.drives, None, part, |part| {
         match part {

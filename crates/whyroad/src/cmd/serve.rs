@@ -4,6 +4,7 @@
 mod first_run;
 mod oidc;
 
+use crate::analytics::ServiceReports;
 use crate::recordings::ServiceRecordings;
 use crate::{Global, output, store_args};
 use anyhow::Context as _;
@@ -70,6 +71,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         None => first_run::bundled(global, framework, &args.store.data)?,
     };
     let drives = lake.drive_ids().len();
+    let reports = ServiceReports::new(lake.clone(), framework, mined.clone());
     let recordings = Arc::new(ServiceRecordings::open(lake, framework, &mined, &args.media)?);
     let store = args.store.open(global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
@@ -80,6 +82,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             Blur::new(program, cache.clone()).with_context(|| format!("cannot write {}", cache.display()))?,
         );
     }
+    app.reports = Some(Arc::new(reports));
     if args.https {
         app.cookies = whyroad_server::app::Cookies::Secure;
     }

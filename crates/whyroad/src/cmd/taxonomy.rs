@@ -1,9 +1,10 @@
-//! `whyroad taxonomy`: list, show, lint, diff, docs, schemas. One file each.
+//! `whyroad taxonomy`: list, show, lint, diff, migrate, docs, schemas. One file each.
 
 mod diff;
 mod generate;
 pub(crate) mod lint;
 mod list;
+mod migrate;
 mod reference;
 mod show;
 
@@ -63,6 +64,11 @@ enum Command {
         #[command(flatten)]
         print: Print,
     },
+    /// Carry labels, tasks and releases along when classes are renamed, merged or split
+    ///
+    /// A mapping file says what became of each class. What a label does not decide is never guessed: its task goes back
+    /// to its author, and it is listed. Originals stay: in the history of the task, and in the old files.
+    Migrate(migrate::Args),
     /// Write the generated pages of docs/: classes, leaves, signals, labelling tables, diagnostics index
     ///
     /// Pages go to docs/ in the framework folder. SPEC.md, the diagnostics index and the book's SUMMARY.md are brought
@@ -104,6 +110,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Command::Show { id, format } => show::run(global, &id, format),
         Command::Lint { file, print } => lint::run(global, file.as_deref(), print.format),
         Command::Diff { a, b, print } => diff::run(global, &a, &b, print),
+        Command::Migrate(args) => migrate::run(global, &args),
         Command::Docs { check, out } => {
             generate::docs(global, generate::Action::from_flag(check), out.as_deref())
         }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::session::{root, whyroad_in};
+use std::path::Path;
 use std::process::Command;
 
 const RUN: &str = "
@@ -16,7 +17,8 @@ fn python() -> String {
     std::env::var("WHYROAD_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
 
-fn is_installed() -> bool {
+/// True where the interpreter has DuckDB.
+pub fn is_installed() -> bool {
     let import = Command::new(python()).args(["-c", "import duckdb"]).output();
     import.is_ok_and(|o| o.status.success())
 }
@@ -39,13 +41,20 @@ fn the_documented_queries_run_on_a_lake_of_different_logs() {
     for id in &ids {
         whyroad_engine::drives::signals_of(&lake, id).unwrap();
     }
-    let page = std::fs::read_to_string(root().join("docs/reference/lake.md")).unwrap();
+    let rows = run_queries(&root().join("docs/reference/lake.md"), dir.path());
+    assert!(rows.iter().all(|n| *n > 0), "{rows:?}");
+    assert_eq!(rows.last(), Some(&ids.len()), "a row for each drive in the last query");
+}
+
+/// Runs every SQL block of a page in `folder`; the number of rows of each.
+pub fn run_queries(page: &Path, folder: &Path) -> Vec<usize> {
+    let page = std::fs::read_to_string(page).unwrap();
     let queries: Vec<&str> =
         page.split("```sql\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
     assert!(queries.len() >= 2, "{page}");
     let mut python = Command::new(python())
         .args(["-c", RUN])
-        .current_dir(dir.path())
+        .current_dir(folder)
         .stdin(std::process::Stdio::piped())
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
@@ -54,8 +63,5 @@ fn the_documented_queries_run_on_a_lake_of_different_logs() {
     std::io::Write::write_all(&mut python.stdin.take().unwrap(), queries.join("\0").as_bytes()).unwrap();
     let run = python.wait_with_output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let rows: Vec<usize> =
-        String::from_utf8(run.stdout).unwrap().lines().map(|l| l.parse().unwrap()).collect();
-    assert!(rows.iter().all(|n| *n > 0), "{rows:?}");
-    assert_eq!(rows.last(), Some(&ids.len()), "a row for each drive in the last query");
+    String::from_utf8(run.stdout).unwrap().lines().map(|l| l.parse().unwrap()).collect()
 }

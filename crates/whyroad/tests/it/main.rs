@@ -8,6 +8,7 @@ mod require;
 mod service;
 mod session;
 
+mod analytics;
 mod dataset;
 mod dataset_images;
 mod dataset_labels;

@@ -3,12 +3,15 @@
 use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
-use crate::domain::project::{MemberChange, Members, NewProject, Project, ProjectChange, Projects};
+use crate::domain::project::{
+    AnalyticsPage, MemberChange, Members, NewProject, Project, ProjectChange, Projects,
+};
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::secret;
-use crate::service::{classes, dashboard, people, projects};
+use crate::service::{classes, dashboard, facts, people, projects};
 use std::collections::BTreeMap;
+use whyroad_model::Nanos;
 
 /// `GET /projects`
 pub fn list(call: &Call<'_>) -> Answer<Reply> {
@@ -119,4 +122,32 @@ pub fn dashboard(call: &Call<'_>) -> Answer<Reply> {
         dashboard::of(tx, &project, now)
     })?;
     Reply::json(&dashboard)
+}
+
+/// `GET /projects/{p}/analytics`
+pub fn analytics(call: &Call<'_>) -> Answer<Reply> {
+    let reports = call.app.reports.as_ref().ok_or_else(Problem::missing)?;
+    let offset = call.query("utc_offset").map_or(Ok(0), str::parse::<i8>).ok();
+    let offset = offset.filter(|h| (-14..=14).contains(h)).ok_or_else(|| {
+        Problem::request(
+            "utc_offset 须为 -14 至 14 的整数",
+            "utc_offset must be a whole number from -14 to 14",
+        )
+    })?;
+    let (project, tasks) = call.app.store.report(|tx| {
+        let project = projects::get(tx, call.grant.project()?)?;
+        let tasks = facts::of(tx, &project.id)?;
+        Ok((project, tasks))
+    })?;
+    // Outside of the transaction: making the page reads folders.
+    let now = Nanos(call.app.now().saturating_mul(1_000_000));
+    let html = reports.analytics(&project, &tasks, now, offset).map_err(|why| {
+        Problem::new(
+            422,
+            "analytics.unreadable",
+            format!("无法生成数据分析：{why}"),
+            format!("no analytics: {why}"),
+        )
+    })?;
+    Reply::json(&AnalyticsPage { html })
 }

@@ -14,7 +14,7 @@ use whyroad_signals::Catalogue;
 const DEPTH: usize = 12;
 
 /// Makes queries from the rules of a framework.
-pub(super) struct Queries {
+pub(crate) struct Queries {
     catalogue: Catalogue,
     blocks: BTreeMap<ScenarioId, Block>,
 }

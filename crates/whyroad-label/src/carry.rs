@@ -1,0 +1,224 @@
+//! A label carried along when classes are renamed, merged or split ([`ClassMapping`]). What the label itself does not
+//! decide is left to a person, and never guessed.
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use whyroad_framework::mapping::{ClassChange, ClassMapping, SplitPart};
+use whyroad_model::ScenarioId;
+use whyroad_model::label_fields::{name, pointer};
+
+/// What became of the class of a label.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Carried {
+    /// No class of it changes, or the mapping was applied to it before.
+    Same,
+    /// Its class, or one of its secondary classes, has another id.
+    Moved {
+        /// Class before.
+        from: ScenarioId,
+        /// Class after.
+        to: ScenarioId,
+    },
+    /// The class is split, and the label has what none or several of the parts ask for.
+    Undecided {
+        /// Class before.
+        from: ScenarioId,
+        /// Class after: what the parts have in common, else that before.
+        to: ScenarioId,
+        /// The parts to choose from.
+        parts: Vec<ScenarioId>,
+    },
+}
+
+/// Name of the mapping's mark among the versions in a label's provenance.
+const MARK: &str = "class_mapping";
+
+/// Carries the label along, in place: class, secondary classes, versions in its provenance.
+pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
+    let versions = format!("{}/versions", pointer::PROVENANCE);
+    if label.pointer(&versions).and_then(|v| v[MARK].as_str()) == Some(&mapping.mark) {
+        return Carried::Same;
+    }
+    let Some(from) = class_of(label) else { return Carried::Same };
+    let mut undecided = None;
+    let to = match mapping.change(&from) {
+        None => from.clone(),
+        Some(ClassChange::To(to)) => to,
+        Some(ClassChange::Split(parts)) => match decide(&parts, label) {
+            Some(to) => to,
+            None => {
+                let parts: Vec<ScenarioId> = parts.into_iter().map(|p| p.to).collect();
+                let common = common(&parts).unwrap_or_else(|| from.clone());
+                undecided = Some(parts);
+                common
+            }
+        },
+    };
+    let secondary = secondary(mapping, label, &mut undecided);
+    if to == from && !secondary && undecided.is_none() {
+        return Carried::Same;
+    }
+    put_class(label, &to);
+    if let Some(stated) = label.pointer_mut(pointer::PROVENANCE).and_then(Value::as_object_mut) {
+        let stated = stated.entry("versions").or_insert_with(|| json!({}));
+        stated["taxonomy"] = json!(mapping.to);
+        stated[MARK] = json!(mapping.mark);
+    }
+    match undecided {
+        Some(parts) => Carried::Undecided { from, to, parts },
+        None => Carried::Moved { from, to },
+    }
+}
+
+/// The class that a label names, where it is one.
+pub fn class_of(label: &Value) -> Option<ScenarioId> {
+    let part = |p: &str| label.pointer(&format!("{}/{p}", pointer::SCENARIO)).and_then(Value::as_str);
+    Some(ScenarioId {
+        l1: part("l1")?.to_owned(),
+        l2: Some(part("l2")?.to_owned()),
+        l3: part("l3").map(str::to_owned),
+    })
+}
+
+fn put_class(label: &mut Value, id: &ScenarioId) {
+    let Some(scenario) = label.pointer_mut(pointer::SCENARIO).and_then(Value::as_object_mut) else { return };
+    scenario.insert("l1".into(), json!(id.l1));
+    scenario.insert("l2".into(), json!(id.l2));
+    if id.l3.is_some() || scenario.contains_key("l3") {
+        scenario.insert("l3".into(), json!(id.l3));
+    }
+    if scenario.contains_key("full_id") {
+        // The full id is that of a leaf.
+        match &id.l3 {
+            Some(_) => drop(scenario.insert("full_id".into(), json!(id.to_string()))),
+            None => drop(scenario.remove("full_id")),
+        }
+    }
+}
+
+/// Renames secondary classes; true when one changed. One that is split is a person's to decide.
+fn secondary(mapping: &ClassMapping, label: &mut Value, undecided: &mut Option<Vec<ScenarioId>>) -> bool {
+    let list = label.get_mut(name::SECONDARY_SCENARIOS).and_then(Value::as_array_mut);
+    let mut changed = false;
+    for item in list.into_iter().flatten() {
+        let Some(id) = item.as_str().and_then(|t| t.parse::<ScenarioId>().ok()) else { continue };
+        match mapping.change(&id) {
+            Some(ClassChange::To(to)) => {
+                *item = json!(to.to_string());
+                changed = true;
+            }
+            Some(ClassChange::Split(parts)) if !parts.iter().any(|p| p.to == id) => {
+                undecided.get_or_insert_default().extend(parts.into_iter().map(|p| p.to));
+            }
+            _ => {}
+        }
+    }
+    changed
+}
+
+/// The only part whose conditions the label has; a part without conditions never decides.
+fn decide(parts: &[SplitPart], label: &Value) -> Option<ScenarioId> {
+    let fits = |p: &&SplitPart| !p.when.is_empty() && holds(&p.when, label);
+    let mut fitting = parts.iter().filter(fits);
+    let first = fitting.next()?;
+    fitting.next().is_none().then(|| first.to.clone())
+}
+
+fn holds(when: &BTreeMap<String, Vec<Option<String>>>, label: &Value) -> bool {
+    when.iter().all(|(pointer, values)| {
+        let found = match label.pointer(pointer) {
+            None | Some(Value::Null) => None,
+            Some(Value::String(text)) => Some(text.clone()),
+            Some(other) => Some(other.to_string()),
+        };
+        values.contains(&found)
+    })
+}
+
+/// The L2 that all parts lie in.
+fn common(parts: &[ScenarioId]) -> Option<ScenarioId> {
+    let first = ScenarioId { l3: None, ..parts.first()?.clone() };
+    parts.iter().all(|p| p.is_within(&first)).then_some(first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn id(text: &str) -> ScenarioId {
+        text.parse().unwrap()
+    }
+
+    fn mapping() -> ClassMapping {
+        let part = |to: &str, values: &[&str]| SplitPart {
+            to: id(to),
+            when: match values {
+                [] => BTreeMap::new(),
+                _ => [(
+                    "/driving_decision/longitudinal".to_owned(),
+                    values.iter().map(|v| Some((*v).to_owned())).collect(),
+                )]
+                .into(),
+            },
+        };
+        ClassMapping {
+            from: "1.0.0".into(),
+            to: "2.0.0".into(),
+            changes: [
+                (id("a.b.c"), ClassChange::To(id("a.b.x"))),
+                (
+                    id("a.b.d"),
+                    ClassChange::Split(vec![
+                        part("a.b.d1", &["yield_to_agent"]),
+                        part("a.b.d2", &["resume"]),
+                        part("a.b.d3", &[]),
+                    ]),
+                ),
+            ]
+            .into(),
+            mark: "0123456789abcdef".into(),
+        }
+    }
+
+    fn label(l3: &str, longitudinal: &str) -> Value {
+        json!({
+            "scenario": {"l1": "a", "l2": "b", "l3": l3, "full_id": format!("a.b.{l3}")},
+            "driving_decision": {"longitudinal": longitudinal, "lateral": null},
+            "secondary_scenarios": ["a.b.c", "a.z.z"],
+            "provenance": {"source": "person", "versions": {"taxonomy": "1.0.0"}},
+        })
+    }
+
+    #[test]
+    fn a_renamed_class_is_carried_along_once() {
+        let mut one = label("c", "resume");
+        assert_eq!(carry(&mapping(), &mut one), Carried::Moved { from: id("a.b.c"), to: id("a.b.x") });
+        assert_eq!(one["scenario"], json!({"l1": "a", "l2": "b", "l3": "x", "full_id": "a.b.x"}));
+        assert_eq!(one["secondary_scenarios"], json!(["a.b.x", "a.z.z"]));
+        assert_eq!(one["provenance"]["versions"]["taxonomy"], "2.0.0");
+        let before = one.clone();
+        assert_eq!(carry(&mapping(), &mut one), Carried::Same);
+        assert_eq!(one, before, "doing it again changes nothing");
+    }
+
+    #[test]
+    fn a_split_is_decided_by_the_label_or_by_a_person() {
+        let mut decided = label("d", "resume");
+        assert_eq!(carry(&mapping(), &mut decided), Carried::Moved { from: id("a.b.d"), to: id("a.b.d2") });
+        let mut open = label("d", "lead_following");
+        let Carried::Undecided { to, parts, .. } = carry(&mapping(), &mut open) else { panic!() };
+        assert_eq!((to, parts.len()), (id("a.b"), 3));
+        // The L2 is known, the variant is not: never the first part, never the last.
+        assert_eq!(open["scenario"], json!({"l1": "a", "l2": "b", "l3": null}));
+    }
+
+    #[test]
+    fn other_labels_stay_as_they_are() {
+        let mut other = label("q", "resume");
+        other["secondary_scenarios"] = json!(["a.z.z"]);
+        let before = other.clone();
+        assert_eq!(carry(&mapping(), &mut other), Carried::Same);
+        assert_eq!(other, before);
+        assert_eq!(carry(&mapping(), &mut json!({"scenario": 3})), Carried::Same);
+    }
+}

@@ -1,0 +1,158 @@
+//! What is known of the work on one label: its class, what people changed of the draft, when it moved on, how long they
+//! worked. Made from a task and its history; the label itself is left out, so that a hundred thousand of them fit into
+//! memory. Knows no store.
+
+mod revision;
+
+pub use revision::{Revision, revision};
+
+use serde_json::Value;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::pointer;
+use whyroad_model::{DriveId, Nanos, ScenarioId};
+
+/// How far a label is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LabelStage {
+    /// Not handed in yet.
+    Waiting,
+    /// Handed in: with a checker or auditor, or back at its author for rework.
+    Labelled,
+    /// Accepted.
+    Accepted,
+    /// Skipped or rejected: there will be no label.
+    LeftOut,
+}
+
+/// What somebody decided about an episode; `None` is "no change of decision".
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Judgement {
+    /// Class.
+    pub scenario: Option<ScenarioId>,
+    /// Along the path.
+    pub longitudinal: Option<Longitudinal>,
+    /// Across the path.
+    pub lateral: Option<Lateral>,
+    /// Side, where the lateral decision has one.
+    pub lateral_direction: Option<LateralDirection>,
+    /// Keyframe, nanoseconds since 1970.
+    pub keyframe: Option<Nanos>,
+}
+
+impl Judgement {
+    /// That of a label which was handed in, and so was checked.
+    pub fn of(label: &Value) -> Self {
+        let word = |at: &str| label.pointer(at).and_then(Value::as_str);
+        let part = |name: &str| word(&format!("{}/{name}", pointer::SCENARIO)).map(str::to_owned);
+        let scenario = part("l1").zip(part("l2"));
+        Self {
+            scenario: scenario.map(|(l1, l2)| ScenarioId { l1, l2: Some(l2), l3: part("l3") }),
+            longitudinal: word(pointer::DRIVING_DECISION_LONGITUDINAL).and_then(Longitudinal::from_id),
+            lateral: word(pointer::DRIVING_DECISION_LATERAL).and_then(Lateral::from_id),
+            lateral_direction: word(pointer::DRIVING_DECISION_LATERAL_DIRECTION)
+                .and_then(LateralDirection::from_id),
+            keyframe: word(pointer::KEYFRAME_TIMESTAMP).and_then(|t| Nanos::parse_iso(t).ok()),
+        }
+    }
+}
+
+/// One task of the labelling service in short.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaskFacts {
+    /// Id of the task.
+    pub task: String,
+    /// Episode that it is about.
+    pub episode: String,
+    /// Drive.
+    pub drive: DriveId,
+    /// Class that mining gave.
+    pub scenario: ScenarioId,
+    /// Keyframe that mining gave.
+    pub keyframe: Nanos,
+    /// How far it is.
+    pub stage: LabelStage,
+    /// Another label of its overlap group was chosen.
+    pub superseded: bool,
+    /// Display name of the author.
+    pub author: Option<String>,
+    /// The label as it is now; from the moment it is handed in.
+    pub label: Option<Judgement>,
+    /// The label as first handed in, for the tasks that several people label.
+    pub first: Option<Judgement>,
+    /// From the draft to the accepted label; only of accepted ones.
+    pub revision: Option<Revision>,
+    /// When it was made.
+    pub created: Nanos,
+    /// When it was first handed in.
+    pub submitted: Option<Nanos>,
+    /// When it was last accepted, of accepted ones.
+    pub accepted: Option<Nanos>,
+    /// How often a checker or auditor returned it.
+    pub returned: u32,
+    /// Time that people worked on it, s ([`worked_s`]).
+    pub worked_s: f64,
+}
+
+/// One entry of a task's history, in short.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// When, ms since 1970.
+    pub at_ms: i64,
+    /// Who; `None` for the command line.
+    pub actor: Option<String>,
+    /// `take`, `edit`, `submit`, ...
+    pub action: String,
+}
+
+/// A longer pause between two entries counts as this long, s: who reads for a while saves nothing.
+pub const LONGEST_PAUSE_S: f64 = 300.0;
+
+/// Actions after which their actor goes on working on the task.
+const WORKING: [&str; 4] = ["take", "edit", "lock_stage1", "restore"];
+
+/// Time that people worked on a task, s: between entries of its history by one person in a row, from taking it to
+/// handing it on, where each pause counts [`LONGEST_PAUSE_S`] at most.
+pub fn worked_s(steps: &[Step]) -> f64 {
+    steps
+        .windows(2)
+        .filter_map(|pair| {
+            let [a, b] = pair else { return None };
+            let one = a.actor.is_some() && a.actor == b.actor && WORKING.contains(&a.action.as_str());
+            let pause = (b.at_ms - a.at_ms).max(0) as f64 / 1000.0;
+            one.then_some(pause.min(LONGEST_PAUSE_S))
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(seconds: i64, actor: &str, action: &str) -> Step {
+        Step { at_ms: seconds * 1000, actor: Some(actor.into()), action: action.into() }
+    }
+
+    #[test]
+    fn work_is_between_taking_and_handing_on() {
+        // By hand: 40 s + 20 s of Ada; the hour until Ben takes it is nobody's; 30 s of Ben.
+        let steps = [
+            step(0, "ada", "take"),
+            step(40, "ada", "edit"),
+            step(60, "ada", "submit"),
+            step(3660, "ben", "take"),
+            step(3690, "ben", "accept"),
+        ];
+        assert!((worked_s(&steps) - 90.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_long_pause_counts_five_minutes_and_a_release_ends_the_work() {
+        let pause = [step(0, "ada", "take"), step(4000, "ada", "submit")];
+        assert!((worked_s(&pause) - LONGEST_PAUSE_S).abs() < 1e-9);
+        let released = [step(0, "ada", "take"), step(10, "ada", "release"), step(60, "ada", "take")];
+        assert!((worked_s(&released) - 10.0).abs() < 1e-9);
+        // A clock that was set back takes nothing away.
+        assert!(worked_s(&[step(60, "ada", "take"), step(0, "ada", "edit")]).abs() < 1e-9);
+        assert!(worked_s(&[]).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,193 @@
+//! One model of what there is, how good it is, and what is missing: from mining, the labelling service and releases.
+//! `whyroad report`, the page of the service, the tables and the text all show this value.
+//!
+//! Nothing here opens a file or asks a clock: inputs are handed in ([`AnalyticsInputs`]). A number that no input gives
+//! is `None`; it is never shown as zero. Classes that the drives cannot show are kept apart from classes without finds.
+
+mod agreement;
+mod contexts;
+mod corrections;
+mod decisions;
+pub mod forecast;
+mod input;
+pub mod outlook;
+pub mod page;
+mod progress;
+mod shortfalls;
+mod stages;
+mod tables;
+mod text;
+pub mod unseen;
+
+pub use agreement::{AgreementRow, Measure};
+pub use contexts::{ContextRow, Dimension};
+pub use corrections::{Corrections, FieldCorrections, KeyframeShifts};
+pub use decisions::{Channel, DecisionBasis, DecisionRow, Decisions};
+pub use input::{
+    AnalyticsInputs, DriveFacts, EpisodeTally, HourlyRate, MinedFacts, ReleaseFacts, SampleFacts,
+};
+pub use progress::{Cost, Finish, FinishBasis, PersonRow, Progress, WeekRow};
+pub use shortfalls::{Shortfall, ShortfallStep};
+pub use stages::{StageCounts, StageRow};
+pub use tables::tables;
+pub use text::render_text;
+
+use serde::Serialize;
+use unseen::Estimate;
+use whyroad_framework::Framework;
+use whyroad_model::{Nanos, ScenarioId};
+
+/// More driving that outlooks are for, h.
+pub const MORE_HOURS: f64 = 100.0;
+
+/// Everything that is shown.
+#[derive(Clone, Debug, Serialize)]
+pub struct Analytics {
+    /// Version of the taxonomy whose classes these are.
+    pub taxonomy_version: String,
+    /// The moment that ages and forecasts count from; `None` without any entry of a history.
+    pub as_of: Option<Nanos>,
+    /// Shift of hours of the day from UTC, h.
+    pub utc_offset_h: i8,
+    /// Which inputs were given.
+    pub given: Given,
+    /// Every class, in tree order.
+    pub stages: Vec<StageRow>,
+    /// Decisions by leaf.
+    pub decisions: Decisions,
+    /// By place, hour, weather, source.
+    pub contexts: Vec<ContextRow>,
+    /// What people changed of drafts; `None` without tasks.
+    pub corrections: Option<Corrections>,
+    /// How far people agree who labelled the same episode; empty without overlaps.
+    pub agreement: Vec<AgreementRow>,
+    /// Throughput, finish, cost; `None` without tasks.
+    pub progress: Option<Progress>,
+    /// What has not been seen yet; `None` without mining.
+    pub unseen: Option<Unseen>,
+    /// Leaves that are short of labels or were never found.
+    pub shortfalls: Vec<Shortfall>,
+}
+
+/// Which inputs were given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Given {
+    /// A mined folder.
+    pub mined: bool,
+    /// Tasks of the labelling service.
+    pub tasks: bool,
+    /// Releases.
+    pub releases: bool,
+}
+
+/// What has not been seen yet.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unseen {
+    /// Hours that were searched.
+    pub hours: f64,
+    /// Drives that were searched.
+    pub drives: usize,
+    /// Leaves that these drives can show.
+    pub observable: usize,
+    /// Of these, leaves with at least one episode.
+    pub found: usize,
+    /// Probability that the next find (of a drive) is of a leaf without any so far.
+    pub mass: Option<Estimate>,
+    /// Leaves without a find so far that [`MORE_HOURS`] more would show; `None` where they are too far beyond what was
+    /// searched.
+    pub new_leaves: Option<Estimate>,
+    /// Hours that have to be searched before `new_leaves` can be said.
+    pub hours_needed: f64,
+    /// Episodes that [`MORE_HOURS`] more would bring, by observable leaf.
+    pub leaves: Vec<LeafOutlook>,
+}
+
+/// What [`MORE_HOURS`] more would bring of a leaf.
+#[derive(Clone, Debug, Serialize)]
+pub struct LeafOutlook {
+    /// The leaf.
+    pub scenario_id: ScenarioId,
+    /// Primary episodes so far.
+    pub episodes: u64,
+    /// Hours of drives that could show it.
+    pub hours: f64,
+    /// Scatter between drives, 1 for Poisson.
+    pub dispersion: f64,
+    /// Primary episodes to come.
+    pub coming: Option<Estimate>,
+}
+
+impl Analytics {
+    /// Makes the model.
+    pub fn new(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Self {
+        let as_of = inputs.as_of.or_else(|| inputs.tasks.and_then(progress::last_entry));
+        let unseen = inputs.mined.map(|m| unseen_of(framework, m));
+        let stages = stages::rows(framework, inputs);
+        let shortfalls = shortfalls::of(&stages, unseen.as_ref(), inputs);
+        Self {
+            taxonomy_version: framework.taxonomy.version.clone(),
+            as_of,
+            utc_offset_h: inputs.utc_offset_h,
+            given: Given {
+                mined: inputs.mined.is_some(),
+                tasks: inputs.tasks.is_some(),
+                releases: inputs.releases.is_some(),
+            },
+            decisions: decisions::of(framework, inputs),
+            contexts: contexts::rows(inputs),
+            corrections: inputs.tasks.map(corrections::of),
+            agreement: inputs.tasks.map(agreement::rows).unwrap_or_default(),
+            progress: inputs.tasks.map(|tasks| progress::of(tasks, &stages, inputs.rate, as_of)),
+            stages,
+            unseen,
+            shortfalls,
+        }
+    }
+}
+
+fn unseen_of(framework: &Framework, mined: &MinedFacts) -> Unseen {
+    let all = mined.drives.values().map(|d| d.seconds).sum::<f64>() / 3600.0;
+    let rows = crate::coverage::rows(&framework.taxonomy, &mined.coverage);
+    let observable: Vec<_> = rows.iter().filter(|r| r.drives_searched > 0).collect();
+    let none = std::collections::BTreeMap::new();
+    let found_in = |id: &ScenarioId| mined.episodes.by_class.get(id).unwrap_or(&none);
+    let frequencies = unseen::frequencies(observable.iter().map(|r| found_in(&r.id).len() as u64));
+    let found = observable.iter().filter(|r| !found_in(&r.id).is_empty()).count();
+    let remaining = (observable.len() - found) as u64;
+    let range = unseen::range(&frequencies);
+    let leaves = observable.iter().map(|row| {
+        let blind: std::collections::BTreeSet<_> = row.gaps.iter().flat_map(|g| &g.drives).collect();
+        let own = found_in(&row.id);
+        let drives: Vec<(f64, u64)> = mined
+            .drives
+            .iter()
+            .filter(|(id, _)| !blind.contains(id))
+            .map(|(id, d)| (d.seconds / 3600.0, own.get(id).map_or(0, |n| n.1)))
+            .collect();
+        let hours: f64 = drives.iter().map(|d| d.0).sum();
+        let episodes = own.values().map(|n| n.1).sum();
+        let dispersion = outlook::dispersion(&drives);
+        LeafOutlook {
+            scenario_id: row.id.clone(),
+            episodes,
+            hours,
+            dispersion,
+            coming: outlook::coming(episodes, hours, MORE_HOURS, dispersion),
+        }
+    });
+    Unseen {
+        hours: all,
+        drives: mined.drives.len(),
+        observable: observable.len(),
+        found,
+        mass: unseen::unseen_mass(&frequencies),
+        new_leaves: (all > 0.0)
+            .then(|| unseen::new_classes(&frequencies, MORE_HOURS / all, remaining))
+            .flatten(),
+        hours_needed: MORE_HOURS / range,
+        leaves: leaves.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests;

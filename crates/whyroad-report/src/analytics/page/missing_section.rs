@@ -1,0 +1,153 @@
+//! What is missing: shortfalls with their queries, what has not been seen yet, and what more driving would bring.
+
+use super::{Align, ClassNames, count, head, number};
+use crate::analytics::unseen::Estimate;
+use crate::analytics::{Analytics, MORE_HOURS, Shortfall};
+use whyroad_model::Bilingual;
+use whyroad_render::charts;
+use whyroad_render::markup::Markup;
+
+/// Leaves shown of the outlook; the table `outlook` has all.
+const LEAVES: usize = 25;
+
+pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
+    m.raw("<h3>").say("缺口", "Shortfalls").raw("</h3>");
+    if a.shortfalls.is_empty() {
+        m.raw("<p>").say("没有缺口。", "Nothing is short.").raw("</p>");
+        return;
+    }
+    m.raw("<table>");
+    head(
+        m,
+        &[
+            ("场景", "class", Align::Text),
+            ("下一步", "next step", Align::Text),
+            ("目标", "wanted", Align::Number),
+            ("已接受", "accepted", Align::Number),
+            ("进行中", "in progress", Align::Number),
+            ("未建任务", "without a task", Align::Number),
+            ("须再挖掘", "still to mine", Align::Number),
+            ("预计需行驶", "driving expected", Align::Number),
+            ("查询", "query", Align::Text),
+        ],
+    );
+    m.raw("<tbody>");
+    for s in &a.shortfalls {
+        shortfall(m, s, &names.get(&s.scenario_id));
+    }
+    m.raw("</tbody></table><p class=\"faint\">");
+    m.say("查询可保存为文件并运行 ", "Save a query to a file and run ")
+        .raw("<code>whyroad mine --query FILE</code>");
+    m.say("。预计行驶时间按目前的发现率计算。", ". Driving is expected from the rate of finds so far.")
+        .raw("</p>");
+}
+
+fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual) {
+    m.raw("<tr><th scope=\"row\" title=\"").text(&s.scenario_id.to_string()).raw("\">").both(name);
+    m.raw("</th><td>").both(&s.step.text());
+    for n in [s.wanted, s.accepted, s.in_progress, s.untasked, s.missing] {
+        m.raw("</td><td class=\"n\">");
+        count(m, n);
+    }
+    m.raw("</td><td class=\"n\">");
+    number(m, s.hours, 0);
+    if s.hours.is_some() {
+        m.raw(" h");
+    }
+    m.raw("</td><td>");
+    match s.query.as_ref().and_then(|q| serde_json::to_string_pretty(q).ok()) {
+        Some(query) => {
+            m.raw("<details><summary>").say("查看", "show").raw("</summary><pre>").text(&query);
+            m.raw("</pre></details>");
+        }
+        None => drop(m.raw("–")),
+    }
+    m.raw("</td></tr>");
+}
+
+pub(super) fn unseen(m: &mut Markup, a: &Analytics, names: &ClassNames) {
+    let Some(u) = &a.unseen else { return };
+    m.raw("<h3>").say("尚未见到的场景", "What has not been seen yet").raw("</h3><ul class=\"plain\"><li>");
+    m.say("已搜索 ", "Searched ").num(u.hours, 2).raw(" h, ").int(u.drives).say(" 个行程；", " drives; ");
+    m.say("可观测的 L3 场景 ", "leaves that they can show ").int(u.observable);
+    m.say("，其中已找到 ", ", of these found ").int(u.found).raw(".</li><li>");
+    m.say(
+        "下一次发现属于未见场景的概率（Good-Turing）：",
+        "Probability that the next find is of an unseen leaf (Good-Turing): ",
+    );
+    match u.mass {
+        Some(e) => percent(m, e),
+        None => drop(m.say("未知：还没有任何发现。", "unknown: nothing was found.")),
+    }
+    m.raw("</li><li>");
+    m.say("再行驶 ", "New leaves in another ").num(MORE_HOURS, 0);
+    m.say(" h 将新发现的场景数（Good-Toulmin）：", " h (Good-Toulmin): ");
+    match u.new_leaves {
+        Some(e) => estimate(m, e, 1),
+        None => {
+            m.say("未知：超出可外推范围，须先搜索约 ", "unknown: beyond the range of the estimator; about ");
+            m.num(u.hours_needed, 0).say(" h。", " h have to be searched first.");
+        }
+    }
+    m.raw("</li></ul>");
+    outlook(m, a, names);
+    m.raw("<p class=\"faint\">");
+    m.say(
+        "区间为 95 %。前提：新行程与现有行程同类；一个行程中同一场景只计一次（事件数除外）。方法见文档 analytics。",
+        "Intervals are 95 %. They hold for more drives of the same kind; a drive counts a leaf once (episodes apart). \
+         Methods: documentation page analytics.",
+    )
+    .raw("</p>");
+}
+
+/// Percent with its interval.
+fn percent(m: &mut Markup, e: Estimate) {
+    m.raw("<b>").num(e.value * 100.0, 1).raw(" %</b> (").num(e.low * 100.0, 1).raw(" – ");
+    m.num(e.high * 100.0, 1).raw(" %)");
+}
+
+fn estimate(m: &mut Markup, e: Estimate, digits: usize) {
+    m.raw("<b>")
+        .num(e.value, digits)
+        .raw("</b> (")
+        .num(e.low, digits)
+        .raw(" – ")
+        .num(e.high, digits)
+        .raw(")");
+}
+
+fn outlook(m: &mut Markup, a: &Analytics, names: &ClassNames) {
+    let Some(u) = &a.unseen else { return };
+    let mut leaves: Vec<_> = u.leaves.iter().filter_map(|l| Some((l, l.coming?))).collect();
+    // The rarest are what the question is about.
+    leaves
+        .sort_by(|a, b| a.1.value.total_cmp(&b.1.value).then_with(|| a.0.scenario_id.cmp(&b.0.scenario_id)));
+    if leaves.is_empty() {
+        return;
+    }
+    let shown = &leaves[..leaves.len().min(LEAVES)];
+    let most = shown.iter().map(|l| l.1.high).fold(0.0, f64::max);
+    m.raw("<details><summary>").say("再行驶 ", "Episodes in another ").num(MORE_HOURS, 0);
+    m.say(" h 各场景的事件数，最少的在前", " h by leaf, rarest first").raw("</summary><table>");
+    head(
+        m,
+        &[
+            ("场景", "class", Align::Text),
+            ("已挖掘", "mined", Align::Number),
+            ("可观测时长 h", "observable h", Align::Number),
+            ("预计", "expected", Align::Number),
+            ("区间", "interval", Align::Number),
+            ("", "", Align::Bar),
+        ],
+    );
+    m.raw("<tbody>");
+    for (leaf, e) in shown {
+        m.raw("<tr><th scope=\"row\">").both(&names.get(&leaf.scenario_id)).raw("</th><td class=\"n\">");
+        m.int(leaf.episodes).raw("</td><td class=\"n\">").num(leaf.hours, 2).raw("</td><td class=\"n\">");
+        m.num(e.value, 1).raw("</td><td class=\"n\">").num(e.low, 1).raw(" – ").num(e.high, 1);
+        m.raw("</td><td class=\"bar\">")
+            .piece(&charts::interval(e.low, e.value, e.high, most))
+            .raw("</td></tr>");
+    }
+    m.raw("</tbody></table></details>");
+}

@@ -1,0 +1,70 @@
+//! The tree of classes with a column per stage: the number, and a bar in proportion to the largest leaf of the column.
+
+use super::count;
+use crate::analytics::{Analytics, StageRow};
+use whyroad_model::messages::CoverageState;
+use whyroad_render::charts;
+use whyroad_render::markup::Markup;
+
+const STAGES: [(&str, &str); 5] = [
+    ("已挖掘", "mined"),
+    ("已建任务", "tasked"),
+    ("已标注", "labelled"),
+    ("已接受", "accepted"),
+    ("已发布", "released"),
+];
+
+pub(super) fn write(m: &mut Markup, a: &Analytics) {
+    m.raw("<h3>").say("各场景各阶段数量", "Classes by stage").raw("</h3>");
+    m.raw("<ul class=\"marks faint\"><li><b>0</b> ").say("已搜索，没有", "searched, none found");
+    m.raw("</li><li><b>?</b> ").say("不可观测（缺信号）", "not observable (signals missing)");
+    m.raw("</li><li><b>–</b> ").say("没有规则", "no rule");
+    m.raw("</li><li><b>…</b> ").say("未提供该数据", "input not given").raw("</li></ul>");
+    m.raw("<details open><summary>").say("全部场景", "All classes").raw("</summary>");
+    m.raw("<table class=\"stages\"><thead><tr><th scope=\"col\">").say("场景", "class").raw("</th>");
+    for (zh, en) in STAGES {
+        m.raw("<th scope=\"col\" class=\"n\">").say(zh, en).raw("</th>");
+    }
+    m.raw("<th scope=\"col\" class=\"n\">").say("目标", "wanted").raw("</th></tr></thead><tbody>");
+    let leaves = || a.stages.iter().filter(|r| r.scenario_id.is_leaf());
+    let most: Vec<f64> = (0..STAGES.len())
+        .map(|i| leaves().filter_map(|r| r.counts.all()[i].1).max().unwrap_or(0) as f64)
+        .collect();
+    for row in &a.stages {
+        line(m, row, &most);
+    }
+    m.raw("</tbody></table></details>");
+}
+
+fn line(m: &mut Markup, row: &StageRow, most: &[f64]) {
+    let id = row.scenario_id.to_string();
+    m.raw(match (&row.scenario_id.l2, &row.scenario_id.l3) {
+        (None, _) => "<tr class=\"l1\">",
+        (Some(_), None) => "<tr class=\"l2\">",
+        _ => "<tr class=\"l3\">",
+    });
+    m.raw("<th scope=\"row\" title=\"").text(&id).raw("\">").both(&row.name);
+    if !row.in_taxonomy && row.scenario_id.l1 != whyroad_model::ids::OTHER {
+        m.raw(" <span class=\"faint\">").say("（不在分类体系中）", "(not in the taxonomy)").raw("</span>");
+    }
+    m.raw("</th>");
+    for (i, (_, value)) in row.counts.all().into_iter().enumerate() {
+        m.raw("<td class=\"n\">");
+        match (i, value, row.state) {
+            (0, None, Some(CoverageState::NotObservable)) => drop(m.raw("?")),
+            (0, None, Some(CoverageState::NoRule)) => drop(m.raw("–")),
+            _ => count(m, value),
+        }
+        if row.scenario_id.is_leaf()
+            && let Some(n) = value
+        {
+            m.piece(&charts::bar(n as f64, most[i]));
+        }
+        m.raw("</td>");
+    }
+    m.raw("<td class=\"n\">");
+    if let Some(wanted) = row.wanted {
+        m.int(wanted);
+    }
+    m.raw("</td></tr>");
+}

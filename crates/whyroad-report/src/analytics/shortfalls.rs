@@ -1,0 +1,154 @@
+//! What is missing, what to do about it, and the query that mines it.
+
+use super::Unseen;
+use super::input::AnalyticsInputs;
+use super::outlook::hours_for;
+use super::stages::StageRow;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_label::facts::LabelStage;
+use whyroad_model::messages::{CoverageState, MiningQueryMessage};
+use whyroad_model::{Bilingual, ScenarioId};
+
+/// What to do next about a shortfall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShortfallStep {
+    /// No drive can show it: bring drives with the signals that its rule needs.
+    OtherDrives,
+    /// Write a rule.
+    WriteRule,
+    /// Mine more drives.
+    MineMore,
+    /// Make tasks from episodes that are mined already.
+    MakeTasks,
+    /// Finish the tasks that there are.
+    Label,
+    /// Labels are short, and without a mined folder nobody knows whether episodes are too.
+    Unknown,
+}
+
+impl ShortfallStep {
+    /// Its id.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::OtherDrives => "other_drives",
+            Self::WriteRule => "write_rule",
+            Self::MineMore => "mine_more",
+            Self::MakeTasks => "make_tasks",
+            Self::Label => "label",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// What to do, in words.
+    pub fn text(self) -> Bilingual {
+        let (zh, en) = match self {
+            Self::OtherDrives => ("导入具备所需信号的行程", "bring drives with the missing signals"),
+            Self::WriteRule => ("编写规则", "write a rule"),
+            Self::MineMore => ("挖掘更多行程", "mine more drives"),
+            Self::MakeTasks => ("用已挖掘的事件建任务", "make tasks from mined episodes"),
+            Self::Label => ("完成已有任务", "finish the tasks"),
+            Self::Unknown => ("未提供挖掘结果", "no mined folder given"),
+        };
+        Bilingual::new(zh, en)
+    }
+}
+
+/// A leaf that is short.
+#[derive(Clone, Debug, Serialize)]
+pub struct Shortfall {
+    /// The leaf.
+    pub scenario_id: ScenarioId,
+    /// Its name.
+    pub name: Bilingual,
+    /// Accepted labels wanted; `None` where nothing is stated and it was simply never found.
+    pub wanted: Option<u64>,
+    /// Accepted labels.
+    pub accepted: Option<u64>,
+    /// Episodes with a task on the way to a label.
+    pub in_progress: Option<u64>,
+    /// Mined episodes without a task.
+    pub untasked: Option<u64>,
+    /// Episodes that still have to be mined.
+    pub missing: Option<u64>,
+    /// Hours of driving in which as many are expected, from the rate so far; `None` without a find.
+    pub hours: Option<f64>,
+    /// What to do.
+    pub step: ShortfallStep,
+    /// The query that finds more; `None` where its rule has no form as a query.
+    pub query: Option<MiningQueryMessage>,
+}
+
+/// Episodes asked for of a leaf that was never found, where nothing is stated as wanted.
+const FIRST: u64 = 10;
+
+pub(super) fn of(
+    stages: &[StageRow],
+    unseen: Option<&Unseen>,
+    inputs: &AnalyticsInputs<'_>,
+) -> Vec<Shortfall> {
+    let mut in_progress: BTreeMap<&ScenarioId, BTreeSet<&str>> = BTreeMap::new();
+    for t in inputs.tasks.unwrap_or_default() {
+        if matches!(t.stage, LabelStage::Waiting | LabelStage::Labelled) && !t.superseded {
+            let class = t.label.as_ref().and_then(|l| l.scenario.as_ref()).unwrap_or(&t.scenario);
+            in_progress.entry(class).or_default().insert(&t.episode);
+        }
+    }
+    let leaves = stages.iter().filter(|s| s.scenario_id.is_leaf() && s.in_taxonomy);
+    let mut out: Vec<Shortfall> = leaves
+        .filter_map(|row| {
+            let on_the_way =
+                inputs.tasks.map(|_| in_progress.get(&row.scenario_id).map_or(0, |e| e.len() as u64));
+            one(row, on_the_way, unseen, inputs)
+        })
+        .collect();
+    // What is missing most first, then in the order of the tree.
+    out.sort_by_key(|s| (s.step, std::cmp::Reverse(s.missing.or(s.wanted))));
+    out
+}
+
+fn one(
+    row: &StageRow,
+    in_progress: Option<u64>,
+    unseen: Option<&Unseen>,
+    inputs: &AnalyticsInputs<'_>,
+) -> Option<Shortfall> {
+    let have = row.counts.accepted.or(row.counts.released);
+    let short = match (row.wanted, have) {
+        (Some(wanted), Some(have)) => Some(wanted.saturating_sub(have)).filter(|n| *n > 0)?,
+        (Some(wanted), None) => wanted,
+        // Nothing is stated as wanted: a leaf without a find is short all the same.
+        (None, _) if row.counts.mined.is_none_or(|n| n == 0) && row.state.is_some() => FIRST,
+        (None, _) => return None,
+    };
+    let untasked = row.counts.mined.map(|n| n.saturating_sub(row.counts.tasked.unwrap_or(0)));
+    let left = short.saturating_sub(in_progress.unwrap_or(0));
+    let missing = untasked.map(|n| left.saturating_sub(n));
+    let step = match row.state {
+        _ if left == 0 => ShortfallStep::Label,
+        Some(CoverageState::NotObservable) if row.counts.mined.is_none() => ShortfallStep::OtherDrives,
+        Some(CoverageState::NoRule) if row.counts.mined.is_none() => ShortfallStep::WriteRule,
+        None => ShortfallStep::Unknown,
+        _ if missing == Some(0) => ShortfallStep::MakeTasks,
+        _ => ShortfallStep::MineMore,
+    };
+    let missing = missing.or((left > 0).then_some(left));
+    let seen = unseen.and_then(|u| u.leaves.iter().find(|l| l.scenario_id == row.scenario_id));
+    let asked = matches!(step, ShortfallStep::MineMore | ShortfallStep::OtherDrives | ShortfallStep::Unknown);
+    let count = usize::try_from(missing.unwrap_or(left)).unwrap_or(usize::MAX);
+    Some(Shortfall {
+        scenario_id: row.scenario_id.clone(),
+        name: row.name.clone(),
+        wanted: row.wanted,
+        accepted: row.counts.accepted,
+        in_progress,
+        untasked,
+        missing: Some(missing.unwrap_or(0)).filter(|_| row.wanted.is_some()),
+        hours: seen
+            .filter(|_| asked && row.wanted.is_some())
+            .and_then(|s| hours_for(missing?, s.episodes, s.hours)),
+        step,
+        query: if asked && count > 0 { (inputs.query)(&row.scenario_id, count) } else { None },
+    })
+}

@@ -1,0 +1,273 @@
+//! A small project by hand: two drives, four tasks, one release. Expected numbers are counted by hand.
+
+use super::*;
+use std::collections::BTreeMap;
+use whyroad_label::facts::{Judgement, LabelStage, Revision, TaskFacts};
+use whyroad_model::messages::{Coverage, CoverageState, DriveGap, LeafCoverage};
+use whyroad_model::{DriveId, Lang};
+
+const URGENT: &str = "reactive_agent.cutin.urgent";
+const SLOW: &str = "reactive_agent.cutin.slow";
+const LIGHT: &str = "control_traffic.traffic_light.red_light";
+
+fn at(text: &str) -> Nanos {
+    Nanos::parse_iso(text).unwrap()
+}
+
+fn id(text: &str) -> ScenarioId {
+    text.parse().unwrap()
+}
+
+/// A leaf that exists, so that a renamed class fails here first.
+fn leaf(framework: &Framework, text: &str) -> ScenarioId {
+    assert!(framework.taxonomy.leaf(&id(text)).is_some(), "{text}");
+    id(text)
+}
+
+fn third(framework: &Framework) -> ScenarioId {
+    let known = [id(URGENT), id(SLOW)];
+    let (l1, l2, l3) = framework.taxonomy.leaves().last().unwrap();
+    let last = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
+    assert!(!known.contains(&last) && last != id(LIGHT));
+    last
+}
+
+fn mined(framework: &Framework) -> MinedFacts {
+    let drive = |seconds, place: Option<&str>| DriveFacts {
+        seconds,
+        place: place.map(str::to_owned),
+        source: Some("car".into()),
+        weather: None,
+        start: Some(at("2026-01-01T08:30:00Z")),
+    };
+    let leaf_coverage = |scenario_id: ScenarioId, state, episodes, gaps: &[&str]| LeafCoverage {
+        scenario_id,
+        state,
+        episodes,
+        primary_episodes: episodes,
+        drives_searched: 2 - gaps.len() as u64,
+        gaps: if gaps.is_empty() {
+            vec![]
+        } else {
+            let drives = gaps.iter().map(|d| DriveId::from(*d)).collect();
+            vec![DriveGap { drives, missing_signals: vec!["light.state".into()] }]
+        },
+    };
+    let mut out = MinedFacts {
+        coverage: Coverage {
+            taxonomy_version: framework.taxonomy.version.clone(),
+            drives: vec!["a".into(), "b".into()],
+            leaves: vec![
+                leaf_coverage(leaf(framework, URGENT), CoverageState::Found, 3, &[]),
+                leaf_coverage(leaf(framework, SLOW), CoverageState::NotFound, 0, &[]),
+                leaf_coverage(third(framework), CoverageState::NotObservable, 0, &["a", "b"]),
+            ],
+            unresolved: vec![],
+        },
+        drives: [("a", drive(3600.0, Some("Suzhou"))), ("b", drive(1800.0, None))]
+            .map(|(k, v)| (DriveId::from(k), v))
+            .into(),
+        ..MinedFacts::default()
+    };
+    out.episodes.by_class.insert(id(URGENT), [("a".into(), (4, 2)), ("b".into(), (1, 1))].into());
+    out.episodes.by_hour[9] = 3;
+    out
+}
+
+fn task(name: &str, episode: &str, stage: LabelStage) -> TaskFacts {
+    TaskFacts {
+        task: name.into(),
+        episode: episode.into(),
+        drive: "a".into(),
+        scenario: id(URGENT),
+        keyframe: at("2026-01-01T09:00:00Z"),
+        stage,
+        superseded: false,
+        author: Some("Ada".into()),
+        label: None,
+        first: None,
+        revision: None,
+        created: at("2026-11-02T08:00:00Z"),
+        submitted: None,
+        accepted: None,
+        returned: 0,
+        worked_s: 360.0,
+    }
+}
+
+/// e1 accepted as another class, e2 labelled by two people, e3 waiting, e4 rejected.
+fn tasks() -> Vec<TaskFacts> {
+    let judged =
+        |class: &str, lateral| Judgement { scenario: Some(id(class)), lateral, ..Judgement::default() };
+    let accepted = TaskFacts {
+        label: Some(judged(SLOW, None)),
+        revision: Some(Revision {
+            changed: vec!["/scenario/l3", "/keyframe/timestamp"],
+            keyframe_shift_s: Some(-0.4),
+        }),
+        submitted: Some(at("2026-11-03T08:00:00Z")),
+        accepted: Some(at("2026-11-10T08:00:00Z")),
+        returned: 1,
+        ..task("t1", "e1", LabelStage::Accepted)
+    };
+    let twice = |name: &str, author: &str, lateral| TaskFacts {
+        author: Some(author.into()),
+        label: Some(judged(URGENT, lateral)),
+        first: Some(judged(URGENT, lateral)),
+        submitted: Some(at("2026-11-04T08:00:00Z")),
+        ..task(name, "e2", LabelStage::Labelled)
+    };
+    vec![
+        accepted,
+        twice("t2", "Ada", None),
+        twice("t3", "Ben", Some(whyroad_model::decision::Lateral::LaneKeeping)),
+        task("t4", "e3", LabelStage::Waiting),
+        task("t5", "e4", LabelStage::LeftOut),
+    ]
+}
+
+fn analytics(with_tasks: bool, with_mined: bool) -> Analytics {
+    let framework = Framework::bundled();
+    let (mined, tasks) = (mined(framework), tasks());
+    let wanted: BTreeMap<ScenarioId, u64> = [(id(URGENT), 5), (id(SLOW), 1)].into();
+    let rate = HourlyRate { amount: 60.0, currency: "CNY".into() };
+    let inputs = AnalyticsInputs {
+        mined: with_mined.then_some(&mined),
+        tasks: with_tasks.then_some(&tasks[..]),
+        releases: None,
+        wanted: &wanted,
+        rate: Some(&rate),
+        as_of: None,
+        utc_offset_h: 8,
+        query: &|_, _| None,
+    };
+    Analytics::new(framework, &inputs)
+}
+
+fn row<'a>(a: &'a Analytics, class: &str) -> &'a StageRow {
+    a.stages.iter().find(|r| r.scenario_id == id(class)).unwrap()
+}
+
+#[test]
+fn stages_count_episodes_by_the_class_that_they_have_there() {
+    let a = analytics(true, true);
+    let (urgent, slow) = (row(&a, URGENT), row(&a, SLOW));
+    // Mined and tasked as urgent; e1 was labelled slow; e2 counts once although two people label it.
+    let counts = |r: &StageRow| r.counts.all().map(|c| c.1);
+    assert_eq!(counts(urgent), [Some(3), Some(4), Some(1), Some(0), None]);
+    assert_eq!(counts(slow), [Some(0), Some(0), Some(1), Some(1), None]);
+    assert_eq!((urgent.left_out, urgent.wanted), (Some(1), Some(5)));
+    let l2 = row(&a, "reactive_agent.cutin");
+    assert_eq!(counts(l2), [Some(3), Some(4), Some(2), Some(1), None]);
+    assert_eq!(l2.wanted, Some(6));
+}
+
+#[test]
+fn what_cannot_be_seen_and_what_was_not_given_is_not_zero() {
+    let framework = Framework::bundled();
+    let a = analytics(true, true);
+    let blind = a.stages.iter().find(|r| r.scenario_id == third(framework)).unwrap();
+    assert_eq!((blind.counts.mined, blind.state), (None, Some(CoverageState::NotObservable)));
+    let slow = row(&a, SLOW);
+    assert_eq!((slow.counts.mined, slow.state), (Some(0), Some(CoverageState::NotFound)));
+    let alone = analytics(false, true);
+    assert_eq!(row(&alone, URGENT).counts.tasked, None);
+    assert!(alone.progress.is_none() && alone.corrections.is_none());
+    let no_mining = analytics(true, false);
+    assert_eq!(row(&no_mining, URGENT).counts.mined, None);
+    assert!(no_mining.unseen.is_none());
+}
+
+#[test]
+fn corrections_agreement_and_cost_are_those_of_the_project() {
+    let a = analytics(true, true);
+    let c = a.corrections.as_ref().unwrap();
+    assert_eq!((c.labels, c.unchanged, c.keyframes.moved), (1, 0, 1));
+    let changed: Vec<&str> = c.fields.iter().filter(|f| f.changed > 0).map(|f| f.pointer).collect();
+    assert_eq!(changed.len(), 2, "{changed:?}");
+    assert_eq!(c.keyframes_by_class[0].0, id(SLOW));
+    let lateral = a.agreement.iter().find(|r| r.measure == Measure::Lateral).unwrap();
+    assert_eq!((lateral.pairs, lateral.same), (1, Some(0.0)));
+    let p = a.progress.as_ref().unwrap();
+    // Five tasks of six minutes each: half an hour at 60 an hour for one accepted label.
+    assert_eq!(p.cost.as_ref().map(|c| (c.per_label, c.currency.as_str())), Some((30.0, "CNY")));
+    assert_eq!(p.unfinished, 3);
+    let weeks: Vec<(&str, u64, u64, u64)> =
+        p.weeks.iter().map(|w| (w.week.as_str(), w.created, w.submitted, w.accepted)).collect();
+    assert_eq!(weeks, [("2026-11-02", 5, 3, 0), ("2026-11-09", 0, 0, 1)]);
+    // 5 + 1 are wanted, one is accepted; one day of history is not enough for a forecast.
+    assert_eq!((p.finish.remaining, p.finish.reason), (5, Some(forecast::NoForecast::TooFewDays)));
+}
+
+#[test]
+fn contexts_keep_what_is_not_stated() {
+    let a = analytics(true, true);
+    let place = |value: Option<&str>| {
+        a.contexts.iter().find(|r| r.dimension == Dimension::Place && r.value.as_deref() == value).unwrap()
+    };
+    assert_eq!((place(Some("Suzhou")).hours, place(Some("Suzhou")).mined), (Some(1.0), Some(2)));
+    assert_eq!((place(None).hours, place(None).mined), (Some(0.5), Some(1)));
+    assert_eq!(place(Some("Suzhou")).accepted, Some(1));
+    // 08:30 to 09:30 and 08:30 to 09:00, UTC: an hour at 16, half an hour at 17 in UTC+8.
+    let hours: Vec<(&str, f64)> = a
+        .contexts
+        .iter()
+        .filter(|r| r.dimension == Dimension::Hour)
+        .map(|r| (r.value.as_deref().unwrap(), r.hours.unwrap()))
+        .collect();
+    assert_eq!(hours, [("16", 1.0), ("17", 0.5)]);
+}
+
+#[test]
+fn shortfalls_say_what_to_do() {
+    let a = analytics(true, true);
+    let of = |class: &ScenarioId| a.shortfalls.iter().find(|s| s.scenario_id == *class);
+    // Urgent: 5 wanted, none accepted, e2 and e3 on the way, nothing mined is without a task: 3 to mine.
+    let urgent = of(&id(URGENT)).unwrap();
+    assert_eq!(
+        (urgent.step, urgent.in_progress, urgent.missing),
+        (ShortfallStep::MineMore, Some(2), Some(3))
+    );
+    // The rate is 3 in 1.5 h.
+    assert_eq!(urgent.hours, Some(1.5));
+    assert!(of(&id(SLOW)).is_none(), "its one label is there");
+    let framework = Framework::bundled();
+    assert_eq!(of(&third(framework)).unwrap().step, ShortfallStep::OtherDrives);
+}
+
+#[test]
+fn the_unseen_is_counted_over_observable_leaves_only() {
+    let a = analytics(true, true);
+    let u = a.unseen.as_ref().unwrap();
+    assert_eq!((u.hours, u.drives, u.observable, u.found), (1.5, 2, 2, 1));
+    // One leaf, in two drives: f2 = 1, n = 2, nothing alone.
+    assert_eq!(u.mass.map(|m| m.value), Some(0.0));
+    assert_eq!(u.new_leaves, None, "100 h are beyond what 1.5 h can say");
+}
+
+#[test]
+fn the_page_shows_unknown_and_not_observable_by_their_marks() {
+    let page = page::fragment(&analytics(false, true)).into_string();
+    assert!(page.contains("Not given: ") && page.contains(">…<"), "unknown is marked");
+    assert!(page.contains(">?</td>"), "not observable is marked");
+    let whole = page::fragment(&analytics(true, true)).into_string();
+    assert!(whole.contains("30</b>") || whole.contains("<b>30 CNY</b>"), "the cost is shown");
+    assert_eq!(whole.matches("<svg").count(), whole.matches("</svg>").count());
+    assert_eq!(whole.matches("lang=\"zh\"").count(), whole.matches("lang=\"en\"").count());
+}
+
+#[test]
+fn text_and_tables_have_the_same_numbers() {
+    let a = analytics(true, true);
+    let text = render_text(&a, Lang::En);
+    assert!(text.contains("cost per accepted label: 30 CNY"), "{text}");
+    assert!(render_text(&a, Lang::Zh).contains("每个已接受标注的成本：30 CNY"));
+    let sheets = tables(&a);
+    let stages = sheets.iter().find(|s| s.name == "stages").unwrap().csv();
+    assert!(stages.lines().any(|l| l.starts_with(URGENT) && l.ends_with(",3,4,1,0,,1,5")), "{stages}");
+    let names: std::collections::BTreeSet<_> = sheets.iter().map(|s| s.name).collect();
+    assert_eq!(names.len(), sheets.len());
+    for sheet in &sheets {
+        assert!(sheet.columns.iter().all(|c| c.values.len() == sheet.rows()), "{}", sheet.name);
+    }
+}

@@ -1,0 +1,150 @@
+//! What the analytics are made from, read where it is: a mined folder, the store of the labelling service, releases.
+//! `whyroad report` and the page of the service share it.
+
+mod service;
+
+pub(crate) use service::ServiceReports;
+
+use crate::store_args::error as refusal;
+use anyhow::{Context as _, anyhow, bail};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use whyroad_dataset::Release;
+use whyroad_label::facts::{Judgement, TaskFacts};
+use whyroad_lake::{Lake, MinedFolder};
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
+use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
+use whyroad_server::service::{facts, projects};
+use whyroad_server::store::{Store, StoreLocation};
+
+/// A mined folder in short; weather from the lake, where one is given. Drives whose context cannot be read keep their
+/// weather unknown, and are named.
+pub(crate) fn mined(
+    folder: &MinedFolder,
+    lake: Option<&Lake>,
+) -> Result<(MinedFacts, Vec<Diagnostic>), Box<Diagnostic>> {
+    let unreadable = |e: whyroad_lake::LakeError| Box::new(e.diagnostic());
+    let mut out = MinedFacts { coverage: folder.coverage()?, ..MinedFacts::default() };
+    let mut lost = Vec::new();
+    for (id, drive) in folder.drive_summaries().map_err(unreadable)? {
+        let weather = match lake.map(|l| l.stated_context(&id)) {
+            Some(Ok(stated)) => stated.and_then(|s| Some(s.into_iter().find(|c| c.kind == "weather")?.value)),
+            Some(Err(e)) => {
+                lost.push(e.diagnostic());
+                None
+            }
+            None => None,
+        };
+        let facts = DriveFacts {
+            seconds: drive.seconds,
+            place: drive.place,
+            source: drive.source,
+            weather,
+            start: drive.start,
+        };
+        out.drives.insert(id, facts);
+    }
+    // What was searched counts even without a clip.
+    for id in &out.coverage.drives {
+        out.drives.entry(id.clone()).or_default();
+    }
+    folder.each_episode(|e| out.episodes.add(e)).map_err(unreadable)?;
+    Ok((out, lost))
+}
+
+/// Tasks of the labelling service and what its projects want.
+pub(crate) struct Labelling {
+    pub tasks: Vec<TaskFacts>,
+    pub wanted: BTreeMap<ScenarioId, u64>,
+}
+
+/// The tasks of a store: `labels.db`, the folder with it, or a PostgreSQL address; of one project, or of all.
+pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Labelling> {
+    let store = open_store(source, lang)?;
+    let all = store.read(projects::all).map_err(|p| refusal(&p, lang))?;
+    let chosen: Vec<_> =
+        all.iter().filter(|p| project.is_none_or(|name| p.name == name || p.id == name)).collect();
+    if let Some(name) = project.filter(|_| chosen.is_empty()) {
+        let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
+        bail!("there is no project '{name}'; there are: {}", names.join(", "));
+    }
+    let mut out = Labelling { tasks: vec![], wanted: BTreeMap::new() };
+    for p in chosen {
+        out.tasks.extend(store.read(|tx| facts::of(tx, &p.id)).map_err(|e| refusal(&e, lang))?);
+        for (leaf, n) in &p.quota {
+            if let Ok(id) = leaf.parse() {
+                *out.wanted.entry(id).or_default() += u64::from(*n);
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// The store that a text names; it must exist.
+pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
+    let below = Path::new(source).join("labels.db");
+    let location = match StoreLocation::parse(source) {
+        StoreLocation::File(_) if below.is_file() => StoreLocation::File(below),
+        other => other,
+    };
+    if let StoreLocation::File(path) = &location
+        && !path.is_file()
+    {
+        bail!("there is no store at {}", path.display());
+    }
+    let folder = Path::new(source).parent().unwrap_or(Path::new("."));
+    Store::open_keeping(&location, folder).map_err(|p| refusal(&p, lang))
+}
+
+/// Columns of a release that counts need.
+const SAMPLE_COLUMNS: &[&str] = &[
+    "sample_id",
+    "scenario_id",
+    "longitudinal",
+    "lateral",
+    "lateral_direction",
+    "lineage",
+    "groups",
+    "context",
+];
+
+/// Releases in short, one row group at a time.
+pub(crate) fn releases(dirs: &[PathBuf]) -> anyhow::Result<Vec<ReleaseFacts>> {
+    dirs.iter().map(|dir| release(dir)).collect()
+}
+
+fn release(dir: &Path) -> anyhow::Result<ReleaseFacts> {
+    let cannot = || format!("cannot read the release {}", dir.display());
+    let release = Release::open(dir).with_context(cannot)?;
+    let name = format!("{} {}", release.manifest.name, release.manifest.version);
+    let mut out = ReleaseFacts { name, samples: vec![] };
+    for batch in release.batches(None, Some(SAMPLE_COLUMNS)) {
+        let batch = batch.with_context(cannot)?;
+        for s in whyroad_dataset::sample::schema::from_batch(&batch)
+            .map_err(|e| anyhow!("{}: {e}", dir.display()))?
+        {
+            let weather = s.context.and_then(|c| Some(c.into_iter().find(|c| c.kind == "weather")?.value));
+            out.samples.push(SampleFacts {
+                judgement: Judgement {
+                    scenario: s.scenario_id.parse().ok(),
+                    longitudinal: s.longitudinal.as_deref().and_then(Longitudinal::from_id),
+                    lateral: s.lateral.as_deref().and_then(Lateral::from_id),
+                    lateral_direction: s.lateral_direction.as_deref().and_then(LateralDirection::from_id),
+                    keyframe: Some(Nanos(s.lineage.keyframe_time_ns)),
+                },
+                sample: s.sample_id,
+                place: s.groups.place,
+                source: Some(s.groups.source).filter(|s| !s.is_empty()),
+                weather,
+            });
+        }
+    }
+    Ok(out)
+}
+
+/// The largest of several mined folders: the page shows one, and says which.
+pub(crate) fn largest(dirs: &[PathBuf]) -> Option<MinedFolder> {
+    let folders = dirs.iter().filter_map(|d| MinedFolder::find(d).ok()).flat_map(BTreeMap::into_values);
+    folders.max_by_key(|f| f.coverage().map_or(0, |c| c.drives.len()))
+}

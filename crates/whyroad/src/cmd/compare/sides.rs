@@ -1,0 +1,211 @@
+//! One side of a comparison as episodes: read from a mined folder, found by a framework's rules in a lake, or made from
+//! the samples of a release.
+
+use crate::{Global, framework_folder, output};
+use anyhow::{Context as _, anyhow, bail};
+use std::path::Path;
+use whyroad_dataset::{Release, Sample};
+use whyroad_engine::mine::{MineOptions, mine_each};
+use whyroad_framework::{Framework, Taxonomy};
+use whyroad_lake::{Lake, MinedFolder};
+use whyroad_mining::RuleSet;
+use whyroad_model::messages::{EpisodeRecord, Keyframe, KeyframeType, TimeRange};
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
+use whyroad_signals::Catalogue;
+
+/// What a path is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A folder of `whyroad mine --out DIR`.
+    Mined,
+    /// A framework folder, or the built-in framework.
+    Framework,
+    /// A folder of `whyroad dataset build`.
+    Release,
+}
+
+/// The word for the built-in framework.
+const BUNDLED: &str = "bundled";
+
+impl Kind {
+    pub(super) fn of(path: &Path) -> anyhow::Result<Self> {
+        if MinedFolder::open(path).is_some() {
+            Ok(Self::Mined)
+        } else if path.join("manifest.json").is_file() {
+            Ok(Self::Release)
+        } else if path.join("schema").is_dir()
+            || path.join("scenarios").is_dir()
+            || (path == Path::new(BUNDLED) && !path.exists())
+        {
+            Ok(Self::Framework)
+        } else {
+            bail!(
+                "{} is neither a folder of `whyroad mine --out DIR`, a framework folder nor a release",
+                path.display()
+            )
+        }
+    }
+}
+
+/// One side.
+pub(super) struct Side {
+    /// Drives that were searched.
+    pub drives: Vec<DriveId>,
+    /// Episodes of the classes asked for.
+    pub episodes: Vec<EpisodeRecord>,
+    /// The taxonomy, of a framework.
+    pub taxonomy: Option<Taxonomy>,
+    /// Some input could not be read.
+    pub lost: bool,
+}
+
+impl Side {
+    pub(super) fn read(
+        global: &Global,
+        path: &Path,
+        kind: Kind,
+        lake: Option<&Path>,
+        class: Option<&ScenarioId>,
+    ) -> anyhow::Result<Self> {
+        let wanted = |e: &EpisodeRecord| class.is_none_or(|c| e.scenario_id.is_within(c));
+        match kind {
+            Kind::Mined => mined(path, wanted),
+            Kind::Framework => {
+                let dir = lake.with_context(|| {
+                    format!("{} is a framework: name the lake to run it over with --lake", path.display())
+                })?;
+                run_rules(global, path, &Lake::open(dir)?, wanted)
+            }
+            Kind::Release => release(path, wanted),
+        }
+    }
+}
+
+fn mined(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
+    let folder = MinedFolder::open(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+    let text = |d: &whyroad_model::Diagnostic| anyhow!("{}", output::render_text(d, Lang::En));
+    let coverage = folder.coverage().map_err(|d| text(&d))?;
+    let mut episodes = Vec::new();
+    for episode in folder.episodes().map_err(|e| anyhow!("{e}"))? {
+        let episode = episode.map_err(|d| text(&d))?;
+        if wanted(&episode) {
+            episodes.push(episode);
+        }
+    }
+    Ok(Side { drives: coverage.drives, episodes, taxonomy: None, lost: false })
+}
+
+/// Runs all rules of a framework over the lake; what is wrong in it is said on stderr.
+fn run_rules(
+    global: &Global,
+    path: &Path,
+    lake: &Lake,
+    wanted: impl Fn(&EpisodeRecord) -> bool,
+) -> anyhow::Result<Side> {
+    let (framework, mut found) = if path == Path::new(BUNDLED) {
+        (Some(Framework::bundled().clone()), vec![])
+    } else {
+        framework_folder::read(path)?
+    };
+    let framework = framework.with_context(|| format!("{} holds no usable framework", path.display()))?;
+    let (catalogue, of_signals) = Catalogue::parse(&framework.signals_yaml);
+    let (rules, of_rules) = RuleSet::of_framework(&framework, &catalogue);
+    let rules = rules.with_decision_moments(&catalogue);
+    found.extend(of_signals.into_iter().chain(of_rules));
+    for d in &found {
+        tell!("{}", output::render_text(d, global.lang));
+    }
+    let bar = output::progress(lake.drive_ids().len());
+    let options = MineOptions { lang: global.lang, ..MineOptions::default() };
+    let (mut drives, mut episodes) = (Vec::new(), Vec::new());
+    let unread: Result<_, std::convert::Infallible> = mine_each(
+        lake,
+        &rules,
+        &options,
+        |id| {
+            bar.set_message(format!("{}: {id}", path.display()));
+            bar.inc(1);
+        },
+        |drive| {
+            episodes.extend(drive.episodes.into_iter().map(|e| e.record).filter(|e| wanted(e)));
+            drives.push(drive.drive_id);
+            Ok(())
+        },
+    );
+    bar.finish_and_clear();
+    let Ok(unread) = unread;
+    for d in &unread {
+        tell!("{}", output::render_text(d, global.lang));
+    }
+    Ok(Side { drives, episodes, taxonomy: Some(framework.taxonomy), lost: !unread.is_empty() })
+}
+
+/// Columns of a release that moments need.
+const COLUMNS: &[&str] = &["sample_id", "scenario_id", "secondary_scenarios", "lineage", "label_json"];
+
+fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
+    let cannot = || format!("cannot read the release {}", dir.display());
+    let release = Release::open(dir).with_context(cannot)?;
+    let mut out = Side { drives: vec![], episodes: vec![], taxonomy: None, lost: false };
+    for batch in release.batches(None, Some(COLUMNS)) {
+        let samples = whyroad_dataset::sample::schema::from_batch(&batch.with_context(cannot)?);
+        for sample in samples.map_err(|e| anyhow!("{}: {e}", dir.display()))? {
+            out.drives.push(DriveId::from(sample.lineage.drive_id.as_str()));
+            out.episodes.extend(moments(&sample)?.into_iter().filter(|e| wanted(e)));
+        }
+    }
+    out.drives.sort();
+    out.drives.dedup();
+    Ok(out)
+}
+
+/// A sample as an episode of its class, and one of each class that is secondary to it.
+fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
+    let class = |id: &str| id.parse::<ScenarioId>().map_err(|e| anyhow!("{}: {e}", sample.sample_id));
+    let keyframe = Nanos(sample.lineage.keyframe_time_ns);
+    let label: serde_json::Value = serde_json::from_str(&sample.label_json).unwrap_or_default();
+    let time = |pointer: &str| {
+        let text = label.pointer(pointer).and_then(serde_json::Value::as_str);
+        text.and_then(|t| Nanos::parse_iso(t).ok()).unwrap_or(keyframe)
+    };
+    let primary = EpisodeRecord {
+        episode_id: sample.sample_id.clone(),
+        scenario_id: class(&sample.scenario_id)?,
+        drive_id: DriveId::from(sample.lineage.drive_id.as_str()),
+        clip_id: ClipId::from(sample.lineage.clip_id.as_str()),
+        target_id: sample.lineage.target_id.as_deref().map(TrackId::from),
+        roles: [].into(),
+        time_range: TimeRange {
+            start_timestamp: time("/time_range/start_timestamp"),
+            end_timestamp: time("/time_range/end_timestamp"),
+            start_frame_idx: None,
+            end_frame_idx: None,
+        },
+        keyframe: Keyframe {
+            timestamp: keyframe,
+            frame_idx: sample.lineage.keyframe_frame,
+            kind: KeyframeType::Reactive,
+            range_start: None,
+            range_end: None,
+        },
+        second_keyframe: None,
+        score: sample.lineage.score.unwrap_or(1.0),
+        is_primary: true,
+        primary_episode_id: None,
+        keyframe_rule: Bilingual::default(),
+        conditions_matched: vec![],
+        signals: vec![],
+    };
+    let mut out = vec![primary.clone()];
+    for id in &sample.secondary_scenarios {
+        let secondary = EpisodeRecord {
+            episode_id: format!("{} ({id})", sample.sample_id),
+            scenario_id: class(id)?,
+            is_primary: false,
+            primary_episode_id: Some(sample.sample_id.clone()),
+            ..primary.clone()
+        };
+        out.push(secondary);
+    }
+    Ok(out)
+}

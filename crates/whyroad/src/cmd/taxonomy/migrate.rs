@@ -1,0 +1,298 @@
+//! `whyroad taxonomy migrate`: labels, tasks and releases carried along when classes are renamed, merged or split.
+
+use crate::output::{self, Print};
+use crate::{Global, analytics, framework_folder};
+use anyhow::{Context as _, bail};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{SystemTime, UNIX_EPOCH};
+use whyroad_dataset::Release;
+use whyroad_dataset::carry::{CarriedRelease, carry_release};
+use whyroad_framework::Taxonomy;
+use whyroad_framework::mapping::{ClassChange, ClassMapping, read_mapping};
+use whyroad_label::carry::{Carried, carry};
+use whyroad_model::{Lang, ScenarioId};
+use whyroad_server::service::migration::{self, MigratedStore, MigrationRun};
+
+/// Arguments of `whyroad taxonomy migrate`.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// Mapping of classes (YAML)
+    #[arg(value_name = "MAPPING")]
+    mapping: PathBuf,
+    /// Write a commented mapping to MAPPING instead
+    #[arg(long, conflicts_with_all = ["from", "store", "labels", "release", "out", "dry_run"])]
+    init: bool,
+    /// Framework folder (or `bundled`) before the change: classes before must be in it
+    #[arg(long, value_name = "DIR")]
+    from: Option<PathBuf>,
+    /// Store of the labelling service: labels.db, the folder with it, or postgres://...
+    #[arg(long, value_name = "STORE")]
+    store: Option<String>,
+    /// Labels, or tasks of `tasks export --format tasks` (JSON Lines); may be repeated
+    #[arg(long, value_name = "FILE")]
+    labels: Vec<PathBuf>,
+    /// Release; may be repeated
+    #[arg(long, value_name = "DIR")]
+    release: Vec<PathBuf>,
+    /// Folder for new files and releases, by the names of the old ones; the old ones stay as they are
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Say what would be done, and write nothing
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    print: Print,
+}
+
+const TEMPLATE: &str = include_str!("mapping.yaml");
+
+/// What a file of labels gave.
+#[derive(Default)]
+struct CarriedFile {
+    lines: usize,
+    moved: BTreeMap<(String, String), u64>,
+    /// Line, class before, classes to choose from.
+    undecided: Vec<(usize, String, Vec<String>)>,
+    /// Lines that are not JSON.
+    lost: Vec<usize>,
+}
+
+/// Everything that was done.
+#[derive(Default)]
+struct Done {
+    store: Option<MigratedStore>,
+    files: Vec<(PathBuf, CarriedFile)>,
+    releases: Vec<(PathBuf, CarriedRelease)>,
+}
+
+pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    if args.init {
+        return init(&args.mapping, &framework.taxonomy.version, global.lang);
+    }
+    let before = args.from.as_deref().map(taxonomy).transpose()?;
+    let name = args.mapping.display().to_string();
+    let text = std::fs::read_to_string(&args.mapping).with_context(|| format!("cannot read {name}"))?;
+    let mapping = match read_mapping(&name, &text, before.as_ref(), &framework.taxonomy) {
+        Ok(mapping) => mapping,
+        Err(found) => {
+            for d in &found {
+                tell!("{}", output::render_text(d, global.lang));
+            }
+            return Ok(output::FINDINGS);
+        }
+    };
+    if args.store.is_none() && args.labels.is_empty() && args.release.is_empty() {
+        bail!("name what is to be carried along: --store, --labels or --release");
+    }
+    if args.out.is_none() && !args.dry_run && !(args.labels.is_empty() && args.release.is_empty()) {
+        bail!("name a folder for the new files with --out, or use --dry-run");
+    }
+    let mut done = Done::default();
+    let target = |path: &Path| -> Option<PathBuf> {
+        args.out.as_ref().filter(|_| !args.dry_run).map(|out| out.join(path.file_name().unwrap_or_default()))
+    };
+    for file in &args.labels {
+        done.files.push((file.clone(), labels(file, &mapping, target(file).as_deref())?));
+    }
+    for dir in &args.release {
+        let release = Release::open(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+        if let Some(out) = args.out.as_ref().filter(|_| !args.dry_run) {
+            std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+        }
+        let carried = carry_release(&release, &mapping, target(dir).as_deref());
+        done.releases
+            .push((dir.clone(), carried.with_context(|| format!("cannot carry {}", dir.display()))?));
+    }
+    if let Some(source) = &args.store {
+        let store = analytics::open_store(source, global.lang)?;
+        let run = if args.dry_run { MigrationRun::Dry } else { MigrationRun::Write };
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as i64);
+        let migrated = migration::migrate(&store, &mapping, run, now);
+        done.store = Some(migrated.map_err(|p| crate::store_args::error(&p, global.lang))?);
+    }
+    let lost = done.files.iter().any(|(_, f)| !f.lost.is_empty());
+    let (data, lang) = (json_of(&done, args.dry_run), global.lang);
+    args.print.put(&data, || text_of(&done, args.dry_run, lang))?;
+    Ok(if lost { output::lost_input() } else { output::FINE })
+}
+
+fn init(path: &Path, version: &str, lang: Lang) -> anyhow::Result<ExitCode> {
+    if path.exists() {
+        bail!("{} exists already", path.display());
+    }
+    std::fs::write(path, TEMPLATE.replace("$VERSION", version))
+        .with_context(|| format!("cannot write {}", path.display()))?;
+    match lang {
+        Lang::Zh => say!("映射模板写入 {}", path.display()),
+        Lang::En => say!("a commented mapping is in {}", path.display()),
+    }
+    Ok(output::FINE)
+}
+
+fn taxonomy(path: &Path) -> anyhow::Result<Taxonomy> {
+    if path == Path::new("bundled") && !path.exists() {
+        return Ok(whyroad_framework::Framework::bundled().taxonomy.clone());
+    }
+    let (framework, _) = framework_folder::read(path)?;
+    Ok(framework.with_context(|| format!("{} holds no usable framework", path.display()))?.taxonomy)
+}
+
+/// Carries a file of JSON lines along. Lines of other kinds, and lines that cannot be read, are written as they are.
+fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Result<CarriedFile> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let mut done = CarriedFile::default();
+    let mut written = String::with_capacity(text.len());
+    for (i, line) in text.lines().enumerate() {
+        if line.trim().is_empty() {
+            continue;
+        }
+        done.lines += 1;
+        let Ok(mut value) = serde_json::from_str::<Value>(line) else {
+            done.lost.push(i + 1);
+            written += line;
+            written.push('\n');
+            continue;
+        };
+        let carried = one(&mut value, mapping);
+        match carried {
+            Carried::Same => written += line,
+            Carried::Moved { from, to } => {
+                *done.moved.entry((from.to_string(), to.to_string())).or_default() += 1;
+                written += &value.to_string();
+            }
+            Carried::Undecided { from, parts, .. } => {
+                let parts = parts.iter().map(ToString::to_string).collect();
+                done.undecided.push((i + 1, from.to_string(), parts));
+                written += &value.to_string();
+            }
+        }
+        written.push('\n');
+    }
+    if let Some(out) = out {
+        if let Some(dir) = out.parent() {
+            std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+        }
+        if out.canonicalize().ok().is_some_and(|o| file.canonicalize().ok() == Some(o)) {
+            bail!("{} would be overwritten; choose another folder with --out", file.display());
+        }
+        std::fs::write(out, written).with_context(|| format!("cannot write {}", out.display()))?;
+    }
+    Ok(done)
+}
+
+/// A label, or a task with its draft and its episode.
+fn one(value: &mut Value, mapping: &ClassMapping) -> Carried {
+    let Some(task) = value.get_mut("task") else { return carry(mapping, value) };
+    let carried = task.get_mut("draft").map_or(Carried::Same, |d| carry(mapping, d));
+    if let Some(initial) = task.get_mut("initial") {
+        carry(mapping, initial);
+    }
+    let class = task.pointer("/episode/scenario_id").and_then(Value::as_str).map(str::parse::<ScenarioId>);
+    if let Some(Ok(class)) = class {
+        let to = match (mapping.change(&class), &carried) {
+            (Some(ClassChange::To(to)), _) => Some(to),
+            (Some(ClassChange::Split(_)), Carried::Moved { to, .. } | Carried::Undecided { to, .. }) => {
+                Some(to.clone())
+            }
+            _ => None,
+        };
+        if let Some(to) = to {
+            task["episode"]["scenario_id"] = json!(to.to_string());
+        }
+    }
+    carried
+}
+
+fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
+    let t = |zh: &'static str, en: &'static str| if lang == Lang::Zh { zh } else { en };
+    let mut out = String::new();
+    if dry {
+        out += t("试运行：没有写入任何内容\n", "dry run: nothing was written\n");
+    }
+    let moved = |out: &mut String, of: &BTreeMap<(String, String), u64>| {
+        for ((from, to), n) in of {
+            let _ = writeln!(out, "  {from} -> {to}: {n}");
+        }
+    };
+    let person = t("须由人决定", "for a person to decide");
+    if let Some(s) = &done.store {
+        let _ = writeln!(out, "{}", t("标注服务的存储", "store of the labelling service"));
+        moved(&mut out, &s.moved);
+        if s.settings > 0 {
+            let _ = writeln!(out, "  {}: {}", t("项目设置", "project settings"), s.settings);
+        }
+        for (project, what, class) in &s.left {
+            let _ = writeln!(out, "  {project}: {what} {class}: {person}");
+        }
+        let _ = writeln!(out, "  {person}: {}", s.undecided.len());
+        for u in &s.undecided {
+            let rework = if u.rework { t("，已退回返工", ", back at its author") } else { "" };
+            let _ =
+                writeln!(out, "    {} ({}){rework}: {} -> {}", u.task, u.clip, u.from, u.parts.join(" | "));
+        }
+    }
+    for (file, f) in &done.files {
+        let _ = writeln!(out, "{} ({} {})", file.display(), f.lines, t("行", "lines"));
+        moved(&mut out, &f.moved);
+        let _ = writeln!(out, "  {person}: {}", f.undecided.len());
+        for (line, from, parts) in &f.undecided {
+            let _ = writeln!(out, "    {}:{line}: {from} -> {}", file.display(), parts.join(" | "));
+        }
+        for line in &f.lost {
+            let what = t("不是 JSON，原样保留", "not JSON, kept as it is");
+            let _ = writeln!(out, "    {}:{line}: {what}", file.display());
+        }
+    }
+    for (dir, r) in &done.releases {
+        let _ = writeln!(out, "{} ({} {})", dir.display(), r.samples, t("个样本", "samples"));
+        for (from, to) in &r.moved {
+            for (to, n) in to {
+                let _ = writeln!(out, "  {from} -> {to}: {n}");
+            }
+        }
+        let _ = writeln!(out, "  {person}: {}", r.undecided.len());
+        for u in &r.undecided {
+            let _ =
+                writeln!(out, "    {} ({}): {} -> {}", u.sample_id, u.clip_id, u.from, u.parts.join(" | "));
+        }
+        if !r.repeated.is_empty() {
+            let what = t("与另一样本重复，已去除", "the same as another sample now, left out");
+            let _ = writeln!(out, "  {what}: {}", r.repeated.len());
+        }
+    }
+    out
+}
+
+fn json_of(done: &Done, dry: bool) -> Value {
+    let moved = |of: &BTreeMap<(String, String), u64>| -> Vec<Value> {
+        of.iter().map(|((from, to), n)| json!({ "from": from, "to": to, "count": n })).collect()
+    };
+    json!({
+        "dry_run": dry,
+        "store": done.store.as_ref().map(|s| json!({
+            "moved": moved(&s.moved),
+            "settings": s.settings,
+            "left": s.left.iter().map(|(p, what, class)| json!({ "project": p, "what": what, "class": class }))
+                .collect::<Vec<_>>(),
+            "undecided": s.undecided.iter().map(|u| json!({
+                "task": u.task, "project": u.project, "clip": u.clip, "from": u.from, "parts": u.parts,
+                "rework": u.rework,
+            })).collect::<Vec<_>>(),
+        })),
+        "labels": done.files.iter().map(|(file, f)| json!({
+            "file": file.display().to_string(), "lines": f.lines, "moved": moved(&f.moved), "lost": f.lost,
+            "undecided": f.undecided.iter()
+                .map(|(line, from, parts)| json!({ "line": line, "from": from, "parts": parts }))
+                .collect::<Vec<_>>(),
+        })).collect::<Vec<_>>(),
+        "releases": done.releases.iter().map(|(dir, r)| json!({
+            "release": dir.display().to_string(), "samples": r.samples, "moved": r.moved,
+            "undecided": r.undecided, "repeated": r.repeated,
+        })).collect::<Vec<_>>(),
+    })
+}
