@@ -53,6 +53,10 @@ export const getProject = (p: string | number, options?: CallOptions): Promise<T
 export const patchProject = (p: string | number, body: T["ProjectChange"], options?: CallOptions): Promise<T["Project"]> =>
   call<T["Project"]>("PATCH", `/projects/${encodeURIComponent(p)}`, body, options);
 
+/** GET /projects/{p}/analytics */
+export const getProjectAnalytics = (p: string | number, query: { utc_offset?: QueryValue } = {}, options?: CallOptions): Promise<T["AnalyticsPage"]> =>
+  call<T["AnalyticsPage"]>("GET", `/projects/${encodeURIComponent(p)}/analytics${queryString(query)}`, undefined, options);
+
 /** GET /projects/{p}/dashboard */
 export const getProjectDashboard = (p: string | number, options?: CallOptions): Promise<T["Dashboard"]> =>
   call<T["Dashboard"]>("GET", `/projects/${encodeURIComponent(p)}/dashboard`, undefined, options);

@@ -32,6 +32,9 @@ export interface components {
             /** Format: uint32 */
             pairs: number;
         };
+        AnalyticsPage: {
+            html: string;
+        };
         Assign: {
             user?: string | null;
         };
@@ -383,7 +386,9 @@ export interface components {
              * @default {
              *       "audit_max_percent": 20,
              *       "audit_min_percent": 10,
+             *       "currency": "CNY",
              *       "history": "drive",
+             *       "hourly_rate": null,
              *       "lang": "zh",
              *       "lease_s": 300,
              *       "place_precision_m": 0,
@@ -531,8 +536,15 @@ export interface components {
              * @default 10
              */
             audit_min_percent?: number;
+            /** @default CNY */
+            currency?: string;
             /** @default drive */
             history?: components["schemas"]["HistoryRule"];
+            /**
+             * Format: double
+             * @default null
+             */
+            hourly_rate?: number | null;
             /** @default zh */
             lang?: string;
             /**
@@ -764,6 +776,7 @@ export type operations = Record<string, never>;
 export type ActionName = components["schemas"]["ActionName"];
 export type Ageing = components["schemas"]["Ageing"];
 export type Agreement = components["schemas"]["Agreement"];
+export type AnalyticsPage = components["schemas"]["AnalyticsPage"];
 export type Assign = components["schemas"]["Assign"];
 export type AuditRecord = components["schemas"]["AuditRecord"];
 export type BeginAtProvider = components["schemas"]["BeginAtProvider"];

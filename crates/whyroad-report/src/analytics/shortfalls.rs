@@ -14,16 +14,16 @@ use whyroad_model::{Bilingual, ScenarioId};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ShortfallStep {
-    /// No drive can show it: bring drives with the signals that its rule needs.
-    OtherDrives,
-    /// Write a rule.
-    WriteRule,
     /// Mine more drives.
     MineMore,
     /// Make tasks from episodes that are mined already.
     MakeTasks,
     /// Finish the tasks that there are.
     Label,
+    /// No drive can show it: bring drives with the signals that its rule needs.
+    OtherDrives,
+    /// Write a rule.
+    WriteRule,
     /// Labels are short, and without a mined folder nobody knows whether episodes are too.
     Unknown,
 }
@@ -103,7 +103,7 @@ pub(super) fn of(
             one(row, on_the_way, unseen, inputs)
         })
         .collect();
-    // What is missing most first, then in the order of the tree.
+    // What can be done now first, then what is missing most, then in the order of the tree.
     out.sort_by_key(|s| (s.step, std::cmp::Reverse(s.missing.or(s.wanted))));
     out
 }

@@ -109,6 +109,11 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         if !id.is_leaf() {
             let below = tally.counts.iter().filter(|(other, _)| other.is_within(&id) && **other != id);
             below.for_each(|(_, c)| counts.add(c));
+            // Where no leaf below can be seen, nothing was searched: unknown, not zero.
+            let searched = states.iter().any(|(leaf, s)| {
+                leaf.is_within(&id) && matches!(s, CoverageState::Found | CoverageState::NotFound)
+            });
+            counts.mined = counts.mined.filter(|n| *n > 0 || searched);
         }
         let wanted = sum_below(inputs.wanted, &id);
         let left_out = sum_below(&tally.left_out, &id).unwrap_or(0);

@@ -7,7 +7,7 @@ use whyroad_model::Bilingual;
 use whyroad_render::charts;
 use whyroad_render::markup::Markup;
 
-/// Leaves shown of the outlook; the table `outlook` has all.
+/// Leaves shown at once of shortfalls and of the outlook; the tables have all.
 const LEAVES: usize = 25;
 
 pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
@@ -16,6 +16,22 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         m.raw("<p>").say("没有缺口。", "Nothing is short.").raw("</p>");
         return;
     }
+    m.raw("<p>").int(a.shortfalls.len()).say(" 个 L3", " leaves").raw("</p>");
+    let (first, rest) = a.shortfalls.split_at(a.shortfalls.len().min(LEAVES));
+    shortfall_table(m, first, names);
+    if !rest.is_empty() {
+        m.raw("<details><summary>").say("其余 ", "the other ").int(rest.len()).raw("</summary>");
+        shortfall_table(m, rest, names);
+        m.raw("</details>");
+    }
+    m.raw("<p class=\"faint\">");
+    m.say("查询可保存为文件并运行 ", "Save a query to a file and run ")
+        .raw("<code>whyroad mine --query FILE</code>");
+    m.say("。预计行驶时间按目前的发现率计算。", ". Driving is expected from the rate of finds so far.")
+        .raw("</p>");
+}
+
+fn shortfall_table(m: &mut Markup, rows: &[Shortfall], names: &ClassNames) {
     m.raw("<table>");
     head(
         m,
@@ -32,14 +48,10 @@ pub(super) fn shortfalls(m: &mut Markup, a: &Analytics, names: &ClassNames) {
         ],
     );
     m.raw("<tbody>");
-    for s in &a.shortfalls {
+    for s in rows {
         shortfall(m, s, &names.get(&s.scenario_id));
     }
-    m.raw("</tbody></table><p class=\"faint\">");
-    m.say("查询可保存为文件并运行 ", "Save a query to a file and run ")
-        .raw("<code>whyroad mine --query FILE</code>");
-    m.say("。预计行驶时间按目前的发现率计算。", ". Driving is expected from the rate of finds so far.")
-        .raw("</p>");
+    m.raw("</tbody></table>");
 }
 
 fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual) {

@@ -175,6 +175,7 @@ fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
         clip_id: ClipId::from(sample.lineage.clip_id.as_str()),
         target_id: sample.lineage.target_id.as_deref().map(TrackId::from),
         roles: [].into(),
+        ego_response: None,
         time_range: TimeRange {
             start_timestamp: time("/time_range/start_timestamp"),
             end_timestamp: time("/time_range/end_timestamp"),
