@@ -149,6 +149,16 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "robustness",
+        &[
+            ("All perturbations, with a page", "whyroad robustness --lake lake --page robustness.html"),
+            (
+                "Two perturbations, exit code 1 below 0.95",
+                "whyroad robustness --lake lake --perturbation correlated --perturbation 2hz --floor 0.95",
+            ),
+        ],
+    ),
+    (
         "explain",
         &[
             (

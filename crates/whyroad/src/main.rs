@@ -63,6 +63,8 @@ enum Command {
     Explain(cmd::explain::Args),
     /// Check mining rules while they are being written
     Rules(cmd::rules::Args),
+    /// Perturb a lake and report how far mining agrees with itself
+    Robustness(cmd::robustness::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
     /// Compare two mined folders, two frameworks over one lake, or two releases
@@ -116,6 +118,7 @@ fn main() -> ExitCode {
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
         Command::Explain(a) => cmd::explain::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
+        Command::Robustness(a) => cmd::robustness::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
         Command::Compare(a) => cmd::compare::run(&cli.global, a),
         Command::Serve(a) => cmd::serve::run(&cli.global, a),

@@ -15,6 +15,7 @@ pub(crate) mod media;
 pub(crate) mod migrate;
 pub(crate) mod mine;
 pub(crate) mod report;
+pub(crate) mod robustness;
 pub(crate) mod rules;
 pub(crate) mod serve;
 pub(crate) mod shell;

@@ -1,0 +1,194 @@
+//! `whyroad robustness`: how far mining agrees with itself when the log is made worse.
+
+use crate::output::{DataFormat, render_text};
+use crate::{Global, framework_folder, output};
+use anyhow::{Context as _, bail};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_engine::drives::map_drives;
+use whyroad_engine::mine::episodes_of;
+use whyroad_engine::perturb::{Perturbation, perturb};
+use whyroad_lake::{Lake, LakeError};
+use whyroad_mining::RuleSet;
+use whyroad_mining::drive::DriveEpisodes;
+use whyroad_mining::fast::Plan;
+use whyroad_model::{Drive, DriveId, FrameRange, Lang, Nanos, TrackId};
+use whyroad_report::robustness::{Occurrence, Robustness, page, render};
+use whyroad_signals::Catalogue;
+
+/// Arguments of `whyroad robustness`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Lake whose drives are perturbed, in memory; nothing in it is changed
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Only this perturbation; may be repeated [default: all]
+    #[arg(long, value_name = "NAME", value_parser = perturbation)]
+    perturbation: Vec<Perturbation>,
+    /// Seed of the perturbations
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Lowest acceptable agreement, 0 to 1: below it for any perturbation, the exit code is 1; classes below are listed
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    floor: Option<f64>,
+    /// List every class that changed
+    #[arg(long)]
+    classes: bool,
+    /// Also write a page with all classes and perturbations
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
+    /// Number of drives processed at once [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// How to print the result
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t)]
+    format: DataFormat,
+}
+
+/// Classes below this agreement are listed where no floor is asked for.
+const LISTED_BELOW: f64 = 0.95;
+
+fn perturbation(name: &str) -> Result<Perturbation, String> {
+    let names = || Perturbation::ALL.map(Perturbation::name).join(", ");
+    Perturbation::from_name(name).ok_or_else(|| format!("possible values: {}", names()))
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("must be between 0 and 1".to_owned()) }
+}
+
+/// What one drive gave: its episodes as it is, and those of each perturbation.
+type Compared = (Vec<Occurrence>, Vec<Vec<Occurrence>>);
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, faults) = framework_folder::load(global)?;
+    let (catalogue, faults_of_signals) = Catalogue::parse(&framework.signals_yaml);
+    let (rules, found) = RuleSet::of_framework(&framework, &catalogue);
+    let dir = global.framework.as_deref();
+    let findings: Vec<_> = [faults_of_signals, found]
+        .into_iter()
+        .flat_map(|d| framework_folder::placed(dir, d))
+        .chain(faults)
+        .collect();
+    findings.iter().for_each(|d| tell!("{}", render_text(d, global.lang)));
+    let lake = match Lake::open(&args.lake) {
+        Ok(lake) => lake,
+        Err(e) => {
+            tell!("{}", render_text(&e.diagnostic(), global.lang));
+            return Ok(output::FINDINGS);
+        }
+    };
+    let mut how =
+        if args.perturbation.is_empty() { Perturbation::ALL.to_vec() } else { args.perturbation.clone() };
+    how.sort();
+    how.dedup();
+    let mut result = Robustness::new(args.seed, how.iter().map(|p| (p.name().to_owned(), p.meaning())));
+    let ids = lake.drive_ids();
+    let bar = output::progress(ids.len() * (how.len() + 1));
+    let stopped = interrupted();
+    let plan = Plan::of(&rules);
+    let one = |id: &DriveId| -> Result<Option<Compared>, LakeError> {
+        if stopped.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let drive = lake.read_drive(id)?;
+        let find = |drive: &Drive| episodes_of(drive, &rules, &plan);
+        let before = occurrences(&find(&drive), &drive.times, &|id| id.clone());
+        let mut after = Vec::with_capacity(how.len());
+        bar.inc(1);
+        for &p in &how {
+            if stopped.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            bar.set_message(format!("{id} {}", p.name()));
+            let worse = perturb(&drive, p, args.seed);
+            let original = |id: &TrackId| worse.original.get(id).unwrap_or(id).clone();
+            after.push(occurrences(&find(&worse.drive), &drive.times, &original));
+            bar.inc(1);
+        }
+        Ok(Some((before, after)))
+    };
+    let mut unreadable = false;
+    map_drives(&ids, args.jobs.map(usize::from), one, |compared| {
+        match compared {
+            Ok(Some((before, after))) => result.add(&before, &after),
+            Ok(None) => result.left_out += 1,
+            Err(e) => {
+                tell!("{}", render_text(&e.diagnostic(), global.lang));
+                result.left_out += 1;
+                unreadable = true;
+            }
+        }
+        anyhow::Ok(())
+    })?;
+    bar.finish_and_clear();
+    result.finish();
+    if result.drives == 0 {
+        bail!("{}", nothing(global.lang));
+    }
+    let floor = args.floor.unwrap_or(LISTED_BELOW);
+    output::put(&match args.format {
+        DataFormat::Text => render(&result, global.lang, floor, args.classes),
+        DataFormat::Json => format!("{:#}\n", serde_json::to_value(&result)?),
+    });
+    if let Some(file) = &args.page {
+        std::fs::write(file, page(&result, global.lang, floor))
+            .with_context(|| format!("cannot write {}", file.display()))?;
+        say!("{}", file.display());
+    }
+    Ok(if unreadable || result.left_out > 0 {
+        output::lost_input()
+    } else if args.floor.is_some_and(|f| result.least() < f) || !findings.is_empty() {
+        output::FINDINGS
+    } else {
+        output::FINE
+    })
+}
+
+fn nothing(lang: Lang) -> &'static str {
+    match lang {
+        Lang::Zh => "没有可比较的行程",
+        Lang::En => "no drive was compared",
+    }
+}
+
+/// Becomes true on Ctrl-C: what is compared until then is reported. A second Ctrl-C ends the program.
+fn interrupted() -> Arc<AtomicBool> {
+    let stopped = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stopped);
+    std::thread::spawn(move || {
+        let Ok(runtime) = tokio::runtime::Builder::new_current_thread().enable_io().build() else { return };
+        for press in 0.. {
+            if runtime.block_on(tokio::signal::ctrl_c()).is_err() {
+                return;
+            }
+            if press > 0 {
+                std::process::exit(130);
+            }
+            flag.store(true, Ordering::Relaxed);
+        }
+    });
+    stopped
+}
+
+fn occurrences(
+    found: &DriveEpisodes,
+    times: &[Nanos],
+    original: &dyn Fn(&TrackId) -> TrackId,
+) -> Vec<Occurrence> {
+    let end = |range: FrameRange| times.get(range.end).or(times.last()).copied().unwrap_or_default();
+    found
+        .episodes
+        .iter()
+        .map(|e| Occurrence {
+            scenario: e.scenario.clone(),
+            objects: e.target.iter().chain(e.roles.values()).map(original).collect(),
+            start: times[e.range.start],
+            keyframe: times[e.keyframe],
+            end: end(e.range),
+        })
+        .collect()
+}
