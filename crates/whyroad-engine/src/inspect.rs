@@ -4,7 +4,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata};
 use whyroad_model::messages::clip::ClipMetadata;
+use whyroad_model::scene::FrameOfReference;
+use whyroad_model::signal::is_deviation;
 use whyroad_model::{Drive, DriveId, FrameRange, Need, SignalTable};
+use whyroad_signals::estimate::{LogNoise, Noise};
 
 /// One drive, or one clip of it.
 #[derive(Clone, Debug, Serialize)]
@@ -21,6 +24,8 @@ pub struct DriveSummary {
     pub clips: Vec<ClipMetadata>,
     /// The ego; `None` where the log has no ego pose.
     pub ego: Option<EgoSummary>,
+    /// Noise of the measurements, estimated from the log; `None` where there are no poses over ground.
+    pub noise: Option<NoiseSummary>,
     /// By class.
     pub objects: BTreeMap<String, ObjectCount>,
     /// Features by kind.
@@ -48,6 +53,54 @@ pub struct EgoSummary {
     pub max_speed_mps: f64,
 }
 
+/// Noise by kind of object: standard deviations.
+#[derive(Clone, Debug, Serialize)]
+pub struct NoiseSummary {
+    /// Of the ego's pose; `None` without an ego.
+    pub ego: Option<NoiseOf>,
+    /// Of motor vehicles and two-wheelers.
+    pub vehicles: NoiseOf,
+    /// Of people and everything else.
+    pub others: NoiseOf,
+}
+
+/// Noise of the measurements of one kind of object.
+#[derive(Clone, Debug, Serialize)]
+pub struct NoiseOf {
+    /// Of a coordinate, m: independent from row to row, and correlated over a second.
+    pub position_m: [f64; 2],
+    /// Of the heading, degrees, likewise.
+    pub heading_deg: [f64; 2],
+    /// Of a component of stated velocities, m/s, likewise.
+    pub velocity_mps: [f64; 2],
+    /// True when all of it is too little to be smoothed away.
+    pub exact: bool,
+}
+
+impl NoiseOf {
+    fn new(noise: &LogNoise) -> Self {
+        let both = |n: &Noise, scale: f64| [n.white, n.correlated].map(|v| (v * scale * 1e4).round() / 1e4);
+        Self {
+            position_m: both(&noise.position, 1.0),
+            heading_deg: both(&noise.heading, 1f64.to_degrees()),
+            velocity_mps: both(&noise.velocity, 1.0),
+            exact: noise.is_negligible(),
+        }
+    }
+}
+
+fn noise(drive: &Drive) -> Option<NoiseSummary> {
+    if drive.meta.frame_of_reference == FrameOfReference::Ego {
+        return None;
+    }
+    let noise = whyroad_signals::estimate::noise(drive);
+    Some(NoiseSummary {
+        ego: drive.ego.is_some().then(|| NoiseOf::new(&noise.ego)),
+        vehicles: NoiseOf::new(&noise.vehicles),
+        others: NoiseOf::new(&noise.others),
+    })
+}
+
 /// Objects of one class.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ObjectCount {
@@ -69,7 +122,9 @@ pub struct SignalShare {
 impl DriveSummary {
     /// Counts a drive of the lake, or only its clip `clip`. Signals are read from the lake where it stores them.
     pub fn read(lake: &Lake, id: &DriveId, clip: Option<&str>) -> Result<Self, LakeError> {
-        let drive = crate::estimated(lake.read_drive(id)?);
+        let measured = lake.read_drive(id)?;
+        let noise = noise(&measured);
+        let drive = crate::estimated(measured);
         let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
         let index = clip.and_then(|id| clips.iter().position(|c| c.clip_id == id));
@@ -94,6 +149,7 @@ impl DriveSummary {
             licence: meta.licence.clone(),
             clips,
             ego: ego(&drive, frames),
+            noise,
             objects: objects(&drive, frames),
             map: map(&drive),
             tables: tables(&drive),
@@ -148,7 +204,8 @@ fn stored_shares(file: &SignalFile) -> Option<Shares> {
         let range = file.range(0, name)?;
         Some((name.to_owned(), SignalShare { known: range.known, rows: range.rows }))
     };
-    let shares = file.signals(0).into_iter().map(share).collect::<Option<_>>()?;
+    let shares =
+        file.signals(0).into_iter().filter(|name| !is_deviation(name)).map(share).collect::<Option<_>>()?;
     Some((shares, file.contents().drives.first()?.unavailable.clone()))
 }
 
@@ -202,7 +259,7 @@ fn tables(drive: &Drive) -> Vec<&'static str> {
 
 fn shares(table: &SignalTable, frames: FrameRange) -> BTreeMap<String, SignalShare> {
     let mut out = BTreeMap::new();
-    for (name, column) in &table.frame_columns {
+    for (name, column) in table.frame_columns.iter().filter(|(name, _)| !is_deviation(name)) {
         let known = (frames.start..frames.end).filter(|&f| column.is_known(f)).count();
         out.insert(name.clone(), SignalShare { known, rows: frames.len() });
     }
@@ -214,7 +271,7 @@ fn shares(table: &SignalTable, frames: FrameRange) -> BTreeMap<String, SignalSha
             (there.start..there.end.max(there.start)).filter_map(|f| t.row(f)).collect::<Vec<_>>()
         })
         .collect();
-    for (name, column) in &table.target_columns {
+    for (name, column) in table.target_columns.iter().filter(|(name, _)| !is_deviation(name)) {
         let known = rows.iter().filter(|&&r| column.is_known(r)).count();
         out.insert(name.clone(), SignalShare { known, rows: rows.len() });
     }

@@ -6,7 +6,7 @@ use crate::conflict::{self, pet, ttc, ttc_lane};
 use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
-use crate::estimate::estimate;
+use crate::estimate::{estimate, estimated};
 use crate::needs::missing;
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
@@ -33,7 +33,8 @@ use whyroad_model::{Drive, Need, SignalTable};
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
-    let drive = &*estimate(drive);
+    let estimated = estimated(drive);
+    let drive = &*estimated.drive;
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
@@ -48,7 +49,9 @@ pub fn derive(drive: &Drive) -> SignalTable {
             write_pairs(&placed, &mut table);
         }
     }
-    table.finish(&missing)
+    let mut table = table.finish(&missing);
+    estimated.complete(&mut table);
+    table
 }
 
 /// Only the meta actions of [`derive`], without the other signals; `None` when the log has no ego pose.

@@ -1,48 +1,54 @@
 //! States of the ego and the objects from what the log measured: the step before any signal.
 //!
 //! The lake holds measurements only; velocities, accelerations and yaw rates that a log does not have are unknown in
-//! it. [`estimate`] completes them, from the drive that it is given and nothing else: on a drive cut at the keyframe
-//! ([`Drive::until`]) it is causal, on a whole drive it may use both sides of a row. What reads motion calls it first:
-//! [`crate::derive`] and [`crate::meta_actions`] do so themselves and take drives as the lake has them; so do
-//! `whyroad_engine::states` and the engine's `estimated` for pictures and summaries. An estimated drive must not be
-//! estimated again.
+//! it, and what it has may be noisy, late or lost. [`estimated`] makes states with standard deviations of it, from the
+//! drive that it is given and nothing else: on a drive cut at the keyframe ([`Drive::until`]) it is causal, on a whole
+//! drive it may use both sides of a row. What reads motion calls it first: [`crate::derive`] and [`crate::meta_actions`]
+//! do so themselves and take drives as the lake has them; so do `whyroad_engine::states` and the engine's `estimated` for
+//! pictures and summaries. An estimated drive must not be estimated again.
 //!
-//! Which columns are completed: `vx`, `vy`, `accel` and `yaw_rate` of [`Motion`], row by row. Positions, headings,
-//! sizes and classes are taken as measured. Not here: signals, and everything that needs a map.
+//! An object of which all that is stated is exact and complete keeps it; what the log does not state of it (`vx`, `vy`,
+//! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbours. Any other object is smoothed.
+//! docs/explanation/estimates.md says how. Not here: signals, and everything that needs a map.
 
+mod bicycle;
+mod deviation;
+mod estimated;
+mod join;
+mod kalman;
 mod kinematics;
+mod matrix;
+mod noise;
+mod objects;
+#[cfg(test)]
+mod simulated;
+mod smoother;
+mod standing;
+mod walker;
+
+pub use estimated::{DriveNoise, Estimated, estimated, noise};
+pub use noise::{LogNoise, Noise};
+pub use objects::Joined;
+pub use smoother::Deviations;
 
 use crate::geometry::wrap;
 use std::borrow::Cow;
-use whyroad_model::scene::{FrameOfReference, Motion, Track};
+use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass};
 
 /// A sideways step of more than this in 0.1 s is a jump (simulators change lanes so), not a motion, m.
 const MAX_SIDE_STEP_M: f64 = 1.0;
 
-/// The drive with complete motion. Borrowed when nothing is to be completed: when the log states all of it, or has no
-/// pose of the ego, so that positions are relative to a moving car and say nothing of velocities over ground.
+/// The drive with its estimated states. Borrowed when nothing is to be estimated: when the log states all of it exactly,
+/// or has no pose of the ego, so that positions are relative to a moving car and say nothing of velocities over ground.
 pub fn estimate(drive: &Drive) -> Cow<'_, Drive> {
-    let complete = |m: &Motion| {
-        m.forward.is_empty()
-            && [&m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|v| v.iter().all(|x| !x.is_nan()))
-    };
-    let all = drive.ego.iter().map(|e| &e.motion).chain(drive.tracks.iter().map(|t| &t.motion));
-    if drive.meta.frame_of_reference == FrameOfReference::Ego || all.into_iter().all(complete) {
-        return Cow::Borrowed(drive);
-    }
-    let mut drive = drive.clone();
-    let start = drive.times.first().copied().unwrap_or_default();
-    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    if let Some(ego) = &mut drive.ego {
-        let lengths = vec![ego.length_m; ego.motion.len()];
-        complete_motion(&mut ego.motion, &seconds, &lengths, ObjectClass::Car);
-    }
-    for Track { motion, frames, length_m, class, .. } in &mut drive.tracks {
-        let own: Vec<f64> = frames.iter().map(|&f| seconds[f as usize]).collect();
-        complete_motion(motion, &own, length_m, *class);
-    }
-    Cow::Owned(drive)
+    estimated(drive).drive
+}
+
+/// True when every row states all of its motion.
+fn is_stated(m: &Motion) -> bool {
+    m.forward.is_empty()
+        && [&m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|v| v.iter().all(|x| !x.is_nan()))
 }
 
 /// Completes what is unknown of one object's motion; `seconds` ascend, a row each, as `lengths`.

@@ -1,7 +1,7 @@
 //! A log at a lower rate, as ingest brings it to the frames of the lake: linearly between its samples.
 
-use whyroad_model::Drive;
 use whyroad_model::scene::Motion;
+use whyroad_model::{Drive, Nanos};
 
 /// Keeps the samples of every `every`-th frame and interpolates those between.
 pub(super) fn lower(drive: &mut Drive, every: usize) {
@@ -10,6 +10,7 @@ pub(super) fn lower(drive: &mut Drive, every: usize) {
     if let Some(ego) = &mut drive.ego {
         let frames: Vec<u32> = (0..ego.motion.len() as u32).collect();
         interpolate(&mut ego.motion, &frames, every, &seconds);
+        ego.known_at = known_at(&times, &frames, every);
     }
     for track in &mut drive.tracks {
         // What is seen before the first or after the last sample is not in the log.
@@ -24,8 +25,15 @@ pub(super) fn lower(drive: &mut Drive, every: usize) {
         // Where a sample is missing, an object is not there.
         let there: Vec<usize> = (0..frames.len()).filter(|&r| track.motion.x[r].is_finite()).collect();
         *track = super::rows_of(track, &there);
+        track.known_at = known_at(&times, &track.frames, every);
     }
     drive.tracks.retain(|t| !t.frames.is_empty());
+}
+
+/// When each row was known: with the sample after it.
+fn known_at(times: &[Nanos], frames: &[u32], every: usize) -> Vec<Nanos> {
+    let at = |f: usize| times.get(f.div_ceil(every) * every).unwrap_or(&times[f]);
+    frames.iter().map(|f| *at(*f as usize)).collect()
 }
 
 /// Rows of frames between two samples lie on the line between them; where a sample is missing, they are unknown.
@@ -53,8 +61,11 @@ fn interpolate(m: &mut Motion, frames: &[u32], every: usize, seconds: &impl Fn(u
             (&mut m.vy, &given.vy),
             (&mut m.accel, &given.accel),
             (&mut m.yaw_rate, &given.yaw_rate),
+            (&mut m.forward, &given.forward),
         ] {
-            to[row] = between(from, false);
+            if let Some(to) = to.get_mut(row) {
+                *to = between(from, false);
+            }
         }
         if !given.forward.is_empty() {
             m.forward[row] = between(&given.forward, false);

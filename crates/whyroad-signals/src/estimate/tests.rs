@@ -3,7 +3,7 @@
 use super::*;
 use std::f64::consts::FRAC_PI_2;
 use whyroad_model::Nanos;
-use whyroad_model::scene::{DriveMeta, Ego};
+use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, Track};
 
 /// 20 frames at 10 Hz.
 fn times() -> Vec<f64> {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_engine::drives::map_drives;
-use whyroad_engine::inspect::{DriveSummary, LakeSummary, SignalShare};
+use whyroad_engine::inspect::{DriveSummary, LakeSummary, NoiseOf, SignalShare};
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Need};
 
@@ -118,6 +118,10 @@ fn label(key: &str, lang: Lang) -> String {
     let (zh, en) = match key {
         "ego" => ("自车", "ego"),
         "no_ego" => ("没有自车位姿：位置相对于自车", "no ego pose: positions are relative to the ego"),
+        "noise" => ("噪声", "noise"),
+        "vehicles" => ("车辆", "vehicles"),
+        "others" => ("其他目标", "others"),
+        "exact" => ("视为精确", "exact"),
         "objects" => ("对象", "objects"),
         "rows" => ("行", "rows"),
         "frames" => ("帧", "frames"),
@@ -171,6 +175,15 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         ),
         None => format!("  {}\n", l("no_ego")),
     };
+    if let Some(noise) = &s.noise {
+        for (kind, of) in [
+            ("ego", noise.ego.as_ref()),
+            ("vehicles", Some(&noise.vehicles)),
+            ("others", Some(&noise.others)),
+        ] {
+            out += &of.map_or(String::new(), |of| noise_text(kind, of, lang));
+        }
+    }
     let (objects, rows) = s.objects.values().fold((0, 0), |(o, r), c| (o + c.objects, r + c.rows));
     out += &format!("  {}: {objects}, {rows} {}\n", l("objects"), l("rows"));
     for (class, c) in &s.objects {
@@ -184,6 +197,18 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
         out += &format!("  {}: {}\n", l("missing"), Need::list(&s.missing, lang));
     }
     out + &signals_text(s, in_detail, lang)
+}
+
+/// Noise of one kind of object: independent, and correlated over a second where there is some.
+fn noise_text(kind: &str, of: &NoiseOf, lang: Lang) -> String {
+    let both = |[white, correlated]: [f64; 2], digits: usize, unit: &str| {
+        let slow = if correlated > 0.0 { format!(" + {correlated:.digits$}") } else { String::new() };
+        format!("{white:.digits$}{slow} {unit}")
+    };
+    let figures =
+        [both(of.position_m, 3, "m"), both(of.heading_deg, 2, "deg"), both(of.velocity_mps, 2, "m/s")];
+    let exact = if of.exact { format!(" ({})", label("exact", lang)) } else { String::new() };
+    format!("  {} {}: {}{exact}\n", label("noise", lang), label(kind, lang), figures.join(", "))
 }
 
 fn signals_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {

@@ -34,6 +34,9 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
         "1 drives",
         "crossroads-ego_000  2026-01-01T00:00:00.000Z  0.5 s  5 frames",
         "ego: 5.00 x 1.80 m, 10.0 - 10.0 m/s",
+        // The fixture's figures are exact.
+        "noise ego: 0.000 m, 0.00 deg, 0.00 m/s (exact)",
+        "noise vehicles: 0.000 m, 0.00 deg, 0.00 m/s (exact)",
         "objects: 3, 13 rows",
         "truck                  1        3 rows",
         "crosswalks 1, facilities 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",

@@ -27,6 +27,7 @@ mod media;
 mod mine;
 mod mine_again;
 mod recorded;
+mod robustness;
 mod rules;
 mod signals;
 mod tasks;

@@ -1,0 +1,88 @@
+//! How a vehicle moves: a bicycle whose rear axle follows its heading. State: position of the box centre (m), heading
+//! (rad), forward speed (m/s, negative in reverse), yaw rate (rad/s), acceleration along the heading (m/s2).
+//! Acceleration changes by white jerk, yaw rate so that the lateral acceleration does.
+
+use super::kalman::Model;
+use super::matrix::{Matrix, identity, zero};
+
+/// Components of the state.
+pub const X: usize = 0;
+/// m.
+pub const Y: usize = 1;
+/// rad.
+pub const HEADING: usize = 2;
+/// m/s.
+pub const SPEED: usize = 3;
+/// rad/s.
+pub const YAW_RATE: usize = 4;
+/// m/s2.
+pub const ACCEL: usize = 5;
+
+/// Change of acceleration within a second, one standard deviation, m/s2.
+const JERK: f64 = 1.2;
+/// Change of lateral acceleration within a second, one standard deviation, m/s2.
+const LATERAL_JERK: f64 = 0.8;
+/// Below this speed the yaw rate changes no faster, m/s.
+const LEAST_SPEED_MPS: f64 = 2.0;
+/// Sideways slip within a second, m: what is not as the model says.
+const SLIP_M: f64 = 0.05;
+/// Drift of the heading within a second beside the yaw rate, rad.
+const DRIFT_RAD: f64 = 0.005;
+
+/// The model for one vehicle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Bicycle {
+    /// From the rear axle to the box centre, m.
+    pub rear_to_centre_m: f64,
+}
+
+impl Model<6> for Bicycle {
+    const ANGLE: Option<usize> = Some(HEADING);
+
+    fn predict(&self, s: &[f64; 6], dt: f64) -> ([f64; 6], Matrix<6>) {
+        let (half, lever) = (0.5 * dt, self.rear_to_centre_m);
+        let (sin, cos) = (s[HEADING] + s[YAW_RATE] * half).sin_cos();
+        let ahead = s[SPEED] * dt + s[ACCEL] * dt * half;
+        let aside = lever * s[YAW_RATE] * dt;
+        let next = [
+            s[X] + ahead * cos - aside * sin,
+            s[Y] + ahead * sin + aside * cos,
+            s[HEADING] + s[YAW_RATE] * dt,
+            s[SPEED] + s[ACCEL] * dt,
+            s[YAW_RATE],
+            s[ACCEL],
+        ];
+        let mut f = identity();
+        let (dx, dy) = (-ahead * sin - aside * cos, ahead * cos - aside * sin);
+        f[X][HEADING] = dx;
+        f[Y][HEADING] = dy;
+        f[X][SPEED] = dt * cos;
+        f[Y][SPEED] = dt * sin;
+        f[X][YAW_RATE] = dx * half - lever * dt * sin;
+        f[Y][YAW_RATE] = dy * half + lever * dt * cos;
+        f[X][ACCEL] = dt * half * cos;
+        f[Y][ACCEL] = dt * half * sin;
+        f[HEADING][YAW_RATE] = dt;
+        f[SPEED][ACCEL] = dt;
+        (next, f)
+    }
+
+    fn noise(&self, s: &[f64; 6], dt: f64) -> Matrix<6> {
+        let (dt2, dt3) = (dt * dt, dt * dt * dt);
+        let mut q = zero();
+        let jerk = JERK * JERK;
+        q[SPEED][SPEED] = jerk * dt3 / 3.0;
+        q[SPEED][ACCEL] = jerk * dt2 / 2.0;
+        q[ACCEL][SPEED] = q[SPEED][ACCEL];
+        q[ACCEL][ACCEL] = jerk * dt;
+        let turn = (LATERAL_JERK / s[SPEED].abs().max(LEAST_SPEED_MPS)).powi(2);
+        q[HEADING][HEADING] = turn * dt3 / 3.0 + DRIFT_RAD * DRIFT_RAD * dt;
+        q[HEADING][YAW_RATE] = turn * dt2 / 2.0;
+        q[YAW_RATE][HEADING] = q[HEADING][YAW_RATE];
+        q[YAW_RATE][YAW_RATE] = turn * dt;
+        let slip = SLIP_M * SLIP_M * dt;
+        q[X][X] = slip;
+        q[Y][Y] = slip;
+        q
+    }
+}

@@ -1,0 +1,313 @@
+//! A whole drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what the
+//! log states of it is exact and complete.
+
+use super::bicycle::Bicycle;
+use super::deviation;
+use super::join::{Candidate, MAX_AWAY_S, joins};
+use super::noise::{self, LogNoise};
+use super::objects::{Joined, Measured, append, joined, motion_of, track_of};
+use super::smoother::{Deviations, MotionModel, States, smooth};
+use super::{complete_motion, forget_impossible, is_stated};
+use std::borrow::Cow;
+use whyroad_model::catalogue::id;
+use whyroad_model::scene::{Ego, FrameOfReference, Motion, Track};
+use whyroad_model::{Column, Drive, ObjectClass, SignalTable, Tri};
+
+/// From the rear axle to the middle of a vehicle, as a share of its length.
+const REAR_TO_CENTRE: f64 = 0.27;
+/// The same where the length is unknown, m.
+const REAR_TO_CENTRE_M: f64 = 1.2;
+/// Rows from which the noise of one kind of object is told by that kind alone.
+const ENOUGH_ROWS: usize = 300;
+
+/// Noise of the measurements of a drive, estimated from its own residuals.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DriveNoise {
+    /// Of the ego's pose.
+    pub ego: LogNoise,
+    /// Of motor vehicles and two-wheelers.
+    pub vehicles: LogNoise,
+    /// Of people and everything else.
+    pub others: LogNoise,
+}
+
+/// What is estimated of a drive.
+#[derive(Clone, Debug)]
+pub struct Estimated<'a> {
+    /// The drive with estimated states. Rows that were not observed are among them: see `bridged`.
+    pub drive: Cow<'a, Drive>,
+    /// Standard deviations of the ego's states, one per frame; `None` where they are exact.
+    pub ego: Option<Deviations>,
+    /// Of each track's states; `None` where they are exact.
+    pub tracks: Vec<Option<Deviations>>,
+    /// Of each track, the frames in which it was not observed.
+    pub bridged: Vec<Vec<u32>>,
+    /// Later ids of objects whose ids broke, with the id that the object keeps.
+    pub joined: Joined,
+    /// Noise of the log.
+    pub noise: DriveNoise,
+}
+
+/// The noise of a drive's measurements; nothing is said of one without a pose of the ego.
+pub fn noise(drive: &Drive) -> DriveNoise {
+    estimated(drive).noise
+}
+
+impl Estimated<'_> {
+    /// Completes the signals that were derived from the estimated drive: standard deviations, and that objects were not
+    /// observed in rows that are bridged.
+    pub(crate) fn complete(&self, table: &mut SignalTable) {
+        let of = deviation::OfDrive { drive: &self.drive, ego: self.ego.as_ref(), tracks: &self.tracks };
+        deviation::write(&of, table);
+        let spans = table.targets.iter();
+        let tracks = self.drive.tracks.iter().zip(&self.bridged).filter(|(t, _)| !t.frames.is_empty());
+        let Some(Column::Flag(observed)) = table.target_columns.get_mut(id::TARGET_OBSERVED.id().name())
+        else {
+            return;
+        };
+        for (span, (_, bridged)) in spans.zip(tracks) {
+            for row in bridged.iter().filter_map(|f| span.row(*f as usize)) {
+                observed[row] = Tri::False;
+            }
+        }
+    }
+}
+
+/// True for what moves along its heading.
+fn on_wheels(class: ObjectClass) -> bool {
+    class.is_vehicle()
+        || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::Motorcyclist)
+}
+
+/// The states of a drive; see the module `estimate`.
+pub fn estimated(drive: &Drive) -> Estimated<'_> {
+    let none = Estimated {
+        drive: Cow::Borrowed(drive),
+        ego: None,
+        tracks: vec![None; drive.tracks.len()],
+        bridged: vec![Vec::new(); drive.tracks.len()],
+        joined: Joined::new(),
+        noise: DriveNoise::default(),
+    };
+    if drive.meta.frame_of_reference == FrameOfReference::Ego {
+        return none;
+    }
+    let start = drive.times.first().copied().unwrap_or_default();
+    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
+    let of = |t: &Track| Measured::new(&t.frames, &t.motion, &t.known_at, &drive.times, &seconds, MAX_AWAY_S);
+    let mut measured: Vec<Measured> = drive.tracks.iter().map(of).collect();
+    let of_ego = drive.ego.as_ref().map(|e| {
+        let frames: Vec<u32> = (0..e.motion.len() as u32).collect();
+        Measured::new(&frames, &e.motion, &e.known_at, &drive.times, &seconds, MAX_AWAY_S)
+    });
+    let noise = noise_of(drive, &measured, of_ego.as_ref());
+    let kind = |class: ObjectClass| if on_wheels(class) { noise.vehicles } else { noise.others };
+
+    let mut out = Estimated { noise, ..none };
+    let mut tracks: Cow<'_, [Track]> = Cow::Borrowed(&drive.tracks);
+    let next = next_of(&drive.tracks, &measured, kind);
+    let exact = |m: &Measured, of: &Motion, noise: &LogNoise| {
+        noise.is_negligible() && m.is_complete() && is_stated(of)
+    };
+    if next.iter().all(Option::is_none)
+        && of_ego.iter().zip(&drive.ego).all(|(m, e)| exact(m, &e.motion, &noise.ego))
+        && measured.iter().zip(&drive.tracks).all(|(m, t)| exact(m, &t.motion, &kind(t.class)))
+    {
+        return out;
+    }
+    if next.iter().any(Option::is_some) {
+        let (whole, ids) = chained(&drive.tracks, &next);
+        measured = whole.iter().map(of).collect();
+        out.joined = ids;
+        out.tracks = vec![None; whole.len()];
+        out.bridged = vec![Vec::new(); whole.len()];
+        tracks = Cow::Owned(whole);
+    }
+    let mut estimated: Vec<Track> = Vec::with_capacity(tracks.len());
+    for (i, (track, measured)) in tracks.iter().zip(&measured).enumerate() {
+        let noise = kind(track.class);
+        if noise.is_negligible() && measured.is_complete() {
+            let mut exact = track.clone();
+            complete_motion(&mut exact.motion, &measured.times, &track.length_m, track.class);
+            estimated.push(exact);
+            continue;
+        }
+        let mut states = states_of(measured, model_of(track.class, &track.length_m), &noise);
+        let mut smoothed = track_of(track, measured, &states);
+        if noise.is_negligible() && measured.lacks_only_rows() {
+            // Only what lies between the rows is estimated.
+            let mut exact = track.motion.clone();
+            let own: Vec<f64> = track.frames.iter().map(|&f| seconds[f as usize]).collect();
+            complete_motion(&mut exact, &own, &track.length_m, track.class);
+            keep_rows(&mut smoothed.motion, &mut states.sd, &exact, &measured.source);
+        }
+        forget_impossible(track.class, &mut smoothed.motion);
+        out.bridged[i] = measured
+            .frames
+            .iter()
+            .zip(&measured.source)
+            .filter(|(_, source)| source.is_none())
+            .map(|(frame, _)| *frame)
+            .collect();
+        out.tracks[i] = Some(states.sd);
+        estimated.push(smoothed);
+    }
+    let ego = drive.ego.as_ref().zip(of_ego).map(|(ego, measured)| {
+        let (ego, sd) = of_the_ego(ego, &measured, &noise.ego);
+        out.ego = sd;
+        ego
+    });
+    out.drive = Cow::Owned(Drive {
+        meta: drive.meta.clone(),
+        times: drive.times.clone(),
+        ego,
+        tracks: estimated,
+        map: drive.map.clone(),
+        lights: drive.lights.clone(),
+        context: drive.context.clone(),
+        media: drive.media.clone(),
+    });
+    out
+}
+
+/// Takes the rows of `exact` where the source has one.
+fn keep_rows(to: &mut Motion, sd: &mut Deviations, exact: &Motion, source: &[Option<usize>]) {
+    for (i, row) in source.iter().enumerate() {
+        let Some(row) = *row else { continue };
+        for (to, from) in [
+            (&mut to.x, &exact.x),
+            (&mut to.y, &exact.y),
+            (&mut to.heading, &exact.heading),
+            (&mut to.vx, &exact.vx),
+            (&mut to.vy, &exact.vy),
+            (&mut to.accel, &exact.accel),
+            (&mut to.yaw_rate, &exact.yaw_rate),
+        ] {
+            to[i] = from[row];
+        }
+        for sd in [&mut sd.position, &mut sd.heading, &mut sd.speed, &mut sd.accel, &mut sd.yaw_rate] {
+            sd[i] = 0.0;
+        }
+    }
+}
+
+fn of_the_ego(ego: &Ego, measured: &Measured, noise: &LogNoise) -> (Ego, Option<Deviations>) {
+    let lengths = vec![ego.length_m; ego.motion.len()];
+    if noise.is_negligible() && measured.is_complete() {
+        let mut exact = ego.clone();
+        complete_motion(&mut exact.motion, &measured.times, &lengths, ObjectClass::Car);
+        return (exact, None);
+    }
+    let states = states_of(measured, model_of(ObjectClass::Car, &lengths), noise);
+    let mut motion = motion_of(&states, measured, &ego.motion);
+    forget_impossible(ObjectClass::Car, &mut motion);
+    (Ego { motion, known_at: Vec::new(), ..ego.clone() }, Some(states.sd))
+}
+
+fn model_of(class: ObjectClass, lengths: &[f64]) -> MotionModel {
+    if !on_wheels(class) {
+        return MotionModel::ConstantVelocity;
+    }
+    let length = lengths.get(lengths.len() / 2).copied().filter(|l| l.is_finite());
+    let rear_to_centre_m = length.map_or(REAR_TO_CENTRE_M, |l| REAR_TO_CENTRE * l);
+    MotionModel::Bicycle(Bicycle { rear_to_centre_m })
+}
+
+fn states_of(measured: &Measured, model: MotionModel, noise: &LogNoise) -> States {
+    let mut out = States::default();
+    for run in measured.runs() {
+        for run in within_reach(measured, run) {
+            append(&mut out, smooth(measured.rows(run), model, noise));
+        }
+    }
+    out
+}
+
+/// The ego has a row for every frame: a stretch without a measurement that is too long to be bridged is left unknown,
+/// and the motion after it starts by itself.
+fn within_reach(measured: &Measured, run: std::ops::Range<usize>) -> Vec<std::ops::Range<usize>> {
+    let mut cuts = vec![run.start];
+    let mut last: Option<usize> = None;
+    for i in run.clone().filter(|&i| measured.x[i].is_finite()) {
+        let from = last.map_or(run.start, |l| l + 1);
+        let away = measured.times[i] - measured.times[last.unwrap_or(run.start)];
+        if i > from && away > MAX_AWAY_S {
+            cuts.extend([from, i]);
+        }
+        last = Some(i);
+    }
+    if let Some(l) = last.filter(|l| measured.times[run.end - 1] - measured.times[*l] > MAX_AWAY_S) {
+        cuts.push(l + 1);
+    }
+    cuts.push(run.end);
+    cuts.dedup();
+    cuts.windows(2).map(|w| w[0]..w[1]).filter(|r| !r.is_empty()).collect()
+}
+
+/// Noise of each kind of object; of a kind that is rare, that of all objects together.
+fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> DriveNoise {
+    let compact: Vec<(bool, Cow<'_, Measured>)> = drive
+        .tracks
+        .iter()
+        .zip(measured)
+        .map(|(t, m)| {
+            let rows = if m.is_complete() { Cow::Borrowed(m) } else { Cow::Owned(m.compact()) };
+            (on_wheels(t.class), rows)
+        })
+        .collect();
+    let all = compact.iter().map(|(_, m)| m.rows(0..m.times.len()));
+    let of = |wheels: bool| {
+        let own = compact.iter().filter(move |(w, _)| *w == wheels).map(|(_, m)| m.rows(0..m.times.len()));
+        let rows: usize = own.clone().map(|r| r.times.len()).sum();
+        if rows >= ENOUGH_ROWS { noise::estimate(own) } else { noise::estimate(all.clone()) }
+    };
+    let ego = ego.map(Measured::compact);
+    DriveNoise {
+        ego: noise::estimate(ego.iter().map(|m| m.rows(0..m.times.len()))),
+        vehicles: of(true),
+        others: of(false),
+    }
+}
+
+fn next_of(
+    tracks: &[Track],
+    measured: &[Measured],
+    kind: impl Fn(ObjectClass) -> LogNoise,
+) -> Vec<Option<usize>> {
+    let compact: Vec<Cow<'_, Measured>> = measured
+        .iter()
+        .map(|m| if m.is_complete() { Cow::Borrowed(m) } else { Cow::Owned(m.compact()) })
+        .collect();
+    let middle = |v: &[f64]| v.get(v.len() / 2).copied().unwrap_or(f64::NAN);
+    let candidates: Vec<Candidate<'_>> = tracks
+        .iter()
+        .zip(&compact)
+        .map(|(t, m)| Candidate {
+            rows: m.rows(0..m.times.len()),
+            class: t.class,
+            size: (middle(&t.length_m), middle(&t.width_m)),
+        })
+        .collect();
+    joins(&candidates, |i| kind(tracks[i].class))
+}
+
+/// The tracks with those that are one object made one, ordered by id.
+fn chained(tracks: &[Track], next: &[Option<usize>]) -> (Vec<Track>, Joined) {
+    let mut is_later = vec![false; tracks.len()];
+    next.iter().flatten().for_each(|&k| is_later[k] = true);
+    let (mut out, mut ids) = (Vec::new(), Joined::new());
+    for (i, first) in tracks.iter().enumerate().filter(|(i, _)| !is_later[*i]) {
+        let mut whole = first.clone();
+        let mut last = i;
+        while let Some(k) = next[last] {
+            ids.insert(tracks[k].id.clone(), first.id.clone());
+            whole = joined(&whole, &tracks[k]);
+            last = k;
+        }
+        out.push(whole);
+    }
+    (out, ids)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,211 @@
+//! How noisy a log is, by its own residuals: what is left of positions, headings and velocities when smooth motion is
+//! taken away. Differences of third order (of second order for headings and velocities) remove constant velocity and
+//! constant acceleration; their median is not moved by maneuvers. White noise gives the same variance at every stride,
+//! noise that is correlated over [`CORRELATION_S`] a variance that grows with the stride: two strides tell them apart.
+
+use crate::geometry::wrap;
+
+/// Time over which correlated noise is taken to be so, s (first-order Gauss-Markov).
+pub const CORRELATION_S: f64 = 1.0;
+/// Strides at which differences are taken, rows.
+const STRIDES: [usize; 2] = [1, 4];
+/// The variance at the longer stride is this many times that at the shorter one, or the noise counts as white.
+const LEAST_GROWTH: f64 = 1.2;
+/// Fewer differences say nothing about a log.
+const LEAST_SAMPLES: usize = 40;
+/// More are not needed.
+const MOST_SAMPLES: usize = 40_000;
+/// Median of the square of a standard normal variable.
+const MEDIAN_OF_SQUARE: f64 = 0.454_936;
+/// Steps further apart than this are no neighbours, s.
+const MAX_STEP_S: f64 = 1.1;
+
+/// Noise of one measured quantity, standard deviations in its unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Independent from row to row.
+    pub white: f64,
+    /// Correlated over [`CORRELATION_S`].
+    pub correlated: f64,
+    /// Below this the quantity counts as exact.
+    pub negligible: f64,
+}
+
+impl Noise {
+    /// True when there is too little to be smoothed away: the measurement is the estimate.
+    pub fn is_negligible(&self) -> bool {
+        self.white <= self.negligible && self.correlated <= 4.0 * self.negligible
+    }
+
+    /// Variance of white noise, one value per `dt` seconds, that disturbs slow motion as much as this noise does.
+    pub fn variance(&self, dt: f64) -> f64 {
+        let kept = (-dt / CORRELATION_S).exp();
+        let floor = 0.5 * self.negligible;
+        self.white.powi(2) + self.correlated.powi(2) * (1.0 + kept) / (1.0 - kept).max(1e-6) + floor * floor
+    }
+
+    /// Standard deviation of one measurement.
+    pub fn deviation(&self) -> f64 {
+        self.white.hypot(self.correlated)
+    }
+}
+
+/// Noise of the measured quantities of one kind of object.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LogNoise {
+    /// Of a coordinate, m.
+    pub position: Noise,
+    /// rad.
+    pub heading: Noise,
+    /// Of a component of the velocity, m/s; zero where the log has no velocities.
+    pub velocity: Noise,
+}
+
+impl LogNoise {
+    /// True when all that the log states is exact.
+    pub fn is_negligible(&self) -> bool {
+        self.position.is_negligible() && self.heading.is_negligible() && self.velocity.is_negligible()
+    }
+}
+
+/// Rows of one object: values at times (s), NaN is unknown.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rows<'a> {
+    /// s, ascending.
+    pub times: &'a [f64],
+    /// m.
+    pub x: &'a [f64],
+    /// m.
+    pub y: &'a [f64],
+    /// rad.
+    pub heading: &'a [f64],
+    /// m/s, empty or NaN where the log has none.
+    pub vx: &'a [f64],
+    /// m/s.
+    pub vy: &'a [f64],
+    /// m/s along the heading, where the log states a speed and no velocity; empty or NaN where it does not.
+    pub forward: &'a [f64],
+}
+
+/// What counts as exact: 1.5 cm, 0.3 degrees, 5 cm/s.
+const NEGLIGIBLE: [f64; 3] = [0.015, 0.005, 0.05];
+/// What smooth motion itself leaves per `dt` to the power of the order: jerk, yaw acceleration, jerk.
+const OF_MOTION: [f64; 3] = [0.5, 0.05, 0.5];
+
+/// The noise of objects of one kind, estimated from all of them together. What too few rows can tell is zero.
+pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise {
+    let of = |quantity: usize, order: Order, pick: fn(Rows<'a>) -> [&'a [f64]; 2]| {
+        let step = median_step(objects.clone());
+        let variances = STRIDES.map(|stride| {
+            let mut squares = Vec::new();
+            for rows in objects.clone() {
+                if squares.len() >= MOST_SAMPLES {
+                    break;
+                }
+                order.squares(rows.times, pick(rows), stride, step, &mut squares);
+            }
+            let own = OF_MOTION[quantity] * (stride as f64 * step).powi(order.power());
+            robust_variance(&mut squares).map(|v| (v - own * own).max(0.0))
+        });
+        order.split(variances, step, NEGLIGIBLE[quantity])
+    };
+    LogNoise {
+        position: of(0, Order::Third, |r| [r.x, r.y]),
+        heading: of(1, Order::SecondOfAngles, |r| [r.heading, &[]]),
+        velocity: if stated(objects.clone()) {
+            of(2, Order::Second, |r| [r.vx, r.vy])
+        } else {
+            of(2, Order::Second, |r| [r.forward, &[]])
+        },
+    }
+}
+
+/// True when a velocity is stated, and not only a speed.
+fn stated<'a>(mut objects: impl Iterator<Item = Rows<'a>>) -> bool {
+    objects.any(|rows| rows.vx.iter().any(|v| v.is_finite()))
+}
+
+/// Median time from row to row, s; 0.1 where there is none.
+fn median_step<'a>(objects: impl Iterator<Item = Rows<'a>>) -> f64 {
+    let mut steps: Vec<f64> = Vec::new();
+    for rows in objects {
+        steps.extend(rows.times.windows(2).map(|w| w[1] - w[0]).filter(|s| *s <= MAX_STEP_S));
+        if steps.len() > 5000 {
+            break;
+        }
+    }
+    let middle = steps.len() / 2;
+    if steps.is_empty() { 0.1 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Order {
+    Third,
+    Second,
+    SecondOfAngles,
+}
+
+impl Order {
+    fn power(self) -> i32 {
+        if self == Self::Third { 3 } else { 2 }
+    }
+
+    /// Squares of the differences over equal steps of `stride` rows.
+    fn squares(self, times: &[f64], values: [&[f64]; 2], stride: usize, step: f64, out: &mut Vec<f64>) {
+        let reach = stride * self.power() as usize;
+        let span = step * reach as f64;
+        for end in reach..times.len() {
+            if (times[end] - times[end - reach] - span).abs() > 0.2 * step {
+                continue;
+            }
+            let difference = |v: &[f64]| {
+                let at = |k: usize| v[end - k * stride];
+                match self {
+                    Self::Third => at(0) - 3.0 * at(1) + 3.0 * at(2) - at(3),
+                    Self::Second => at(0) - 2.0 * at(1) + at(2),
+                    Self::SecondOfAngles => wrap(wrap(at(0) - at(1)) - wrap(at(1) - at(2))),
+                }
+            };
+            let both = values.map(|v| if v.is_empty() { f64::NAN } else { difference(v) });
+            // What a source holds still, parked cars, says nothing of what moves.
+            let still = |v: &[f64]| match self {
+                Self::Third => v.get(end).is_none_or(|x| *x == v[end - stride]),
+                Self::Second => v.get(end).is_none_or(|x| *x == 0.0 && v[end - stride] == 0.0),
+                Self::SecondOfAngles => false,
+            };
+            if !values.iter().all(|v| still(v)) {
+                out.extend(both.iter().filter(|d| !d.is_nan()).map(|d| d * d));
+            }
+        }
+    }
+
+    /// What one unit of correlated variance leaves in a difference at this stride.
+    fn of_correlated(self, stride: f64) -> f64 {
+        let kept = |k: f64| (-k * stride / CORRELATION_S).exp();
+        if self == Self::Third {
+            20.0 - 30.0 * kept(1.0) + 12.0 * kept(2.0) - 2.0 * kept(3.0)
+        } else {
+            6.0 - 8.0 * kept(1.0) + 2.0 * kept(2.0)
+        }
+    }
+
+    fn split(self, variances: [Option<f64>; 2], step: f64, negligible: f64) -> Noise {
+        let none = Noise { negligible, ..Noise::default() };
+        let Some(near) = variances[0] else { return none };
+        let of_white = if self == Self::Third { 20.0 } else { 6.0 };
+        let [k_near, k_far] = STRIDES.map(|s| self.of_correlated(s as f64 * step));
+        let far = variances[1].filter(|far| *far > LEAST_GROWTH * near);
+        let correlated = far.map_or(0.0, |far| ((far - near) / (k_far - k_near)).clamp(0.0, near / k_near));
+        let white = ((near - k_near * correlated) / of_white).max(0.0);
+        Noise { white: white.sqrt(), correlated: correlated.sqrt(), negligible }
+    }
+}
+
+fn robust_variance(squares: &mut [f64]) -> Option<f64> {
+    if squares.len() < LEAST_SAMPLES {
+        return None;
+    }
+    let middle = squares.len() / 2;
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(*median / MEDIAN_OF_SQUARE)
+}

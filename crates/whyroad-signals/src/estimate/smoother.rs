@@ -1,0 +1,426 @@
+//! States of one object, with standard deviations, from what was measured of it: a fixed-interval smoother with the
+//! motion model of its class, stands found and held, rows without a measurement bridged. A quantity that the log states
+//! exactly is left as it is.
+
+use super::bicycle::{ACCEL, Bicycle, HEADING, SPEED, X, Y, YAW_RATE};
+use super::kalman::{self, Observation, Smoothed};
+use super::matrix::diagonal;
+use super::noise::{LogNoise, Rows};
+use super::standing::{mean, stands, stays};
+use super::walker::{TURN, WALKER};
+use crate::geometry::{unwrap, wrap};
+use crate::series::slope;
+use std::ops::Range;
+
+/// How an object moves, by its class.
+#[derive(Clone, Copy, Debug)]
+pub enum MotionModel {
+    /// Vehicles: along their heading.
+    Bicycle(Bicycle),
+    /// People, two-wheelers pushed or ridden slowly, small objects: any way, at a steady velocity.
+    ConstantVelocity,
+}
+
+/// Standard deviations, one per row; zero is exact, NaN unknown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deviations {
+    /// Of a coordinate, m.
+    pub position: Vec<f64>,
+    /// rad.
+    pub heading: Vec<f64>,
+    /// m/s.
+    pub speed: Vec<f64>,
+    /// m/s2.
+    pub accel: Vec<f64>,
+    /// rad/s.
+    pub yaw_rate: Vec<f64>,
+}
+
+impl Deviations {
+    /// `n` rows without any deviation.
+    pub fn exact(n: usize) -> Self {
+        let v = || vec![0.0; n];
+        Self { position: v(), heading: v(), speed: v(), accel: v(), yaw_rate: v() }
+    }
+}
+
+/// Estimated states, one per row.
+#[derive(Clone, Debug, Default)]
+pub struct States {
+    /// m.
+    pub x: Vec<f64>,
+    /// m.
+    pub y: Vec<f64>,
+    /// rad, (-pi, pi].
+    pub heading: Vec<f64>,
+    /// m/s.
+    pub vx: Vec<f64>,
+    /// m/s.
+    pub vy: Vec<f64>,
+    /// m/s2 along the heading.
+    pub accel: Vec<f64>,
+    /// rad/s.
+    pub yaw_rate: Vec<f64>,
+    /// Their standard deviations.
+    pub sd: Deviations,
+}
+
+/// Headings are never trusted more than this as the direction of motion, rad: boxes and paths differ.
+const LEAST_HEADING_SD_RAD: f64 = 0.035;
+/// Reach of the slopes where a quantity is exact, s.
+const SLOPE_REACH_S: f64 = 0.2;
+/// Deviation of the speed of what stands, m/s.
+const STANDING_SD_MPS: f64 = 0.03;
+
+/// Smooths rows that follow one another without a long gap; rows without a position are bridged.
+pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
+    let n = rows.times.len();
+    let measured = (0..n).filter(|&i| rows.x[i].is_finite()).count();
+    if measured == 0 {
+        return States::unknown(n);
+    }
+    let lasts = rows.times[n - 1] - rows.times[0];
+    let step = if measured > 1 { (lasts / (measured - 1) as f64).max(0.02) } else { 0.1 };
+    let variances = Variances {
+        position: noise.position.variance(step),
+        heading: noise.heading.variance(step),
+        velocity: noise.velocity.variance(step),
+    };
+    let mut out = if stands_all_along(rows, noise, &variances) {
+        standing(rows, &variances, measured)
+    } else {
+        let known_headings = rows.heading.iter().filter(|h| h.is_finite()).count();
+        match model {
+            MotionModel::Bicycle(bicycle) if 2 * known_headings > measured => {
+                as_vehicle(rows, bicycle, &variances)
+            }
+            _ => as_walker(rows, &variances),
+        }
+    };
+    keep_exact(rows, noise, &mut out);
+    out
+}
+
+/// Variances of single measurements.
+#[derive(Clone, Copy)]
+struct Variances {
+    position: f64,
+    heading: f64,
+    velocity: f64,
+}
+
+fn at(values: &[f64], row: usize) -> f64 {
+    values.get(row).copied().unwrap_or(f64::NAN)
+}
+
+/// True when nothing in the rows says that the object moved.
+fn stands_all_along(rows: Rows<'_>, noise: &LogNoise, variances: &Variances) -> bool {
+    let n = rows.times.len();
+    if n < 5 || rows.times[n - 1] - rows.times[0] < 0.4 {
+        return false;
+    }
+    let all = 0..n;
+    let parts = [all.clone(), 0..2 * n / 3, n / 3..n];
+    if parts.iter().any(|p| !stays(rows.times, rows.x, rows.y, variances.position, p.clone())) {
+        return false;
+    }
+    let Some((mx, my)) = mean(rows.x, rows.y, all.clone()) else { return false };
+    let known = || all.clone().filter(|&i| rows.x[i].is_finite() && rows.y[i].is_finite());
+    let count = known().count() as f64;
+    let spread = known().map(|i| (rows.x[i] - mx).powi(2) + (rows.y[i] - my).powi(2)).sum::<f64>() / count;
+    if spread.sqrt() > 2.0 * noise.position.deviation() * 2f64.sqrt() + 0.05 {
+        return false;
+    }
+    let (mut sum, mut speeds) = ((0.0, 0.0), 0.0);
+    for i in all {
+        if let Some((vx, vy)) = rows.velocity(i) {
+            sum = (sum.0 + vx, sum.1 + vy);
+            speeds += 1.0;
+        }
+    }
+    speeds == 0.0 || f64::hypot(sum.0, sum.1) / speeds <= 0.1 + 3.0 * (variances.velocity / speeds).sqrt()
+}
+
+fn standing(rows: Rows<'_>, variances: &Variances, measured: usize) -> States {
+    let n = rows.times.len();
+    let (x, y) = mean(rows.x, rows.y, 0..n).unwrap_or((f64::NAN, f64::NAN));
+    let (sin, cos) = rows
+        .heading
+        .iter()
+        .filter(|h| h.is_finite())
+        .fold((0.0, 0.0), |(s, c), h| (s + h.sin(), c + h.cos()));
+    let heading = if (sin, cos) == (0.0, 0.0) { f64::NAN } else { sin.atan2(cos) };
+    let of_mean = |v: f64| vec![(v / measured as f64).sqrt(); n];
+    let same = |v: f64| vec![v; n];
+    States {
+        x: same(x),
+        y: same(y),
+        heading: same(heading),
+        vx: same(0.0),
+        vy: same(0.0),
+        accel: same(0.0),
+        yaw_rate: same(0.0),
+        sd: Deviations {
+            position: of_mean(variances.position),
+            heading: of_mean(variances.heading),
+            speed: same(STANDING_SD_MPS),
+            accel: same(STANDING_SD_MPS),
+            yaw_rate: same(0.005),
+        },
+    }
+}
+
+/// Velocity over the first second or so, by a line through what was measured; zero where there is only one row.
+fn first_velocity(rows: Rows<'_>) -> (f64, f64) {
+    let known: Vec<usize> = (0..rows.times.len()).filter(|&i| rows.x[i].is_finite()).take(10).collect();
+    let (Some(&a), Some(&b)) = (known.first(), known.last()) else { return (0.0, 0.0) };
+    if let Some(velocity) = rows.velocity(a) {
+        return velocity;
+    }
+    let mean_time = known.iter().map(|&i| rows.times[i]).sum::<f64>() / known.len() as f64;
+    let spread: f64 = known.iter().map(|&i| (rows.times[i] - mean_time).powi(2)).sum();
+    if a == b || spread <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let line = |v: &[f64]| known.iter().map(|&i| (rows.times[i] - mean_time) * v[i]).sum::<f64>() / spread;
+    (line(rows.x), line(rows.y))
+}
+
+fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances) -> States {
+    let n = rows.times.len();
+    let start = (0..n).find(|&i| rows.x[i].is_finite()).unwrap_or(0);
+    let heading = rows.heading.iter().copied().find(|h| h.is_finite()).unwrap_or(0.0);
+    let (vx, vy) = first_velocity(rows);
+    let speed = vx * heading.cos() + vy * heading.sin();
+    let direction = variances.heading.max(LEAST_HEADING_SD_RAD.powi(2));
+    let first = (
+        [rows.x[start], rows.y[start], heading, speed, 0.0, 0.0],
+        diagonal([25.0, 25.0, 0.5, 25.0, 0.1, 4.0]),
+    );
+    let pass = |held: &[Range<usize>]| {
+        kalman::smooth(&model, rows.times, first, |row, seen| {
+            let mut see = |index, value: f64, variance| {
+                if value.is_finite() {
+                    seen.push(Observation { index, value, variance });
+                }
+            };
+            see(X, rows.x[row], variances.position);
+            see(Y, rows.y[row], variances.position);
+            let h = rows.heading[row];
+            see(HEADING, h, direction);
+            see(SPEED, rows.forward_speed(row), variances.velocity);
+            if held.iter().any(|r| r.contains(&row)) {
+                see(SPEED, 0.0, 1e-4);
+                see(YAW_RATE, 0.0, 1e-5);
+                see(ACCEL, 0.0, 1e-2);
+            }
+        })
+    };
+    let column = |s: &Smoothed<6>, k: usize| s.states.iter().map(|v| v[k]).collect::<Vec<_>>();
+    let deviation = |s: &Smoothed<6>, k: usize| s.variances.iter().map(|v| v[k].sqrt()).collect::<Vec<_>>();
+    let mut smoothed = pass(&[]);
+    let (speed, sd) = (column(&smoothed, SPEED), deviation(&smoothed, SPEED));
+    let stands = stands(rows.times, &speed, &sd, rows.x, rows.y, variances.position);
+    if !stands.is_empty() {
+        smoothed = pass(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
+    }
+    let mut out = States {
+        x: column(&smoothed, X),
+        y: column(&smoothed, Y),
+        heading: column(&smoothed, HEADING).into_iter().map(wrap).collect(),
+        vx: Vec::with_capacity(n),
+        vy: Vec::with_capacity(n),
+        accel: column(&smoothed, ACCEL),
+        yaw_rate: column(&smoothed, YAW_RATE),
+        sd: Deviations {
+            position: smoothed.variances.iter().map(|v| (0.5 * (v[X] + v[Y])).sqrt()).collect(),
+            heading: deviation(&smoothed, HEADING),
+            speed: deviation(&smoothed, SPEED),
+            accel: deviation(&smoothed, ACCEL),
+            yaw_rate: deviation(&smoothed, YAW_RATE),
+        },
+    };
+    for s in &smoothed.states {
+        let (sin, cos) = s[HEADING].sin_cos();
+        let aside = model.rear_to_centre_m * s[YAW_RATE];
+        out.vx.push(s[SPEED] * cos - aside * sin);
+        out.vy.push(s[SPEED] * sin + aside * cos);
+    }
+    for stand in &stands {
+        out.hold(within(stand, n));
+    }
+    out
+}
+
+/// A stand without its first and last row, which may belong to the motion around it.
+fn within(stand: &Range<usize>, n: usize) -> Range<usize> {
+    let start = if stand.start == 0 { 0 } else { stand.start + 1 };
+    start..if stand.end == n { n } else { (stand.end - 1).max(start) }
+}
+
+fn as_walker(rows: Rows<'_>, variances: &Variances) -> States {
+    let n = rows.times.len();
+    let velocity = first_velocity(rows);
+    let unknown = (f64::NAN, f64::NAN);
+    let (vx, vy): (Vec<f64>, Vec<f64>) = (0..n).map(|i| rows.velocity(i).unwrap_or(unknown)).unzip();
+    let axis = |place: &[f64], rate: &[f64], v0: f64, held: &[Range<usize>]| {
+        let p0 = place.iter().copied().find(|p| p.is_finite()).unwrap_or(0.0);
+        kalman::smooth(&WALKER, rows.times, ([p0, v0], diagonal([25.0, 9.0])), |row, seen| {
+            let mut see = |index, value: f64, variance| {
+                if value.is_finite() {
+                    seen.push(Observation { index, value, variance });
+                }
+            };
+            see(0, place[row], variances.position);
+            see(1, at(rate, row), variances.velocity);
+            if held.iter().any(|r| r.contains(&row)) {
+                see(1, 0.0, 1e-4);
+            }
+        })
+    };
+    let both =
+        |held: &[Range<usize>]| (axis(rows.x, &vx, velocity.0, held), axis(rows.y, &vy, velocity.1, held));
+    let (mut sx, mut sy) = both(&[]);
+    let speed: Vec<f64> = (0..n).map(|i| sx.states[i][1].hypot(sy.states[i][1])).collect();
+    let speed_sd: Vec<f64> = sx.variances.iter().map(|v| v[1].sqrt()).collect();
+    let stands = stands(rows.times, &speed, &speed_sd, rows.x, rows.y, variances.position);
+    if !stands.is_empty() {
+        (sx, sy) = both(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
+    }
+    let (heading, yaw_rate, heading_sd, yaw_rate_sd) = turning(rows, variances);
+    let vx: Vec<f64> = sx.states.iter().map(|s| s[1]).collect();
+    let vy: Vec<f64> = sy.states.iter().map(|s| s[1]).collect();
+    let forward: Vec<f64> = (0..n).map(|i| vx[i] * heading[i].cos() + vy[i] * heading[i].sin()).collect();
+    let speed_sd: Vec<f64> = sx.variances.iter().map(|v| v[1].sqrt()).collect();
+    let mut out = States {
+        x: sx.states.iter().map(|s| s[0]).collect(),
+        y: sy.states.iter().map(|s| s[0]).collect(),
+        accel: slope(rows.times, &forward, SLOPE_REACH_S),
+        heading,
+        vx,
+        vy,
+        yaw_rate,
+        sd: Deviations {
+            position: sx.variances.iter().map(|v| v[0].sqrt()).collect(),
+            heading: heading_sd,
+            accel: speed_sd.iter().map(|s| 2.0 * s).collect(),
+            speed: speed_sd,
+            yaw_rate: yaw_rate_sd,
+        },
+    };
+    for stand in &stands {
+        out.hold(within(stand, n));
+    }
+    out
+}
+
+/// Heading and yaw rate with their deviations; unknown where no heading was measured.
+fn turning(rows: Rows<'_>, variances: &Variances) -> (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>) {
+    let n = rows.times.len();
+    let Some(h0) = rows.heading.iter().copied().find(|h| h.is_finite()) else {
+        let nan = || vec![f64::NAN; n];
+        return (nan(), nan(), nan(), nan());
+    };
+    let steady = unwrap(rows.heading);
+    let s = kalman::smooth(&TURN, rows.times, ([h0, 0.0], diagonal([1.0, 0.5])), |row, seen| {
+        if steady[row].is_finite() {
+            seen.push(Observation { index: 0, value: steady[row], variance: variances.heading });
+        }
+    });
+    (
+        s.states.iter().map(|v| wrap(v[0])).collect(),
+        s.states.iter().map(|v| v[1]).collect(),
+        s.variances.iter().map(|v| v[0].sqrt()).collect(),
+        s.variances.iter().map(|v| v[1].sqrt()).collect(),
+    )
+}
+
+/// What the log states exactly is kept as it states it, and what follows from it alone follows from it exactly.
+fn keep_exact(rows: Rows<'_>, noise: &LogNoise, out: &mut States) {
+    let n = rows.times.len();
+    if noise.position.is_negligible() {
+        for i in (0..n).filter(|&i| rows.x[i].is_finite() && rows.y[i].is_finite()) {
+            (out.x[i], out.y[i], out.sd.position[i]) = (rows.x[i], rows.y[i], 0.0);
+        }
+    }
+    if noise.heading.is_negligible() {
+        for i in (0..n).filter(|&i| rows.heading[i].is_finite()) {
+            (out.heading[i], out.sd.heading[i]) = (rows.heading[i], 0.0);
+        }
+        if rows.heading.iter().all(|h| h.is_finite()) {
+            out.yaw_rate = slope(rows.times, &unwrap(rows.heading), SLOPE_REACH_S);
+            out.sd.yaw_rate = vec![0.0; n];
+        }
+    }
+    let known = (0..n).filter(|&i| rows.velocity(i).is_some()).count();
+    if noise.velocity.is_negligible() && known > 0 {
+        for i in 0..n {
+            let forward = at(rows.forward, i);
+            if at(rows.vx, i).is_finite() && at(rows.vy, i).is_finite() {
+                (out.vx[i], out.vy[i]) = (rows.vx[i], rows.vy[i]);
+            } else if forward.is_finite() && out.heading[i].is_finite() {
+                // The positions say how much it goes sideways.
+                let (sin, cos) = out.heading[i].sin_cos();
+                let aside = out.vy[i] * cos - out.vx[i] * sin;
+                (out.vx[i], out.vy[i]) = (forward * cos - aside * sin, forward * sin + aside * cos);
+            } else {
+                continue;
+            }
+            out.sd.speed[i] = 0.0;
+        }
+        if known == n {
+            let forward = |i: usize| out.vx[i] * out.heading[i].cos() + out.vy[i] * out.heading[i].sin();
+            let forward: Vec<f64> = (0..n).map(forward).collect();
+            out.accel = slope(rows.times, &forward, SLOPE_REACH_S);
+            out.sd.accel = vec![0.0; n];
+        }
+    }
+}
+
+impl Rows<'_> {
+    /// Stated speed along the heading, m/s; NaN where none is stated.
+    fn forward_speed(&self, row: usize) -> f64 {
+        let h = self.heading[row];
+        let along = at(self.vx, row) * h.cos() + at(self.vy, row) * h.sin();
+        if along.is_finite() { along } else { at(self.forward, row) }
+    }
+
+    /// Stated velocity, m/s.
+    fn velocity(&self, row: usize) -> Option<(f64, f64)> {
+        let (vx, vy) = (at(self.vx, row), at(self.vy, row));
+        if vx.is_finite() && vy.is_finite() {
+            return Some((vx, vy));
+        }
+        let (forward, h) = (at(self.forward, row), self.heading[row]);
+        (forward.is_finite() && h.is_finite()).then(|| (forward * h.cos(), forward * h.sin()))
+    }
+}
+
+impl States {
+    fn unknown(n: usize) -> Self {
+        let v = || vec![f64::NAN; n];
+        Self {
+            x: v(),
+            y: v(),
+            heading: v(),
+            vx: v(),
+            vy: v(),
+            accel: v(),
+            yaw_rate: v(),
+            sd: Deviations { position: v(), heading: v(), speed: v(), accel: v(), yaw_rate: v() },
+        }
+    }
+
+    /// Makes these rows stand.
+    fn hold(&mut self, rows: Range<usize>) {
+        let Some((x, y)) = mean(&self.x, &self.y, rows.clone()) else { return };
+        for i in rows {
+            (self.x[i], self.y[i]) = (x, y);
+            (self.vx[i], self.vy[i], self.accel[i], self.yaw_rate[i]) = (0.0, 0.0, 0.0, 0.0);
+            (self.sd.speed[i], self.sd.accel[i]) = (STANDING_SD_MPS, STANDING_SD_MPS);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
