@@ -65,15 +65,12 @@ type Compared = (Vec<Occurrence>, Vec<Vec<Occurrence>>);
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
-    let (catalogue, faults_of_signals) = Catalogue::parse(&framework.signals_yaml);
+    let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let (rules, found) = RuleSet::of_framework(&framework, &catalogue);
     let dir = global.framework.as_deref();
-    let findings: Vec<_> = [faults_of_signals, found]
-        .into_iter()
-        .flat_map(|d| framework_folder::placed(dir, d))
-        .chain(faults)
-        .collect();
-    findings.iter().for_each(|d| tell!("{}", render_text(d, global.lang)));
+    let new = framework_folder::placed(dir, found);
+    new.iter().for_each(|d| tell!("{}", render_text(d, global.lang)));
+    let faulty = !faults.is_empty() || !new.is_empty();
     let lake = match Lake::open(&args.lake) {
         Ok(lake) => lake,
         Err(e) => {
@@ -141,7 +138,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
     Ok(if unreadable || result.left_out > 0 {
         output::lost_input()
-    } else if args.floor.is_some_and(|f| result.least() < f) || !findings.is_empty() {
+    } else if args.floor.is_some_and(|f| result.least() < f) || faulty {
         output::FINDINGS
     } else {
         output::FINE
