@@ -67,9 +67,6 @@ fn interpolate(m: &mut Motion, frames: &[u32], every: usize, seconds: &impl Fn(u
                 *to = between(from, false);
             }
         }
-        if !given.forward.is_empty() {
-            m.forward[row] = between(&given.forward, false);
-        }
         m.heading[row] = super::wrapped(between(&given.heading, true));
     }
 }
