@@ -2,10 +2,10 @@
 //!
 //! The lake holds measurements only; velocities, accelerations and yaw rates that a log does not have are unknown in
 //! it, and what it has may be noisy, late or lost. [`estimated`] makes states with standard deviations of it, from the
-//! drive that it is given and nothing else: on a drive cut at the keyframe ([`Drive::until`]) it is causal, on a whole
-//! drive it may use both sides of a row. What reads motion calls it first: [`crate::derive`] and [`crate::meta_actions`]
-//! do so themselves and take drives as the lake has them; so do `whyroad_engine::states` and the engine's `estimated` for
-//! pictures and summaries. An estimated drive must not be estimated again.
+//! drive that it is given and nothing else: on a drive cut at the keyframe ([`Drive::until`]) it is causal, on a
+//! whole drive it may use both sides of a row. What reads motion calls it first: [`crate::derive`] and
+//! [`crate::meta_actions`] do so themselves and take drives as the lake has them; so do `whyroad_engine::states` and
+//! the engine's `estimated` for pictures and summaries. An estimated drive must not be estimated again.
 //!
 //! An object of which all that is stated is exact and complete keeps it; what the log does not state of it (`vx`, `vy`,
 //! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbours. Any other object is smoothed.
@@ -39,8 +39,9 @@ use whyroad_model::{Drive, ObjectClass};
 /// A sideways step of more than this in 0.1 s is a jump (simulators change lanes so), not a motion, m.
 const MAX_SIDE_STEP_M: f64 = 1.0;
 
-/// The drive with its estimated states. Borrowed when nothing is to be estimated: when the log states all of it exactly,
-/// or has no pose of the ego, so that positions are relative to a moving car and say nothing of velocities over ground.
+/// The drive with its estimated states. Borrowed when nothing is to be estimated: when the log states all of it
+/// exactly, or has no pose of the ego, so that positions are relative to a moving car and say nothing of velocities
+/// over ground.
 pub fn estimate(drive: &Drive) -> Cow<'_, Drive> {
     estimated(drive).drive
 }

@@ -1,5 +1,6 @@
 //! Standard deviations of signals: of each number that follows from estimated states, the deviation that these give it
-//! (first order, states taken as independent). Columns beside the signals' own; a drive whose states are exact has none.
+//! (first order, states taken as independent). Columns beside the signals' own; a drive whose states are exact has
+//! none.
 
 use super::smoother::Deviations;
 use whyroad_model::scene::Track;
