@@ -129,7 +129,9 @@ pub(in crate::check) fn unrelated(
 /// Each thing in the trace is in a component.
 pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
-    if texts.all_components(words).is_empty() {
+    // What a component that cannot be read names is not known.
+    let unread = label.parts.iter().any(|c| c.description.get().is_none());
+    if unread || texts.all_components(words).is_empty() {
         return;
     }
     let components = texts.components_there(words);

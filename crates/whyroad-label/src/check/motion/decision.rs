@@ -157,7 +157,9 @@ fn unlabelled(w: &Window<'_>, v0: f64, sink: &mut dyn Sink) {
     // What was under way at the keyframe is no new decision.
     let before = w.speed(w.keyframe.saturating_sub(10)).unwrap_or(v0);
     let underway = (v0 - before).abs() > 0.6;
-    let change = if v0 - s.min > s.max - v0 { s.min - v0 } else { s.max - v0 };
+    // Gaining speed after a turn or a stop is ordinary; starting from standstill is not.
+    let starts = v0 < STANDSTILL_MPS;
+    let change = if starts { s.max - v0 } else { s.min - v0 };
     if underway || change.abs() < LARGE_MPS {
         return;
     }

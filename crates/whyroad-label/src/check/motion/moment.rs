@@ -32,12 +32,7 @@ pub(super) fn check(label: &View<'_>, recorded: &Recorded, sink: &mut dyn Sink) 
     let same = |e: &EpisodeRecord| same_l2(e) && (l3.is_none() || e.scenario_id.l3.as_deref() == l3);
     if let Some(e) = nearest(&same).filter(|e| off(e).abs() < OTHER_EPISODE_S) {
         let slack = if e.keyframe.kind == KeyframeType::Proactive { 2.0 * MOMENT_S } else { MOMENT_S };
-        let inside = e
-            .keyframe
-            .range_start
-            .zip(e.keyframe.range_end)
-            .is_some_and(|(a, b)| a <= keyframe && keyframe <= b);
-        if off(e).abs() > slack && !(inside && off(e).abs() < 2.0 * slack) {
+        if off(e).abs() > slack {
             let (seconds, rule, due) = (off(e), &e.keyframe_rule, e.keyframe.timestamp);
             sink.report(Finding::warning("label.keyframe.moment", pointer::KEYFRAME_TIMESTAMP), &|| {
                 let (zh, en) = if seconds > 0.0 { ("晚", "after") } else { ("早", "before") };

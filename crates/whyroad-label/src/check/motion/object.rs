@@ -263,7 +263,12 @@ fn light<'n>(
     // "From red to green" names both: then nothing is compared but the last.
     let Some(said) = colours.last() else { return };
     let mut frames = frames_of(c, w);
-    frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));
+    if frames.is_empty() {
+        frames.extend(w.keyframe.saturating_sub(10)..=(w.keyframe + 3).min(w.end.saturating_sub(1)));
+    } else {
+        // A change is seen a moment before or after.
+        frames = frames.iter().flat_map(|f| f.saturating_sub(3)..=f + 3).collect();
+    }
     let states: Vec<&str> = frames.iter().filter_map(|f| w.category("light.state", *f)).collect();
     // A kind of green is green; a flashing light is not compared.
     let is = |s: &&&str| s.contains(*said) || s.contains("flashing");
