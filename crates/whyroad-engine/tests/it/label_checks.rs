@@ -207,7 +207,9 @@ fn run(lake: &Lake) -> (usize, usize, usize, usize) {
     let mut kinds: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     let mut flagged = 0;
     for (label, motion) in labels.iter().zip(&motions) {
-        let found = of_recording(&checker, label);
+        // A draft leaves a decision null where its class explains no such motion, which is not the same as no change.
+        let mut found = of_recording(&checker, label);
+        found.retain(|c| c != "label.motion.unlabelled");
         if !found.is_empty() {
             flagged += 1;
             println!("FALSE ALARM {found:?} {} {}", label["scenario"]["full_id"], label["driving_decision"]);
