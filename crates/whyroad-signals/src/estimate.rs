@@ -10,7 +10,10 @@
 //! An object of which all that is stated is exact and complete keeps it; what the log does not state of it (`vx`, `vy`,
 //! `accel`, `yaw_rate` of [`Motion`]) is completed row by row from its neighbours. Any other object is smoothed.
 //! docs/explanation/estimates.md says how. Not here: signals, and everything that needs a map.
-#![allow(clippy::needless_range_loop, reason = "rows of several columns and components of matrices go by index")]
+#![allow(
+    clippy::needless_range_loop,
+    reason = "rows of several columns and components of matrices go by index"
+)]
 
 mod bicycle;
 mod deviation;
