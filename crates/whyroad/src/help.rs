@@ -141,6 +141,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ),
         ],
     ),
+    ("accounts rotate-key", &[("A new key, with which all secrets are sealed", "whyroad accounts rotate-key")]),
     (
         "migrate",
         &[
@@ -342,6 +343,7 @@ mod tests {
         ("signals derive", "writes files"),
         ("backup", "writes a file"),
         ("restore", "fills a store"),
+        ("accounts rotate-key", "changes a store"),
         ("serve", "runs until it is stopped"),
         ("tasks export", "prints JSON Lines only"),
         ("migrate", "prints JSON Lines only"),
