@@ -141,7 +141,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ),
         ],
     ),
-    ("accounts rotate-key", &[("A new key, with which all secrets are sealed", "whyroad accounts rotate-key")]),
+    (
+        "accounts rotate-key",
+        &[("A new key, with which all secrets are sealed", "whyroad accounts rotate-key")],
+    ),
     (
         "migrate",
         &[
