@@ -1,36 +1,13 @@
 //! One episode as mining writes it to `episodes.jsonl`: what `episodes.parquet` has, and in words what the
 //! report and the label drafts need beside it. Not one of DATA_FORMAT.md's messages.
 
+use super::ego_response::EgoResponse;
 use super::label::{Keyframe, TimeRange};
 use super::mining::MatchedCondition;
 use crate::{Bilingual, ClipId, DriveId, ScenarioId, TrackId};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Whether the ego answered what triggered an episode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EgoResponse {
-    /// The ego did what the rule counts as an answer (it slowed, waited, moved aside), or the rule's match is itself
-    /// what the ego did.
-    Observed,
-    /// It did not, in the whole time range: a missed response, or one that was not needed.
-    Absent,
-    /// The log cannot tell: it ends before, or lacks a signal.
-    Unknown,
-}
-
-impl EgoResponse {
-    /// Its name in messages and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Observed => "observed",
-            Self::Absent => "absent",
-            Self::Unknown => "unknown",
-        }
-    }
-}
 
 /// A stretch of a drive in which one leaf's rule held, with the evidence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

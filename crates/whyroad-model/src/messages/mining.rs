@@ -1,6 +1,6 @@
 //! The mining interface: query (DATA_FORMAT.md 5.1) and result (5.2).
 
-use super::episode::EgoResponse;
+use super::ego_response::EgoResponse;
 use super::query_clause::QueryClause;
 use crate::{Bilingual, Nanos, ScenarioId};
 use schemars::JsonSchema;

@@ -3,6 +3,7 @@
 
 pub mod clip;
 pub mod coverage;
+pub mod ego_response;
 pub mod episode;
 pub mod episode_page;
 pub mod label;
@@ -11,6 +12,7 @@ pub mod query_clause;
 
 pub use clip::*;
 pub use coverage::*;
+pub use ego_response::*;
 pub use episode::*;
 pub use episode_page::*;
 pub use label::*;
