@@ -5,14 +5,16 @@
 //! compact layout, in which the scenario, the decision, the keyframe and the range are single values and the components
 //! are the list `primary_factors`.
 
+mod loss;
 mod parts;
 
+use loss::lost;
 use parts::{decision, factors, moment, range, scenario};
 use serde_json::{Map, Value, json};
 use whyroad_framework::Framework;
 use whyroad_model::label_fields::{LABEL_FIELDS, name};
 use whyroad_model::messages::CocLabel;
-use whyroad_model::{Bilingual, Diagnostic, FORMAT_VERSION};
+use whyroad_model::{Diagnostic, FORMAT_VERSION};
 
 /// Where to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,14 +210,6 @@ fn back(out: Map<String, Value>, report: &mut Vec<Diagnostic>) -> Value {
         ));
     }
     old
-}
-
-/// Something that cannot be carried over.
-pub(in crate::migrate) fn lost(pointer: &str, zh: &str, en: &str) -> Diagnostic {
-    Diagnostic::warning("label.migrate.lost", Bilingual::new(zh, en)).at(whyroad_model::Location {
-        pointer: Some(pointer.to_owned()),
-        ..whyroad_model::Location::default()
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The parts of an older label, each to its current form.
 
-use super::lost;
+use super::loss::lost;
 use serde_json::{Map, Value, json};
 use whyroad_framework::Framework;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
