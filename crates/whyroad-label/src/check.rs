@@ -15,6 +15,7 @@ mod motion;
 mod reading;
 mod recording;
 mod rulebook;
+mod texts;
 mod view;
 
 pub use clips::{ClipFacts, ClipIndex};

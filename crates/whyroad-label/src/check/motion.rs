@@ -9,7 +9,7 @@ mod object;
 mod window;
 
 use super::recording::Recorded;
-use super::rulebook::Texts;
+use super::texts::Texts;
 use super::view::View;
 use whyroad_framework::check::{Finding, Sink, Words};
 use whyroad_framework::{DecisionSets, LabelWords};

@@ -7,12 +7,11 @@ use super::cause::{links, text as cause_text};
 use super::clips::{ClipFacts, ClipIndex};
 use super::consistency::{moment, plausible, text, trace_rules};
 use super::form::{placeholder, version};
-use super::reading::{self, TextFacts};
+use super::texts::Texts;
 use super::view::View;
+use whyroad_framework::Framework;
 use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Words, scenario};
-use whyroad_framework::label_words::GroupSet;
-use whyroad_framework::{Framework, LabelWords};
 use whyroad_model::label_fields::pointer;
 
 /// What the rules know besides the label.
@@ -20,35 +19,6 @@ pub(super) struct Rulebook<'f> {
     pub classes: &'f ClassIndex,
     pub framework: &'f Framework,
     pub clips: Option<&'f ClipIndex>,
-}
-
-/// The texts of a label as read, once for all rules.
-pub(super) struct Texts {
-    /// In the order of the label's parts.
-    pub components: Vec<TextFacts>,
-    pub trace: TextFacts,
-}
-
-impl Texts {
-    pub fn of(label: &View<'_>, words: &LabelWords) -> Self {
-        let facts = |t: Option<&str>| t.map(|t| reading::read(t, words)).unwrap_or_default();
-        Self {
-            components: label.parts.iter().map(|c| facts(c.description.get())).collect(),
-            trace: facts(label.trace.get()),
-        }
-    }
-
-    /// Groups that answer for what the components name, absent things too.
-    pub fn all_components(&self, words: &LabelWords) -> GroupSet {
-        let all = self.components.iter().flat_map(|f| &f.named);
-        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
-    }
-
-    /// Groups that answer for what the components say is there.
-    pub fn components_there(&self, words: &LabelWords) -> GroupSet {
-        let all = self.components.iter().flat_map(TextFacts::there);
-        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
-    }
 }
 
 impl Rulebook<'_> {

@@ -2,7 +2,7 @@
 //! proximate cause, and a cause of the kind that the decision has.
 
 use crate::check::reading::{Named, TextFacts};
-use crate::check::rulebook::Texts;
+use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};

@@ -2,7 +2,7 @@
 //! does, and words that belong to another class.
 
 use crate::check::reading::{Named, TextFacts};
-use crate::check::rulebook::Texts;
+use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};

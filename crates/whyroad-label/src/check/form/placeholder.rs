@@ -1,6 +1,6 @@
 //! Texts that say nothing: placeholders, and words that have to do with no road.
 
-use crate::check::rulebook::Texts;
+use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
 use crate::draft::is_draft;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};

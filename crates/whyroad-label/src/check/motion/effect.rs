@@ -2,7 +2,7 @@
 //! that the label does not name would have let the ego drive on.
 
 use super::window::Window;
-use crate::check::rulebook::Texts;
+use crate::check::texts::Texts;
 use crate::check::view::View;
 use crate::counterfactual::{Effect, Removed, counterfactual};
 use whyroad_framework::LabelWords;

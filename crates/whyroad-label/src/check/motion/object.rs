@@ -3,7 +3,7 @@
 
 use super::window::{Window, kmh};
 use crate::check::reading::Named;
-use crate::check::rulebook::Texts;
+use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};

@@ -1,0 +1,35 @@
+//! The texts of a label as read, for the rules that compare them.
+
+use super::reading::{self, TextFacts};
+use super::view::View;
+use whyroad_framework::LabelWords;
+use whyroad_framework::label_words::GroupSet;
+
+/// The texts of a label as read, once for all rules.
+pub(super) struct Texts {
+    /// In the order of the label's parts.
+    pub components: Vec<TextFacts>,
+    pub trace: TextFacts,
+}
+
+impl Texts {
+    pub fn of(label: &View<'_>, words: &LabelWords) -> Self {
+        let facts = |t: Option<&str>| t.map(|t| reading::read(t, words)).unwrap_or_default();
+        Self {
+            components: label.parts.iter().map(|c| facts(c.description.get())).collect(),
+            trace: facts(label.trace.get()),
+        }
+    }
+
+    /// Groups that answer for what the components name, absent things too.
+    pub fn all_components(&self, words: &LabelWords) -> GroupSet {
+        let all = self.components.iter().flat_map(|f| &f.named);
+        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    }
+
+    /// Groups that answer for what the components say is there.
+    pub fn components_there(&self, words: &LabelWords) -> GroupSet {
+        let all = self.components.iter().flat_map(TextFacts::there);
+        all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    }
+}
