@@ -22,6 +22,7 @@ pub mod plan;
 pub mod search;
 pub mod signals;
 mod temporal;
+mod threshold;
 pub mod truth;
 mod windows;
 

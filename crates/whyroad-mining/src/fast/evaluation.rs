@@ -4,11 +4,11 @@
 use super::bits::Bits;
 use super::compare::pack_all;
 use super::layout::{RowLayout, RowSet};
-use super::noise::crossed;
 use super::numbers::Numbers;
 use super::plan::Plan;
 use super::signals::{NodeValue, Signals};
 use super::temporal::{self, Stretches};
+use super::threshold::crossed;
 use super::truth::Truth;
 use super::windows;
 use crate::interpret::Moments;

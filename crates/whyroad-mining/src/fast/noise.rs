@@ -1,14 +1,10 @@
-//! Comparisons of numbers that have standard deviations (`crate::deviation` defines them), on the stretches of a
-//! column. Only drives with noisy measurements have any; all others never come here.
+//! Standard deviations of the numbers of a program (`crate::deviation` defines them) on the rows of a row set. Only
+//! drives with noisy measurements have any; all others never come here.
 
-use super::bits::Bits;
-use super::compare::holds;
 use super::evaluation::Evaluation;
-use super::layout::{RowSet, Segment};
-use super::numbers::Numbers;
+use super::layout::RowSet;
 use super::signals::NodeValue;
-use super::truth::Truth;
-use crate::deviation::{has_threshold, of_product, of_sum, stated};
+use crate::deviation::{has_threshold, of_product, of_sum};
 use crate::language::program::{NodeId, Op};
 use crate::language::syntax::CompareOp;
 use whyroad_model::signal::deviation_name;
@@ -76,32 +72,4 @@ impl Evaluation<'_> {
             _ => None,
         }
     }
-}
-
-/// Truth of a comparison; each stretch is compared by itself.
-pub(super) fn crossed(
-    op: CompareOp,
-    (a, b): (&Numbers<'_>, &Numbers<'_>),
-    noise: &[f64],
-    segments: &[Segment],
-) -> Truth {
-    let (a, b) = (a.cut(), b.cut());
-    let n = noise.len();
-    let (mut yes, mut known) = (vec![false; n], vec![false; n]);
-    for segment in segments {
-        let mut before = None;
-        for i in segment.range() {
-            if a[i].is_nan() || b[i].is_nan() {
-                before = None;
-                continue;
-            }
-            let within = (a[i] - b[i]).abs() <= stated(noise[i]) && stated(noise[i]) > 0.0;
-            let now = match before {
-                Some(held) if within => held,
-                _ => holds(op, a[i], b[i]),
-            };
-            (yes[i], known[i], before) = (now, true, Some(now));
-        }
-    }
-    Truth::new(Bits::collect(n, |i| yes[i]), Bits::collect(n, |i| known[i]))
 }

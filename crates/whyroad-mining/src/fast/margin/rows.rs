@@ -1,8 +1,8 @@
 //! What margins need row by row: comparisons, agreement with the truth, moving extremes.
 
+use crate::comparison::{MARGIN_LIMIT, compare};
 use crate::fast::numbers::Numbers;
 use crate::fast::truth::Truth;
-use crate::interpret::{MARGIN_LIMIT, compare};
 use crate::language::syntax::CompareOp;
 use std::ops::Range;
 use whyroad_model::Tri;
