@@ -5,7 +5,7 @@
 //! Here are the rules by which deviations combine, and the plain definition of such a comparison; both evaluators use
 //! the first, the reference also the second.
 
-use crate::interpret::compare;
+use crate::comparison::compare;
 use crate::language::syntax::CompareOp;
 use whyroad_model::Tri;
 

@@ -9,21 +9,19 @@ mod objects;
 mod temporal;
 mod timeline;
 
+pub use crate::comparison::MARGIN_LIMIT;
 pub use temporal::{CLOCK_TOLERANCE, Truths};
 pub use timeline::{Row, STEP, Timeline};
 
+use crate::comparison::compare;
 use crate::deviation::{crossed, has_threshold, of_product, of_sum};
 use crate::language::program::{NodeId, Op, Program, ValueScope};
-use crate::language::syntax::CompareOp;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::{TargetSpan, deviation_name};
 use whyroad_model::{Column, FrameRange, SignalTable, Tri};
-
-/// Margins are cut off here; flags and categories, which are true or false without degree, have it in full.
-pub const MARGIN_LIMIT: f64 = 2.0;
 
 /// The values of a node, one per row.
 #[derive(Clone, Debug)]
@@ -363,24 +361,6 @@ fn combined(both: (Option<Vec<f64>>, Option<Vec<f64>>), f: impl Fn(f64, f64) -> 
         (Some(one), None) | (None, Some(one)) => one.into_iter().map(|d| f(d, 0.0)).collect(),
         (Some(a), Some(b)) => a.into_iter().zip(b).map(|(a, b)| f(a, b)).collect(),
     })
-}
-
-/// Truth and margin of one comparison; unknown when a side is NaN.
-pub(crate) fn compare(op: CompareOp, a: f64, b: f64, scale: f64) -> (Tri, f64) {
-    if a.is_nan() || b.is_nan() {
-        return (Tri::Unknown, f64::NAN);
-    }
-    let (truth, raw) = match op {
-        CompareOp::Less => (a < b, b - a),
-        CompareOp::LessOrEqual => (a <= b, b - a),
-        CompareOp::Greater => (a > b, a - b),
-        CompareOp::GreaterOrEqual => (a >= b, a - b),
-        CompareOp::Equal => (a == b, if a == b { f64::INFINITY } else { -(a - b).abs() }),
-        CompareOp::NotEqual => (a != b, if a == b { f64::NEG_INFINITY } else { (a - b).abs() }),
-    };
-    // Infinity against infinity: neither is nearer.
-    let raw = if raw.is_nan() { 0.0 } else { raw };
-    (Tri::from(truth), (raw / scale).clamp(-MARGIN_LIMIT, MARGIN_LIMIT))
 }
 
 #[cfg(test)]

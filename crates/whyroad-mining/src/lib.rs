@@ -5,6 +5,7 @@
 //! scenario is about. Scenarios are defined in `scenarios/`.
 
 pub mod cases;
+mod comparison;
 mod deviation;
 pub mod drive;
 pub mod episode;
