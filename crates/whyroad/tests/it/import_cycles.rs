@@ -12,8 +12,8 @@ const ALLOWED: &[(&str, &str)] = &[];
 /// The stages of whyroad-signals, each of which may import only those before it and itself.
 const STAGES: &[&str] = &[
     "geometry",
-    "estimate",
     "series",
+    "estimate",
     "catalogue",
     "needs",
     "table",
