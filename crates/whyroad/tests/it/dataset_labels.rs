@@ -33,6 +33,49 @@ fn drives() -> Vec<Drive> {
     lake.drive_ids().iter().map(|id| lake.read_drive(id).unwrap()).collect()
 }
 
+/// What can be said truly of a moment of a bundled drive.
+struct Seen {
+    drive: &'static str,
+    /// Of the keyframe, after the drive's start.
+    seconds: usize,
+    scenario: [&'static str; 3],
+    longitudinal: &'static str,
+    category: &'static str,
+    description: &'static str,
+    trace: &'static str,
+}
+
+/// One moment per drive, in the order in which people label them.
+const SEEN: [Seen; 3] = [
+    Seen {
+        drive: "multilane-ego",
+        seconds: 17,
+        scenario: ["reactive_agent", "cutin", "urgent"],
+        longitudinal: "yield_to_agent",
+        category: "critical_objects",
+        description: "左前方的轿车正在切入本车道",
+        trace: "左前方的轿车正在切入本车道，切入后的车距对当前车速而言过小，因此自车应立即减速让行，与轿车拉开安全距离。",
+    },
+    Seen {
+        drive: "signal_junction-ego",
+        seconds: 23,
+        scenario: ["reactive_rule", "traffic_light", "resume_follow"],
+        longitudinal: "resume",
+        category: "traffic_lights",
+        description: "本车道的信号灯为绿灯",
+        trace: "本车道的信号灯为绿灯，允许自车此时进入路口，因此自车应起步。",
+    },
+    Seen {
+        drive: "back_street-ego",
+        seconds: 34,
+        scenario: ["reactive_agent", "vru_crossing", "crosswalk"],
+        longitudinal: "yield_to_agent",
+        category: "critical_objects",
+        description: "右前方的行人正在自车前方横穿道路",
+        trace: "右前方的行人正在自车前方横穿道路，保持当前车速会与其同时到达交汇处，因此自车应减速让行。",
+    },
+];
+
 /// A label of the drive's moment `seconds` after its start, inside one clip, with the content of the example.
 fn label(drive: &Drive, seconds: usize, leaf: &str) -> Value {
     let at = |offset: f64| drive.times[0].plus_secs(seconds as f64 + offset).to_string();
@@ -52,12 +95,13 @@ fn label(drive: &Drive, seconds: usize, leaf: &str) -> Value {
     label
 }
 
-/// The same moment as an episode.
-fn episode(drive: &Drive, seconds: usize) -> Value {
-    let label = label(drive, seconds, "urgent");
+/// What was seen, as an episode.
+fn episode(seen: &Seen, drives: &[Drive]) -> Value {
+    let drive = drives.iter().find(|d| d.meta.drive_id.as_str() == seen.drive).unwrap();
+    let label = label(drive, seen.seconds, "urgent");
     json!({
-        "episode_id": format!("e-{}-{seconds}", drive.meta.drive_id), "scenario_id": "reactive_agent.cutin.urgent",
-        "drive_id": drive.meta.drive_id, "clip_id": label["clip_id"], "time_range": label["time_range"],
+        "episode_id": format!("e-{}-{}", seen.drive, seen.seconds), "scenario_id": seen.scenario.join("."),
+        "drive_id": seen.drive, "clip_id": label["clip_id"], "time_range": label["time_range"],
         "keyframe": label["keyframe"], "score": 1.0, "is_primary": true, "keyframe_rule": {"zh": "", "en": ""},
         "conditions_matched": [], "signals": [],
     })
@@ -96,18 +140,19 @@ impl<'c> Held<'c> {
         answer["task"]["state"].clone()
     }
 
-    /// Both stages with the content of the example, to `submitted`.
-    fn label(mut self, trace: &str) {
-        let (example, keyframe) = (example(), self.draft()["keyframe"]["timestamp"].clone());
-        let mut components = example["critical_components"].clone();
-        for component in components.as_array_mut().unwrap() {
-            component["evidence_times"] = json!([keyframe]);
-        }
+    /// Both stages with what was seen, to `submitted`.
+    fn label(mut self, seen: &Seen, trace: &str) {
+        let draft = self.draft();
+        assert_eq!(draft["scenario"]["full_id"], seen.scenario.join("."));
+        let components = json!([{
+            "id": "c1", "category": seen.category, "description": seen.description, "uncertainty": "low",
+            "evidence_times": [draft["keyframe"]["timestamp"]],
+        }]);
         self.set(json!([{ "path": "/critical_components", "value": components }]));
         self.act("lock_stage1", None);
         self.set(json!([
-            { "path": "/driving_decision", "value": example["driving_decision"] },
-            { "path": "/causes", "value": example["causes"] },
+            { "path": "/driving_decision", "value": { "longitudinal": seen.longitudinal, "lateral": null } },
+            { "path": "/causes", "value": { "longitudinal": { "components": ["c1"] } } },
             { "path": "/coc_trace", "value": trace },
             { "path": "/second_keyframe", "remove": true, "value": null },
         ]));
@@ -123,9 +168,12 @@ fn people_label(store: &[&str]) -> String {
     let settings = json!({ "audit_min_percent": 0, "audit_max_percent": 0 });
     let project = admin.post("/projects", &json!({ "name": "town", "settings": settings })).good();
     let project = project["id"].as_str().unwrap().to_owned();
-    let episodes: Vec<Value> = drives().iter().map(|d| episode(d, 12)).collect();
-    assert_eq!(episodes.len(), 3);
-    admin.post(&format!("/projects/{project}/tasks:create"), &json!({ "episodes": episodes })).good();
+    let drives = drives();
+    assert_eq!(drives.len(), 3);
+    for (priority, seen) in SEEN.iter().rev().enumerate() {
+        let tasks = json!({ "episodes": [episode(seen, &drives)], "priority": priority });
+        admin.post(&format!("/projects/{project}/tasks:create"), &tasks).good();
+    }
     let mut person = |name: &str, role: &str| {
         admin.post("/users", &json!({ "name": name, "display": name, "password": PASSWORD })).good();
         admin.post(&format!("/projects/{project}/members"), &json!({ "user": name, "roles": [role] })).good();
@@ -133,19 +181,20 @@ fn people_label(store: &[&str]) -> String {
     };
     let (mut ann, mut chen) = (person("ann", "annotator"), person("chen", "checker"));
 
-    let better = example()["coc_trace"].as_str().unwrap().to_owned();
+    let [cut_in, green, crossing] = &SEEN;
+    let better = cut_in.trace;
     let first = better.replace("立即减速让行，与轿车拉开安全距离", "减速让行");
     assert_ne!(first, better);
-    Held::next(&mut ann, &project, "label").label(&first);
+    Held::next(&mut ann, &project, "label").label(cut_in, &first);
     let mut check = Held::next(&mut chen, &project, "check");
     assert_eq!(check.act("send_back", Some("说明与轿车的距离")), "rework");
     let mut again = Held::next(&mut ann, &project, "label");
     again.set(json!([{ "path": "/coc_trace", "value": better }]));
     assert_eq!(again.act("submit", None), "submitted");
     assert_eq!(Held::next(&mut chen, &project, "check").act("accept", None), "accepted");
-    Held::next(&mut ann, &project, "label").label(&better);
+    Held::next(&mut ann, &project, "label").label(green, green.trace);
     assert_eq!(Held::next(&mut chen, &project, "check").act("accept", None), "accepted");
-    Held::next(&mut ann, &project, "label").label(&better);
+    Held::next(&mut ann, &project, "label").label(crossing, crossing.trace);
     first
 }
 
