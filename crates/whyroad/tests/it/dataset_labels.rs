@@ -4,7 +4,7 @@
 
 use crate::service::http::Client;
 use crate::service::{Service, demo};
-use crate::session::{Run, whyroad_in};
+use crate::session::{Run, whyroad_in, whyroad_with};
 use serde_json::{Value, json};
 use std::path::Path;
 use whyroad_dataset::{Release, Sample};
@@ -202,11 +202,24 @@ fn samples(release: &Path) -> Vec<Sample> {
     Release::open(release).unwrap().samples(None).map(Result::unwrap).collect()
 }
 
-/// Builds from the store at `source`, exports, and checks what must be in it.
-fn what_was_accepted_is_released(at: &Path, source: &str, returned: &str) {
+/// Builds from the store at `source` with these environment variables, exports, and checks what must be in it.
+fn what_was_accepted_is_released(at: &Path, source: &str, environment: &[(&str, &str)], returned: &str) {
     good(at, "dataset init dataset.yaml");
-    let build = format!("dataset build --spec dataset.yaml --labels {source} --lake DEMO/lake --out release");
-    let built = good(at, &build);
+    let lake = demo().join("lake").display().to_string();
+    let build = [
+        "dataset",
+        "build",
+        "--spec",
+        "dataset.yaml",
+        "--labels",
+        source,
+        "--lake",
+        &lake,
+        "--out",
+        "release",
+    ];
+    let built = whyroad_with(at, &build, environment);
+    assert_eq!(built.code, 0, "{}{}", built.out, built.err);
     assert!(built.out.starts_with("2 samples"), "{}", built.out);
     assert!(built.out.contains("status 1"), "the third is not accepted yet: {}", built.out);
     let all = samples(&at.join("release"));
@@ -243,7 +256,7 @@ fn accepted_labels_of_a_sqlite_store_are_released() {
     let dir = tempfile::tempdir().unwrap();
     let at = dir.path();
     let returned = people_label(&["--data", at.join("data").to_str().unwrap()]);
-    what_was_accepted_is_released(at, "data/labels.db", &returned);
+    what_was_accepted_is_released(at, "data/labels.db", &[], &returned);
 }
 
 #[test]
@@ -253,7 +266,9 @@ fn accepted_labels_of_a_postgresql_store_are_released() {
     let at = dir.path();
     let url = server.database();
     let returned = people_label(&["--data", at.join("data").to_str().unwrap(), "--store", &url]);
-    what_was_accepted_is_released(at, &url, &returned);
+    // The key is not on the database server.
+    let key = [("WHYROAD_KEY_FILE", "data/labels.db.key")];
+    what_was_accepted_is_released(at, &url, &key, &returned);
 }
 
 #[test]

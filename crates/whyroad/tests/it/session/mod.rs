@@ -17,11 +17,17 @@ pub fn root() -> PathBuf {
 
 /// Runs the binary in `folder`, whatever the environment says of framework and language.
 pub fn whyroad_in(folder: &Path, args: &[&str]) -> Run {
+    whyroad_with(folder, args, &[])
+}
+
+/// The same, with these environment variables.
+pub fn whyroad_with(folder: &Path, args: &[&str], environment: &[(&str, &str)]) -> Run {
     let output = Command::new(env!("CARGO_BIN_EXE_whyroad"))
         .args(args)
         .current_dir(folder)
         .env_remove("WHYROAD_FRAMEWORK")
         .env_remove("WHYROAD_LANG")
+        .envs(environment.iter().copied())
         .output()
         .unwrap();
     Run {
