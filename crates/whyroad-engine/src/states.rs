@@ -78,7 +78,8 @@ mod tests {
     use whyroad_model::scene::{Ego, Track};
 
     fn motion(n: usize) -> Motion {
-        Motion { x: (0..n).map(|i| i as f64).collect(), ..Motion::unknown(n) }
+        let x = (0..n).map(|i| i as f64).collect();
+        Motion { x, y: vec![0.0; n], heading: vec![0.0; n], ..Motion::unknown(n) }
     }
 
     #[test]

@@ -178,8 +178,8 @@ mod tests {
 
     #[test]
     fn values_are_those_of_the_file() {
-        // schema/signals.yaml, light.state: [none, red, yellow, ...]; "off" is the eighth.
-        assert_eq!((value::LightState::Red.code(), value::LightState::Off.code()), (1, 7));
+        // schema/signals.yaml, light.state: [none, red, yellow, ...]; "off" is the eleventh.
+        assert_eq!((value::LightState::Red.code(), value::LightState::Off.code()), (1, 10));
         assert_eq!(value::LightState::from_name("green_yield"), Some(value::LightState::GreenYield));
         assert_eq!(value::LightState::from_code(u16::MAX), None);
         assert_eq!(id::LIGHT_STATE.id().kind(), SignalType::Category(value::LightState::NAMES));

@@ -89,8 +89,8 @@ fn the_ego_is_the_middle_of_the_car_at_the_frames() {
 
 #[test]
 fn objects_are_interpolated_between_keyframes_and_not_over_a_missing_one() {
-    let (drive, report) = first();
-    let drive = crate::estimated(drive);
+    let (read, report) = first();
+    let drive = crate::estimated(read.clone());
     let car = drive.tracks.iter().find(|t| t.class == ObjectClass::Car).unwrap();
     // x = 620 + 5 t and heading 3.0 + 0.4 t, over pi from frame 4 on.
     assert_eq!(car.frames.len(), 21);
@@ -103,7 +103,8 @@ fn objects_are_interpolated_between_keyframes_and_not_over_a_missing_one() {
     assert!(near(car.length_m[0], 4.5) && near(car.width_m[0], 1.9) && near(car.interior_points[5], 20.0));
     let walker = drive.tracks.iter().find(|t| t.class == ObjectClass::Pedestrian).unwrap();
     // Annotated at 0, 0.5, 1.5 and 2 s.
-    assert_eq!(walker.frames, [0, 1, 2, 3, 4, 5, 15, 16, 17, 18, 19, 20]);
+    let annotated = read.track(&walker.id).unwrap();
+    assert_eq!(annotated.frames, [0, 1, 2, 3, 4, 5, 15, 16, 17, 18, 19, 20]);
     // The devkit's box_velocity at each of its four keyframes: 1.5 m/s along y.
     assert!(walker.motion.vy.iter().all(|v| near(*v, 1.5)) && near(walker.motion.heading[0], FRAC_PI_2));
     let rows = report.tables.iter().find(|t| t.table == "annotations").unwrap();

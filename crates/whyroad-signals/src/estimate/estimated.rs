@@ -1,5 +1,5 @@
-//! A whole drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what
-//! the log states of it is exact and complete.
+//! A drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what the log
+//! states of it is exact and complete.
 
 use super::bicycle::Bicycle;
 use super::deviation;

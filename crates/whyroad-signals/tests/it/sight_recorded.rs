@@ -27,6 +27,8 @@ fn rows() -> Vec<Row> {
         let (sources, _) = find_sources(None, &[folder]);
         let Some(drive) = sources.first().and_then(|s| read(s, &Options::default()).0) else { continue };
         let table = Table::of(&drive);
+        // Ids as in the table: parts of one object are joined; rows that were added in gaps have no points.
+        let drive = whyroad_signals::estimate(&drive).into_owned();
         if table.0.unavailable.contains_key("target.visible_share") {
             continue;
         }
@@ -37,7 +39,7 @@ fn rows() -> Vec<Row> {
                 let (dx, dy) = (track.motion.x[row] - ego.motion.x[f], track.motion.y[row] - ego.motion.y[f]);
                 let (d, towards) = (dx.hypot(dy), dy.atan2(dx) - track.motion.heading[row]);
                 let share = table.num(track.id.as_str(), "target.visible_share", f);
-                if share.is_nan() || !(5.0..60.0).contains(&d) {
+                if share.is_nan() || track.interior_points[row].is_nan() || !(5.0..60.0).contains(&d) {
                     continue;
                 }
                 let across =

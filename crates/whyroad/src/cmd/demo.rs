@@ -6,7 +6,7 @@ mod drives;
 mod release;
 mod summary;
 
-use crate::cmd::report::{Found, MAX_CARDS, write_page};
+use crate::cmd::report::{self, Found, MAX_CARDS, write_page};
 use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
@@ -16,7 +16,7 @@ use whyroad_engine::mine::{MinedLake, mine_lake};
 use whyroad_engine::output::{Question, Summary, write_folder};
 use whyroad_framework::Framework;
 use whyroad_ingest::{AdapterRef, LICENCE, Options, av2, sumo};
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, MinedFolder};
 use whyroad_mining::RuleSet;
 use whyroad_mining::rule::OTHER;
 use whyroad_model::messages::EpisodeRecord;
@@ -86,12 +86,24 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     let page = args.out.join("report.html");
     let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
+    let folder = MinedFolder::open(&args.out.join("mined")).context("the mined folder was just written")?;
+    let numbers = report::Numbers::default();
+    let analytics = match report::analyze(&framework, &folder, &lake, &numbers, global.lang)? {
+        Ok((analytics, lost)) => {
+            steps.findings(&lost);
+            Some(analytics)
+        }
+        Err(d) => {
+            steps.findings(&[*d]);
+            None
+        }
+    };
     let found = Found {
         framework: &framework,
         lake: &lake,
         coverage: &result.coverage,
         chosen: &chosen,
-        analytics: None,
+        analytics: analytics.as_ref(),
     };
     let lost = write_page(&found, &page, global.lang)?;
     steps.findings(&lost);

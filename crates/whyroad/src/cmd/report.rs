@@ -152,9 +152,9 @@ fn refuse(d: &Diagnostic, lang: Lang) -> ExitCode {
 }
 
 /// The analytics with what could not be read for them, or why there are none.
-type Analyzed = Result<(Analytics, Vec<Diagnostic>), Box<Diagnostic>>;
+pub(crate) type Analyzed = Result<(Analytics, Vec<Diagnostic>), Box<Diagnostic>>;
 
-fn analyze(
+pub(crate) fn analyze(
     framework: &Framework,
     folder: &MinedFolder,
     lake: &Lake,

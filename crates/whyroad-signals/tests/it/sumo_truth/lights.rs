@@ -25,11 +25,11 @@ fn light_states_are_the_simulators() {
             let Some(next) = ahead.filter(|_| !now.lane.starts_with(':')) else { continue };
             let end = s.lane_end[&now.lane];
             let distance = (end.0 - now.x).hypot(end.1 - now.y);
-            let expected = s.link_of.get(&next.lane).filter(|_| distance < 90.0).map(|(light, link)| {
+            let expected = s.link_of.get(&next.lane).filter(|_| distance < 140.0).map(|(light, link)| {
                 let letters = s.lights[light].range(..=step).next_back().expect("a state before").1;
                 word(letters.as_bytes()[*link])
             });
-            // Between 90 and 110 m either answer is right: our reach is 100 m from the centre.
+            // Between 140 and 160 m either answer is right: our reach is 150 m from the centre.
             if expected.is_none() && s.link_of.contains_key(&next.lane) {
                 continue;
             }
