@@ -185,15 +185,12 @@ impl Compiler<'_> {
     /// What counts as the ego's answer. It is looked for in the time range, so it cannot speak of the match.
     fn response(&mut self, node: &Node) -> Option<NodeId> {
         let text = node.text().unwrap_or_default();
-        let checked =
-            parse::parse(text).map_err(|fault| self.report(node, fault)).ok().and_then(|expr| match self
-                .checker
-                .condition(&expr)
-            {
-                Ok(id) if self.checker.program.node(id).needs_episode => Some(Err(vec![needs_a_match(text)])),
-                Ok(id) => Some(Ok(id)),
-                Err(first) => Some(Err(self.checker.every_fault(&expr, first))),
-            })?;
+        let expr = parse::parse(text).map_err(|fault| self.report(node, fault)).ok()?;
+        let checked = match self.checker.condition(&expr) {
+            Ok(id) if self.checker.program.node(id).needs_episode => Err(vec![needs_a_match(text)]),
+            Ok(id) => Ok(id),
+            Err(first) => Err(self.checker.every_fault(&expr, first)),
+        };
         checked.map_err(|faults| faults.into_iter().for_each(|fault| self.report(node, fault))).ok()
     }
 
