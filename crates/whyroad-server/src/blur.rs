@@ -139,6 +139,7 @@ fn failed(why: &str) -> Problem {
 }
 
 #[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
 mod tests {
     use super::*;
     use std::os::unix::fs::PermissionsExt as _;

@@ -14,7 +14,7 @@ pub(super) fn lower(drive: &mut Drive, every: usize) {
     }
     for track in &mut drive.tracks {
         // What is seen before the first or after the last sample is not in the log.
-        let sampled = |f: &u32| *f as usize % every == 0;
+        let sampled = |f: &u32| (*f as usize).is_multiple_of(every);
         let first = track.frames.iter().copied().find(sampled);
         let last = track.frames.iter().copied().rev().find(sampled);
         let within = |f: u32| first.is_some_and(|a| f >= a) && last.is_some_and(|b| f <= b);

@@ -122,24 +122,6 @@ pub fn facts_are_those_of_the_history(world: &World) {
     assert!(open.label.is_none() && open.revision.is_none() && open.submitted.is_none());
 }
 
-/// Says how many tasks it was given: what the page shows is the caller's.
-pub struct Counted;
-
-impl whyroad_server::reports::Reports for Counted {
-    fn analytics(
-        &self,
-        project: &whyroad_server::domain::project::Project,
-        tasks: &[whyroad_label::facts::TaskFacts],
-        _: whyroad_model::Nanos,
-        utc_offset_h: i8,
-    ) -> Result<String, String> {
-        match project.name.as_str() {
-            "broken" => Err("no mined folder".into()),
-            name => Ok(format!("<p>{name} {} {utc_offset_h}</p>", tasks.len())),
-        }
-    }
-}
-
 pub fn the_analytics_page_is_for_leads(world: &World) {
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({}));

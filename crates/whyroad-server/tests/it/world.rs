@@ -76,7 +76,7 @@ impl World {
         let hands = Arc::clone(&clock);
         app.clock = Arc::new(move || hands.load(Ordering::SeqCst));
         app.lease_clock = LeaseClock::Service;
-        app.reports = Some(Arc::new(crate::migration::Counted));
+        app.reports = Some(Arc::new(crate::recorded::Counted));
         set_up(&mut app);
         let app = Arc::new(app);
         let runtime =
