@@ -6,6 +6,7 @@
 //! takes longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute.
 
 #![allow(clippy::unwrap_used, reason = "a bench says what went wrong by failing")]
+#![allow(clippy::print_stdout, reason = "a bench prints its figures")]
 
 #[allow(dead_code, reason = "shared with the tests")]
 #[path = "../tests/it/recorded.rs"]

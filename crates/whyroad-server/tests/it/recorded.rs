@@ -336,7 +336,7 @@ impl whyroad_server::reports::Reports for Counted {
         &self,
         project: &whyroad_server::domain::project::Project,
         tasks: &[whyroad_label::facts::TaskFacts],
-        _: whyroad_model::Nanos,
+        _: Nanos,
         utc_offset_h: i8,
     ) -> Result<String, String> {
         match project.name.as_str() {

@@ -15,6 +15,9 @@ use whyroad_report::analytics::{Analytics, AnalyticsInputs, HourlyRate, MinedFac
 use whyroad_server::domain::project::Project;
 use whyroad_server::reports::Reports;
 
+/// A mined folder, the time of its last change, and what was read of it.
+type Held = (PathBuf, Option<SystemTime>, Arc<MinedFacts>);
+
 /// Makes the page.
 pub(crate) struct ServiceReports {
     lake: Lake,
@@ -22,7 +25,7 @@ pub(crate) struct ServiceReports {
     dirs: Vec<PathBuf>,
     queries: Queries,
     /// What was read of a mined folder last, with the time at which its coverage was written.
-    held: Mutex<Option<(PathBuf, Option<SystemTime>, Arc<MinedFacts>)>>,
+    held: Mutex<Option<Held>>,
 }
 
 impl ServiceReports {

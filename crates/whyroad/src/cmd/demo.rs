@@ -86,7 +86,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     let page = args.out.join("report.html");
     let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
-    let folder = MinedFolder::open(&args.out.join("mined")).context("the mined folder was just written")?;
+    let folder = MinedFolder::open(args.out.join("mined")).context("the mined folder was just written")?;
     let numbers = report::Numbers::default();
     let analytics = match report::analyze(&framework, &folder, &lake, &numbers, global.lang)? {
         Ok((analytics, lost)) => {
