@@ -108,7 +108,10 @@ pub(super) fn of(base: &Base, language: &str) -> Vec<Fault> {
     out
 }
 
-fn structure(base: &Base, language: &str, add: &mut dyn FnMut(&str, &str, &dyn Fn(&mut Value))) {
+/// Adds a faulty label: kind, text of what is wrong, and the change to a true label.
+type Add<'a> = dyn FnMut(&str, &str, &dyn Fn(&mut Value)) + 'a;
+
+fn structure(base: &Base, language: &str, add: &mut Add<'_>) {
     add("evidence_early", "90 minutes", &|l| {
         l["critical_components"][0]["evidence_times"] = json!([at(-5400.0)])
     });
