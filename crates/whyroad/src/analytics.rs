@@ -5,7 +5,7 @@ mod service;
 
 pub(crate) use service::ServiceReports;
 
-use crate::store_args::error as refusal;
+use crate::store_args::{error as refusal, open_store};
 use anyhow::{Context as _, anyhow, bail};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,6 @@ use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::{Diagnostic, Lang, Nanos, ScenarioId};
 use whyroad_report::analytics::{DriveFacts, MinedFacts, ReleaseFacts, SampleFacts};
 use whyroad_server::service::{facts, projects};
-use whyroad_server::store::{Store, StoreLocation};
 
 /// A mined folder in short; weather from the lake, where one is given. Drives whose context cannot be read keep their
 /// weather unknown, and are named.
@@ -67,7 +66,7 @@ pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyh
         all.iter().filter(|p| project.is_none_or(|name| p.name == name || p.id == name)).collect();
     if let Some(name) = project.filter(|_| chosen.is_empty()) {
         let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
-        bail!("there is no project '{name}'; there are: {}", names.join(", "));
+        bail!("no project '{name}'; existing: {}", names.join(", "));
     }
     let mut out = Labelling { tasks: vec![], wanted: BTreeMap::new() };
     for p in chosen {
@@ -79,22 +78,6 @@ pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyh
         }
     }
     Ok(out)
-}
-
-/// The store that a text names; it must exist.
-pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
-    let below = Path::new(source).join("labels.db");
-    let location = match StoreLocation::parse(source) {
-        StoreLocation::File(_) if below.is_file() => StoreLocation::File(below),
-        other => other,
-    };
-    if let StoreLocation::File(path) = &location
-        && !path.is_file()
-    {
-        bail!("there is no store at {}", path.display());
-    }
-    let folder = Path::new(source).parent().unwrap_or(Path::new("."));
-    Store::open_keeping(&location, folder).map_err(|p| refusal(&p, lang))
 }
 
 /// Columns of a release that counts need.

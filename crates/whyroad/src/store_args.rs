@@ -4,13 +4,38 @@
 use crate::{Global, framework_folder};
 use anyhow::anyhow;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use whyroad_framework::Framework;
 use whyroad_model::Lang;
 use whyroad_server::domain::project::{Project, Settings};
 use whyroad_server::problem::Problem;
 use whyroad_server::secret;
 use whyroad_server::store::{Store, StoreLocation, key_file};
+
+/// The store that a `--labels` or `--store` argument names: a SQLite file, the folder with `labels.db`, or a PostgreSQL
+/// address. What belongs to it is looked for where the service keeps it: beside the file, or in the service's folder.
+pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
+    let below = Path::new(source).join("labels.db");
+    let location = match StoreLocation::parse(source) {
+        StoreLocation::File(_) if below.is_file() => StoreLocation::File(below),
+        other => other,
+    };
+    let folder = match &location {
+        StoreLocation::File(path) if !path.is_file() => {
+            return Err(anyhow!(match lang {
+                Lang::Zh => format!("没有存储 {}", path.display()),
+                Lang::En => format!("no store at {}", path.display()),
+            }));
+        }
+        StoreLocation::File(path) => path.parent().unwrap_or(Path::new(".")).to_path_buf(),
+        StoreLocation::Server(_) => {
+            std::env::var_os("WHYROAD_DATA_DIR").map_or_else(|| PathBuf::from("whyroad-data"), PathBuf::from)
+        }
+    };
+    let key =
+        std::env::var_os("WHYROAD_KEY_FILE").map_or_else(|| key_file(&location, &folder), PathBuf::from);
+    Store::open_with_key(&location, &folder, &key).map_err(|p| error(&p, lang))
+}
 
 /// Options that say where the store is.
 #[derive(clap::Args, Clone, Debug)]

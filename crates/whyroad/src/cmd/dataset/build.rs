@@ -2,7 +2,7 @@
 
 use super::{licences, print, query, refused};
 use crate::output::Print;
-use crate::store_args::error as told;
+use crate::store_args::{error as told, open_store};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow, bail};
 use indicatif::ProgressBar;
@@ -17,7 +17,6 @@ use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::service::projects;
 use whyroad_server::service::transfer::{self, ExportFormat};
-use whyroad_server::store::{Store, StoreLocation, key_file};
 
 /// Arguments of `whyroad dataset build`.
 #[derive(clap::Args)]
@@ -185,15 +184,7 @@ fn files_of(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
 
 /// Tasks with their history, as `whyroad tasks export --content tasks` writes them.
 fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<LabelStream>> {
-    let location = StoreLocation::parse(source);
-    if let StoreLocation::File(path) = &location
-        && !path.is_file()
-    {
-        bail!("no store at {}", path.display());
-    }
-    let folder = Path::new(source).parent().unwrap_or(Path::new("."));
-    let key = std::env::var_os("WHYROAD_KEY_FILE").map_or_else(|| key_file(&location, folder), PathBuf::from);
-    let store = Store::open_with_key(&location, folder, &key).map_err(|p| told(&p, lang))?;
+    let store = open_store(source, lang)?;
     let all = store.read(projects::all).map_err(|p| told(&p, lang))?;
     let wanted: BTreeMap<&str, &str> = all
         .iter()

@@ -1,7 +1,8 @@
 //! `whyroad taxonomy migrate`: labels, tasks and releases carried along when classes are renamed, merged or split.
 
 use crate::output::{self, Print};
-use crate::{Global, analytics, framework_folder};
+use crate::store_args::open_store;
+use crate::{Global, framework_folder};
 use anyhow::{Context as _, bail};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -109,7 +110,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
             .push((dir.clone(), carried.with_context(|| format!("cannot carry {}", dir.display()))?));
     }
     if let Some(source) = &args.store {
-        let store = analytics::open_store(source, global.lang)?;
+        let store = open_store(source, global.lang)?;
         let run = if args.dry_run { MigrationRun::Dry } else { MigrationRun::Write };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as i64);
         let migrated = migration::migrate(&store, &mapping, run, now);
