@@ -108,9 +108,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut lost = Vec::new();
     let readable = mined.episodes()?.filter_map(|line| line.map_err(|d| lost.push(*d)).ok());
     let chosen = CardChoice::new(args.max_episodes).choose_all(readable);
+    // Without the numbers the page is still of use.
     let (analytics, of_analytics) = match analyze(&framework, &mined, &lake, &args.numbers, global.lang)? {
-        Ok(made) => made,
-        Err(d) => return Ok(refuse(&d, global.lang)),
+        Ok((made, lost)) => (Some(made), lost),
+        Err(d) => (None, vec![*d]),
     };
     lost.extend(of_analytics);
     let found = Found {
@@ -118,11 +119,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         lake: &lake,
         coverage: &coverage,
         chosen: &chosen,
-        analytics: Some(&analytics),
+        analytics: analytics.as_ref(),
     };
     lost.extend(write_page(&found, &args.out, global.lang)?);
-    if let Some(dir) = &args.numbers.tables {
-        write_tables(&analytics, dir)?;
+    if let (Some(dir), Some(analytics)) = (&args.numbers.tables, &analytics) {
+        write_tables(analytics, dir)?;
     }
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
@@ -131,9 +132,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len(), "analytics": analytics,
     });
     args.print.put(&written, || {
-        let numbers = match args.numbers.summary {
-            true => render_analytics(&analytics, global.lang) + "\n",
-            false => String::new(),
+        let numbers = match analytics.as_ref().filter(|_| args.numbers.summary) {
+            Some(analytics) => render_analytics(analytics, global.lang) + "\n",
+            None => String::new(),
         };
         format!("{numbers}{}\n", args.out.display())
     })?;

@@ -57,6 +57,9 @@ fn listed(walk: &mut Walk<'_>, listed: u64, returned: Option<u64>, at: String) {
     });
 }
 
+/// Whether the ego answered: `EgoResponse` of the model.
+const RESPONSES: [&str; 3] = ["observed", "absent", "unknown"];
+
 fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
     let Some(mut o) = walk.object(node, pointer) else { return };
     let (n, at) = (walk.need(&mut o, "clip_id"), o.at("clip_id"));
@@ -78,12 +81,29 @@ fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
             let (n, at) = (walk.need(&mut c, "condition"), c.at("condition"));
             walk.text(n, &at);
             walk.nullable(&mut c, "actual_value");
+            let at = c.at("description");
+            if let Some(mut d) = c.get("description").and_then(|n| walk.object(n, at)) {
+                for language in ["zh", "en"] {
+                    let (n, at) = (walk.need(&mut d, language), d.at(language));
+                    walk.text(n, &at);
+                }
+                walk.close(d, Severity::Warning);
+            }
             walk.close(c, Severity::Warning);
         }
     }
     for key in ["scenario_id", "episode_id", "target_id"] {
         let (n, at) = (o.get(key), o.at(key));
         walk.text(n, &at);
+    }
+    let (n, at) = (o.get("ego_response"), o.at("ego_response"));
+    if let Slot::Is(word) = walk.text(n, &at)
+        && !RESPONSES.contains(&word)
+    {
+        walk.report(Finding::error("message.enum", at), &|| {
+            Words::new(format!("'{word}' 不是 ego_response 的取值"), format!("'{word}' is no ego_response"))
+                .one_of(&RESPONSES.join("、"), &RESPONSES.join(", "))
+        });
     }
     walk.close(o, Severity::Warning);
 }
