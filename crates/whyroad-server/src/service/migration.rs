@@ -4,14 +4,15 @@
 
 use crate::domain::workflow::{Position, State};
 use crate::problem::Answer;
-use crate::service::projects::json;
+use crate::service::projects::json as stored;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, projects};
 use crate::store::{Store, Tx};
 use crate::values;
+use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::mapping::{ClassChange, ClassMapping};
-use whyroad_label::carry::{Carried, carry};
+use whyroad_label::carry::{Carried, carry, class_of};
 use whyroad_model::ScenarioId;
 
 /// Tasks changed in one transaction.
@@ -122,7 +123,14 @@ fn one(
         return Ok(());
     }
     let before = t.clone();
-    let draft = carry(mapping, &mut t.draft);
+    let draft = match carry(mapping, &mut t.draft) {
+        // A task whose draft is not made yet is judged by its class alone.
+        Carried::Same if class_of(&t.draft).is_none() => {
+            let ScenarioId { l1, l2, l3 } = &t.episode.scenario_id;
+            carry(mapping, &mut json!({ "scenario": { "l1": l1, "l2": l2, "l3": l3 } }))
+        }
+        carried => carried,
+    };
     let initial = carry(mapping, &mut t.initial);
     let of_task = mapping.change(&t.episode.scenario_id);
     let from = t.scenario_id.clone();
@@ -200,7 +208,7 @@ fn keep_original(tx: &mut dyn Tx, t: &mut TaskRow, before: &TaskRow, now: i64) -
         tx.run(
             "INSERT INTO history (task_id, seq, at, actor, action, from_state, to_state, snapshot, note, version)
              VALUES ($1, $2, $3, NULL, 'before_migration', $4, $5, $6, $7, $8)",
-            values![&t.id, t.seq, now, state, state, json(snapshot)?, &note, before.version],
+            values![&t.id, t.seq, now, state, state, stored(snapshot)?, &note, before.version],
         )?;
     }
     Ok(())
@@ -228,7 +236,7 @@ fn put_class(tx: &mut dyn Tx, t: &TaskRow, class: &ScenarioId) -> Answer<()> {
     episode.scenario_id = class.clone();
     tx.run(
         "UPDATE tasks SET scenario_id = $1, episode = $2, episode_id = $3, initial = $4 WHERE id = $5",
-        values![class.to_string(), json(&episode)?, &episode.episode_id, json(&t.initial)?, &t.id],
+        values![class.to_string(), stored(&episode)?, &episode.episode_id, stored(&t.initial)?, &t.id],
     )?;
     Ok(())
 }
@@ -278,7 +286,7 @@ fn settings(
         projects::update(tx, &p)?;
         for (user, skills) in &skills {
             let sql = "UPDATE members SET skills = $1 WHERE project_id = $2 AND user_id = $3";
-            tx.run(sql, values![json(skills)?, &project, user])?;
+            tx.run(sql, values![stored(skills)?, &project, user])?;
         }
         Ok(())
     })

@@ -45,6 +45,9 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
     let original = admin.get(&format!("/tasks/{}", tasks[0])).fine()["draft"].clone();
     let store = &world.app.store;
 
+    // Opening a task makes its draft.
+    assert_eq!(class(&tasks[2]), (URGENT.into(), "urgent".into(), "open".into()));
+
     // A dry run says what a run does, and writes nothing.
     let rename = mapping(URGENT, ClassChange::To(id(FAST)), "00000000000000aa");
     let dry = migrate(store, &rename, MigrationRun::Dry, world.app.now()).unwrap();
