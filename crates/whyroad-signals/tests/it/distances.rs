@@ -203,10 +203,10 @@ fn far_away_on_a_bridge_and_unseen() {
     assert_eq!(t.flag("hidden", "target.observed", 17), False);
     assert_eq!(t.flag("hidden", "target.is_lead", 17), Unknown);
     assert!(t.num("hidden", "target.gap", 17).is_nan());
-    assert_eq!(t.flag("hidden", "target.is_lead", 15), True);
-    assert_eq!(t.flag("hidden", "target.large_vehicle", 15), True);
+    assert_eq!(t.flag("hidden", "target.is_lead", 26), True);
+    assert_eq!(t.flag("hidden", "target.large_vehicle", 26), True);
     // 30 m between centres, half lengths 6 and 2.
-    near(t.num("hidden", "target.gap", 15), 22.0, 1e-6);
+    near(t.num("hidden", "target.gap", 26), 22.0, 1e-6);
 }
 
 #[test]
