@@ -50,7 +50,7 @@ pub fn columns(title: &Bilingual, entries: &[(String, Option<f64>)], digits: usi
     let mut m = Markup::new();
     m.raw("<figure class=\"chart\"><figcaption>").both(title).raw("</figcaption>");
     m.raw("<svg class=\"chart-columns\" viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0);
-    m.raw("\" role=\"img\"><path class=\"chart-axis\" d=\"M8 132H632\"/>");
+    m.raw("\"><path class=\"chart-axis\" d=\"M8 132H632\"/>");
     let last = entries.len().saturating_sub(1);
     for (i, (name, value)) in entries.iter().enumerate() {
         let middle = LEFT + step * (i as f64 + 0.5);
