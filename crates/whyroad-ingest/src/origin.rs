@@ -49,8 +49,13 @@ impl Origin {
         Some(Diagnostic::warning("ingest.drive_id.taken", message).with_hint(hint))
     }
 
-    /// Notes beside the drive that it came from this source.
-    pub fn write(&self, id: &DriveId, lake: &Lake) {
+    /// The note beside a drive that it came from this source: its name and content.
+    pub fn note(&self) -> (&'static str, &[u8]) {
+        (NOTE, self.0.as_bytes())
+    }
+
+    /// Adds the note to a drive that the lake holds without one: a lake written by an older version.
+    pub fn complete(&self, id: &DriveId, lake: &Lake) {
         // Without the note, the next ingest takes the drive for one of the same source.
         if lake.note(id, NOTE).is_none() {
             let _ = lake.write_note(id, NOTE, self.0.as_bytes());

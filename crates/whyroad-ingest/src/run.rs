@@ -76,16 +76,14 @@ pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut 
     // The source that is being read.
     let current = Cell::new(source.path.as_path());
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
+        let origin = Origin::new(current.get(), &report.source);
         if let Some(mut drive) = drive {
-            let origin = Origin::new(current.get(), &report.source);
             report.diagnostics.extend(origin.claim_id(&mut drive, lake));
-            write(&drive, &mut report, lake);
-            if report.outcome.is_some() {
-                origin.write(&drive.meta.drive_id, lake);
-            }
+            write(&drive, &origin, &mut report, lake);
         } else if let Some(id) = &report.drive_id
             && let Ok(drive) = lake.read_drive(id)
         {
+            origin.complete(id, lake);
             describe(&drive, &mut report);
             report.outcome = Some(WriteOutcome::Unchanged);
         }
@@ -118,10 +116,13 @@ fn describe(drive: &Drive, report: &mut SourceReport) {
     report.missing = drive.meta.missing.clone();
 }
 
-fn write(drive: &Drive, report: &mut SourceReport, lake: &Lake) {
+fn write(drive: &Drive, origin: &Origin, report: &mut SourceReport, lake: &Lake) {
     describe(drive, report);
-    match lake.write_drive(drive) {
-        Ok(outcome) => report.outcome = Some(outcome),
+    match lake.write_drive_with(drive, &[origin.note()]) {
+        Ok(outcome) => {
+            report.outcome = Some(outcome);
+            origin.complete(&drive.meta.drive_id, lake);
+        }
         Err(e) => report.diagnostics.push(e.diagnostic()),
     }
 }

@@ -210,6 +210,12 @@ impl Lake {
     /// part of a drive: the tables are written aside and the folder is then renamed into place. (A process killed
     /// between the two renames of a replacement leaves no drive of that id; the next ingest writes it again.)
     pub fn write_drive(&self, drive: &Drive) -> Result<WriteOutcome, LakeError> {
+        self.write_drive_with(drive, &[])
+    }
+
+    /// [`Lake::write_drive`] with small files (name, content) kept beside the drive, which become visible together with
+    /// it; an unchanged drive keeps the files that it has.
+    pub fn write_drive_with(&self, drive: &Drive, notes: &[(&str, &[u8])]) -> Result<WriteOutcome, LakeError> {
         let id = &drive.meta.drive_id;
         if let Some(reason) = validity::broken_promise(drive) {
             return Err(LakeError::DriveInvalid { drive: id.clone(), reason });
@@ -239,7 +245,11 @@ impl Lake {
             DriveFacts::of(&held.meta).state(&mut meta);
             own.state(&mut meta);
         }
-        write_tables(&fresh, drive, meta).inspect_err(|_| {
+        let keep = |&(name, content): &(&str, &[u8])| {
+            let path = fresh.join(name);
+            fs::write(&path, content).map_err(LakeError::io(&path))
+        };
+        notes.iter().try_for_each(keep).and_then(|()| write_tables(&fresh, drive, meta)).inspect_err(|_| {
             // The error that made it fail is the one to report.
             let _ = fs::remove_dir_all(&fresh);
         })?;
