@@ -14,6 +14,7 @@ fn files(path: &Path) -> Vec<PathBuf> {
 fn main() {
     let sources = [
         "src/comparison.rs",
+        "src/deviation.rs",
         "src/interpret",
         "src/interpret.rs",
         "src/fast",

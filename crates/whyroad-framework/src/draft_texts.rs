@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Lang, Location, ScenarioId, yaml};
+use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, yaml};
 
 /// All texts of drafts.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -94,17 +94,8 @@ impl DraftTexts {
         match yaml::from_str(text) {
             Ok(texts) => (texts, Vec::new()),
             Err(e) => {
-                let place = Location {
-                    file: Some(file.to_owned()),
-                    line: e.mark.map(|m| m.line),
-                    column: e.mark.map(|m| m.column),
-                    ..Location::default()
-                };
-                let message = Bilingual::new(
-                    format!("草稿文本无法读取：{}", e.message),
-                    format!("the texts of drafts cannot be read: {}", e.message),
-                );
-                (DraftTexts::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)])
+                let what = Bilingual::new("草稿文本", "the texts of drafts");
+                (DraftTexts::default(), vec![e.diagnostic("lexicon.syntax", file, what)])
             }
         }
     }

@@ -5,7 +5,7 @@ mod compile;
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
-use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
+use whyroad_model::{Bilingual, Diagnostic, yaml};
 
 use crate::lexicon::trie::Trie;
 
@@ -107,17 +107,8 @@ impl LabelWords {
         let raw: File = match yaml::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
-                let place = Location {
-                    file: Some(file.to_owned()),
-                    line: e.mark.map(|m| m.line),
-                    column: e.mark.map(|m| m.column),
-                    ..Location::default()
-                };
-                let message = Bilingual::new(
-                    format!("词表无法读取：{}", e.message),
-                    format!("the word list cannot be read: {}", e.message),
-                );
-                return (LabelWords::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)]);
+                let what = Bilingual::new("词表", "the word list");
+                return (LabelWords::default(), vec![e.diagnostic("lexicon.syntax", file, what)]);
             }
         };
         let (words, problems) = compile::compile(&raw);

@@ -10,7 +10,7 @@ pub use compile::{Hit, Role};
 
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
+use whyroad_model::{Bilingual, Diagnostic, yaml};
 
 /// Words for decisions, for negation, and for who does what.
 #[derive(Clone, Debug, Default)]
@@ -146,17 +146,8 @@ impl Lexicon {
         let raw: File = match yaml::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
-                let place = Location {
-                    file: Some(file.to_owned()),
-                    line: e.mark.map(|m| m.line),
-                    column: e.mark.map(|m| m.column),
-                    ..Location::default()
-                };
-                let message = Bilingual::new(
-                    format!("词表无法读取：{}", e.message),
-                    format!("the lexicon cannot be read: {}", e.message),
-                );
-                return (Lexicon::default(), vec![Diagnostic::error("lexicon.syntax", message).at(place)]);
+                let what = Bilingual::new("词表", "the lexicon");
+                return (Lexicon::default(), vec![e.diagnostic("lexicon.syntax", file, what)]);
             }
         };
         let (lexicon, problems) = compile::compile(&raw);

@@ -4,7 +4,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use whyroad_model::{Bilingual, Diagnostic, Location, yaml};
+use whyroad_model::{Bilingual, Diagnostic, yaml};
 
 /// What is stored where the clip does not show it.
 pub const UNKNOWN: &str = "unknown";
@@ -111,17 +111,8 @@ impl RecordTypes {
         match yaml::from_str(text) {
             Ok(types) => (types, Vec::new()),
             Err(e) => {
-                let place = Location {
-                    file: Some(file.to_owned()),
-                    line: e.mark.map(|m| m.line),
-                    column: e.mark.map(|m| m.column),
-                    ..Location::default()
-                };
-                let message = Bilingual::new(
-                    format!("记录类型表无法读取：{}", e.message),
-                    format!("the record types cannot be read: {}", e.message),
-                );
-                (RecordTypes::default(), vec![Diagnostic::error("spec.record_types", message).at(place)])
+                let what = Bilingual::new("记录类型表", "the record types");
+                (RecordTypes::default(), vec![e.diagnostic("spec.record_types", file, what)])
             }
         }
     }

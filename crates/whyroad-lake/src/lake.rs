@@ -215,7 +215,11 @@ impl Lake {
 
     /// [`Lake::write_drive`] with small files (name, content) kept beside the drive, which become visible together with
     /// it; an unchanged drive keeps the files that it has.
-    pub fn write_drive_with(&self, drive: &Drive, notes: &[(&str, &[u8])]) -> Result<WriteOutcome, LakeError> {
+    pub fn write_drive_with(
+        &self,
+        drive: &Drive,
+        notes: &[(&str, &[u8])],
+    ) -> Result<WriteOutcome, LakeError> {
         let id = &drive.meta.drive_id;
         if let Some(reason) = validity::broken_promise(drive) {
             return Err(LakeError::DriveInvalid { drive: id.clone(), reason });
@@ -249,10 +253,12 @@ impl Lake {
             let path = fresh.join(name);
             fs::write(&path, content).map_err(LakeError::io(&path))
         };
-        notes.iter().try_for_each(keep).and_then(|()| write_tables(&fresh, drive, meta)).inspect_err(|_| {
-            // The error that made it fail is the one to report.
-            let _ = fs::remove_dir_all(&fresh);
-        })?;
+        notes.iter().try_for_each(keep).and_then(|()| write_tables(&fresh, drive, meta)).inspect_err(
+            |_| {
+                // The error that made it fail is the one to report.
+                let _ = fs::remove_dir_all(&fresh);
+            },
+        )?;
         let replaced = target.exists();
         if replaced {
             fs::rename(&target, &old).map_err(LakeError::io(&target))?;

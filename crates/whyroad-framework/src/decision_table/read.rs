@@ -7,7 +7,7 @@ use crate::taxonomy::did_you_mean;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId, yaml};
+use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
 
 /// The word for "no change of decision".
 const NONE: &str = "none";
@@ -51,17 +51,8 @@ pub fn parse(
     let raw: File = match yaml::from_str(text) {
         Ok(raw) => raw,
         Err(e) => {
-            let place = Location {
-                file: Some(file.to_owned()),
-                line: e.mark.map(|m| m.line),
-                column: e.mark.map(|m| m.column),
-                ..Location::default()
-            };
-            let message = Bilingual::new(
-                format!("决策组合表无法读取：{}", e.message),
-                format!("the decision table cannot be read: {}", e.message),
-            );
-            return (DecisionTable::default(), vec![Diagnostic::error("spec.decisions", message).at(place)]);
+            let what = Bilingual::new("决策组合表", "the decision table");
+            return (DecisionTable::default(), vec![e.diagnostic("spec.decisions", file, what)]);
         }
     };
     let mut reader = Reader { file, words, out: Vec::new() };

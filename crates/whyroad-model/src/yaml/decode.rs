@@ -3,6 +3,7 @@
 //! mistake.
 
 use super::tree::{Entry, Mark, Node, Scalar, Style, SyntaxCause, SyntaxError, Value, parse};
+use crate::{Bilingual, Diagnostic, Location};
 use serde::de::value::StrDeserializer;
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor,
@@ -47,6 +48,22 @@ impl From<SyntaxError> for DecodeError {
 }
 
 impl DecodeError {
+    /// This error as a diagnostic at its place in `file`. `what` is what the file holds, as it begins a sentence: "the
+    /// word list".
+    pub fn diagnostic(&self, code: &'static str, file: &str, what: Bilingual) -> Diagnostic {
+        let location = Location {
+            file: Some(file.to_owned()),
+            line: self.mark.map(|m| m.line),
+            column: self.mark.map(|m| m.column),
+            ..Location::default()
+        };
+        let message = Bilingual::new(
+            format!("{}无法读取：{}", what.zh, self.message),
+            format!("{} cannot be read: {}", what.en, self.message),
+        );
+        Diagnostic::error(code, message).at(location)
+    }
+
     fn at(mut self, mark: Mark) -> Self {
         self.mark.get_or_insert(mark);
         self

@@ -267,8 +267,8 @@ fn accepted_labels_of_a_postgresql_store_are_released() {
     let url = server.database();
     let returned = people_label(&["--data", at.join("data").to_str().unwrap(), "--store", &url]);
     // The key is not on the database server.
-    let key = [("WHYROAD_KEY_FILE", "data/labels.db.key")];
-    what_was_accepted_is_released(at, &url, &key, &returned);
+    let folder = [("WHYROAD_DATA_DIR", "data")];
+    what_was_accepted_is_released(at, &url, &folder, &returned);
 }
 
 #[test]
