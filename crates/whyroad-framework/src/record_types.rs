@@ -154,6 +154,14 @@ impl RecordTypes {
                 }
             }
             (RecordType::Choice { values, or_text }, RecordValue::Text(t)) => choice(values, *or_text, t),
+            // "exit 2" may be given by its number, where that is one of the words.
+            (RecordType::Choice { values, .. }, RecordValue::Number(n)) => {
+                let word = n.to_string();
+                match values.iter().find(|v| v.words.contains(&word)) {
+                    Some(v) => RecordVerdict::Stored(v.id.as_str().into()),
+                    None => RecordVerdict::WrongType,
+                }
+            }
             (RecordType::Text, RecordValue::Text(t)) => RecordVerdict::Stored(t.trim().into()),
             // Who was passed may be given by the number of its track.
             (RecordType::Text, RecordValue::Number(n)) => RecordVerdict::Stored(n.into()),
@@ -217,6 +225,10 @@ mod tests {
         assert_eq!(judge("lighting_change", json!("进入隧道后由亮变暗")), stored(json!("darker")));
         assert_eq!(judge("occlusion", json!("挡住了左侧路口")), stored(json!("挡住了左侧路口")));
         assert_eq!(judge("occlusion", json!(3)), RecordVerdict::WrongType);
+        assert_eq!(judge("target_exit", json!("第二出口")), stored(json!("second")));
+        assert_eq!(judge("target_exit", json!(2)), stored(json!("second")));
+        assert_eq!(judge("oncoming_traffic", json!("Dense traffic")), stored(json!("dense")));
+        assert_eq!(judge("merge_position", json!("匝道末端")), stored(json!("匝道末端")));
         assert_eq!(f.record_types.judge("no_such", RecordValue::Flag(true)), None);
     }
 
@@ -228,14 +240,23 @@ mod tests {
         assert_eq!((found.len(), found[0].code), (1, "spec.record_types"));
     }
 
+    /// The page offers the choices of the spec; the same set is stored, checked and counted.
     #[test]
-    fn every_record_of_a_spec_has_a_type() {
+    fn every_record_of_a_spec_has_a_type_with_its_choices() {
         let f = Framework::bundled();
         for spec in f.specs.values() {
             for r in &spec.records {
                 let kind = f.record_types.records.get(&r.id);
                 assert!(kind.is_some(), "{}: {}", spec.leaf, r.id);
                 assert_eq!(r.unit.is_some(), matches!(kind, Some(RecordType::Number { .. })), "{}", r.id);
+                let offered: Vec<_> =
+                    r.choices.iter().map(|c| c.id.as_str()).filter(|&c| c != UNKNOWN).collect();
+                let typed: Vec<_> = match kind {
+                    Some(RecordType::Choice { values, .. }) => values.iter().map(|v| v.id.as_str()).collect(),
+                    Some(RecordType::Flag { .. }) => vec!["yes", "no"],
+                    _ => Vec::new(),
+                };
+                assert_eq!(offered, typed, "{}: {}", spec.leaf, r.id);
             }
         }
     }

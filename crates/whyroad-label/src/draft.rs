@@ -31,7 +31,7 @@ pub struct Draft {
     /// The skeleton, in the format of a finished label.
     #[serde(skip)]
     pub label: CocLabel,
-    /// What was inferred and how, and what is owed.
+    /// What was inferred and how, and what is missing.
     pub notes: Vec<Bilingual>,
 }
 
