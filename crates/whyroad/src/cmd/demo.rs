@@ -80,7 +80,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         episodes.iter().filter(|e| e.scenario_id.l1 != OTHER).cloned().collect();
     let drafts = drafts::write(&framework, &lake, &mined, &classified, &args.out, global.lang)?;
     steps.findings(&drafts.lost);
-    steps.say(drafts.told(Lang::Zh), drafts.told(Lang::En));
+    steps.say(drafts.summary(Lang::Zh), drafts.summary(Lang::En));
 
     let released = release::write(&mut steps, &framework, &lake, &args.out)?;
 

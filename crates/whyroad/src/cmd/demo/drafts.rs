@@ -21,13 +21,13 @@ pub(super) struct Drafts {
     /// Drafts without an error.
     sound: usize,
     /// Errors by code.
-    owed: BTreeMap<&'static str, usize>,
+    faults: BTreeMap<&'static str, usize>,
     /// Drives that could not be read again.
     pub lost: Vec<Diagnostic>,
 }
 
 /// Writes `draft_labels.jsonl` (labels in the exchange format) and `draft_notes.jsonl` (what was inferred, what
-/// is owed; a line each, in the same order).
+/// is missing; a line each, in the same order).
 pub(super) fn write(
     framework: &Framework,
     lake: &Lake,
@@ -57,14 +57,14 @@ pub(super) fn write(
     }
     let checker = Checker::new(framework).with_clips(clips);
     let (mut labels, mut notes) = (String::new(), String::new());
-    let (mut sound, mut owed) = (0, BTreeMap::new());
+    let (mut sound, mut faults) = (0, BTreeMap::new());
     for draft in &all {
         let text = serde_json::to_string(&draft.label)?;
         let found = checker.check_text(&text);
         let errors: Vec<_> = found.iter().filter(|d| d.severity == Severity::Error).collect();
         sound += usize::from(errors.is_empty());
         for d in errors {
-            *owed.entry(d.code).or_default() += 1;
+            *faults.entry(d.code).or_default() += 1;
         }
         let _ = writeln!(labels, "{text}");
         let _ = writeln!(notes, "{}", serde_json::to_string(draft)?);
@@ -73,12 +73,12 @@ pub(super) fn write(
     for (path, text) in [(&path, labels), (&out.join("draft_notes.jsonl"), notes)] {
         std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
     }
-    Ok(Drafts { path, count: all.len(), sound, owed, lost })
+    Ok(Drafts { path, count: all.len(), sound, faults, lost })
 }
 
 impl Drafts {
     /// What was drafted and what the checker finds, in one paragraph.
-    pub(super) fn told(&self, lang: Lang) -> String {
+    pub(super) fn summary(&self, lang: Lang) -> String {
         let (count, sound, path) = (self.count, self.sound, self.path.display());
         let rest = count - sound;
         let mut text = match lang {
@@ -86,10 +86,10 @@ impl Drafts {
                 "草稿  {count} 个标注草稿写入 {path}；校验：{sound} 个格式完整，{rest} 个还有欠缺；全部须由标注员确认"
             ),
             Lang::En => format!(
-                "draft   {count} label skeletons in {path}; checker: {sound} complete in form, {rest} with something owed; all need a person"
+                "draft   {count} label skeletons in {path}; checker: {sound} complete, {rest} incomplete; each needs a person"
             ),
         };
-        for (code, n) in &self.owed {
+        for (code, n) in &self.faults {
             let _ = write!(text, "\n          {n:>3} × {code}");
         }
         text
