@@ -342,3 +342,41 @@ fn a_doubtful_label_goes_back_to_its_own_task() {
     );
     assert!(again.err.contains("0 review tasks created; 1 already present"), "{}", again.err);
 }
+
+#[test]
+fn two_releases_are_compared_by_moment_and_class() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    let drives = drives();
+    let drive = &drives[0];
+    good(at, "dataset init template.yaml");
+    let spec = std::fs::read_to_string(at.join("template.yaml")).unwrap();
+    std::fs::write(at.join("dataset.yaml"), spec.replace("near: 0.9 ", "near: null")).unwrap();
+    let build = |labels: &[Value], name: &str| {
+        let text: String = labels.iter().map(|l| format!("{l}\n")).collect();
+        std::fs::write(at.join(format!("{name}.jsonl")), text).unwrap();
+        good(
+            at,
+            &format!(
+                "dataset build --spec dataset.yaml --labels {name}.jsonl --lake DEMO/lake --out {name} --drafts"
+            ),
+        );
+        assert_eq!(samples(&at.join(name)).len(), labels.len());
+    };
+    let mut later = label(drive, 16, "slow");
+    let keyframe = drive.times[0].plus_secs(16.4).to_string();
+    later["keyframe"] = json!({ "timestamp": keyframe, "frame_idx": 164, "type": "reactive" });
+    build(&[4, 8, 12, 16].map(|s| label(drive, s, "slow")), "before");
+    // One class changed, one sample gone, one the same, one keyframe 0.4 s later, one new.
+    build(&[label(drive, 4, "urgent"), label(drive, 12, "slow"), later, label(drive, 18, "slow")], "after");
+
+    let compared = good(at, "compare before after --format json");
+    let json: Value = serde_json::from_str(&compared.out).unwrap();
+    assert_eq!(json["unchanged"], 1, "{json:#}");
+    let of = |leaf: &str| json["classes"][format!("reactive_agent.cutin.{leaf}")]["changes"].clone();
+    assert_eq!(of("slow"), json!({ "gained": 1, "lost": 1, "moved": 1, "reclassified": 1 }), "{json:#}");
+    assert_eq!(of("urgent"), json!({}));
+    let mixed = run(at, "compare before DEMO/mined");
+    assert_eq!(mixed.code, 1);
+    assert!(mixed.err.contains("a release can only be compared with a release"), "{}", mixed.err);
+}
