@@ -13,8 +13,20 @@ pub struct DraftTexts {
     #[serde(default)]
     version: String,
     sides: BTreeMap<String, Pair>,
+    openings: Openings,
+    traces: Phrasings,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
+}
+
+/// What the ego does at the keyframe.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Openings {
+    /// It stands.
+    pub standing: Phrasings,
+    /// It moves; `{speed}` is its speed.
+    pub moving: Phrasings,
 }
 
 /// Texts of one class.
@@ -123,6 +135,16 @@ impl DraftTexts {
     /// A lateral decision as the end of a trace; `{side}` stands for its direction.
     pub fn lateral(&self, d: Lateral) -> Option<&Phrasings> {
         self.decisions.lateral.get(d.id())
+    }
+
+    /// How a trace may begin.
+    pub fn openings(&self) -> &Openings {
+        &self.openings
+    }
+
+    /// How the parts of a trace are joined: `{state}`, `{why}`, `{action}`.
+    pub fn traces(&self) -> &Phrasings {
+        &self.traces
     }
 
     /// No change of decision.

@@ -1,9 +1,10 @@
-//! The whole framework as one value, from the texts of `schema/` and `scenarios/`.
+//! The whole framework as one value, from the texts of `schema/`, `scenarios/` and `prompts/`.
 
 mod load;
 
 use crate::{
-    DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, RecordTypes, ResolvedSpec, Taxonomy,
+    DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes, ResolvedSpec,
+    Taxonomy,
 };
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
@@ -40,6 +41,8 @@ pub struct Framework {
     pub record_types: RecordTypes,
     /// Texts of label drafts.
     pub draft_texts: DraftTexts,
+    /// What language models are asked.
+    pub prompts: Prompts,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
     /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.
@@ -82,6 +85,7 @@ impl ExpressionSource {
 }
 
 static SCHEMA: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../schema");
+static PROMPTS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../prompts");
 static SCENARIOS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../scenarios");
 
 impl Framework {
@@ -96,10 +100,19 @@ impl Framework {
         let mut out = BTreeMap::new();
         collect(&SCHEMA, "schema", &mut out);
         collect(&SCENARIOS, "scenarios", &mut out);
+        out.extend(Self::bundled_prompts());
         out
     }
 
-    /// A framework from the texts of its files by relative path (`schema/...yaml`, `scenarios/...yaml`).
+    /// The texts of `prompts/`.
+    fn bundled_prompts() -> BTreeMap<String, String> {
+        let mut out = BTreeMap::new();
+        collect(&PROMPTS, "prompts", &mut out);
+        out
+    }
+
+    /// A framework from the texts of its files by relative path (`schema/...yaml`, `scenarios/...yaml`,
+    /// `prompts/...yaml`).
     ///
     /// `None` only when there is no usable taxonomy; otherwise what could be read, with everything that is
     /// wrong in it.

@@ -1,7 +1,20 @@
-//! How far people agree beyond chance. Pure functions over categories; they know no task and no label.
+//! How far people agree beyond chance. The coefficients are pure functions over categories and numbers; [`pairing`]
+//! finds the labels of one episode by several people, [`measure`] compares them part by part, with intervals.
 //!
 //! Sources: J. Cohen, "A coefficient of agreement for nominal scales", Educational and Psychological Measurement 20
 //! (1960); J. L. Fleiss, "Measuring nominal scale agreement among many raters", Psychological Bulletin 76 (1971).
+
+mod alpha;
+mod components;
+mod interval;
+mod measure;
+mod pairing;
+
+pub use alpha::{alpha_interval, alpha_nominal};
+pub use components::{ComponentMatch, match_components};
+pub use interval::{Estimate, bootstrap};
+pub use measure::{Agreement, ComponentAgreement, KeyframeAgreement, NominalAgreement, agreement};
+pub use pairing::{Item, Judged, RatedLabel, pair_files, pair_tasks};
 
 use std::collections::BTreeMap;
 

@@ -12,6 +12,7 @@ mod codes;
 mod consistency;
 mod form;
 mod motion;
+mod quality;
 mod reading;
 mod recording;
 mod rulebook;
@@ -19,7 +20,8 @@ mod texts;
 mod view;
 
 pub use clips::{ClipFacts, ClipIndex};
-pub use codes::CODES;
+pub use codes::{CODES, QUALITY_CODES};
+pub use quality::{Quality, QualityKind};
 pub use recording::{Recorded, Recordings};
 
 use form::{lean, tolerant};

@@ -43,6 +43,18 @@ pub fn draft(
     episode: &EpisodeRecord,
     lang: Lang,
 ) -> Draft {
+    draft_with_seed(framework, drive, signals, episode, lang, 0)
+}
+
+/// The same with other phrasings: which are taken follows from the episode and `run`.
+pub fn draft_with_seed(
+    framework: &Framework,
+    drive: &Drive,
+    signals: &SignalTable,
+    episode: &EpisodeRecord,
+    lang: Lang,
+    run: u64,
+) -> Draft {
     let mut notes = Vec::new();
     let keyframe =
         frame_at(&drive.times, episode.keyframe.timestamp).min(drive.times.len().saturating_sub(1));
@@ -79,8 +91,8 @@ pub fn draft(
     if let Some(seen) = trace::seen(framework, class, &components, lang) {
         components.insert(0, seen);
     }
-    let seed = trace::seed(&episode.episode_id);
-    let coc_trace = trace::sentence(framework, class, &components, &decision, lang, seed);
+    let told = trace::Told { framework, class, components: &components, decision: &decision, lang };
+    let coc_trace = trace::trace(&told, signals, keyframe, trace::seed(&episode.episode_id, run));
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",

@@ -45,7 +45,7 @@ pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diag
     let Some(dir) = dir else { return found };
     for d in &mut found {
         let Some(file) = &d.location.file else { continue };
-        if (file.starts_with("schema/") || file.starts_with("scenarios/"))
+        if ["schema/", "scenarios/", "prompts/"].iter().any(|root| file.starts_with(root))
             && !Path::new(file).starts_with(dir)
         {
             d.location.file = Some(dir.join(file).display().to_string());
@@ -54,10 +54,10 @@ pub(crate) fn placed(dir: Option<&Path>, mut found: Vec<Diagnostic>) -> Vec<Diag
     found
 }
 
-/// All text files below `schema/` and `scenarios/` of `dir`.
+/// All text files below `schema/`, `scenarios/` and `prompts/` of `dir`.
 pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<BTreeMap<String, String>> {
     let mut out = BTreeMap::new();
-    for root in ["schema", "scenarios"] {
+    for root in ["schema", "scenarios", "prompts"] {
         let folder = dir.join(root);
         if folder.is_dir() {
             collect(&folder, root, &mut out)?;

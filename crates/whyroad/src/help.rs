@@ -40,6 +40,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ("A folder of labels, messages in Chinese", "whyroad validate labels/ --lang zh"),
             ("From another program, as SARIF", "whyroad validate - --format sarif"),
             ("Against the recorded drives", "whyroad validate labels.jsonl --lake lake"),
+            (
+                "Quality of imported texts",
+                "whyroad validate drafts.jsonl --lake lake --quality --format json",
+            ),
         ],
     ),
     (
@@ -144,6 +148,50 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
     (
         "accounts rotate-key",
         &[("A new key, with which all secrets are sealed", "whyroad accounts rotate-key")],
+    ),
+    (
+        "judge",
+        &[
+            (
+                "Labels of the service, one in ten for people",
+                "whyroad judge labels.jsonl --lake lake --model https://host/v1 --model-name vlm --key-env VLM_KEY --people people.jsonl --out judged.jsonl",
+            ),
+            (
+                "Drafts, at a local endpoint without a key",
+                "whyroad judge drafts.jsonl --lake lake --model http://localhost:8000/v1 --out judged.jsonl --limit 50",
+            ),
+        ],
+    ),
+    (
+        "agreement",
+        &[
+            ("Two annotators", "whyroad agreement ada.jsonl ben.jsonl"),
+            (
+                "A project with several annotators per episode",
+                "whyroad agreement --project first --data labels",
+            ),
+            ("A judge and people", "whyroad agreement judged.jsonl people.jsonl"),
+        ],
+    ),
+    (
+        "ask",
+        &[
+            (
+                "Show the rule and what it finds",
+                "whyroad ask 'A truck cuts in close ahead' --lake lake --model http://localhost:8000/v1 --out asked",
+            ),
+            ("The rule alone", "whyroad ask 'The ego brakes hard' --model https://host/v1 --key-env LLM_KEY"),
+        ],
+    ),
+    (
+        "draft",
+        &[
+            ("By rule, in Chinese", "whyroad draft --lake lake --from mined --texts zh --out drafts.jsonl"),
+            (
+                "By a model, within a budget",
+                "whyroad draft --lake lake --from mined --model https://host/v1 --model-name vlm --key-env VLM_KEY --max-requests 500 --out drafts.jsonl",
+            ),
+        ],
     ),
     (
         "migrate",

@@ -8,6 +8,7 @@ mod analytics;
 mod cmd;
 mod framework_folder;
 mod help;
+mod model_args;
 mod recordings;
 mod store_args;
 mod text_table;
@@ -63,6 +64,8 @@ enum Command {
     Explain(cmd::explain::Args),
     /// Check mining rules while they are being written
     Rules(cmd::rules::Args),
+    /// Turn a question in words into a mining rule through a language model, and run it
+    Ask(cmd::ask::Args),
     /// Perturb a lake and report how far mining agrees with itself
     Robustness(cmd::robustness::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
@@ -75,6 +78,12 @@ enum Command {
     Tasks(cmd::tasks::Args),
     /// Import causal texts of other tools as drafts of labels
     Labels(cmd::labels::Args),
+    /// Draft labels of mined episodes, by rule or by a language model
+    Draft(cmd::draft::Args),
+    /// Put true/false questions about labels to a language model; a share of them goes to people
+    Judge(cmd::judge::Args),
+    /// Agreement of annotators, or of a judge with people, beyond chance
+    Agreement(cmd::agreement::Args),
     /// Bring labels of older layouts to the current format, or back to 2.0
     Migrate(cmd::migrate::Args),
     /// List the accounts of the labelling service, and give one a new password
@@ -124,6 +133,10 @@ fn main() -> ExitCode {
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
         Command::Labels(a) => cmd::labels::run(&cli.global, a),
+        Command::Draft(a) => cmd::draft::run(&cli.global, a),
+        Command::Judge(a) => cmd::judge::run(&cli.global, a),
+        Command::Agreement(a) => cmd::agreement::run(&cli.global, a),
+        Command::Ask(a) => cmd::ask::run(&cli.global, a),
         Command::Migrate(a) => cmd::migrate::run(&cli.global, a),
         Command::Accounts(a) => cmd::accounts::run(&cli.global, a),
         Command::Backup(a) => cmd::backup::run_backup(&cli.global, a),

@@ -6,7 +6,7 @@ use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
 use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
-use crate::{DraftTexts, LabelWords, Lexicon, RecordTypes};
+use crate::{DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use whyroad_model::yaml::Entry;
@@ -65,6 +65,9 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         framework.draft_texts = texts;
         out.extend(found);
     }
+    let (prompts, found) = Prompts::read(files, &Framework::bundled_prompts());
+    framework.prompts = prompts;
+    out.extend(found);
     // A framework without these tables leaves out the checks that read them.
     if let Some(text) = files.get(DECISION_TABLE) {
         let (table, found) =

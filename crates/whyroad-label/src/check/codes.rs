@@ -88,3 +88,6 @@ pub const CODES: &[&str] = &[
     // Of `migrate`.
     "label.migrate.lost",
 ];
+
+/// Codes of the quality report of imported texts (`validate --quality`); each has a page, too.
+pub const QUALITY_CODES: &[&str] = &["label.quality.omission", "label.quality.route"];

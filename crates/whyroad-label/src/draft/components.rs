@@ -1,5 +1,5 @@
-//! What could be observed at the keyframe, in words: the target, the light, the road. Nothing after it is read,
-//! except the route the ego was on, which its driver knew.
+//! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
+//! or signaled by then. Nothing after it is read: the manoeuvre that follows is not the intention that caused it.
 
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
@@ -117,20 +117,27 @@ fn bend(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
         signals.frame_columns.get("map.curvature_ahead").and_then(|c| c.number(frame)).unwrap_or(here);
     // Under 100 m of radius a road is plainly bent; the class's own threshold decides about the class, not this.
     (here.abs().max(ahead.abs()) > 0.01)
-        .then(|| Bilingual::new("前方道路弯急，视线与侧向稳定性受限", "the road ahead bends sharply"))
+        .then(|| Bilingual::new("前方道路弯急，弯道半径小", "the road ahead bends sharply"))
 }
 
+/// The command of the navigation at the keyframe; where the log has none, the ego's own turn signal.
 fn route(signals: &SignalTable, frame: usize) -> Option<Bilingual> {
-    let column = signals.frame_columns.get("ego.movement")?;
-    let (zh, en) = (frame..column.len()).find_map(|f| column.category(f)).and_then(|m| match m {
-        "straight" => Some(("直行", "straight on")),
-        "left" => Some(("左转", "left")),
-        "right" => Some(("右转", "right")),
-        "uturn" => Some(("掉头", "back the way it came")),
-        _ => None,
-    })?;
-    Some(Bilingual::new(
-        format!("前方为路口，自车路线为{zh}"),
-        format!("a junction lies ahead and the ego's route leads {en}"),
-    ))
+    let word = |name: &str| signals.frame_columns.get(name).and_then(|c| c.category(frame));
+    let (zh, en) = match word("route.command").filter(|c| *c != "none") {
+        Some("straight") => ("导航路线在前方路口直行", "the route leads straight on at the junction ahead"),
+        Some("left") => ("导航路线在前方路口左转", "the route leads left at the junction ahead"),
+        Some("right") => ("导航路线在前方路口右转", "the route leads right at the junction ahead"),
+        Some("uturn") => ("导航路线在前方路口掉头", "the route makes a U-turn at the junction ahead"),
+        Some(_) => return None,
+        None => match word("ego.turn_signal") {
+            Some("left") => {
+                ("前方为路口，自车已打左转向灯", "a junction lies ahead and the ego signals left")
+            }
+            Some("right") => {
+                ("前方为路口，自车已打右转向灯", "a junction lies ahead and the ego signals right")
+            }
+            _ => return None,
+        },
+    };
+    Some(Bilingual::new(zh, en))
 }

@@ -1,67 +1,163 @@
 //! The draft of the trace: the state, why it calls for a decision, the decision (LABELING.md 7), in words of
-//! `schema/draft_texts.yaml`. Which phrasing is taken follows from a seed, so that the same episode gives the same
+//! `schema/draft_texts.yaml`. Which phrasings are taken follows from a seed, so that the same episode gives the same
 //! text.
 
+use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
+use whyroad_framework::draft_texts::Phrasings;
 use whyroad_framework::label_words::WordRole;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision};
-use whyroad_model::{Lang, ScenarioId};
+use whyroad_model::{Lang, ScenarioId, SignalTable};
 
-/// Phrasings of one trace: of the reason, and of the decision.
-const PHRASINGS: u64 = 2;
+/// Things in the state: two are enough for a person to see what matters.
+const MOST_IN_STATE: usize = 2;
+/// Below this speed the ego stands, m/s.
+const STANDING_MPS: f64 = 0.3;
+/// Speeds are given in steps of this, km/h.
+const SPEED_STEP_KMH: f64 = 5.0;
 
-/// The trace with the phrasing that `seed` chooses.
-pub(super) fn sentence(
-    framework: &Framework,
-    class: &ScenarioId,
-    components: &[CriticalComponent],
-    decision: &DrivingDecision,
-    lang: Lang,
-    seed: u64,
-) -> String {
-    let texts = &framework.draft_texts;
-    // Two things in the state are enough for a person to see what matters.
-    let state: Vec<&str> =
-        components.iter().take(2).map(|c| c.description.trim_end_matches(['。', '.'])).collect();
-    let why = texts.why(class).map_or("", |p| p.pick(lang, seed));
-    let action = action(framework, decision, lang, seed / PHRASINGS);
-    match lang {
-        Lang::Zh => {
-            let state = state.join("，");
-            let head =
-                [state.as_str(), why].into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("，");
-            if head.is_empty() { format!("{action}。") } else { format!("{head}，因此{action}。") }
-        }
-        Lang::En => {
-            let state = capital(&state.join("; "));
-            let head = match (state.is_empty(), why.is_empty()) {
-                (true, true) => return format!("{}.", capital(&action)),
-                (false, true) => state,
-                (true, false) => capital(why),
-                (false, false) => format!("{state}; {why}"),
-            };
-            format!("{head}, so {action}.")
+/// What a trace is about.
+pub(super) struct Told<'a> {
+    pub framework: &'a Framework,
+    pub class: &'a ScenarioId,
+    pub components: &'a [CriticalComponent],
+    pub decision: &'a DrivingDecision,
+    pub lang: Lang,
+}
+
+/// Which phrasings are taken.
+#[derive(Clone, Copy)]
+struct Choice {
+    why: u64,
+    action: u64,
+    joined: u64,
+    opening: u64,
+}
+
+impl Choice {
+    fn of(seed: u64) -> Self {
+        Self {
+            why: seed & 0xffff,
+            action: (seed >> 16) & 0xffff,
+            joined: (seed >> 32) & 0xffff,
+            opening: seed >> 48,
         }
     }
 }
 
-/// The decision of both channels.
-fn action(framework: &Framework, decision: &DrivingDecision, lang: Lang, seed: u64) -> String {
-    let texts = &framework.draft_texts;
-    let along =
-        decision.longitudinal.and_then(|d| texts.longitudinal(d)).map(|p| p.pick(lang, seed).to_owned());
-    let across = decision.lateral.and_then(|d| texts.lateral(d)).map(|p| {
-        let side = decision.lateral_direction.map_or("", |s| texts.side(s, lang));
-        p.pick(lang, seed).replace("{side}", side).replace("  ", " ")
-    });
-    match (lang, along, across) {
-        (_, None, None) => texts.none().pick(lang, seed).to_owned(),
-        (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
-        (Lang::Zh, None, Some(b)) => format!("自车{b}"),
-        (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
-        (Lang::En, None, Some(b)) => format!("the ego {b}"),
-        (_, Some(a), None) => a,
+/// Wanted length in characters (LABELING.md 7: 50 to 100 in Chinese; in English some 25 to 60 words).
+fn wanted(lang: Lang) -> RangeInclusive<usize> {
+    match lang {
+        Lang::Zh => 50..=100,
+        Lang::En => 120..=330,
     }
+}
+
+/// The trace with the phrasings that `seed` chooses, as long as a trace should be: with what the ego does at the
+/// keyframe where there is room, and with fewer things in the state where there is none.
+pub(super) fn trace(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> String {
+    let choice = Choice::of(seed);
+    let opening = opening(told, signals, keyframe, choice.opening);
+    let opens = choice.opening / 8 % 2 == 0;
+    let variants = [(MOST_IN_STATE, opens), (MOST_IN_STATE, !opens), (1, opens), (1, !opens)];
+    let texts: Vec<String> = variants
+        .into_iter()
+        .map(|(things, opens)| told.sentence(opening.as_deref().filter(|_| opens), things, choice))
+        .collect();
+    let wanted = wanted(told.lang);
+    let length = |t: &&String| t.chars().count();
+    let fits = texts.iter().find(|t| wanted.contains(&length(t)));
+    // None fits: the one that is least too long, or else the longest.
+    let nearest = || {
+        texts.iter().min_by_key(|t| {
+            let n = length(t);
+            if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
+        })
+    };
+    fits.or_else(nearest).cloned().unwrap_or_default()
+}
+
+/// What the ego does at the keyframe.
+fn opening(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
+    let speed = signals.frame_columns.get("ego.speed")?.number(keyframe)?;
+    let all = told.framework.draft_texts.openings();
+    if speed < STANDING_MPS {
+        return Some(all.standing.pick(told.lang, seed).to_owned());
+    }
+    let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
+    Some(all.moving.pick(told.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
+}
+
+impl Told<'_> {
+    /// One way to say it. The first component is said last in the state: what follows refers to it.
+    fn sentence(&self, opening: Option<&str>, things: usize, choice: Choice) -> String {
+        let texts = &self.framework.draft_texts;
+        let things = self.components.iter().take(things).rev();
+        let state: Vec<&str> = things.map(|c| c.description.trim_end_matches(['。', '.'])).collect();
+        let why = texts.why(self.class).map_or("", |p| p.pick(self.lang, choice.why));
+        let action = self.action(choice.action);
+        let joined = texts.traces().pick(self.lang, choice.joined);
+        let (comma, stop) = if self.lang == Lang::Zh { ("，", "。") } else { ("; ", ".") };
+        let state = state.join(comma);
+        let core = match (state.is_empty(), why.is_empty()) {
+            (false, false) => {
+                // A new sentence begins with a capital letter.
+                let why = if joined.contains(". {why}") { capital(why) } else { why.to_owned() };
+                joined.replace("{state}", &state).replace("{why}", &why).replace("{action}", &action)
+            }
+            (false, true) => format!("{state}{comma}{action}{stop}"),
+            (true, false) => format!("{why}{comma}{action}{stop}"),
+            (true, true) => format!("{action}{stop}"),
+        };
+        match (opening, self.lang) {
+            (Some(opening), Lang::Zh) => format!("{opening}，{core}"),
+            (Some(opening), Lang::En) => format!("{}. {}", capital(opening), capital(&core)),
+            (None, _) => capital(&core),
+        }
+    }
+
+    /// The decision of both channels.
+    fn action(&self, seed: u64) -> String {
+        let (texts, lang) = (&self.framework.draft_texts, self.lang);
+        let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
+        let along = longitudinal.and_then(|d| texts.longitudinal(d)).map(|p| p.pick(lang, seed).to_owned());
+        let across = lateral.and_then(|d| texts.lateral(d)).map(|p| {
+            let side = lateral_direction.map_or("", |s| texts.side(s, lang));
+            p.pick(lang, seed).replace("{side}", side).replace("  ", " ")
+        });
+        match (lang, along, across) {
+            (_, None, None) => texts.none().pick(lang, seed).to_owned(),
+            (Lang::Zh, Some(a), Some(b)) => format!("{a}，并{b}"),
+            (Lang::Zh, None, Some(b)) => format!("自车{b}"),
+            (Lang::En, Some(a), Some(b)) => format!("{a} and {b}"),
+            (Lang::En, None, Some(b)) => format!("the ego {b}"),
+            (_, Some(a), None) => a,
+        }
+    }
+
+    /// Numbers of phrasings: of the reason, of the decision (whose parts are chosen by one number), and of the joints.
+    fn phrasings(&self) -> (u64, u64, u64) {
+        let (texts, lang) = (&self.framework.draft_texts, self.lang);
+        let count = |p: &Phrasings| p.all(lang).len().max(1) as u64;
+        let why = texts.why(self.class).map_or(1, count);
+        let along = self.decision.longitudinal.and_then(|d| texts.longitudinal(d)).map_or(1, count);
+        let across = self.decision.lateral.and_then(|d| texts.lateral(d)).map_or(1, count);
+        let action =
+            if along * across == 1 { count(texts.none()) } else { along * across / common(along, across) };
+        (why, action, count(texts.traces()))
+    }
+
+    /// The trace has the beginning of a reason of the class in it: cheap, and rare where a person has written it.
+    fn may_be(&self, trace: &str) -> bool {
+        let Some(whys) = self.framework.draft_texts.why(self.class) else { return true };
+        // The first letter may be a capital.
+        whys.all(self.lang).iter().any(|w| trace.contains(&w.chars().skip(1).take(6).collect::<String>()))
+    }
+}
+
+/// Greatest common divisor.
+fn common(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common(b, a % b) }
 }
 
 fn capital(text: &str) -> String {
@@ -69,12 +165,19 @@ fn capital(text: &str) -> String {
     chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
 }
 
-/// A number from an id, the same on every machine (FNV-1a).
-pub(super) fn seed(id: &str) -> u64 {
-    id.bytes().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+/// A number from an id and a run's seed, the same on every machine (FNV-1a, and the last step of SplitMix64, without
+/// which the high bits of ids that differ in a digit are alike).
+pub(super) fn seed(id: &str, run: u64) -> u64 {
+    let h = id
+        .bytes()
+        .fold(0xcbf2_9ce4_8422_2325 ^ run, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
+    let z = (h ^ (h >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
 }
 
-/// True when `trace` is what a draft of these parts says, in any of its phrasings: nobody has written it.
+/// True when `trace` ends with what a draft of these parts says, in any of its phrasings: nobody has written it. What a
+/// draft says of the ego before that is not compared: it depends on the recording.
 pub(crate) fn is_draft(
     framework: &Framework,
     class: &ScenarioId,
@@ -82,11 +185,27 @@ pub(crate) fn is_draft(
     decision: &DrivingDecision,
     trace: &str,
 ) -> bool {
-    let bare = |t: &str| t.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
+    let bare =
+        |t: &str| t.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
+    let all = [Lang::Zh, Lang::En].map(|lang| Told { framework, class, components, decision, lang });
+    let likely: Vec<&Told<'_>> = all.iter().filter(|told| told.may_be(trace)).collect();
+    if likely.is_empty() {
+        return false;
+    }
     let trace = bare(trace);
-    [Lang::Zh, Lang::En].into_iter().any(|lang| {
-        (0..PHRASINGS * PHRASINGS)
-            .any(|seed| bare(&sentence(framework, class, components, decision, lang, seed)) == trace)
+    likely.into_iter().any(|told| {
+        let (whys, actions, joints) = told.phrasings();
+        (1..=MOST_IN_STATE).any(|things| {
+            (0..whys * actions * joints).any(|i| {
+                let choice = Choice {
+                    why: i % whys,
+                    action: i / whys % actions,
+                    joined: i / whys / actions,
+                    opening: 0,
+                };
+                trace.ends_with(&bare(&told.sentence(None, things, choice)))
+            })
+        })
     })
 }
 

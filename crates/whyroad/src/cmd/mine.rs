@@ -5,7 +5,9 @@ mod table;
 
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
-use plan::{CustomRule, rule_name};
+use plan::CustomRule;
+pub(super) use plan::rule_name;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use table::Results;
@@ -60,7 +62,63 @@ pub(crate) struct Args {
     print: Print,
 }
 
+/// What a run found, for printing; `None` where there was nothing to search.
+pub(super) struct Mined {
+    /// For programs and for people.
+    pub results: Option<(Value, String)>,
+    /// The command's exit code.
+    pub code: ExitCode,
+}
+
+impl Mined {
+    fn failed() -> Self {
+        Self { results: None, code: output::FINDINGS }
+    }
+}
+
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let print = args.print;
+    let mined = search(global, args)?;
+    if let Some((json, text)) = mined.results {
+        print.put(&json, || text)?;
+    }
+    Ok(mined.code)
+}
+
+impl Args {
+    /// A search for a custom rule.
+    pub(super) fn of_rule(
+        lake: PathBuf,
+        rule: String,
+        name: Option<String>,
+        out: PathBuf,
+        force: bool,
+    ) -> Self {
+        Self {
+            lake,
+            scenario: Vec::new(),
+            rule: Some(rule),
+            name,
+            target: None,
+            query: None,
+            limit: None,
+            jobs: None,
+            evaluator: "fast".to_owned(),
+            out,
+            force,
+            missing: false,
+            print: Print { format: Default::default() },
+        }
+    }
+
+    /// The same with what the target can be.
+    pub(super) fn with_target(self, target: Option<String>) -> Self {
+        Self { target, ..self }
+    }
+}
+
+/// Mines, and writes the folder.
+pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     let (framework, faults) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;
@@ -77,7 +135,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Ok(p) => p,
         Err(found) => {
             say(found, global.lang);
-            return Ok(output::FINDINGS);
+            return Ok(Mined::failed());
         }
     };
     findings.extend(say(framework_folder::placed(dir, found), global.lang));
@@ -86,7 +144,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Ok(lake) => lake,
         Err(e) => {
             say(vec![e.diagnostic()], global.lang);
-            return Ok(output::FINDINGS);
+            return Ok(Mined::failed());
         }
     };
     if let Some(limit) = args.limit {
@@ -106,7 +164,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut folder = match folder {
         Err(MinedWriteError::OtherQuestion { dir, .. }) => {
             say!("{}", other_question(&dir, global.lang));
-            return Ok(output::FINDINGS);
+            return Ok(Mined::failed());
         }
         folder => folder?,
     };
@@ -131,15 +189,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         taxonomy: &framework.taxonomy,
         lang: global.lang,
     };
-    args.print.put(&results.json(), || results.text(args.missing))?;
+    let results = Some((results.json(), results.text(args.missing)));
     say!("{}", written(&args.out, global.lang));
-    Ok(if lost {
+    let code = if lost {
         output::lost_input()
     } else if findings.is_empty() {
         output::FINE
     } else {
         output::FINDINGS
-    })
+    };
+    Ok(Mined { results, code })
 }
 
 fn say(found: Vec<Diagnostic>, lang: Lang) -> Vec<Diagnostic> {

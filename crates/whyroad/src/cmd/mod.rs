@@ -1,15 +1,19 @@
 //! One file per command: its arguments, and the calls that answer them.
 
 pub(crate) mod accounts;
+pub(crate) mod agreement;
+pub(crate) mod ask;
 pub(crate) mod backup;
 pub(crate) mod baseline;
 pub(crate) mod compare;
 pub(crate) mod dataset;
 pub(crate) mod demo;
+pub(crate) mod draft;
 pub(crate) mod evaluate;
 pub(crate) mod explain;
 pub(crate) mod ingest;
 pub(crate) mod inspect;
+pub(crate) mod judge;
 pub(crate) mod labels;
 pub(crate) mod media;
 pub(crate) mod migrate;

@@ -159,7 +159,7 @@ fn find_or_make(app: &App, name: &str, lang: Lang) -> anyhow::Result<String> {
     found.map_err(|p| error(&p, lang))
 }
 
-fn find(store: &Store, name: &str, lang: Lang) -> anyhow::Result<String> {
+pub(super) fn find(store: &Store, name: &str, lang: Lang) -> anyhow::Result<String> {
     let all = store.read(projects::all).map_err(|p| error(&p, lang))?;
     let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
     let found = all.iter().find(|p| p.name == name || p.id == name);

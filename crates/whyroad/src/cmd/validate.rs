@@ -2,6 +2,7 @@
 
 mod input;
 mod printer;
+mod quality;
 
 use crate::output::PrintFindings;
 use crate::{Global, framework_folder, output};
@@ -36,6 +37,13 @@ pub(crate) struct Args {
     /// Fail on warnings too
     #[arg(long)]
     deny_warnings: bool,
+    /// Print a quality report of the causal texts instead of single findings: contradictions with motion and route,
+    /// late evidence, omissions, by kind; for labels that `labels import` wrote from texts of other tools
+    #[arg(long, requires = "lake")]
+    quality: bool,
+    /// Examples of each kind in the quality report
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "quality")]
+    examples: usize,
 }
 
 /// What went through.
@@ -64,6 +72,9 @@ struct Foreign {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
+    if let (true, Some(lake)) = (args.quality, &args.lake) {
+        return quality::run(global, &framework, &args, lake);
+    }
     let stdout = anstream::stdout().lock();
     let mut out = io::BufWriter::with_capacity(1 << 16, stdout);
     let printer = Printer::new(&mut out, args.print.format, global.lang);

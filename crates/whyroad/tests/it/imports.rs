@@ -44,6 +44,17 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
     ("whyroad-server", &["whyroad-model", "whyroad-framework", "whyroad-label"]),
     (
+        "whyroad-chat",
+        &[
+            "whyroad-model",
+            "whyroad-framework",
+            "whyroad-label",
+            "whyroad-signals",
+            "whyroad-mining",
+            "whyroad-render",
+        ],
+    ),
+    (
         "whyroad-fuzz",
         &[
             "whyroad-model",
@@ -83,6 +94,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "whyroad-report",
             "whyroad-dataset",
             "whyroad-server",
+            "whyroad-chat",
         ],
     ),
 ];
@@ -108,8 +120,8 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     ("axum", &["whyroad-server"]),
     ("rusqlite", &["whyroad-server"]),
     ("postgres", &["whyroad-server"]),
-    ("ureq", &["whyroad-server"]),
-    ("rustls", &["whyroad-server"]),
+    ("ureq", &["whyroad-server", "whyroad-chat"]),
+    ("rustls", &["whyroad-server", "whyroad-chat"]),
     ("ring", &["whyroad-server"]),
     ("clap", &["whyroad"]),
     ("anyhow", &["whyroad"]),

@@ -5,6 +5,8 @@
 mod postgres;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;
+#[path = "../../../whyroad-chat/testing/scripted.rs"]
+mod scripted;
 mod service;
 mod session;
 
@@ -26,6 +28,7 @@ mod labels;
 mod media;
 mod mine;
 mod mine_again;
+mod model;
 mod recorded;
 mod robustness;
 mod rules;

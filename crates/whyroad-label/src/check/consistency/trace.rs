@@ -12,7 +12,8 @@ mod mention;
 pub(super) use form::Form;
 pub(super) use form::form;
 pub(super) use judge::{TraceVerdict, judge};
-pub(super) use mention::{Force, Mention, Reading, read};
+pub(in crate::check) use mention::{Force, read};
+pub(super) use mention::{Mention, Reading};
 
 #[cfg(test)]
 mod tests;

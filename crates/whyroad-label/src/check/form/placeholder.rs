@@ -90,9 +90,9 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
 /// What a draft of the same components and decisions would say.
 fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
     let Some(first) = label.parts.first().and_then(|c| c.description.get()) else { return false };
-    // A draft opens with its first component; a capital may have been made of the first letter.
-    let head = |t: &str| t.chars().skip(1).take(6).collect::<String>();
-    if head(first) != head(trace.trim_start()) {
+    // A draft says its first component; a capital may have been made of the first letter.
+    let head: String = first.chars().skip(1).take(6).collect();
+    if !trace.contains(&head) {
         return false;
     }
     let component = |c: &ComponentView<'_>| CriticalComponent {

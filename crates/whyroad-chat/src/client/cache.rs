@@ -1,0 +1,65 @@
+//! Answers kept by the content of their request, one file each: a run that was interrupted goes on where it ended, and
+//! a repeated one costs nothing. Only answers that could be used are kept; a file that cannot be read is asked for
+//! again.
+
+use crate::ChatError;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Version of the files.
+const VERSION: u32 = 1;
+
+/// A folder of answers.
+#[derive(Debug)]
+pub(super) struct Cache {
+    dir: PathBuf,
+    written: AtomicU64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    version: u32,
+    answer: String,
+}
+
+/// Name of the request's file: a hash of the address and of everything that is sent but the key.
+pub(super) fn name(url: &str, body: &str) -> String {
+    let mut hash = blake3::Hasher::new();
+    hash.update(url.as_bytes());
+    hash.update(&[0]);
+    hash.update(body.as_bytes());
+    hash.finalize().to_hex().to_string()
+}
+
+impl Cache {
+    pub fn open(dir: PathBuf) -> Result<Self, ChatError> {
+        std::fs::create_dir_all(&dir).map_err(|e| unwritable(&dir, &e))?;
+        Ok(Self { dir, written: AtomicU64::new(0) })
+    }
+
+    pub fn get(&self, name: &str) -> Option<String> {
+        let text = std::fs::read_to_string(self.file(name)).ok()?;
+        let kept: Kept = serde_json::from_str(&text).ok()?;
+        (kept.version == VERSION).then_some(kept.answer)
+    }
+
+    /// Written whole or not at all: a run that is killed leaves no half file.
+    pub fn put(&self, name: &str, answer: &str) -> Result<(), ChatError> {
+        let kept = Kept { version: VERSION, answer: answer.to_owned() };
+        let text = serde_json::to_string(&kept).map_err(|e| unwritable(&self.dir, &e.into()))?;
+        let number = self.written.fetch_add(1, Ordering::Relaxed);
+        let half = self.dir.join(format!("{name}.{}.{number}.part", std::process::id()));
+        std::fs::write(&half, text)
+            .and_then(|()| std::fs::rename(&half, self.file(name)))
+            .map_err(|e| unwritable(&half, &e))
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.dir.join(format!("{name}.json"))
+    }
+}
+
+fn unwritable(path: &Path, e: &std::io::Error) -> ChatError {
+    ChatError::Cache { path: path.to_owned(), why: e.to_string() }
+}

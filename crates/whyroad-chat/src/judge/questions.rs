@@ -1,0 +1,263 @@
+//! The statements about one label. A correct label makes each of them true, but those of omission, which it makes
+//! false.
+
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use whyroad_framework::Framework;
+use whyroad_label::counterfactual::{Removed, counterfactual};
+use whyroad_model::messages::{Cause, CocLabel};
+use whyroad_model::names::class_name;
+use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
+
+/// Unnamed objects that are asked about, most effect first.
+const MOST_OMISSIONS: usize = 3;
+
+/// What a statement is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum QuestionKind {
+    /// The decision is what the ego does first.
+    Decision,
+    /// A component could be observed at or before the keyframe.
+    Presence,
+    /// A component causes the decision.
+    CauseEffect,
+    /// Nothing nearer causes it.
+    ProximateCause,
+    /// The trace says what the components and decisions say.
+    Consistency,
+    /// The trace rests on nothing that came later.
+    Hindsight,
+    /// Legal and safe driving.
+    Safety,
+    /// Something that is not named causes the decision, too.
+    Omission,
+}
+
+impl QuestionKind {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 8] = [
+        Self::Decision,
+        Self::Presence,
+        Self::CauseEffect,
+        Self::ProximateCause,
+        Self::Consistency,
+        Self::Hindsight,
+        Self::Safety,
+        Self::Omission,
+    ];
+
+    /// As messages have it.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Decision => "decision",
+            Self::Presence => "presence",
+            Self::CauseEffect => "cause_effect",
+            Self::ProximateCause => "proximate_cause",
+            Self::Consistency => "consistency",
+            Self::Hindsight => "hindsight",
+            Self::Safety => "safety",
+            Self::Omission => "omission",
+        }
+    }
+}
+
+/// One statement with its answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Question {
+    /// Unique within the label: `q1`, `q2`, ...
+    pub id: String,
+    /// What it is about.
+    pub kind: QuestionKind,
+    /// The statement.
+    pub text: String,
+    /// Answer that a correct label has.
+    pub expected: bool,
+    /// The judge's; `None` while it is missing.
+    pub answer: Option<bool>,
+    /// In words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+impl Question {
+    /// Whether the answer is the expected one.
+    pub fn passed(&self) -> Option<bool> {
+        self.answer.map(|a| a == self.expected)
+    }
+}
+
+/// The statements about a label; `omitted` are candidates in words.
+pub(super) fn about(
+    framework: &Framework,
+    label: &CocLabel,
+    omitted: &[Bilingual],
+    lang: Lang,
+) -> Vec<Question> {
+    let mut all: Vec<(QuestionKind, Bilingual)> = Vec::new();
+    let decision = &label.driving_decision;
+    let sets = &framework.decisions;
+    let along = decision.longitudinal.and_then(|d| sets.longitudinal(d));
+    let across = decision.lateral.and_then(|d| sets.lateral(d));
+    all.push((
+        QuestionKind::Decision,
+        match along {
+            Some(d) => Bilingual::new(
+                format!("关键帧之后自车的第一个纵向决策是“{}”（{}）。", d.name.zh, d.meaning.zh),
+                format!(
+                    "The ego's first longitudinal decision after the keyframe is '{}' ({}).",
+                    d.name.en, d.meaning.en
+                ),
+            ),
+            None => Bilingual::new(
+                "关键帧之后自车的纵向行驶没有新的决策，延续原来的状态。",
+                "After the keyframe the ego makes no new longitudinal decision and goes on as before.",
+            ),
+        },
+    ));
+    let side = decision.lateral_direction.map(|s| match s.id() {
+        "left" => Bilingual::new("，方向为左", ", to the left"),
+        "right" => Bilingual::new("，方向为右", ", to the right"),
+        other => Bilingual::new(format!("，方向为 {other}"), format!(", direction {other}")),
+    });
+    let side = side.unwrap_or_default();
+    all.push((
+        QuestionKind::Decision,
+        match across {
+            Some(d) => Bilingual::new(
+                format!("关键帧之后自车的第一个横向决策是“{}”（{}）{}。", d.name.zh, d.meaning.zh, side.zh),
+                format!(
+                    "The ego's first lateral decision after the keyframe is '{}' ({}){}.",
+                    d.name.en, d.meaning.en, side.en
+                ),
+            ),
+            None => Bilingual::new(
+                "关键帧之后自车没有新的横向决策，延续原来的横向状态。",
+                "After the keyframe the ego makes no new lateral decision and goes on as before.",
+            ),
+        },
+    ));
+    for c in &label.critical_components {
+        let words = bare(&c.description);
+        all.push((
+            QuestionKind::Presence,
+            Bilingual::new(
+                format!("在关键帧或之前可以观察到：“{words}”。"),
+                format!("At or before the keyframe it can be observed that: '{words}'."),
+            ),
+        ));
+    }
+    let causes = label.causes.clone().unwrap_or_default();
+    let links = [(along.map(|d| &d.name), causes.longitudinal), (across.map(|d| &d.name), causes.lateral)];
+    for (name, cause) in links {
+        let (Some(name), Some(cause)) = (name, cause) else { continue };
+        for words in named(label, &cause) {
+            all.push((
+                QuestionKind::CauseEffect,
+                Bilingual::new(
+                    format!("“{words}”是自车决策“{}”的原因。", name.zh),
+                    format!("'{words}' is a cause of the ego's decision '{}'.", name.en),
+                ),
+            ));
+        }
+    }
+    all.push((QuestionKind::ProximateCause, Bilingual::new(
+        "标注中的原因是最近的原因：没有更近的目标或规则本身就足以要求这个决策。",
+        "The causes in the label are the nearest ones: nothing nearer would by itself call for the decision.",
+    )));
+    all.push((
+        QuestionKind::Consistency,
+        Bilingual::new(
+            "因果描述与标注的要素、决策一致，没有互相矛盾或多出来的动作和目标。",
+            "The trace agrees with the components and decisions of the label and adds no action or object.",
+        ),
+    ));
+    all.push((
+        QuestionKind::Hindsight,
+        Bilingual::new(
+            "因果描述没有使用关键帧之后才知道的情况作为理由。",
+            "The trace gives no reason that was only known after the keyframe.",
+        ),
+    ));
+    all.push((
+        QuestionKind::Safety,
+        Bilingual::new(
+            "自车在关键帧之后的驾驶合法且安全。",
+            "The ego drives legally and safely after the keyframe.",
+        ),
+    ));
+    for what in omitted {
+        all.push((
+            QuestionKind::Omission,
+            Bilingual::new(
+                format!("标注没有提到的{}也是这个决策的原因。", what.zh),
+                format!(
+                    "{}, which the label does not name, is a cause of the decision, too.",
+                    capital(&what.en)
+                ),
+            ),
+        ));
+    }
+    let question = |(i, (kind, text)): (usize, (QuestionKind, Bilingual))| Question {
+        id: format!("q{}", i + 1),
+        kind,
+        text: text.get(lang).to_owned(),
+        expected: kind != QuestionKind::Omission,
+        answer: None,
+        reason: None,
+    };
+    all.into_iter().enumerate().map(question).collect()
+}
+
+/// Descriptions of the components of a cause.
+fn named<'l>(label: &'l CocLabel, cause: &Cause) -> Vec<&'l str> {
+    let of = |id: &String| {
+        let c = label.critical_components.iter().find(|c| c.id.as_ref() == Some(id))?;
+        Some(bare(&c.description))
+    };
+    cause.components.iter().filter_map(of).collect()
+}
+
+fn bare(text: &str) -> &str {
+    text.trim().trim_end_matches(['。', '.'])
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or_else(String::new, |c| c.to_uppercase().chain(chars).collect())
+}
+
+/// Things that no component names and whose removal would change the drive plainly.
+pub(super) fn omission_candidates(
+    drive: &Drive,
+    signals: &SignalTable,
+    keyframe: usize,
+    label: &CocLabel,
+    scene: &Scene,
+) -> Vec<Bilingual> {
+    let Some(ranking) = counterfactual(drive, signals, keyframe) else { return Vec::new() };
+    let linked =
+        |id: &str| label.critical_components.iter().any(|c| c.linked_objects.iter().any(|o| o == id));
+    let names_light = label.critical_components.iter().any(|c| {
+        c.category.as_deref() == Some("traffic_lights")
+            || c.description.contains('灯')
+            || c.description.to_lowercase().contains("light")
+    });
+    let plain = ranking.effects.iter().filter(|e| e.is_plain());
+    plain
+        .filter_map(|effect| match &effect.removed {
+            Removed::Light => (!names_light).then(|| Bilingual::new("信号灯", "the traffic light")),
+            Removed::Object(id) if linked(id.as_str()) => None,
+            Removed::Object(id) => {
+                // Spoken of as the scene record does; what the record does not list cannot be asked about.
+                let (alias, _) = scene.objects.iter().find(|(_, track)| track == id)?;
+                let class = class_name(drive.track(id)?.class);
+                Some(Bilingual::new(
+                    format!("目标 {alias}（{}）", class.zh),
+                    format!("object {alias} ({})", class.en),
+                ))
+            }
+        })
+        .take(MOST_OMISSIONS)
+        .collect()
+}

@@ -1,0 +1,269 @@
+//! Quality of causal texts that other tools wrote: what a text says the ego does against what it did (motion, route),
+//! what it could not have known (late evidence), what held the ego and is not in it (omission), and what is said of
+//! objects.
+//!
+//! Such texts come without decisions of the closed sets (`import`). What the text says is read with the lexicon of
+//! traces, and compared as if it were the label's decision; a phrase that may mean several decisions contradicts the
+//! motion only where each of them does.
+
+use super::consistency::trace::{Force, read};
+use super::{Checker, Recorded};
+use crate::counterfactual::{Removed, counterfactual};
+use serde::Serialize;
+use whyroad_framework::check::Document;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+use whyroad_model::label_fields::pointer;
+use whyroad_model::messages::{CocLabel, CriticalComponent, DrivingDecision};
+use whyroad_model::names::class_name;
+use whyroad_model::time::frame_at;
+use whyroad_model::{Bilingual, Diagnostic, Location};
+
+/// What is wrong with a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum QualityKind {
+    /// It says that the ego does what it does not do.
+    Motion,
+    /// It says another turn or exit than the ego's route.
+    Route,
+    /// It rests on what was not known, or not visible, at the keyframe.
+    LateEvidence,
+    /// It does not name what held the ego.
+    Omission,
+    /// It says of objects or lights what they are not.
+    Scene,
+    /// Its form: empty, too short or long, circular, without a decision.
+    Text,
+}
+
+impl QualityKind {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 6] =
+        [Self::Motion, Self::Route, Self::LateEvidence, Self::Omission, Self::Scene, Self::Text];
+
+    /// As messages have it.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Route => "route",
+            Self::LateEvidence => "late_evidence",
+            Self::Omission => "omission",
+            Self::Scene => "scene",
+            Self::Text => "text",
+        }
+    }
+
+    /// For people.
+    pub fn name(self) -> Bilingual {
+        match self {
+            Self::Motion => Bilingual::new("与自车运动矛盾", "contradicts the motion"),
+            Self::Route => Bilingual::new("与路线矛盾", "contradicts the route"),
+            Self::LateEvidence => Bilingual::new("依据晚于关键帧", "late evidence"),
+            Self::Omission => Bilingual::new("遗漏原因", "omits a cause"),
+            Self::Scene => Bilingual::new("与场景不符", "wrong about the scene"),
+            Self::Text => Bilingual::new("文字问题", "form of the text"),
+        }
+    }
+
+    /// The kind of a finding; `None` for those that say nothing of the text.
+    fn of(code: &str, turn: bool) -> Option<Self> {
+        let starts = |p: &[&str]| p.iter().any(|p| code.starts_with(p));
+        match code {
+            "label.motion.contradicts" | "label.motion.side" if turn => Some(Self::Route),
+            "label.motion.contradicts" | "label.motion.no_change" | "label.motion.side" => Some(Self::Motion),
+            "label.text.hindsight" | "label.evidence.after_keyframe" | "label.object.unseen" => {
+                Some(Self::LateEvidence)
+            }
+            "label.cause.no_effect" => Some(Self::Omission),
+            _ if starts(&["label.object."]) => Some(Self::Scene),
+            "label.trace.empty"
+            | "label.trace.too_short"
+            | "label.trace.too_long"
+            | "label.cause.circular" => Some(Self::Text),
+            "label.text.placeholder" | "label.trace.decision_id" | "label.trace.numbers" => Some(Self::Text),
+            _ => None,
+        }
+    }
+}
+
+/// What was found about one text.
+#[derive(Clone, Debug, Default)]
+pub struct Quality {
+    /// The text states an action of the ego that could be compared.
+    pub states_action: bool,
+    /// The recording was at hand.
+    pub compared: bool,
+    /// By kind.
+    pub findings: Vec<(QualityKind, Diagnostic)>,
+}
+
+/// A decision that a text may mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Said {
+    Along(Longitudinal),
+    Across(Lateral, Option<LateralDirection>),
+}
+
+impl Checker<'_> {
+    /// The quality of the text of one label.
+    pub fn quality(&self, label: &CocLabel) -> Quality {
+        let recorded = self.recordings.as_ref().and_then(|r| r.of_clip(&label.clip_id));
+        let mut out = Quality { compared: recorded.is_some(), ..Quality::default() };
+        let bare = self.bare(label);
+        for d in self.found(&bare) {
+            if let Some(kind) = QualityKind::of(d.code, false) {
+                out.findings.push((kind, d));
+            }
+        }
+        for phrase in self.said(label) {
+            out.states_action = true;
+            out.findings.extend(self.contradiction(&bare, &phrase));
+            if let Some(recorded) = &recorded {
+                out.findings.extend(against_command(label, recorded, &phrase));
+            }
+        }
+        if let Some(recorded) = &recorded {
+            out.findings.extend(self.omission(&bare, recorded));
+        }
+        out.findings.sort_by(|a, b| (a.0, a.1.code).cmp(&(b.0, b.1.code)));
+        // One fault of a text is one finding, however many words repeat it.
+        out.findings.dedup_by(|a, b| a.0 == b.0 && a.1.code == b.1.code && a.1.message == b.1.message);
+        out
+    }
+
+    /// The label without decisions; a text without components is its own component, so that what it says of objects is
+    /// compared.
+    fn bare(&self, label: &CocLabel) -> CocLabel {
+        let mut bare = label.clone();
+        bare.driving_decision =
+            DrivingDecision { longitudinal: None, lateral: None, lateral_direction: None };
+        bare.causes = None;
+        if bare.critical_components.is_empty() {
+            bare.critical_components.push(CriticalComponent {
+                category: None,
+                description: label.coc_trace.clone(),
+                uncertainty: None,
+                id: Some("c1".to_owned()),
+                evidence_times: vec![label.keyframe.timestamp],
+                linked_objects: Vec::new(),
+            });
+        }
+        bare
+    }
+
+    fn found(&self, label: &CocLabel) -> Vec<Diagnostic> {
+        let Ok(text) = serde_json::to_string(label) else { return Vec::new() };
+        let mut found = Vec::new();
+        let origin = whyroad_framework::check::Origin::start();
+        self.check(&Document { origin, bytes: text.as_bytes() }, &mut found);
+        found
+    }
+
+    /// For each phrase that says what the ego does, the decisions that it may mean.
+    fn said(&self, label: &CocLabel) -> Vec<Vec<Said>> {
+        let lexicon = &self.framework.lexicon;
+        let reading = read(&label.coc_trace, lexicon);
+        let asserted = reading.mentions.iter().filter(|m| m.force == Force::Asserted && !m.by_other);
+        let mut out: Vec<Vec<Said>> = asserted
+            .filter(|m| m.start >= reading.decision_from && !lexicon.phrases[m.phrase].supports_only)
+            .map(|m| {
+                let says = &lexicon.phrases[m.phrase];
+                let along = says.longitudinal.iter().map(|d| Said::Along(*d));
+                let across = says.lateral.iter().map(|d| Said::Across(*d, m.side));
+                along.chain(across).collect()
+            })
+            .collect();
+        // A label that has decisions, as one of our own, is taken at its word.
+        let own = &label.driving_decision;
+        out.extend(own.longitudinal.map(|d| vec![Said::Along(d)]));
+        out.extend(own.lateral.map(|d| vec![Said::Across(d, own.lateral_direction)]));
+        out.dedup();
+        out
+    }
+
+    /// A finding where every meaning of a phrase contradicts the recording.
+    fn contradiction(&self, bare: &CocLabel, phrase: &[Said]) -> Option<(QualityKind, Diagnostic)> {
+        let mut first = None;
+        for said in phrase {
+            let mut label = bare.clone();
+            let (at, turn) = match said {
+                Said::Along(d) => {
+                    label.driving_decision.longitudinal = Some(*d);
+                    (pointer::DRIVING_DECISION_LONGITUDINAL, false)
+                }
+                Said::Across(d, side) => {
+                    label.driving_decision.lateral = Some(*d);
+                    label.driving_decision.lateral_direction = side.filter(|s| d.directions().contains(s));
+                    (pointer::DRIVING_DECISION_LATERAL, *d == Lateral::Turn)
+                }
+            };
+            let against = self.found(&label).into_iter().find_map(|d| {
+                let is_here = d.location.pointer.as_deref().is_some_and(|p| p.starts_with(at));
+                let kind = QualityKind::of(d.code, turn)
+                    .filter(|k| matches!(k, QualityKind::Motion | QualityKind::Route))?;
+                is_here.then_some((kind, d))
+            });
+            first = first.or(Some(against?));
+        }
+        first
+    }
+
+    /// The thing whose removal changes most, where no word of the text is of its kind.
+    fn omission(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
+        let times = &recorded.drive.times;
+        let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
+        let ranking = counterfactual(&recorded.drive, &recorded.signals, keyframe)?;
+        let most = ranking.effects.first().filter(|e| e.is_plain())?;
+        let words = &self.framework.label_words;
+        let kind = |name: &str| words.kinds.get(name).copied().unwrap_or_default();
+        let (sought, zh, en) = match &most.removed {
+            Removed::Light => {
+                (kind("light"), "本车道的信号灯".to_owned(), "the light of the ego's lane".to_owned())
+            }
+            Removed::Object(id) => {
+                if label.critical_components.iter().any(|c| c.linked_objects.iter().any(|o| o == id.as_str()))
+                {
+                    return None;
+                }
+                let class = recorded.drive.track(id)?.class;
+                let name = class_name(class);
+                let sought = if class.is_vru() { kind("vru") } else { kind("vehicle") };
+                (sought, format!("{}（{id}）", name.zh), format!("the {} {id}", name.en))
+            }
+        };
+        let text = label.critical_components.iter().map(|c| c.description.as_str());
+        let all = text.chain([label.coc_trace.as_str()]);
+        if all.map(|t| super::reading::read(t, words).groups).any(|g| g.meets(sought)) {
+            return None;
+        }
+        let m = most.distance_m;
+        let message = Bilingual::new(
+            format!("文字没有提到{zh}，而没有它自车在 8 s 内会多行驶 {m:.0} m"),
+            format!("the text does not name {en}, without which the ego would come {m:.0} m farther in 8 s"),
+        );
+        let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };
+        Some((QualityKind::Omission, Diagnostic::warning("label.quality.omission", message).at(location)))
+    }
+}
+
+/// A turn that the text states against the command of the navigation.
+fn against_command(
+    label: &CocLabel,
+    recorded: &Recorded,
+    phrase: &[Said],
+) -> Option<(QualityKind, Diagnostic)> {
+    let [Said::Across(Lateral::Turn, Some(said))] = phrase else { return None };
+    let times = &recorded.drive.times;
+    let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
+    let command = recorded.signals.frame_columns.get("route.command")?.category(keyframe)?;
+    let route = LateralDirection::from_id(command)?;
+    if route == *said {
+        return None;
+    }
+    let message = Bilingual::new(
+        format!("文字说向 {said} 转弯，而关键帧时的导航指令是 {route}"),
+        format!("the text turns {said}, but the route command at the keyframe is {route}"),
+    );
+    let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };
+    Some((QualityKind::Route, Diagnostic::warning("label.quality.route", message).at(location)))
+}

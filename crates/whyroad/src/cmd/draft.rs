@@ -1,0 +1,238 @@
+//! `whyroad draft`: labels to start from, one JSON line per episode: by rule, or by a model behind `--model`.
+
+use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
+use crate::output::Print;
+use crate::{Global, framework_folder, output};
+use anyhow::{Context as _, bail};
+use rayon::prelude::*;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_chat::draft::{Drafter, NoDraft};
+use whyroad_chat::scene::Images;
+use whyroad_chat::{Client, ImageKind};
+use whyroad_engine::label_drives::LabelDrives;
+use whyroad_engine::recordings::LakeRecordings;
+use whyroad_framework::{Framework, Resolution};
+use whyroad_label::check::{Checker, Recordings as _};
+use whyroad_label::draft::draft_with_seed;
+use whyroad_lake::{Lake, MinedFolder};
+use whyroad_model::messages::{CocLabel, EpisodeFilter, EpisodeRecord};
+use whyroad_model::scene::MediaFrame;
+use whyroad_model::{Bilingual, Diagnostic, Drive, Lang};
+
+/// Arguments of `whyroad draft`.
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// Lake with the drives
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Folder that `whyroad mine` wrote
+    #[arg(long, value_name = "DIR")]
+    from: PathBuf,
+    /// File to write (JSON Lines), for `tasks import`, `validate` and `dataset build --drafts`
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Only this class (L1, L2 or leaf; full or unambiguous short id)
+    #[arg(long, value_name = "ID")]
+    scenario: Option<String>,
+    /// Maximum number of drafts
+    #[arg(long, value_name = "N")]
+    limit: Option<usize>,
+    /// Language of the drafts' texts [default: that of --lang]
+    #[arg(long, value_name = "LANG")]
+    texts: Option<Lang>,
+    /// Seed of the phrasings of drafts by rule: the same one gives the same texts
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Draft by the model at this address (OpenAI-compatible, https://host/v1) instead of by rule
+    #[arg(long, value_name = "URL")]
+    model: Option<String>,
+    /// Episodes drafted at once by a model
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
+    jobs: u16,
+    #[command(flatten)]
+    how: ModelArgs,
+    #[command(flatten)]
+    print: Print,
+}
+
+/// One episode's draft with the warnings of the checks, or why there is none.
+type Made = Result<(CocLabel, Vec<Diagnostic>), Vec<Diagnostic>>;
+
+pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let (framework, _) = framework_folder::load(global)?;
+    let lake =
+        Lake::open(&args.lake).with_context(|| format!("cannot open the lake {}", args.lake.display()))?;
+    let episodes = episodes(&args, &framework)?;
+    let texts = args.texts.unwrap_or(global.lang);
+    let drives = Arc::new(LabelDrives::new(lake.clone(), &framework));
+    let (made, client) = match &args.model {
+        None => (by_rule(&framework, &drives, &episodes, texts, args.seed), None),
+        Some(url) => {
+            let client = args.how.client(url, cache_beside(&args.out), global.lang)?;
+            let made = by_model(&framework, &lake, &drives, &episodes, &client, texts, args.jobs)?;
+            (made, Some(client))
+        }
+    };
+    let (mut lines, mut written, mut with_findings, mut left_out) =
+        (String::new(), 0_usize, 0_usize, 0_usize);
+    for one in made {
+        match one {
+            Ok((label, findings)) => {
+                written += 1;
+                with_findings += usize::from(!findings.is_empty());
+                lines.push_str(&serde_json::to_string(&label)?);
+                lines.push('\n');
+                let place = format!("{} @ {}", label.clip_id, label.keyframe.timestamp);
+                let placed: Vec<_> = findings.into_iter().map(|d| d.in_file(place.clone())).collect();
+                tell_all(&placed, global.lang);
+            }
+            Err(found) => {
+                left_out += 1;
+                tell_all(&found, global.lang);
+            }
+        }
+    }
+    std::fs::write(&args.out, &lines).with_context(|| format!("cannot write {}", args.out.display()))?;
+    let spent = client.as_ref().map(Client::spent);
+    let by = client.as_ref().map_or("rule", |c| c.model());
+    let report = json!({
+        "episodes": episodes.len(), "written": written, "with_findings": with_findings, "left_out": left_out,
+        "by": by, "out": args.out, "spent": spent,
+    });
+    args.print.put(&report, || {
+        let line = match global.lang {
+            Lang::Zh => format!(
+                "{} 个事件：写出 {written} 个草稿（未经检查，作者：{by}），其中 {with_findings} 个有检查提示；{left_out} 个没有草稿\n",
+                episodes.len()
+            ),
+            Lang::En => format!(
+                "{} episodes: {written} drafts written (unchecked, by {by}), {with_findings} with findings; {left_out} without a draft\n",
+                episodes.len()
+            ),
+        };
+        spent.map_or(line.clone(), |s| format!("{line}{}\n", cost(&s, global.lang)))
+    })?;
+    Ok(match (written, left_out) {
+        (_, 0) => output::FINE,
+        (0, _) => output::FINDINGS,
+        _ => output::lost_input(),
+    })
+}
+
+/// The primary episodes that are asked for, in the order of drive and keyframe.
+fn episodes(args: &Args, framework: &Framework) -> anyhow::Result<Vec<EpisodeRecord>> {
+    let Some(folder) = MinedFolder::open(&args.from) else {
+        bail!("{} holds no mined episodes; `whyroad mine --out DIR` writes them", args.from.display());
+    };
+    let scenario = match args.scenario.as_deref().map(|text| (text, framework.taxonomy.resolve(text))) {
+        None => None,
+        Some((_, Resolution::Found(id))) => Some(id),
+        Some((text, _)) => bail!("'{text}' is not a class; `whyroad taxonomy list` shows all classes"),
+    };
+    let filter = EpisodeFilter { scenario, primary_only: true, ..EpisodeFilter::default() };
+    let mut all = folder.index()?.page(&filter, None, args.limit.unwrap_or(usize::MAX))?.episodes;
+    all.retain(|e| e.scenario_id.l2.is_some());
+    Ok(all)
+}
+
+fn by_rule(
+    framework: &Framework,
+    drives: &LabelDrives,
+    episodes: &[EpisodeRecord],
+    texts: Lang,
+    seed: u64,
+) -> Vec<Made> {
+    let one = |episode: &EpisodeRecord| -> Made {
+        let recorded = drives.of_clip(episode.clip_id.as_str()).ok_or_else(|| vec![no_drive(episode)])?;
+        let made = draft_with_seed(framework, &recorded.drive, &recorded.signals, episode, texts, seed);
+        Ok((made.label, Vec::new()))
+    };
+    episodes.iter().map(one).collect()
+}
+
+fn by_model(
+    framework: &Framework,
+    lake: &Lake,
+    drives: &Arc<LabelDrives>,
+    episodes: &[EpisodeRecord],
+    client: &Client,
+    texts: Lang,
+    jobs: u16,
+) -> anyhow::Result<Vec<Made>> {
+    let checker = Checker::new(framework).with_recordings(Arc::clone(drives) as Arc<_>);
+    let images = LakeImages(LakeRecordings::open(lake.clone(), &[], &[])?);
+    let drafter = Drafter { client, framework, checker: &checker, images: &images, lang: texts };
+    // After an error that ends the run the others are not tried: each would say the same.
+    let ended = AtomicBool::new(false);
+    let bar = output::progress(episodes.len());
+    let one = |episode: &EpisodeRecord| -> Option<Made> {
+        if ended.load(Ordering::Relaxed) {
+            return None;
+        }
+        let made = (|| {
+            let measured = images.0.drive(&episode.drive_id).ok();
+            let recorded = drives.of_clip(episode.clip_id.as_str());
+            let Some((measured, recorded)) = measured.zip(recorded) else {
+                return Err(vec![no_drive(episode)]);
+            };
+            match drafter.draft(&measured, &recorded, episode) {
+                Ok(made) => Ok((made.label, made.findings)),
+                Err(why) => {
+                    if matches!(&why, NoDraft::Chat(e) if e.ends_the_run()) {
+                        ended.store(true, Ordering::Relaxed);
+                    }
+                    Err(of_episode(why, episode))
+                }
+            }
+        })();
+        bar.inc(1);
+        Some(made)
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build()?;
+    let made: Vec<Option<Made>> = pool.install(|| episodes.par_iter().with_max_len(1).map(one).collect());
+    bar.finish_and_clear();
+    Ok(made.into_iter().map(|m| m.unwrap_or_else(|| Err(Vec::new()))).collect())
+}
+
+/// Findings that name no place are of the episode.
+fn of_episode(why: NoDraft, episode: &EpisodeRecord) -> Vec<Diagnostic> {
+    let place = |d: Diagnostic| match &d.location.file {
+        Some(_) => d,
+        None => d.in_file(format!("{} @ {}", episode.clip_id, episode.keyframe.timestamp)),
+    };
+    let ends = matches!(&why, NoDraft::Chat(e) if e.ends_the_run());
+    let found = why.diagnostics().into_iter();
+    if ends { found.collect() } else { found.map(place).collect() }
+}
+
+fn no_drive(episode: &EpisodeRecord) -> Diagnostic {
+    let (id, drive) = (&episode.episode_id, &episode.drive_id);
+    let message = Bilingual::new(
+        format!("事件 {id}：数据湖中没有行程 {drive}，或无法读取"),
+        format!("episode {id}: the lake has no drive {drive}, or it cannot be read"),
+    );
+    Diagnostic::error("draft.drive", message)
+}
+
+/// Camera images of a lake.
+pub(super) struct LakeImages(pub LakeRecordings);
+
+impl Images for LakeImages {
+    fn image(&self, drive: &Drive, frame: &MediaFrame) -> Option<(ImageKind, Vec<u8>)> {
+        let path = self.0.media(&drive.meta.drive_id, frame)?;
+        let kind = kind_of(&path)?;
+        Some((kind, std::fs::read(path).ok()?))
+    }
+}
+
+fn kind_of(path: &Path) -> Option<ImageKind> {
+    match path.extension()?.to_str()?.to_lowercase().as_str() {
+        "png" => Some(ImageKind::Png),
+        "jpg" | "jpeg" => Some(ImageKind::Jpeg),
+        _ => None,
+    }
+}

@@ -1,0 +1,116 @@
+//! How to reach a language model: the options that `draft`, `judge` and `ask` share, and what is said of its cost.
+
+use anyhow::bail;
+use std::path::PathBuf;
+use std::time::Duration;
+use whyroad_chat::client::Key;
+use whyroad_chat::{Budget, Client, Price, Settings, Spent};
+use whyroad_model::{Diagnostic, Lang};
+
+/// Options of a model behind an OpenAI-compatible interface.
+#[derive(clap::Args, Clone, Debug)]
+pub(crate) struct ModelArgs {
+    /// Name of the model at the endpoint
+    #[arg(long, value_name = "NAME", env = "WHYROAD_MODEL", default_value = "default")]
+    model_name: String,
+    /// Environment variable with the endpoint's key; the key itself is never an argument, printed or stored
+    #[arg(long, value_name = "VARIABLE")]
+    key_env: Option<String>,
+    /// Folder in which answers are kept by the content of their request, so that a run can be resumed and repeated
+    /// without cost [default: beside the output]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Time limit of one request, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    timeout: u64,
+    /// Further requests after a time-out, 429 or 5xx
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    retries: u32,
+    /// Maximum number of requests per minute [default: no limit]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    requests_per_minute: Option<u32>,
+    /// Maximum number of requests of this run, retries among them [default: no limit]
+    #[arg(long, value_name = "N")]
+    max_requests: Option<u64>,
+    /// Maximum number of tokens of this run, questions and answers together [default: no limit]
+    #[arg(long, value_name = "N")]
+    max_tokens: Option<u64>,
+    /// Maximum number of tokens of one answer
+    #[arg(long, value_name = "N", default_value_t = 2048)]
+    max_answer_tokens: u32,
+    /// Price of a million tokens of questions, for the cost report
+    #[arg(long, value_name = "PRICE", requires = "price_output", value_parser = price)]
+    price_input: Option<f64>,
+    /// Price of a million tokens of answers
+    #[arg(long, value_name = "PRICE", requires = "price_input", value_parser = price)]
+    price_output: Option<f64>,
+}
+
+fn price(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("a price is 0 or more".to_owned()) }
+}
+
+impl ModelArgs {
+    /// The client for the endpoint at `url`; answers are kept in `cache` unless `--cache` names another folder.
+    pub(crate) fn client(&self, url: &str, cache: PathBuf, lang: Lang) -> anyhow::Result<Client> {
+        let key = self.key_env.as_deref().map(Key::from_environment).transpose();
+        let price = self.price_input.zip(self.price_output);
+        let made = key.and_then(|key| {
+            Client::new(Settings {
+                key,
+                timeout: Duration::from_secs(self.timeout),
+                retries: self.retries,
+                requests_per_minute: self.requests_per_minute,
+                budget: Budget { requests: self.max_requests, tokens: self.max_tokens },
+                price: price.map(|(input_per_million, output_per_million)| Price {
+                    input_per_million,
+                    output_per_million,
+                }),
+                cache: Some(self.cache.clone().unwrap_or(cache)),
+                max_answer_tokens: self.max_answer_tokens,
+                ..Settings::new(url, &self.model_name)
+            })
+        });
+        match made {
+            Ok(client) => Ok(client),
+            Err(e) => bail!("{}", e.diagnostic().message(lang)),
+        }
+    }
+}
+
+/// `drafts.jsonl` to `drafts.answers`.
+pub(crate) fn cache_beside(out: &std::path::Path) -> PathBuf {
+    out.with_extension("answers")
+}
+
+/// What was spent, as one line.
+pub(crate) fn cost(spent: &Spent, lang: Lang) -> String {
+    let Spent { requests, cached, input_tokens, output_tokens, answers_without_count, cost } = *spent;
+    let uncounted = match (answers_without_count, lang) {
+        (0, _) => String::new(),
+        (n, Lang::Zh) => format!("（另有 {n} 个回答未给出令牌数）"),
+        (n, Lang::En) => format!(" (and {n} answers without a count)"),
+    };
+    match lang {
+        Lang::Zh => {
+            let cost = cost.map(|c| format!("；费用 {c:.4}")).unwrap_or_default();
+            format!(
+                "模型：{requests} 次请求，{cached} 个回答来自缓存；令牌 输入 {input_tokens}、输出 {output_tokens}{uncounted}{cost}"
+            )
+        }
+        Lang::En => {
+            let cost = cost.map(|c| format!("; cost {c:.4}")).unwrap_or_default();
+            format!(
+                "model: {requests} requests, {cached} answers from the cache; tokens: {input_tokens} in, {output_tokens} out{uncounted}{cost}"
+            )
+        }
+    }
+}
+
+/// Prints findings to stderr.
+pub(crate) fn tell_all(found: &[Diagnostic], lang: Lang) {
+    for d in found {
+        tell!("{}", crate::output::render_text(d, lang));
+    }
+}
