@@ -75,7 +75,7 @@ pub fn agreement(items: &[Item], seed: u64) -> Agreement {
     let raters: BTreeSet<&str> = items.iter().flat_map(|i| &i.labels).map(|l| l.rater.as_str()).collect();
     let parts = PARTS.iter().map(|(name, part)| nominal(name, *part, items, seed)).collect();
     let gaps: Vec<Vec<f64>> =
-        items.iter().map(|i| pairs(i, |l| moment(l), |a, b| a.seconds_since(*b).abs())).collect();
+        items.iter().map(|i| pairs(i, moment, |a, b| a.seconds_since(*b).abs())).collect();
     let moments: Vec<Vec<f64>> =
         items.iter().map(|i| i.labels.iter().map(|l| seconds_in_clip(&l.label)).collect()).collect();
     let matches: Vec<ComponentMatch> = items.iter().filter_map(Item::components).collect();

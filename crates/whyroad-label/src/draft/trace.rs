@@ -58,7 +58,7 @@ fn wanted(lang: Lang) -> RangeInclusive<usize> {
 pub(super) fn trace(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> String {
     let choice = Choice::of(seed);
     let opening = opening(told, signals, keyframe, choice.opening);
-    let opens = choice.opening / 8 % 2 == 0;
+    let opens = (choice.opening / 8).is_multiple_of(2);
     let variants = [(MOST_IN_STATE, opens), (MOST_IN_STATE, !opens), (1, opens), (1, !opens)];
     let texts: Vec<String> = variants
         .into_iter()

@@ -130,7 +130,7 @@ fn drafts_by_rule_differ_by_seed_and_are_repeatable() {
         let made = run(dir.path(), &line);
         assert_eq!(made.code, 0, "{}", made.err);
         let drafts = lines(&dir.path().join(format!("r{seed}.jsonl")));
-        assert!(drafts.len() > 20 && drafts.iter().all(|d| d["provenance"]["source"] == "rule"));
+        assert!(drafts.len() >= 8 && drafts.iter().all(|d| d["provenance"]["source"] == "rule"));
         drafts.iter().map(|d| d["coc_trace"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     let (first, again, other) = (traces(1), traces(1), traces(2));
