@@ -104,6 +104,10 @@ async function choose(page, group, value) {
 
 async function stageTwo(day) {
   const { page } = day.people.li;
+  // The safety filter comes first: until it is answered no decision can be chosen.
+  await page.waitForFunction(() => document.activeElement?.closest("[data-section=safety]"));
+  assert.ok(await page.locator("[data-choices=longitudinal] input").first().isDisabled());
+  await page.keyboard.press("y");
   // The focus goes to the decisions by itself.
   await page.waitForFunction(() => document.activeElement?.closest("[data-section=decisions]"));
   // In a group of choices digits choose; outside of it they lead to the sections.
@@ -151,7 +155,6 @@ async function stageTwo(day) {
     if ((await records.nth(n).inputValue()) === "") await page.keyboard.type("1");
   }
   await page.keyboard.press("Escape");
-  await page.keyboard.press("y");
   await saved(page);
   await checkAccessibility(page, "Stage II");
   await shot(day, page, "stage2");

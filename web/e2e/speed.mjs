@@ -122,7 +122,11 @@ async function label(page, task) {
   await press("Control+Enter");
   await page.locator('[data-section="decisions"]').waitFor();
   await page.locator(".board .later").waitFor({ state: "detached", timeout: 60_000 });
-  // Stage II: a draft of a decision is confirmed with its own key, else the one that the taxonomy names is chosen.
+  // Stage II begins with the safety filter.
+  await press("y");
+  thoughts++;
+  await page.waitForFunction(() => document.activeElement?.closest("[data-section=decisions]"));
+  // A draft of a decision is confirmed with its own key, else the one that the taxonomy names is chosen.
   await page.keyboard.press("Escape");
   for (const [go, channel] of [["2", "longitudinal"], ["3", "lateral"]]) {
     await press(go);
@@ -179,7 +183,6 @@ async function label(page, task) {
     thoughts++;
   }
   await press("Escape");
-  await press("y");
   await settled();
   await press("Control+Enter");
   await page.locator('[data-action="next"]').waitFor({ timeout: 15_000 }).catch(async () => {

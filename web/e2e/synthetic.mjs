@@ -125,13 +125,22 @@ export const framework = {
           {
             id: "cutin",
             name: pair("Cutin响应", "Response to a cut-in"),
-            typical_decisions: { longitudinal: ["yield_to_agent"], lateral: ["lane_keeping"] },
             l3: [{ id: "urgent", name: pair("紧急切入", "Urgent cut-in"), condition: pair("TTC < 3 s", "TTC < 3 s at the keyframe") }],
           },
         ],
       },
     ],
   },
+  choices: {
+    "reactive_agent.cutin.urgent": {
+      longitudinal: [{ id: "yield_to_agent", direction: null, usual: true }, { id: null, direction: null, usual: false }],
+      lateral: [{ id: "lane_keeping", direction: null, usual: true }, { id: null, direction: null, usual: false }],
+      decides: false,
+      reveals: false,
+    },
+  },
+  impossible_pairs: [],
+  safety_reasons: [{ id: "other", name: pair("其他", "other") }],
   decisions: {
     longitudinal: [{ id: "yield_to_agent", name: pair("让行", "Yield to agent"), meaning: pair("给特定对象让路。", "Gives way."), directions: [] }],
     lateral: [{ id: "lane_change", name: pair("换道", "Lane change"), meaning: pair("换到邻道。", "To the next lane."), directions: ["left", "right"] }],
@@ -168,7 +177,7 @@ export function task(view, { stage }) {
       overlap: false,
       updated: 0,
     },
-    draft: stage === "stage1" ? first : { ...first, ...rest },
+    draft: stage === "stage1" ? first : { ...first, ...rest, safety_filter: { answer: "safe" } },
     version: 1,
     stage,
     fence: 1,
@@ -195,7 +204,7 @@ export function task(view, { stage }) {
     findings: [
       { code: "label.trace.empty", severity: "error", message_zh: "因果描述为空", message_en: "the trace is empty", pointer: "/coc_trace", hint_zh: "写出状态、原因与决策", hint_en: "write state, reason and decision" },
     ],
-    permissions: stage === "stage1" ? ["edit", "lock_stage1", "release", "skip", "reject", "comment"] : ["edit", "submit", "release", "skip", "reject", "comment"],
+    permissions: stage === "stage1" ? ["edit", "lock_stage1", "release", "skip", "reject", "comment"] : ["edit", "safety", "submit", "release", "skip", "reject", "comment"],
     changed_from_suggestion: [],
   };
 }

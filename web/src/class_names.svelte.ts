@@ -33,6 +33,11 @@ export function groupName(id: string): string {
   return names.flatMap((name) => (name ? [localized(name)] : [])).join(" › ");
 }
 
+/** The localized name of a reason of the safety filter. */
+export function safetyReasonName(id: string): string {
+  return localized(loaded.now?.safetyReasons.find((r) => r.id === id)?.name) || id;
+}
+
 export interface Group {
   id: string;
   name: Bilingual;

@@ -122,6 +122,7 @@ pub fn draft_with_seed(
         causes,
         second_keyframe: episode.second_keyframe.clone(),
         secondary_scenarios: Vec::new(),
+        safety_filter: None,
         provenance: Some(Provenance {
             source: ProvenanceSource::Rule,
             by: Some(id.to_string()),

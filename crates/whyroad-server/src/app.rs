@@ -7,6 +7,7 @@ use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
 use crate::service::scene::cache::SceneCache;
+use crate::service::veil;
 use crate::service::webhooks::reach::Reach;
 use crate::service::webhooks::tls::Trust;
 use crate::store::{Store, Tx, vault};
@@ -104,6 +105,7 @@ impl App {
             let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
             row.map_or(Ok(String::new()), |r| r.text("value"))
         })?;
+        store.write(move |tx| veil::set_all(tx, framework))?;
         let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
         Ok(Self {
             store,

@@ -65,6 +65,14 @@ export const getProjectDashboard = (p: string | number, options?: CallOptions): 
 export const getProjectExportUrl = (p: string | number, query: { format?: QueryValue; version?: QueryValue; state?: QueryValue } = {}): string =>
   BASE + `/projects/${encodeURIComponent(p)}/export${queryString(query)}`;
 
+/** GET /projects/{p}/gold */
+export const getProjectGold = (p: string | number, options?: CallOptions): Promise<T["GoldReport"]> =>
+  call<T["GoldReport"]>("GET", `/projects/${encodeURIComponent(p)}/gold`, undefined, options);
+
+/** POST /projects/{p}/gold */
+export const postProjectGold = (p: string | number, body: T["NewGold"], options?: CallOptions): Promise<T["MadeGold"]> =>
+  call<T["MadeGold"]>("POST", `/projects/${encodeURIComponent(p)}/gold`, body, options);
+
 /** POST /projects/{p}/import */
 export const postProjectImport = (p: string | number, text: string, options?: CallOptions): Promise<T["Imported"]> =>
   call<T["Imported"]>("POST", `/projects/${encodeURIComponent(p)}/import`, new TextBody(text, "application/x-ndjson"), options);
@@ -168,6 +176,10 @@ export const getTaskMediaByCameraByIndexUrl = (t: string | number, camera: strin
 /** GET /tasks/{t}/overlap */
 export const getTaskOverlap = (t: string | number, options?: CallOptions): Promise<T["Overlap"]> =>
   call<T["Overlap"]>("GET", `/tasks/${encodeURIComponent(t)}/overlap`, undefined, options);
+
+/** POST /tasks/{t}/safety */
+export const postTaskSafety = (t: string | number, body: T["SafetyRequest"], options?: CallOptions): Promise<T["Task"]> =>
+  call<T["Task"]>("POST", `/tasks/${encodeURIComponent(t)}/safety`, body, options);
 
 /** GET /tasks/{t}/scene */
 export const getTaskScene = (t: string | number, options?: CallOptions): Promise<T["SceneView"]> =>

@@ -86,6 +86,12 @@ export interface components {
             camera: string;
             frames: components["schemas"]["CameraFrame"][];
         };
+        ClassChoices: {
+            decides: boolean;
+            lateral: components["schemas"]["DecisionChoice"][];
+            longitudinal: components["schemas"]["DecisionChoice"][];
+            reveals: boolean;
+        };
         Comment: {
             /** Format: int64 */
             at: number;
@@ -153,7 +159,13 @@ export interface components {
                 [key: string]: number;
             };
             coverage: components["schemas"]["Coverage"][];
+            safety: components["schemas"]["SafetyCounts"];
             throughput: components["schemas"]["Throughput"][];
+        };
+        DecisionChoice: {
+            direction?: string | null;
+            id?: string | null;
+            usual: boolean;
         };
         Done: {
             done: boolean;
@@ -209,14 +221,50 @@ export interface components {
         };
         FrameworkView: {
             categories: unknown[];
+            choices: {
+                [key: string]: components["schemas"]["ClassChoices"];
+            };
             decisions: unknown;
+            impossible_pairs: string[][];
             records: {
                 [key: string]: unknown;
             };
+            safety_reasons: unknown[];
             taxonomy: unknown;
             versions: {
                 [key: string]: string;
             };
+        };
+        GoldPerson: {
+            /** Format: int64 */
+            done: number;
+            fields: {
+                [key: string]: number;
+            };
+            /** Format: int64 */
+            given: number;
+            /** Format: double */
+            percent?: number | null;
+            standing: components["schemas"]["GoldStanding"];
+            user: string;
+        };
+        GoldRefused: {
+            task: string;
+            text: components["schemas"]["Bilingual"];
+            user: string;
+        };
+        GoldReport: {
+            people: components["schemas"]["GoldPerson"][];
+            tasks: components["schemas"]["GoldTask"][];
+        };
+        GoldStanding: "not_asked" | "open" | "qualified" | "failed";
+        GoldTask: {
+            differs?: string[] | null;
+            scenario_id: string;
+            source: string;
+            state: string;
+            task: string;
+            user: string;
         };
         History: {
             items: components["schemas"]["HistoryEntry"][];
@@ -311,6 +359,11 @@ export interface components {
             line: number;
             text: components["schemas"]["Bilingual"];
         };
+        MadeGold: {
+            /** Format: uint32 */
+            made: number;
+            refused: components["schemas"]["GoldRefused"][];
+        };
         MapView: {
             crosswalks: components["schemas"]["Shape"][];
             drivable: components["schemas"]["Shape"][];
@@ -374,6 +427,10 @@ export interface components {
             /** @default false */
             to_lead?: boolean;
         };
+        NewGold: {
+            tasks: string[];
+            users: string[];
+        };
         NewProject: {
             /** @default  */
             guide?: string;
@@ -387,12 +444,15 @@ export interface components {
              *       "audit_max_percent": 20,
              *       "audit_min_percent": 10,
              *       "currency": "CNY",
+             *       "gold_labels": 0,
+             *       "gold_percent": 80,
              *       "history": "drive",
              *       "hourly_rate": null,
              *       "lang": "zh",
              *       "lease_s": 300,
              *       "place_precision_m": 0,
-             *       "retention_days": 0
+             *       "retention_days": 0,
+             *       "stage1_class": "leaf"
              *     }
              */
             settings?: components["schemas"]["Settings"];
@@ -497,6 +557,25 @@ export interface components {
             state: string;
         };
         Role: "lead" | "annotator" | "checker" | "auditor";
+        SafetyCounts: {
+            reasons: {
+                [key: string]: number;
+            };
+            /** Format: int64 */
+            safe: number;
+            /** Format: int64 */
+            unsafe: number;
+        };
+        SafetyReason: "collision" | "ran_signal" | "speeding" | "wrong_way" | "solid_line" | "failed_to_yield" | "unsafe_gap" | "harsh_maneuver" | "other";
+        SafetyRequest: {
+            answer: "safe" | "unsafe";
+            /** Format: int64 */
+            fence: number;
+            /** @default null */
+            note?: string | null;
+            /** @default [] */
+            reasons?: components["schemas"]["SafetyReason"][];
+        };
         SceneView: {
             about: {
                 [key: string]: components["schemas"]["SignalAbout"];
@@ -538,6 +617,16 @@ export interface components {
             audit_min_percent?: number;
             /** @default CNY */
             currency?: string;
+            /**
+             * Format: uint32
+             * @default 0
+             */
+            gold_labels?: number;
+            /**
+             * Format: uint32
+             * @default 80
+             */
+            gold_percent?: number;
             /** @default drive */
             history?: components["schemas"]["HistoryRule"];
             /**
@@ -562,6 +651,8 @@ export interface components {
              * @default 0
              */
             retention_days?: number;
+            /** @default leaf */
+            stage1_class?: components["schemas"]["Stage1Class"];
         };
         Setup: {
             display: string;
@@ -592,6 +683,7 @@ export interface components {
             provider_sign_out?: string | null;
         };
         Stage: "stage1" | "stage2";
+        Stage1Class: "leaf" | "l2";
         State: "open" | "stage1" | "stage1_locked" | "stage2" | "submitted" | "in_check" | "rework" | "checked" | "in_audit" | "accepted" | "skipped" | "rejected";
         Suggestion: {
             conditions: components["schemas"]["MatchedCondition"][];
@@ -786,11 +878,13 @@ export type BulkChanged = components["schemas"]["BulkChanged"];
 export type BulkRefused = components["schemas"]["BulkRefused"];
 export type CameraFrame = components["schemas"]["CameraFrame"];
 export type CameraView = components["schemas"]["CameraView"];
+export type ClassChoices = components["schemas"]["ClassChoices"];
 export type Comment = components["schemas"]["Comment"];
 export type Coverage = components["schemas"]["Coverage"];
 export type CreateTasks = components["schemas"]["CreateTasks"];
 export type Created = components["schemas"]["Created"];
 export type Dashboard = components["schemas"]["Dashboard"];
+export type DecisionChoice = components["schemas"]["DecisionChoice"];
 export type Done = components["schemas"]["Done"];
 export type DraftAt = components["schemas"]["DraftAt"];
 export type DraftChange = components["schemas"]["DraftChange"];
@@ -800,6 +894,11 @@ export type FieldChange = components["schemas"]["FieldChange"];
 export type Finding = components["schemas"]["Finding"];
 export type Findings = components["schemas"]["Findings"];
 export type FrameworkView = components["schemas"]["FrameworkView"];
+export type GoldPerson = components["schemas"]["GoldPerson"];
+export type GoldRefused = components["schemas"]["GoldRefused"];
+export type GoldReport = components["schemas"]["GoldReport"];
+export type GoldStanding = components["schemas"]["GoldStanding"];
+export type GoldTask = components["schemas"]["GoldTask"];
 export type History = components["schemas"]["History"];
 export type HistoryEntry = components["schemas"]["HistoryEntry"];
 export type HistoryRule = components["schemas"]["HistoryRule"];
@@ -814,6 +913,7 @@ export type LeaseAction = components["schemas"]["LeaseAction"];
 export type LeaseRequest = components["schemas"]["LeaseRequest"];
 export type LightView = components["schemas"]["LightView"];
 export type LostLine = components["schemas"]["LostLine"];
+export type MadeGold = components["schemas"]["MadeGold"];
 export type MapView = components["schemas"]["MapView"];
 export type MatchedCondition = components["schemas"]["MatchedCondition"];
 export type Member = components["schemas"]["Member"];
@@ -824,6 +924,7 @@ export type MinedFolder = components["schemas"]["MinedFolder"];
 export type MinedFolders = components["schemas"]["MinedFolders"];
 export type MyWork = components["schemas"]["MyWork"];
 export type NewComment = components["schemas"]["NewComment"];
+export type NewGold = components["schemas"]["NewGold"];
 export type NewProject = components["schemas"]["NewProject"];
 export type NewToken = components["schemas"]["NewToken"];
 export type NewUser = components["schemas"]["NewUser"];
@@ -842,6 +943,9 @@ export type QueueReason = components["schemas"]["QueueReason"];
 export type QueueState = components["schemas"]["QueueState"];
 export type Returned = components["schemas"]["Returned"];
 export type Role = components["schemas"]["Role"];
+export type SafetyCounts = components["schemas"]["SafetyCounts"];
+export type SafetyReason = components["schemas"]["SafetyReason"];
+export type SafetyRequest = components["schemas"]["SafetyRequest"];
 export type SceneView = components["schemas"]["SceneView"];
 export type Session = components["schemas"]["Session"];
 export type Settings = components["schemas"]["Settings"];
@@ -852,6 +956,7 @@ export type SignalAbout = components["schemas"]["SignalAbout"];
 export type SignalKind = components["schemas"]["SignalKind"];
 export type SignedOut = components["schemas"]["SignedOut"];
 export type Stage = components["schemas"]["Stage"];
+export type Stage1Class = components["schemas"]["Stage1Class"];
 export type State = components["schemas"]["State"];
 export type Suggestion = components["schemas"]["Suggestion"];
 export type Task = components["schemas"]["Task"];

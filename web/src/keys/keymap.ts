@@ -38,7 +38,7 @@ export const actions = {
   advance: action("task", "主按钮：领取、锁定、提交、接受、下一个", "Main button: take, lock, submit, accept, next", "Ctrl+Enter", "always"),
   acceptField: action("task", "采纳当前项的草稿，转到下一项", "Accept the draft of this field and go to the next", "Alt+A", "always"),
   safe: action("task", "合法且安全", "Legal and safe", "Y"),
-  reject: action("task", "剔除…", "Reject…", "D"),
+  reject: action("task", "违法或不安全 / 剔除…", "Illegal or unsafe / reject…", "D"),
   accept: action("task", "接受（质检、抽检）", "Accept (check, audit)", "A"),
   sendBack: action("task", "退回…（质检、抽检）", "Return for rework… (check, audit)", "B"),
   askLead: action("task", "问负责人…", "Ask the lead…", "Q"),

@@ -15,13 +15,17 @@ afterEach(() => all.splice(0).forEach((editor) => editor.draft.close()));
 const iso = (n: number): string => `2026-01-15T10:30:0${n}.000Z`;
 const pair = (text: string): { zh: string; en: string } => ({ zh: text, en: text });
 
+/** Decisions wait for this. */
+const SAFE = { safety_filter: { answer: "safe" } };
+
 /** A task of ten frames a second apart, the keyframe at frame 4; two frames before the clip. */
 function opened(state: "stage1" | "stage2" | "rework", draft: Json): TaskEditor {
   localStorage.clear();
   const editor = new TaskEditor("t", { id: "anna" } as User);
   all.push(editor);
   const stage = state === "stage1" ? "stage1" : "stage2";
-  const task = { task: { id: "t", state }, stage, draft, version: 1, fence: 1, findings: [], comments: [], permissions: ["edit"] };
+  const answered = stage === "stage1" ? draft : { ...(draft as object), ...SAFE };
+  const task = { task: { id: "t", state }, stage, draft: answered, version: 1, fence: 1, findings: [], comments: [], permissions: ["edit"] };
   editor.task = task as unknown as Task;
   const frames = [...Array(10).keys()];
   const scene = { times: frames.map(iso), t_s: frames.map((n) => n - 4), clip_frames: frames.map((n) => n - 2), keyframe_index: 4 };
@@ -39,6 +43,9 @@ function opened(state: "stage1" | "stage2" | "rework", draft: Json): TaskEditor 
       null: { name: pair("none") },
     },
     categories: [{ id: "critical_objects", name: pair("objects") }],
+    choices: {},
+    impossible_pairs: [],
+    safety_reasons: [],
     records: {},
     versions: {},
   });
@@ -53,9 +60,9 @@ test("a decision taken back takes its causes and its direction along, and undo b
   };
   const editor = opened("stage2", before);
   decide(editor, "lateral", null);
-  assert.deepEqual(editor.draft.doc, { driving_decision: { longitudinal: "resume", lateral: null }, causes: {} });
+  assert.deepEqual(editor.draft.doc, { driving_decision: { longitudinal: "resume", lateral: null }, causes: {}, ...SAFE });
   editor.draft.undo();
-  assert.deepEqual(editor.draft.doc, before);
+  assert.deepEqual(editor.draft.doc, { ...before, ...SAFE });
   decide(editor, "lateral", "lane_keeping");
   assert.equal(editor.draft.at("/driving_decision/lateral_direction"), undefined, "keeping the lane has no direction");
   assert.deepEqual(editor.draft.at("/causes/lateral"), { components: ["c1"] }, "another decision keeps its causes");
@@ -140,4 +147,14 @@ test("a single component is linked to a decision by itself, and never in place o
   toggleCause(two, "longitudinal", "c1");
   toggleCause(two, "longitudinal", "c2");
   assert.deepEqual(two.draft.at("/causes/longitudinal"), { components: ["c1"] });
+});
+
+test("decisions, causes and trace wait for the safety filter", () => {
+  const editor = opened("stage2", { driving_decision: { longitudinal: null, lateral: null } });
+  assert.ok(editor.isEditable("/driving_decision/longitudinal") && editor.isEditable("/coc_trace"));
+  editor.draft.doc = { driving_decision: { longitudinal: null, lateral: null } };
+  for (const path of ["/driving_decision/longitudinal", "/causes/lateral", "/coc_trace"]) assert.equal(editor.isEditable(path), false, path);
+  assert.ok(editor.isEditable("/records/gap"), "other fields do not wait");
+  decide(editor, "longitudinal", "resume");
+  assert.equal(editor.decision("longitudinal"), null);
 });

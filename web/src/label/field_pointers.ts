@@ -57,6 +57,8 @@ export const pointers = {
   secondaryScenarios: fields.SECONDARY_SCENARIOS,
   provenance: fields.PROVENANCE,
   version: fields.VERSION,
+  safetyFilter: fields.SAFETY_FILTER,
+  safetyAnswer: fields.SAFETY_FILTER_ANSWER,
 
   keyframeOf: (name: KeyframeName): string => KEYFRAMES[name].at,
   keyframeTime: (name: KeyframeName): string => KEYFRAMES[name].time,
@@ -100,7 +102,10 @@ export const COMPARED_FIELDS: readonly string[] = [
 ];
 
 /** Fields that the service writes itself. */
-export const SERVICE_FIELDS: ReadonlySet<string> = new Set([pointers.provenance, pointers.version]);
+export const SERVICE_FIELDS: ReadonlySet<string> = new Set([pointers.provenance, pointers.version, pointers.safetyFilter]);
+
+/** Fields that wait for the answer of the safety filter. */
+export const AFTER_SAFETY: readonly string[] = [pointers.decision, pointers.causes, pointers.trace];
 
 /** Sections of the form by the top-level field that they hold. */
 export const SECTION_OF_FIELD: Readonly<Record<string, string>> = {

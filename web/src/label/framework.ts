@@ -1,6 +1,6 @@
 // The framework for the form: decisions with their definitions, scenarios, categories, the leaf's specification. Read
 // from untyped JSON; where a name is missing, the id is shown.
-import type { FrameworkView } from "../api/types.ts";
+import type { ClassChoices, FrameworkView } from "../api/types.ts";
 import type { Bilingual } from "../text/text.svelte.ts";
 
 export interface Named {
@@ -19,7 +19,8 @@ export interface Leaf extends Named {
   path: readonly Bilingual[];
   definition: Bilingual | null;
   condition: Bilingual | null;
-  typical: { longitudinal: readonly string[]; lateral: readonly string[] };
+  /** Decisions that go with it; null for a class that the decision table does not have. */
+  choices: ClassChoices | null;
   /** How to decide between it (or its L2) and another scenario where both seem to hold. */
   decides: readonly { against: string; rule: Bilingual }[];
 }
@@ -33,6 +34,27 @@ export interface Framework {
   none: Decision;
   categories: readonly Named[];
   leaves: ReadonlyMap<string, Leaf>;
+  /** Longitudinal and lateral decisions that no class has together. */
+  impossiblePairs: readonly (readonly string[])[];
+  safetyReasons: readonly Named[];
+}
+
+/** How a decision stands to a class: seen most of the time, allowed, or contradicting it. */
+export type Fit = "usual" | "possible" | "impossible";
+
+/** How `id` ("null": no change) stands to a class; possible where the class is unknown. */
+export function fitOf(choices: ClassChoices | null, channel: Channel, id: string): Fit {
+  if (!choices) return "possible";
+  const found = choices[channel].filter((c) => (c.id ?? "null") === id);
+  if (found.length === 0) return "impossible";
+  return found.some((c) => c.usual) ? "usual" : "possible";
+}
+
+/** The directions of `all` in which a class has this lateral decision; all where it has it in every direction. */
+export function directionsOf(choices: ClassChoices | null, id: string, all: readonly string[]): readonly string[] {
+  const found = choices?.lateral.filter((c) => c.id === id) ?? [];
+  if (found.length === 0 || found.some((c) => c.direction === null || c.direction === undefined)) return all;
+  return all.filter((d) => found.some((c) => c.direction === d));
 }
 
 type Dict = Record<string, unknown>;
@@ -62,11 +84,6 @@ function decision(v: unknown): Decision {
   return { ...named(v), meaning: both(o, "meaning"), not: both(o, "not"), directions: list(o["directions"]).map(word).filter(Boolean) };
 }
 
-function typicalOf(o: Dict): Leaf["typical"] {
-  const d = dict(o["typical_decisions"] ?? o["typical"]);
-  return { longitudinal: list(d["longitudinal"]).map(word), lateral: list(d["lateral"]).map(word) };
-}
-
 /** The name of a leaf, an L2 or an L1 by its full id; null for an unknown id. */
 export function className(leaves: ReadonlyMap<string, Leaf>, id: string): Bilingual | null {
   const depth = id.split(".").length;
@@ -91,7 +108,6 @@ export function readFramework(view: FrameworkView): Framework {
         const c = named(l3);
         const co = dict(l3);
         const id = c.id.includes(".") ? c.id : `${a.id}.${b.id}.${c.id}`;
-        const own = typicalOf(co);
         leaves.set(id, {
           id,
           name: c.name,
@@ -102,7 +118,7 @@ export function readFramework(view: FrameworkView): Framework {
             against: word(dict(d)["against"]),
             rule: both(dict(d), "rule") ?? { zh: "", en: "" },
           })),
-          typical: own.longitudinal.length + own.lateral.length > 0 ? own : typicalOf(bo),
+          choices: view.choices[id] ?? null,
         });
       }
     }
@@ -114,6 +130,8 @@ export function readFramework(view: FrameworkView): Framework {
     none: { ...none, id: "null" },
     categories: list(view.categories).map(named),
     leaves,
+    impossiblePairs: view.impossible_pairs,
+    safetyReasons: view.safety_reasons.map(named),
   };
 }
 

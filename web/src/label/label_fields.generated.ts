@@ -49,6 +49,10 @@ export const SECOND_KEYFRAME_TYPE = "/second_keyframe/type";
 export const SECOND_KEYFRAME_RANGE_START = "/second_keyframe/range_start";
 export const SECOND_KEYFRAME_RANGE_END = "/second_keyframe/range_end";
 export const SECONDARY_SCENARIOS = "/secondary_scenarios";
+export const SAFETY_FILTER = "/safety_filter";
+export const SAFETY_FILTER_ANSWER = "/safety_filter/answer";
+export const SAFETY_FILTER_REASONS = "/safety_filter/reasons";
+export const SAFETY_FILTER_NOTE = "/safety_filter/note";
 export const PROVENANCE = "/provenance";
 export const PROVENANCE_SOURCE = "/provenance/source";
 export const PROVENANCE_BY = "/provenance/by";
@@ -68,6 +72,7 @@ export const TOP_NAMES = {
   causes: ["原因", "Causes"],
   second_keyframe: ["第二关键帧", "Second keyframe"],
   secondary_scenarios: ["次场景", "Secondary scenarios"],
+  safety_filter: ["安全过滤", "Safety filter"],
 } as const satisfies Record<string, TextPair>;
 
 /** Names of the members of these fields: [Chinese, English]. */
@@ -87,4 +92,7 @@ export const MEMBER_NAMES = {
   linked_objects: ["关联目标", "linked objects"],
   components: ["要素", "components"],
   unobserved: ["未观测到", "unobserved"],
+  answer: ["结论", "answer"],
+  reasons: ["依据", "reasons"],
+  note: ["说明", "note"],
 } as const satisfies Record<string, TextPair>;

@@ -10,6 +10,8 @@ const words: LabelContext = {
     none: { id: "null", name: { zh: "无", en: "none" }, meaning: null, not: null, directions: [] },
     categories: [{ id: "critical_objects", name: { zh: "关键目标", en: "critical objects" } }],
     leaves: new Map(),
+    impossiblePairs: [],
+    safetyReasons: [],
   },
   second: (iso) => (iso === "2026-01-15T10:30:09.400Z" ? -0.3 : null),
 };
@@ -27,7 +29,7 @@ test("values become words in both languages", () => {
 });
 
 test("a finding speaks of seconds and names, as the screen does", () => {
-  const leaf = { id: "a.cutin.urgent", name: { zh: "紧急", en: "urgent" }, path: [{ zh: "甲", en: "A" }, { zh: "切入", en: "cut-in" }, { zh: "紧急", en: "urgent" }], definition: null, condition: null, typical: { longitudinal: [], lateral: [] }, decides: [] };
+  const leaf = { id: "a.cutin.urgent", name: { zh: "紧急", en: "urgent" }, path: [{ zh: "甲", en: "A" }, { zh: "切入", en: "cut-in" }, { zh: "紧急", en: "urgent" }], definition: null, condition: null, choices: null, decides: [] };
   const f = words.framework;
   assert.ok(f);
   const more: LabelContext = { ...words, framework: { ...f, leaves: new Map([[leaf.id, leaf]]), lateral: [{ id: "lane_change", name: { zh: "换道", en: "lane change" }, meaning: null, not: null, directions: [] }] } };

@@ -1,11 +1,9 @@
-// What the annotator has confirmed before submitting: drafted fields accepted as they are, and that the driving is
-// legal and safe. Kept in this browser until the label is submitted.
+// What the annotator has confirmed before submitting: drafted fields accepted as they are. Kept in this browser until
+// the label is submitted.
 
 export class ReviewMarks {
   /** Pointers of drafted fields that were accepted unchanged. */
   accepted = $state.raw<ReadonlySet<string>>(new Set());
-  /** The driving was confirmed to be legal and safe. */
-  safe = $state(false);
   #task: string;
 
   constructor(task: string) {
@@ -13,7 +11,6 @@ export class ReviewMarks {
   }
 
   load(): void {
-    this.safe = localStorage.getItem(this.#key("safe")) !== null;
     try {
       const paths: unknown = JSON.parse(localStorage.getItem(this.#key("accepted")) ?? "[]");
       if (Array.isArray(paths)) this.accepted = new Set(paths.map(String));
@@ -27,15 +24,9 @@ export class ReviewMarks {
     localStorage.setItem(this.#key("accepted"), JSON.stringify([...this.accepted]));
   }
 
-  setSafe(safe: boolean): void {
-    this.safe = safe;
-    if (safe) localStorage.setItem(this.#key("safe"), "yes");
-    else localStorage.removeItem(this.#key("safe"));
-  }
-
   /** Removes the copy in this browser: the label was submitted. */
   clearStored(): void {
-    for (const name of ["safe", "accepted"]) localStorage.removeItem(this.#key(name));
+    localStorage.removeItem(this.#key("accepted"));
   }
 
   #key(name: string): string {

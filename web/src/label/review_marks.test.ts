@@ -9,16 +9,12 @@ function reloaded(task: string): ReviewMarks {
   return marks;
 }
 
-test("accepted fields and the safety filter are remembered per task", () => {
+test("accepted fields are remembered per task", () => {
   const marks = new ReviewMarks("t1");
   marks.accept("/coc_trace");
   marks.accept("/causes/lateral");
-  marks.setSafe(true);
   assert.deepEqual([...reloaded("t1").accepted], ["/coc_trace", "/causes/lateral"]);
-  assert.equal(reloaded("t1").safe, true);
   assert.equal(reloaded("t2").accepted.size, 0);
-  marks.setSafe(false);
-  assert.equal(reloaded("t1").safe, false);
 });
 
 test("after the submission nothing is left, and broken data counts as nothing", () => {

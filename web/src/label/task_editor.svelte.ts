@@ -2,7 +2,7 @@
 // from here. Draws nothing and handles no key.
 import * as api from "../api/calls.generated.ts";
 import { ApiError } from "../api/client.ts";
-import type { ActionName, Finding, Task, User } from "../api/types.ts";
+import type { ActionName, Finding, SafetyReason, Task, User } from "../api/types.ts";
 import { loadFramework } from "../class_names.svelte.ts";
 import { RequestState } from "../request_state.svelte.ts";
 import { egoPose } from "../scene/motion.ts";
@@ -13,7 +13,7 @@ import { within } from "./changes.ts";
 import { ClipData } from "./clip_data.svelte.ts";
 import { CommentList } from "./comment_list.svelte.ts";
 import { Draft } from "./draft.svelte.ts";
-import { DRAFTED_FIELDS, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
+import { AFTER_SAFETY, DRAFTED_FIELDS, pointers, STAGE_ONE_FIELDS } from "./field_pointers.ts";
 import type { Channel, Framework, Spec } from "./framework.ts";
 import { Lease } from "./lease.svelte.ts";
 import { type Json, read, same } from "./pointer.ts";
@@ -60,6 +60,10 @@ export class TaskEditor {
   stage = $derived(this.task?.stage ?? "stage1");
   state = $derived(this.task?.task.state ?? "open");
   leaf = $derived(this.framework?.leaves.get(this.task?.task.scenario_id ?? "") ?? null);
+  /** The safety filter was answered: the driving is legal and safe. */
+  safe = $derived.by(() => this.draft.at(pointers.safetyAnswer) === "safe");
+  /** Stage I of this project names only the L2. */
+  hidesLeaf = $derived.by(() => this.stage === "stage1" && this.task?.task.scenario_id.split(".").length === 2);
   target = $derived(this.task?.suggestion.target_id ?? null);
   isWaiting = $derived.by(() => WAITING_STATES.includes(this.state));
   holdsLease = $derived.by(() => this.task?.fence != null && this.draft.queue.status !== "lost");
@@ -94,10 +98,15 @@ export class TaskEditor {
     return this.task?.permissions.includes(action) ?? false;
   }
 
-  /** May the reader change the field at `path` now? Stage I fills its own fields, Stage II cannot change components. */
+  /**
+   * May the reader change the field at `path` now? Stage I fills its own fields, Stage II cannot change components, and
+   * decisions, causes and trace wait for the safety filter.
+   */
   isEditable(path: string): boolean {
     if (!this.canEdit) return false;
     if (this.stage === "stage1") return STAGE_ONE_FIELDS.some((field) => within(path, field));
+    if (!this.safe && AFTER_SAFETY.some((field) => within(path, field))) return false;
+    if (this.can("uncertainty") && /\/uncertainty$/.test(path)) return true;
     return this.state === "rework" || !within(path, pointers.components);
   }
 
@@ -167,6 +176,18 @@ export class TaskEditor {
   async act(action: ActionName, reason?: string): Promise<boolean> {
     if (this.holdsLease && !(await this.draft.flush())) return false;
     return this.#post({ fence: this.#lease.fence, action, reason: reason ?? null });
+  }
+
+  /** Records the answer of the safety filter; an unsafe one rejects the task. */
+  async answerSafety(answer: "safe" | "unsafe", reasons: readonly SafetyReason[] = [], note: string | null = null): Promise<boolean> {
+    const fence = this.#lease.fence;
+    if (fence === null || !(await this.draft.flush())) return false;
+    return (
+      (await this.request.run(async () => {
+        await this.show(await api.postTaskSafety(this.id, { fence, answer, reasons: [...reasons], note }));
+        return true;
+      })) === true
+    );
   }
 
   /** Restores the draft of an earlier entry of the history. */

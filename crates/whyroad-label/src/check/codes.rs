@@ -11,6 +11,7 @@ pub const CODES: &[&str] = &[
     "label.enum.lateral_direction",
     "label.enum.uncertainty",
     "label.enum.provenance_source",
+    "label.enum.safety_answer",
     // Business.
     "label.keyframe.type",
     "label.keyframe.range_missing",

@@ -14,7 +14,7 @@ pub struct Revision {
 }
 
 /// What the service writes into every label.
-const WRITTEN_BY_THE_SERVICE: [&str; 3] = ["/version", "/clip_id", "/provenance"];
+const WRITTEN_BY_THE_SERVICE: [&str; 4] = ["/version", "/clip_id", "/safety_filter", "/provenance"];
 
 impl Revision {
     /// The fields that a revision compares: single values, and lists as a whole.

@@ -82,6 +82,7 @@ pub fn draft(reasoning: &Reasoning, place: &Place<'_>) -> Result<CocLabel, Box<D
         causes: None,
         second_keyframe: None,
         secondary_scenarios: Vec::new(),
+        safety_filter: None,
         provenance: Some(Provenance {
             source: ProvenanceSource::Model,
             by: Some(place.by.to_owned()),

@@ -37,6 +37,16 @@ closed_set!(
 );
 
 closed_set!(
+    /// Answer of the safety filter (LABELING.md 6).
+    SafetyAnswer {
+        /// Legal and safe.
+        Safe = "safe",
+        /// Illegal or unsafe: the sample is rejected.
+        Unsafe = "unsafe",
+    }
+);
+
+closed_set!(
     /// Who made a label.
     ProvenanceSource {
         /// A mining rule.

@@ -2,7 +2,7 @@
 
 use super::handlers::{accounts, drafts, oidc, projects, scenes, session, talk, tasks, transfer, webhooks};
 use super::route::{Access, BodySize, JSON_LINES, Route};
-use crate::domain::{oidc::*, people::*, project::*, scene::*, task::*};
+use crate::domain::{gold::*, oidc::*, people::*, project::*, safety::*, scene::*, task::*};
 use crate::oidc::flow::Returned;
 use serde_json::Value;
 
@@ -131,6 +131,21 @@ pub static ROUTES: &[Route] = &[
     )
     .query(&[("utc_offset", "shift of hours of the day from UTC, whole hours; default 0")])
     .gives::<AnalyticsPage>(),
+    Route::get(
+        "/projects/{p}/gold",
+        Access::Lead,
+        "Gold tasks and how annotators did; nobody else learns which tasks these are",
+        projects::gold,
+    )
+    .gives::<GoldReport>(),
+    Route::post(
+        "/projects/{p}/gold",
+        Access::Lead,
+        "Make gold tasks: hidden copies of accepted tasks for annotators",
+        projects::make_gold,
+    )
+    .takes::<NewGold>()
+    .gives::<MadeGold>(),
     // Tasks.
     Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
         .query(&[
@@ -206,6 +221,14 @@ pub static ROUTES: &[Route] = &[
         drafts::act,
     )
     .takes::<TaskAction>()
+    .gives::<Task>(),
+    Route::post(
+        "/tasks/{t}/safety",
+        Access::TaskWorker,
+        "Answer the safety filter of Stage II: decisions are saved after it; `unsafe` rejects the task",
+        drafts::safety,
+    )
+    .takes::<SafetyRequest>()
     .gives::<Task>(),
     Route::post(
         "/tasks/{t}/validate",

@@ -1,6 +1,7 @@
 //! Projects, members, dashboard, webhooks.
 
 use super::people::User;
+use super::safety::SafetyCounts;
 use crate::domain::workflow::Role;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -38,9 +39,15 @@ pub struct Settings {
     pub lang: String,
     /// What bars somebody from the Stage I of a task.
     pub history: HistoryRule,
+    /// How exactly Stage I names the class of a task.
+    pub stage1_class: Stage1Class,
     /// Precision of places, m: scenes are given relative to the corner of a square of this size, and not where that is.
     /// 0 for positions as recorded.
     pub place_precision_m: u32,
+    /// Gold labels that an annotator hands in before being judged; 0 where no qualification is asked for.
+    pub gold_labels: u32,
+    /// Mean agreement with gold answers that qualifies, in percent. Who is not qualified is audited at the maximum rate.
+    pub gold_percent: u32,
     /// Days after which finished tasks are removed with their labels; 0 to keep them.
     pub retention_days: u32,
     /// Cost of an hour of work, for the cost per accepted label; null is unknown.
@@ -61,6 +68,18 @@ pub enum HistoryRule {
     Episode,
 }
 
+/// How exactly Stage I names the class of a task.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage1Class {
+    /// By its leaf.
+    #[default]
+    Leaf,
+    /// By its L2, where a leaf of that L2 has a name that tells the outcome. What depends on the leaf (specification,
+    /// signals, target, range, drafted components) is then withheld until Stage I is locked.
+    L2,
+}
+
 impl Default for Settings {
     /// LABELING.md 6: audit of 10 to 20 %. Leases of five minutes, renewed by a heartbeat.
     fn default() -> Self {
@@ -70,7 +89,10 @@ impl Default for Settings {
             audit_max_percent: 20,
             lang: "zh".to_owned(),
             history: HistoryRule::Drive,
+            stage1_class: Stage1Class::Leaf,
             place_precision_m: 0,
+            gold_labels: 0,
+            gold_percent: 80,
             retention_days: 0,
             hourly_rate: None,
             currency: "CNY".to_owned(),
@@ -204,6 +226,8 @@ pub struct Dashboard {
     pub coverage: Vec<Coverage>,
     /// Audit outcome by author.
     pub audit: Vec<AuditRecord>,
+    /// Answers of the safety filter.
+    pub safety: SafetyCounts,
 }
 
 /// The analytics of a project.

@@ -399,12 +399,43 @@ pub struct FrameworkView {
     pub taxonomy: Value,
     /// `{longitudinal: [{id, name, meaning, not}], lateral: [{.., directions}], null: {..}}`.
     pub decisions: Value,
+    /// Decisions of each leaf, the usual ones first: what a picker offers (`scenarios/decisions.yaml`). A decision that
+    /// is not listed contradicts the class.
+    pub choices: BTreeMap<String, ClassChoices>,
+    /// Longitudinal and lateral decisions that do not go together in any class.
+    pub impossible_pairs: Vec<[String; 2]>,
+    /// Reasons of the safety filter: `{id, name}`.
+    pub safety_reasons: Vec<Value>,
     /// Reference categories of components (LABELING.md 3).
     pub categories: Vec<Value>,
     /// Records that specs ask for, by id.
     pub records: BTreeMap<String, Value>,
     /// Versions of taxonomy and format.
     pub versions: BTreeMap<String, String>,
+}
+
+/// The decisions of a leaf.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ClassChoices {
+    /// Along the path.
+    pub longitudinal: Vec<DecisionChoice>,
+    /// Across the path.
+    pub lateral: Vec<DecisionChoice>,
+    /// At least one channel has a decision.
+    pub decides: bool,
+    /// The leaf's name tells what happened after the keyframe.
+    pub reveals: bool,
+}
+
+/// A decision that goes with a leaf.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct DecisionChoice {
+    /// The decision; null is no change.
+    pub id: Option<String>,
+    /// The only direction that is meant; null for every direction.
+    pub direction: Option<String>,
+    /// Seen most of the time; else seen and allowed.
+    pub usual: bool,
 }
 
 /// The labels of one overlap group, side by side; only when all of them are submitted.

@@ -2,13 +2,14 @@
 //! group, and bringing an earlier draft back.
 
 use crate::app::App;
+use crate::domain::gold::GoldStanding;
 use crate::domain::project::Project;
 use crate::domain::task::{ActionName, Finding, NewComment, TaskAction};
 use crate::domain::workflow::{self, Action, Actor, Draw, Position, Role, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
-use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{audits, dashboard, drafts, findings, history, leases, seen};
+use crate::service::tasks::{self, Entry, LabelView, TaskRow};
+use crate::service::{audits, dashboard, drafts, findings, gold, history, leases, safety, seen};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
@@ -19,6 +20,9 @@ use whyroad_model::{FORMAT_VERSION, Nanos};
 
 /// Maximum length of a comment or reason, characters.
 const TEXT: usize = 4000;
+
+/// A label that is handed in is shown whole.
+const STAGE2: LabelView = LabelView { stage: Stage::Stage2, hides_leaf: false, in_hand: false };
 
 /// What the checker said of a draft before the transaction that acts on it: checking may take long, and a transaction
 /// that writes keeps everybody waiting.
@@ -38,19 +42,19 @@ pub struct Checked {
 pub fn check(app: &App, t: &TaskRow, name: &str, request: &TaskAction, now: i64) -> Answer<Option<Checked>> {
     let mut draft = t.draft.clone();
     let (changes, found) = match request.action.in_workflow() {
-        Some(Action::LockStage1) => (vec![], findings::of(app, &draft, Stage::Stage1)),
+        Some(Action::LockStage1) => (vec![], findings::of(app, &draft, t.view())),
         Some(Action::Submit) => {
             let mut changes = made_by(app, name, now)?;
             changes.extend(stored_records(app, &draft));
             changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
-            let found = findings::of(app, &draft, Stage::Stage2);
+            let found = findings::of(app, &draft, STAGE2);
             (changes, found)
         }
         None if request.action == ActionName::Adjudicate && request.label.is_some() => {
             draft = merged(t, request.label.as_ref())?;
             let changes = made_by(app, name, now)?;
             changes.iter().try_for_each(|c| merge::apply(&mut draft, c))?;
-            let found = findings::of(app, &draft, Stage::Stage2);
+            let found = findings::of(app, &draft, STAGE2);
             (changes, found)
         }
         _ => return Ok(None),
@@ -67,7 +71,11 @@ fn merged(t: &TaskRow, label: Option<&Value>) -> Answer<Value> {
         return Err(Problem::request("label 须为对象", "label must be an object"));
     };
     let mut draft = Value::Object(fields.clone());
-    for own in [pointer::CLIP_ID, pointer::SCENARIO] {
+    // Answered for each task by who held it; a label that is put together takes that of its own task.
+    if let Some(fields) = draft.as_object_mut() {
+        fields.remove(name::SAFETY_FILTER);
+    }
+    for own in [pointer::CLIP_ID, pointer::SCENARIO, pointer::SAFETY_FILTER] {
         if let Some(value) = t.draft.pointer(own) {
             let kept = FieldChange { path: own.to_owned(), value: value.clone(), remove: false };
             merge::apply(&mut draft, &kept)?;
@@ -124,6 +132,7 @@ pub fn act(
     match action {
         Action::LockStage1 => lockable(&t, current(checked, &t)?.found)?,
         Action::Submit => {
+            safety::required(&t)?;
             let checked = current(checked, &t)?;
             refuse_errors(checked.found)?;
             (t.draft, changes) = (checked.draft, checked.changes);
@@ -137,6 +146,7 @@ pub fn act(
             t.version += 1;
             snapshot = Some(t.draft.clone());
             t.audited = false;
+            safety::forget(tx, &t.id)?;
             reopen_group(tx, &mut t)?;
         }
         _ => {}
@@ -270,7 +280,14 @@ fn stored_records(app: &App, draft: &Value) -> Vec<FieldChange> {
 
 fn draw(app: &App, tx: &mut dyn Tx, t: &TaskRow, project: &Project) -> Answer<Draw> {
     let (audited, failed) = dashboard::audit_record(tx, &project.id, t.at.author().unwrap_or_default())?;
-    Ok(audits::draw(&app.csrf_key, t, dashboard::audit_share(&project.settings, audited, failed)))
+    // Who has yet to qualify, or failed to, counts as unknown.
+    let share = match gold::standing(tx, project, t.at.author().unwrap_or_default())? {
+        GoldStanding::Open | GoldStanding::Failed => f64::from(project.settings.audit_max_percent),
+        GoldStanding::NotAsked | GoldStanding::Qualified => {
+            dashboard::audit_share(&project.settings, audited, failed)
+        }
+    };
+    Ok(audits::draw(&app.csrf_key, t, share))
 }
 
 fn restore(
@@ -282,6 +299,9 @@ fn restore(
     now: i64,
 ) -> Answer<()> {
     leases::may_edit(t, &actor.id, request.fence)?;
+    if safety::applies(t.at.state) {
+        safety::required(t)?;
+    }
     let seq = request.seq.ok_or_else(|| Problem::request("缺少 seq", "seq is missing"))?;
     // Only what may be seen may come back.
     drafts::at_for(tx, t, &actor.id, seq)?;

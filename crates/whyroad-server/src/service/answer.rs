@@ -4,12 +4,13 @@ use crate::app::App;
 use crate::domain::task::{Finding, Suggestion, Task};
 use crate::domain::workflow::{Actor, Stage, State};
 use crate::problem::Answer;
-use crate::service::tasks::{self, TaskRow};
+use crate::service::tasks::{self, LabelView, TaskRow};
 use crate::service::visible::{comments, label};
 use crate::service::{leases, permissions, projects};
 use crate::store::Tx;
 use crate::values;
-use whyroad_model::Bilingual;
+use whyroad_model::messages::KeyframeType;
+use whyroad_model::{Bilingual, Nanos};
 
 /// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
 fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
@@ -28,7 +29,7 @@ fn count_own(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<i64> {
 pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<Finding>) -> Answer<Task> {
     let names = tasks::names(tx)?;
     let stage = t.at.state.stage();
-    let shown = label(&t.draft, stage);
+    let shown = label(&t.draft, t.view());
     let mine = t.at.holder.as_deref() == Some(actor.id.as_str());
     let history_count = match stage {
         Stage::Stage1 => count_own(tx, t, &actor.id)?,
@@ -39,14 +40,14 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         stage,
         fence: mine.then_some(t.fence),
         lease_until: t.lease_until.filter(|_| mine),
-        spec: app.framework.specs.get(&t.episode.scenario_id).cloned(),
+        spec: app.framework.specs.get(&t.episode.scenario_id).filter(|_| !t.hides_leaf()).cloned(),
         suggestion: suggestion(t),
         comments: comments(tx, t, &actor.id, &names)?,
         history_count,
         findings: found,
         take_refused: take_refused(app, tx, t, actor)?,
         permissions: permissions::of(tx, t, actor)?,
-        changed_from_suggestion: changed(t, stage),
+        changed_from_suggestion: changed(t),
         task: tasks::summary(t, &names),
         draft: shown,
     })
@@ -85,8 +86,10 @@ fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answe
 }
 
 /// Fields that differ from the suggestion, of those that may be seen.
-fn changed(t: &TaskRow, stage: Stage) -> Vec<String> {
-    whyroad_label::merge::differing(&label(&t.initial, stage), &label(&t.draft, stage))
+fn changed(t: &TaskRow) -> Vec<String> {
+    // Without the leaf nothing was drafted that is shown.
+    let suggested = LabelView { in_hand: false, ..t.view() };
+    whyroad_label::merge::differing(&label(&t.initial, suggested), &label(&t.draft, t.view()))
 }
 
 /// What the rule proposed, as far as it may be seen.
@@ -96,6 +99,19 @@ fn suggestion(t: &TaskRow) -> Suggestion {
     let whole = t.at.state.stage() == Stage::Stage2;
     if !whole {
         keyframe.range_end = None;
+    }
+    if t.hides_leaf() {
+        keyframe.range_start = None;
+        keyframe.kind = KeyframeType::Reactive;
+        return Suggestion {
+            keyframe,
+            second_keyframe: None,
+            range_start: Nanos(t.shown_from()).to_string(),
+            range_end: None,
+            target_id: None,
+            conditions: vec![],
+            signals: vec![],
+        };
     }
     Suggestion {
         keyframe,

@@ -7,7 +7,7 @@ use crate::domain::task::{CreateTasks, Created};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{history, projects, thumbnail};
+use crate::service::{history, projects, thumbnail, veil};
 use crate::store::Tx;
 use crate::{secret, values};
 use serde_json::Value;
@@ -15,6 +15,7 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
+use whyroad_model::label_fields::name;
 use whyroad_model::messages::{Causes, CocLabel, EpisodeCursor, EpisodeFilter, EpisodeRecord};
 use whyroad_model::{Bilingual, Drive, Lang, Nanos, SignalTable};
 
@@ -282,7 +283,13 @@ pub fn draft_of(
 ) -> Answer<Value> {
     let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
     let words = if lang.is_empty() { &project.settings.lang } else { lang };
-    draft(app, source, episode, words.parse().unwrap_or_default())
+    let hides = hides_leaf(app, project, episode);
+    draft(app, source, episode, words.parse().unwrap_or_default(), hides)
+}
+
+/// True where Stage I of `project` does not show the leaf of `episode`.
+fn hides_leaf(app: &App, project: &Project, episode: &EpisodeRecord) -> bool {
+    veil::classes(app.framework, &project.settings).contains(veil::l2(&episode.scenario_id.to_string()))
 }
 
 /// The draft that a new task begins with.
@@ -305,11 +312,12 @@ fn row(
 ) -> Answer<TaskRow> {
     let words = if lang.is_empty() { &project.settings.lang } else { &lang };
     let pending = matches!(given, Given::Later);
+    let veiled = hides_leaf(app, project, episode);
     let initial = match given {
         // Nothing is derived for what is thrown away.
-        Given::Draft(draft) => draft,
+        Given::Draft(draft) => unanswered(draft),
         Given::Later => Value::Object(serde_json::Map::new()),
-        Given::Nothing => draft(app, source, episode, words.parse().unwrap_or_default())?,
+        Given::Nothing => draft(app, source, episode, words.parse().unwrap_or_default(), veiled)?,
     };
     let keyframe = episode.keyframe.timestamp;
     let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
@@ -347,17 +355,32 @@ fn row(
         asks_lead: false,
         pictured: false,
         pending,
+        veiled,
         thumbnail: thumbnail::draw(&source.drive, keyframe, episode.target_id.as_ref()),
     })
 }
 
-fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang) -> Answer<Value> {
+/// A draft without the answer of a safety filter that somebody elsewhere gave.
+fn unanswered(mut draft: Value) -> Value {
+    if let Some(fields) = draft.as_object_mut() {
+        fields.remove(name::SAFETY_FILTER);
+    }
+    draft
+}
+
+fn draft(app: &App, source: &Source, episode: &EpisodeRecord, lang: Lang, hides_leaf: bool) -> Answer<Value> {
     let whole = app.recordings.draft(&source.drive, source.signals(app), episode, lang);
     let keyframe = episode.keyframe.timestamp;
     let history = source.drive.until(keyframe);
     let signals = app.recordings.signals(&history);
     let before = app.recordings.draft(&history, &signals, &until(episode, keyframe), lang);
-    serde_json::to_value(join(whole, before, keyframe)).map_err(Problem::store)
+    let mut label = join(whole, before, keyframe);
+    if hides_leaf {
+        // What the rule says of the history was said for the leaf; causes name it.
+        label.critical_components.clear();
+        label.causes = None;
+    }
+    serde_json::to_value(label).map_err(Problem::store)
 }
 
 /// The episode as it was known at the keyframe.

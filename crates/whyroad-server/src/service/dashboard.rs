@@ -5,8 +5,9 @@ use crate::domain::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
 };
 use crate::problem::Answer;
+use crate::service::gold::NOT_GOLD;
 use crate::service::projects::parse;
-use crate::service::{drafts, tasks};
+use crate::service::{drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
@@ -45,6 +46,7 @@ pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
         agreement: agreement(tx, &project.id, &names)?,
         coverage: coverage(tx, project)?,
         audit: audit_outcomes(tx, project, &names)?,
+        safety: safety::counts(tx, &project.id)?,
     })
 }
 
@@ -69,16 +71,17 @@ fn throughput(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer
 }
 
 fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Ageing>> {
-    let rows = tx.rows(
-        "SELECT id, scenario_id, state, coalesce(holder, assigned, author) AS person, updated FROM tasks
+    let class = veil::shown_class_sql(&veil::of(tx, project)?);
+    let sql = format!(
+        "SELECT id, {class} AS shown_class, state, coalesce(holder, assigned, author) AS person, updated FROM tasks
          WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected')
-         ORDER BY updated, id LIMIT $2",
-        values![project, OLDEST],
-    )?;
+         ORDER BY updated, id LIMIT $2"
+    );
+    let rows = tx.rows(&sql, values![project, OLDEST])?;
     let one = |r: &crate::store::Row| {
         Ok(Ageing {
             task: r.text("id")?,
-            scenario_id: r.text("scenario_id")?,
+            scenario_id: r.text("shown_class")?,
             state: r.text("state")?,
             user: display(names, r.maybe_text("person")?),
             // A clock that was set back makes nothing younger than new.
@@ -180,9 +183,11 @@ fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement>
 /// Episodes count once, however many people label them.
 fn coverage(tx: &mut dyn Tx, project: &Project) -> Answer<Vec<Coverage>> {
     let rows = tx.rows(
-        "SELECT scenario_id, count(DISTINCT episode_id) AS mined,
-           count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END) AS accepted
-         FROM tasks WHERE project_id = $1 GROUP BY scenario_id",
+        &format!(
+            "SELECT scenario_id, count(DISTINCT episode_id) AS mined,
+               count(DISTINCT CASE WHEN state = 'accepted' THEN episode_id END) AS accepted
+             FROM tasks WHERE project_id = $1 AND {NOT_GOLD} GROUP BY scenario_id"
+        ),
         values![&project.id],
     )?;
     let mut leaves: BTreeMap<String, (i64, i64)> = BTreeMap::new();

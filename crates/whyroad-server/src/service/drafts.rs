@@ -11,7 +11,6 @@ use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
 use whyroad_label::merge::{self, FieldChange};
-use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 
 /// What came of saving.
@@ -52,9 +51,9 @@ pub fn save(
     }
     for c in &change.changes {
         merge::canonical(&c.path)?;
-        visible::may_change(t.at.state, &c.path, &c.value, Nanos(t.keyframe_ns))?;
+        visible::may_change(&t, &c.path, &c.value)?;
     }
-    let changes = by_field(t.at.state, &change.changes);
+    let changes = by_field(&t, &change.changes);
     let merged = if change.base_version == t.version { Merged::No } else { Merged::Yes };
     if merged == Merged::Yes {
         clash(tx, &t, change.base_version, &changes)?;
@@ -75,11 +74,13 @@ pub fn save(
 }
 
 /// In Stage I a keyframe is set part by part, so that the end of its range, which is not shown, stays.
-fn by_field(state: State, changes: &[FieldChange]) -> Vec<FieldChange> {
+fn by_field(t: &TaskRow, changes: &[FieldChange]) -> Vec<FieldChange> {
+    // Without the leaf only the moment is set: what kind of keyframe it is was not shown.
+    let sets = |part: &str| !t.hides_leaf() || visible::MOMENT.contains(&part);
     let mut out = Vec::new();
     for c in changes {
-        match c.value.as_object().filter(|_| state == State::Stage1 && c.path == pointer::KEYFRAME) {
-            Some(parts) => out.extend(parts.iter().map(|(k, v)| FieldChange {
+        match c.value.as_object().filter(|_| t.at.state == State::Stage1 && c.path == pointer::KEYFRAME) {
+            Some(parts) => out.extend(parts.iter().filter(|(k, _)| sets(k)).map(|(k, v)| FieldChange {
                 path: format!("{}/{}", pointer::KEYFRAME, k.replace('~', "~0").replace('/', "~1")),
                 value: v.clone(),
                 remove: false,
@@ -103,8 +104,7 @@ fn clash(tx: &mut dyn Tx, t: &TaskRow, base: i64, mine: &[FieldChange]) -> Answe
     if conflicts.is_empty() {
         return Ok(());
     }
-    let stage = t.at.state.stage();
-    let more = Conflicts { version: t.version, draft: visible::label(&t.draft, stage), conflicts };
+    let more = Conflicts { version: t.version, draft: visible::label(&t.draft, t.view()), conflicts };
     let more = serde_json::to_value(more).map_err(Problem::store)?;
     Err(Problem::new(
         409,
@@ -164,9 +164,7 @@ pub fn at(tx: &mut dyn Tx, t: &TaskRow, seq: i64) -> Answer<Value> {
 
 /// What of `old` comes back over `now` in this state: only what may be changed in it.
 pub fn restored(t: &TaskRow, old: &Value) -> Value {
-    let open = |field: &str| {
-        visible::may_change(t.at.state, &format!("/{field}"), &Value::Null, Nanos(t.keyframe_ns)).is_ok()
-    };
+    let open = |field: &str| visible::may_change(t, &format!("/{field}"), &Value::Null).is_ok();
     let mut out = t.draft.as_object().cloned().unwrap_or_default();
     out.retain(|field, _| !open(field));
     let back = old.as_object().into_iter().flatten().filter(|(field, _)| open(field));
@@ -180,5 +178,5 @@ pub fn at_for(tx: &mut dyn Tx, t: &TaskRow, user: &str, seq: i64) -> Answer<Valu
     if stage == Stage::Stage1 && !visible::history(tx, t, user)?.iter().any(|e| e.seq == seq) {
         return Err(Problem::missing());
     }
-    Ok(visible::label(&at(tx, t, seq)?, stage))
+    Ok(visible::label(&at(tx, t, seq)?, t.view()))
 }

@@ -3,6 +3,7 @@
 
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
+use crate::service::gold::NOT_GOLD;
 use crate::service::projects::parse;
 use crate::service::{drafts, tasks};
 use crate::store::{Row, Tx};
@@ -35,10 +36,10 @@ pub fn of(tx: &mut dyn Tx, project: &str) -> Answer<Vec<TaskFacts>> {
     loop {
         // Drafts only of what was handed in: others are not compared.
         let rows = tx.rows(
-            "SELECT id, episode_id, overlap_count, drive_id, scenario_id, keyframe_ns, state, adjudication, author,
+            &format!("SELECT id, episode_id, overlap_count, drive_id, scenario_id, keyframe_ns, state, adjudication, author,
                created, CASE WHEN state = 'accepted' THEN initial END AS initial,
                CASE WHEN state IN ('submitted', 'in_check', 'rework', 'checked', 'in_audit', 'accepted') THEN draft END AS draft
-             FROM tasks WHERE project_id = $1 AND id > $2 ORDER BY id LIMIT $3",
+             FROM tasks WHERE project_id = $1 AND id > $2 AND {NOT_GOLD} ORDER BY id LIMIT $3"),
             values![project, &after, PAGE],
         )?;
         let Some(last) = rows.last() else { return Ok(out) };

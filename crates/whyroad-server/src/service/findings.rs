@@ -4,6 +4,7 @@
 use crate::app::App;
 use crate::domain::task::Finding;
 use crate::domain::workflow::Stage;
+use crate::service::tasks::LabelView;
 use crate::service::visible;
 use serde_json::{Value, json};
 use whyroad_model::label_fields::{name, pointer};
@@ -17,10 +18,10 @@ const DRAFT_MARKS: [&str; 2] = ["【草稿】", "[DRAFT]"];
 pub const CODES: &[&str] = &["label.trace.draft"];
 
 /// The findings in `draft` as far as `stage` shows it, by place.
-pub fn of(app: &App, draft: &Value, stage: Stage) -> Vec<Finding> {
-    match stage {
+pub fn of(app: &App, draft: &Value, view: LabelView) -> Vec<Finding> {
+    match view.stage {
         Stage::Stage1 => {
-            let probe = probe(draft);
+            let probe = probe(draft, view);
             let mut found = check(app, &probe);
             found.retain(|f| {
                 f.pointer.starts_with(pointer::CRITICAL_COMPONENTS)
@@ -64,8 +65,8 @@ pub fn check(app: &App, label: &Value) -> Vec<Finding> {
 }
 
 /// The visible part of a draft with neutral fields in place of the hidden ones.
-fn probe(draft: &Value) -> Value {
-    let mut label = visible::label(draft, Stage::Stage1);
+fn probe(draft: &Value, view: LabelView) -> Value {
+    let mut label = visible::label(draft, view);
     let moment = |at: &str| label.pointer(at).and_then(Value::as_str).map(str::to_owned);
     let keyframe = moment(pointer::KEYFRAME_TIMESTAMP).unwrap_or_default();
     let start = moment(pointer::TIME_RANGE_START_TIMESTAMP).unwrap_or_else(|| keyframe.clone());

@@ -137,6 +137,7 @@ pub fn task() -> TaskRow {
         asks_lead: false,
         pictured: false,
         pending: false,
+        veiled: false,
         thumbnail: String::new(),
     }
 }

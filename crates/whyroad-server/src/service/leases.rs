@@ -9,7 +9,8 @@ use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, seen};
 use crate::store::Tx;
 use crate::values;
-use serde_json::json;
+use serde_json::{Value, json};
+use whyroad_model::label_fields::name;
 
 /// The lease of `t` for whom it concerns.
 pub fn lease(t: &TaskRow) -> Lease {
@@ -30,9 +31,18 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     seen::show(tx, t, &actor.id)?;
     if others {
         t.draft = t.initial.clone();
-        t.version += 1;
     }
-    let snapshot = others.then(|| t.draft.clone());
+    // What the rule drafted was drafted for the leaf.
+    let drafted =
+        t.draft.get(name::CRITICAL_COMPONENTS).and_then(Value::as_array).is_some_and(|c| !c.is_empty());
+    let cleared = t.hides_leaf()
+        && drafted
+        && t.draft.get(name::CRITICAL_COMPONENTS) == t.initial.get(name::CRITICAL_COMPONENTS);
+    if cleared {
+        t.draft[name::CRITICAL_COMPONENTS] = json!([]);
+    }
+    t.version += i64::from(others || cleared);
+    let snapshot = (others || cleared).then(|| t.draft.clone());
     let entry = Entry {
         action: "take",
         actor: Some(&actor.id),

@@ -4,7 +4,7 @@
 use crate::domain::task::{TaskSummary, Tasks};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::{people, seen, tasks};
+use crate::service::{people, seen, tasks, veil};
 use crate::store::{Tx, Value as Cell};
 
 /// Tasks on a page when nothing is said, and at most.
@@ -76,12 +76,12 @@ impl Order {
     }
 
     /// What comes after the place of `cursor`.
-    fn after(self, query: &mut Query, cursor: &str) -> Answer<()> {
+    fn after(self, query: &mut Query, class: &str, cursor: &str) -> Answer<()> {
         let bad = || Problem::request("cursor 无效", "cursor is invalid");
         let (value, id) = cursor.rsplit_once('_').ok_or_else(bad)?;
         let value: Cell =
             if self.numeric { value.parse::<i64>().map_err(|_| bad())?.into() } else { value.into() };
-        let (column, sign) = (self.column, if self.descending { '<' } else { '>' });
+        let (column, sign) = (self.sorts_by(class), if self.descending { '<' } else { '>' });
         query.and(
             &format!("({column} {sign} $ OR ({column} = $ AND id > $))"),
             &[value.clone(), value, id.into()],
@@ -89,11 +89,16 @@ impl Order {
         Ok(())
     }
 
+    /// The SQL that it sorts by; `class` is that of the class as it is shown.
+    fn sorts_by(self, class: &str) -> &str {
+        if self.column == "scenario_id" { class } else { self.column }
+    }
+
     fn cursor(self, t: &tasks::TaskRow) -> String {
         match self.column {
             "updated" => format!("{}_{}", t.updated, t.id),
             "created" => format!("{}_{}", t.created, t.id),
-            "scenario_id" => format!("{}_{}", t.scenario_id, t.id),
+            "scenario_id" => format!("{}_{}", t.shown_class(), t.id),
             "clip_id" => format!("{}_{}", t.clip_id, t.id),
             _ => format!("{}_{}", t.at.state.word(), t.id),
         }
@@ -119,9 +124,11 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     }
     let mut query = Query { sql: "project_id = $1".to_owned(), values: vec![project.into()] };
     states(&mut query, filter.states)?;
+    // Neither filter nor order may tell more of a class than is shown of it.
+    let class_sql = veil::shown_class_sql(&veil::of(tx, project)?);
     if let Some(class) = filter.scenario {
         query.and(
-            "(scenario_id = $ OR scenario_id LIKE $ ESCAPE '\\')",
+            &format!("({class_sql} = $ OR {class_sql} LIKE $ ESCAPE '\\')"),
             &[class.into(), format!("{}.%", literal(class)).into()],
         );
     }
@@ -153,7 +160,7 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
         }
     };
     match (filter.cursor, order) {
-        (Some(cursor), Some(order)) => order.after(&mut query, cursor)?,
+        (Some(cursor), Some(order)) => order.after(&mut query, &class_sql, cursor)?,
         (Some(cursor), None) => {
             let (priority, created, id) = place(cursor)?;
             query.and(
@@ -165,8 +172,8 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     }
     let sequence = match order {
         None => "priority DESC, created, id".to_owned(),
-        Some(Order { column, descending: true, .. }) => format!("{column} DESC, id"),
-        Some(Order { column, .. }) => format!("{column}, id"),
+        Some(order) if order.descending => format!("{} DESC, id", order.sorts_by(&class_sql)),
+        Some(order) => format!("{}, id", order.sorts_by(&class_sql)),
     };
     // Ids first: only the tasks of this page are read whole.
     let sql = format!("SELECT id FROM tasks WHERE {} ORDER BY {sequence} LIMIT {}", query.sql, limit + 1);
@@ -182,7 +189,8 @@ pub fn page(tx: &mut dyn Tx, project: &str, filter: &Filter<'_>, viewer: Viewer<
     let names = tasks::names(tx)?;
     let mut items = Vec::with_capacity(found.len());
     for t in &found {
-        let pictured = t.pictured && (!viewer.labels || seen::was_shown(tx, t, viewer.user)?);
+        let pictured =
+            t.pictured && !t.hides_leaf() && (!viewer.labels || seen::was_shown(tx, t, viewer.user)?);
         let thumbnail = pictured.then(|| format!("/api/v1/tasks/{}/thumbnail", t.id));
         items.push(TaskSummary { thumbnail, ..tasks::summary(t, &names) });
     }

@@ -2,11 +2,11 @@
 
 use crate::domain::workflow::{self, Action, Actor, Draw, Role, State};
 use crate::problem::Answer;
-use crate::service::actions;
 use crate::service::tasks::TaskRow;
+use crate::service::{actions, safety};
 use crate::store::Tx;
 
-/// Actions that the workflow allows, and `edit`, `comment`, `assign`, `adjudicate`.
+/// Actions that the workflow allows, and `edit`, `safety`, `uncertainty` (of frozen components), `comment`, `assign`, `adjudicate`.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     let mut out: Vec<String> = Action::ALL
         .iter()
@@ -21,6 +21,8 @@ pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     let holds = t.at.holder.as_deref() == Some(actor.id.as_str());
     let lead = actor.is(Role::Lead);
     add("edit", holds && t.at.state.is_editable());
+    add("safety", holds && safety::applies(t.at.state));
+    add("uncertainty", holds && t.veiled && t.at.state == State::Stage2);
     add("restore", holds && t.at.state.is_editable());
     add("comment", holds || t.at.state.shows_future());
     add("assign", lead && !matches!(t.at.state, State::Accepted));

@@ -1,8 +1,10 @@
 //! The framework as the page's pickers need it: names, meanings, closed sets, in both languages.
 
-use crate::domain::task::FrameworkView;
+use crate::domain::safety::SafetyReason;
+use crate::domain::task::{ClassChoices, DecisionChoice, FrameworkView};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use whyroad_framework::decision_table::{ClassDecisions, Fit};
 use whyroad_framework::decisions::DecisionText;
 use whyroad_framework::taxonomy::{Decides, L1, L2, L3};
 use whyroad_framework::{DecisionSets, Framework, Taxonomy};
@@ -31,9 +33,35 @@ pub fn of(framework: &Framework) -> FrameworkView {
     FrameworkView {
         taxonomy: taxonomy(&framework.taxonomy),
         decisions: decisions(&framework.decisions),
+        choices: framework.decision_table.leaves.iter().map(|(id, c)| (id.to_string(), choices(c))).collect(),
+        impossible_pairs: framework
+            .decision_table
+            .impossible_pairs
+            .iter()
+            .map(|(a, b)| [a.id().to_owned(), b.id().to_owned()])
+            .collect(),
+        safety_reasons: SafetyReason::ALL.iter().map(|r| json!({ "id": r.id(), "name": r.name() })).collect(),
         categories: CATEGORIES.iter().map(category).collect(),
         records: records(framework),
         versions: versions.map(|(k, v)| (k.to_owned(), v.to_owned())).into(),
+    }
+}
+
+fn choices(class: &ClassDecisions) -> ClassChoices {
+    let fits = |fit: &Fit| *fit != Fit::Impossible;
+    let longitudinal = class.longitudinal.iter().filter(|(_, fit)| fits(fit)).map(|(d, fit)| {
+        DecisionChoice { id: d.map(|d| d.id().to_owned()), direction: None, usual: *fit == Fit::Usual }
+    });
+    let lateral = class.lateral.iter().filter(|(_, fit)| fits(fit)).map(|(e, fit)| DecisionChoice {
+        id: e.lateral.map(|d| d.id().to_owned()),
+        direction: e.direction.map(|d| d.id().to_owned()),
+        usual: *fit == Fit::Usual,
+    });
+    ClassChoices {
+        longitudinal: longitudinal.collect(),
+        lateral: lateral.collect(),
+        decides: class.decides,
+        reveals: class.reveals,
     }
 }
 

@@ -56,7 +56,10 @@ fn check(project: &Project) -> Answer<()> {
         audit_max_percent,
         lang,
         history: _,
+        stage1_class: _,
         place_precision_m,
+        gold_labels,
+        gold_percent,
         retention_days,
         hourly_rate,
         currency,
@@ -68,6 +71,8 @@ fn check(project: &Project) -> Answer<()> {
         && audit_min_percent <= audit_max_percent
         && *audit_max_percent <= 100
         && (*place_precision_m == 0 || (100..=1_000_000).contains(place_precision_m))
+        && *gold_labels <= 1000
+        && *gold_percent <= 100
         && *retention_days <= 36_500
         && hourly_rate.is_none_or(|r| (0.0..=1e6).contains(&r))
         && currency.chars().count() <= 10
@@ -78,8 +83,8 @@ fn check(project: &Project) -> Answer<()> {
         Err(Problem::new(
             422,
             "project.invalid",
-            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，保留天数 0–36500，工时费率 0–1000000",
-            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, retention 0 to 36500 days, hourly rate 0 to 1000000",
+            "项目设置无效：名称 1–100 个字符，领取时限 30–3600 秒，抽检比例 0–100 且最小值不大于最大值，位置精度 0 或 100 m 以上，金标数 0–1000，合格线 0–100，保留天数 0–36500，工时费率 0–1000000",
+            "invalid project settings: name 1 to 100 characters, lease 30 to 3600 s, audit rates 0 to 100 % with minimum <= maximum, place precision 0 or from 100 m, gold labels 0 to 1000, qualifying share 0 to 100 %, retention 0 to 36500 days, hourly rate 0 to 1000000",
         ))
     }
 }

@@ -11,6 +11,9 @@ use crate::store::{Tx, Value as Cell};
 use crate::values;
 use std::collections::BTreeSet;
 
+/// A gold task is given to the one that it was made for.
+const FOR_ME: &str = "NOT EXISTS (SELECT 1 FROM gold g WHERE g.task_id = tasks.id AND g.user_id <> $2)";
+
 /// Candidates that are looked at in one go.
 const PAGE: usize = 100;
 /// Waiting tasks that are examined for reasons.
@@ -62,7 +65,7 @@ pub fn next(
     let lease = leases::lease_ms(&project.settings);
     let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
     for condition in queue(kind) {
-        let condition = condition.replace("EXPIRED", &expired);
+        let condition = condition.replace("EXPIRED", &expired).replace("FOR_ME", FOR_ME);
         let mut from = 0;
         loop {
             let found = candidates(tx, &condition, &project.id, &worker, now, from)?;
@@ -108,10 +111,11 @@ pub fn why_nothing(
     }
     let worker = Worker::of(tx, project, user, roles)?;
     let sql = format!(
-        "project_id = $1 AND state IN ({states}) AND (adjudication IS NULL OR adjudication = 'chosen')
+        "project_id = $1 AND state IN ({states}) AND ({FOR_ME} OR state IN ('submitted', 'in_check', 'checked', 'in_audit'))
+         AND (adjudication IS NULL OR adjudication = 'chosen')
          ORDER BY id LIMIT {MOST_ASKED}"
     );
-    let waiting = tasks::select(tx, &sql, values![&project.id])?;
+    let waiting = tasks::select(tx, &sql, values![&project.id, &user.id])?;
     if waiting.is_empty() {
         let any = tx.row("SELECT 1 FROM tasks WHERE project_id = $1 LIMIT 1", values![&project.id])?;
         return Ok([if any.is_some() { QueueReason::Finished } else { QueueReason::NoTasks }].into());
@@ -166,15 +170,15 @@ fn why_not(
 
 /// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them
 /// in order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
-/// of which a task's is one or none; all are in each, as PostgreSQL wants it.
+/// of which a task's is one or none, and `FOR_ME` for no copy made for somebody else; all are in each, as PostgreSQL wants it.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
         WorkKind::Label => &[
             "holder = $2 AND state IN ('stage1', 'stage2', 'rework') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "author = $2 AND state IN ('rework', 'stage1_locked', 'stage2') AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
             "assigned = $2 AND state = 'open' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",
-            "state = 'open' AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> '' AND CAST($3 AS BIGINT) >= 0",
-            "state = 'stage1' AND EXPIRED AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND $2 <> ''",
+            "state = 'open' AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND FOR_ME AND CAST($3 AS BIGINT) >= 0",
+            "state = 'stage1' AND EXPIRED AND assigned IS NULL AND $4 LIKE '%' || lang || '%' AND FOR_ME",
         ],
         WorkKind::Check => &[
             "holder = $2 AND state = 'in_check' AND CAST($3 AS BIGINT) >= 0 AND $4 <> ''",

@@ -36,7 +36,7 @@ pub fn sweep(app: &App) -> Answer<u64> {
                 )?;
                 for row in &rows {
                     let task = row.text("id")?;
-                    for table in ["history", "comments", "thumbnails"] {
+                    for table in ["history", "comments", "thumbnails", "safety", "gold"] {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }
                     tx.run("DELETE FROM tasks WHERE id = $1", values![&task])?;

@@ -30,14 +30,23 @@ const PLOTTED: [&str; 2] = ["ego.lane_offset", "ego.jerk"];
 pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let stage = t.at.state.stage();
     let drive_version = app.recordings.version(&t.drive_id.as_str().into());
-    let key = SceneKey { task: t.id.clone(), stage, drive_version };
+    let key = SceneKey { task: t.id.clone(), stage, hides_leaf: t.hides_leaf(), drive_version };
     if let Some(scene) = app.scenes.get(&key) {
         return Ok(scene);
     }
     let Shown { drive, frames } = shown(app, t)?;
     let signals = app.recordings.signals(&drive);
     let drive = app.recordings.estimated(&drive);
-    let mut view = view(t, stage, &drive, frames, &signals);
+    let mut view = match t.hides_leaf() {
+        false => view(t, stage, &drive, frames, &signals),
+        // Which signals and which target the rule reads tells its leaf.
+        true => {
+            let mut bare = t.clone();
+            bare.episode.signals.clear();
+            bare.episode.target_id = None;
+            view(&bare, stage, &drive, frames, &signals)
+        }
+    };
     let about = |name: &String| Some((name.clone(), app.recordings.about(name)?));
     view.about = view.signals.keys().filter_map(about).collect();
     // Meanings name other signals: so that these have names, too.

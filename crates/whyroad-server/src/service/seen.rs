@@ -4,8 +4,8 @@
 use crate::domain::project::HistoryRule;
 use crate::domain::workflow::{Actor, Role, Seen, Stage, State};
 use crate::problem::{Answer, Problem};
-use crate::service::projects;
 use crate::service::tasks::TaskRow;
+use crate::service::{gold, projects};
 use crate::store::Tx;
 use crate::values;
 
@@ -17,6 +17,9 @@ pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: His
 }
 
 fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<bool> {
+    // A gold task is a copy of its episode.
+    let episode = gold::episode_of(&t.episode.episode_id);
+    let copies = gold::copies_of(episode);
     let row = match rule {
         HistoryRule::Drive => tx.row(
             "SELECT 1 FROM seen WHERE user_id = $1 AND drive_id = $2 AND to_ns > $3 AND from_ns < $4 LIMIT 1",
@@ -24,8 +27,9 @@ fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<
         )?,
         HistoryRule::Episode => tx.row(
             "SELECT 1 FROM seen s JOIN tasks o ON o.id = s.task_id
-             WHERE s.user_id = $1 AND s.drive_id = $2 AND o.episode_id = $3 AND s.to_ns > $4 LIMIT 1",
-            values![user, &t.drive_id, &t.episode.episode_id, t.keyframe_ns],
+             WHERE s.user_id = $1 AND s.drive_id = $2 AND s.to_ns > $4
+               AND (o.episode_id = $3 OR substr(o.episode_id, 1, length($5)) = $6) LIMIT 1",
+            values![user, &t.drive_id, episode, t.keyframe_ns, &copies, &copies],
         )?,
     };
     Ok(row.is_some())
@@ -58,7 +62,7 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     // Where only the same episode bars, another one may be begun beside it; its whole future may not be opened.
     let rule = projects::get(tx, &t.project)?.settings.history;
     for other in others {
-        let same = other.text("episode_id")? == t.episode.episode_id;
+        let same = gold::episode_of(&other.text("episode_id")?) == gold::episode_of(&t.episode.episode_id);
         if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
             return Err(Problem::new(
                 409,

@@ -1,10 +1,10 @@
 //! Tasks as the store has them: reading, writing, listing, and their append-only history.
 
 use crate::domain::task::TaskSummary;
-use crate::domain::workflow::{Position, State};
+use crate::domain::workflow::{Position, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json, parse};
-use crate::service::thumbnail;
+use crate::service::{thumbnail, veil};
 use crate::store::{Row, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
@@ -71,26 +71,73 @@ pub struct TaskRow {
     pub pictured: bool,
     /// Its draft is still to be made.
     pub pending: bool,
+    /// Its project shows only the L2 of its class in Stage I.
+    pub veiled: bool,
     /// The picture of a task that is being made; empty for one that was read.
     pub thumbnail: String,
 }
+
+/// How much of a label is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LabelView {
+    /// Stage.
+    pub stage: Stage,
+    /// Its leaf is not shown.
+    pub hides_leaf: bool,
+    /// Somebody is in Stage I: the components are theirs.
+    pub in_hand: bool,
+}
+
+impl TaskRow {
+    /// True while its leaf is not shown.
+    pub fn hides_leaf(&self) -> bool {
+        self.veiled && self.at.state.stage() == Stage::Stage1
+    }
+
+    /// How much of its label is shown now.
+    pub fn view(&self) -> LabelView {
+        LabelView {
+            stage: self.at.state.stage(),
+            hides_leaf: self.hides_leaf(),
+            in_hand: self.at.state == State::Stage1,
+        }
+    }
+
+    /// Its class as it is shown now.
+    pub fn shown_class(&self) -> &str {
+        if self.hides_leaf() { veil::l2(&self.scenario_id) } else { &self.scenario_id }
+    }
+
+    /// First moment that is shown now. Where the range begins depends on the leaf, so without a leaf the history is as
+    /// long for every task.
+    pub fn shown_from(&self) -> i64 {
+        if self.hides_leaf() { self.from_ns.max(self.keyframe_ns - VEILED_HISTORY_NS) } else { self.from_ns }
+    }
+}
+
+/// History that is shown of a task without its leaf, ns: what LABELING.md asks for.
+const VEILED_HISTORY_NS: i64 = 2_000_000_000;
 
 const COLUMNS: &str = "id, project_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id, keyframe_ns, from_ns, \
     to_ns, episode, initial, draft, version, priority, state, authors, checker, auditor, checked, audited, adjudication, \
     assigned, holder, fence, lease_until, seq, created, updated, lang, pending, \
     (SELECT count(*) FROM comments c WHERE c.task_id = tasks.id AND c.to_lead = 1 AND c.resolved = 0) AS asks, \
-    (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured";
+    (SELECT count(*) FROM thumbnails p WHERE p.task_id = tasks.id) AS pictured, \
+    (SELECT v.veiled FROM projects v WHERE v.id = tasks.project_id) AS veiled";
 
 fn task(row: &Row) -> Answer<TaskRow> {
     let state = row.text("state")?;
+    let scenario = row.text("scenario_id")?;
+    let veiled: Vec<String> = parse(&row.text("veiled")?)?;
     Ok(TaskRow {
+        veiled: veiled.iter().any(|l2| l2 == veil::l2(&scenario)),
         id: row.text("id")?,
         project: row.text("project_id")?,
         overlap_index: row.int("overlap_index")?,
         overlap_count: row.int("overlap_count")?,
         drive_id: row.text("drive_id")?,
         clip_id: row.text("clip_id")?,
-        scenario_id: row.text("scenario_id")?,
+        scenario_id: scenario,
         keyframe_ns: row.int("keyframe_ns")?,
         from_ns: row.int("from_ns")?,
         to_ns: row.int("to_ns")?,
@@ -240,7 +287,7 @@ pub fn summary(t: &TaskRow, names: &HashMap<String, String>) -> TaskSummary {
         project: t.project.clone(),
         clip_id: t.clip_id.clone(),
         drive_id: t.drive_id.clone(),
-        scenario_id: t.scenario_id.clone(),
+        scenario_id: t.shown_class().to_owned(),
         state: t.at.state,
         stage: t.at.state.stage(),
         priority: t.priority,

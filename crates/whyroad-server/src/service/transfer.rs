@@ -12,6 +12,7 @@ use crate::domain::task::{Imported, LostLine};
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::create::{self, LastDrive};
+use crate::service::gold::NOT_GOLD;
 use crate::service::projects;
 use crate::service::projects::parse;
 use crate::service::tasks::{self, TaskRow};
@@ -101,11 +102,13 @@ pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut 
     Ok(())
 }
 
-/// The tasks of an export in its order; ids alone, since a project may have a hundred thousand tasks, each with drafts.
+/// The tasks of an export in its order, without the copies that test annotators; ids alone, since a project may have a hundred thousand tasks, each with drafts.
 fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {
     let rows = tx.rows(
-        "SELECT id, state, adjudication FROM tasks WHERE project_id = $1
-         ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index",
+        &format!(
+            "SELECT id, state, adjudication FROM tasks WHERE project_id = $1 AND {NOT_GOLD}
+             ORDER BY clip_id, scenario_id, keyframe_ns, episode_id, overlap_index"
+        ),
         values![project],
     )?;
     let mut ids = Vec::new();

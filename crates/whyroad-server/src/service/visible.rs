@@ -5,7 +5,8 @@ use crate::domain::task::{Comment, HistoryEntry};
 use crate::domain::workflow::{Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
-use crate::service::tasks::{self, TaskRow};
+use crate::service::safety;
+use crate::service::tasks::{self, LabelView, TaskRow};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Map, Value, json};
@@ -13,6 +14,7 @@ use std::collections::HashMap;
 use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::{name, pointer};
+use whyroad_model::messages::KeyframeType;
 
 /// Fields of the label that Stage I shows, beside the start of `time_range`.
 const STAGE1_FIELDS: [&str; 5] =
@@ -20,9 +22,9 @@ const STAGE1_FIELDS: [&str; 5] =
 /// Fields that Stage I may change.
 const STAGE1_OPEN: [&str; 2] = [name::CRITICAL_COMPONENTS, name::KEYFRAME];
 
-/// A label as far as `stage` shows it.
-pub fn label(label: &Value, stage: Stage) -> Value {
-    if stage == Stage::Stage2 {
+/// A label as far as it is shown.
+pub fn label(label: &Value, view: LabelView) -> Value {
+    if view.stage == Stage::Stage2 {
         return label.clone();
     }
     let mut out = Map::new();
@@ -34,16 +36,61 @@ pub fn label(label: &Value, stage: Stage) -> Value {
     if let Some(keyframe) = out.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
         keyframe.remove(name::RANGE_END);
     }
+    if view.hides_leaf {
+        without_leaf(&mut out, view);
+        return Value::Object(out);
+    }
     if let Some(start) = label.pointer(pointer::TIME_RANGE_START_TIMESTAMP) {
         out.insert(name::TIME_RANGE.to_owned(), json!({ (name::START_TIMESTAMP): start }));
     }
     Value::Object(out)
 }
 
+/// Takes away what depends on the leaf: its name, the kind of its keyframe, and what the rule drafted for it. Where its
+/// range begins was not put in.
+fn without_leaf(out: &mut Map<String, Value>, view: LabelView) {
+    if let Some(scenario) = out.get_mut(name::SCENARIO).and_then(Value::as_object_mut) {
+        scenario.retain(|part, _| part == name::L1 || part == name::L2);
+    }
+    if let Some(keyframe) = out.get_mut(name::KEYFRAME).and_then(Value::as_object_mut) {
+        keyframe.retain(|part, _| MOMENT.contains(&part.as_str()));
+        keyframe.insert(name::TYPE.to_owned(), json!(KeyframeType::Reactive.id()));
+    }
+    if !view.in_hand {
+        out.insert(name::CRITICAL_COMPONENTS.to_owned(), json!([]));
+    }
+}
+
+/// The parts of a keyframe that say when it is.
+pub const MOMENT: [&str; 2] = [name::TIMESTAMP, name::FRAME_IDX];
+
+/// True where `path` is the uncertainty of a component.
+fn is_uncertainty(path: &str) -> bool {
+    path.rsplit_once('/').is_some_and(|(_, last)| last == name::UNCERTAINTY)
+}
+
 /// Refuses a change of `path` that the task's state does not allow.
-pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
+pub fn may_change(t: &TaskRow, path: &str, value: &Value) -> Answer<()> {
     let field = merge::top(path);
-    match state {
+    let keyframe = Nanos(t.keyframe_ns);
+    if field == name::SAFETY_FILTER {
+        return Err(Problem::new(
+            422,
+            "draft.safety",
+            "安全过滤由专门的请求回答，不能作为字段修改",
+            "the safety filter is answered by a call of its own, not changed as a field",
+        ));
+    }
+    let part_of_keyframe = path.strip_prefix(pointer::KEYFRAME).and_then(|rest| rest.strip_prefix('/'));
+    if t.hides_leaf() && part_of_keyframe.is_some_and(|part| !MOMENT.contains(&part)) {
+        return Err(Problem::new(
+            422,
+            "draft.hidden",
+            "本项目阶段一不显示 L3 场景，关键帧范围在阶段二设置",
+            "Stage I of this project does not show the leaf: the keyframe's range is set in Stage II",
+        ));
+    }
+    match t.at.state {
         State::Stage1 if !STAGE1_OPEN.contains(&field) => Err(Problem::new(
             422,
             "draft.hidden",
@@ -51,13 +98,15 @@ pub fn may_change(state: State, path: &str, value: &Value, keyframe: Nanos) -> A
             format!("Stage I changes critical components and the keyframe, not {path}"),
         )),
         State::Stage1 if field == name::KEYFRAME => not_after(path, value, keyframe),
+        // What a leaf asks of uncertainty could not be known while it was not shown.
+        State::Stage2 if t.veiled && is_uncertainty(path) => Ok(()),
         State::Stage2 if field == name::CRITICAL_COMPONENTS => Err(Problem::new(
             422,
             "draft.frozen",
             "阶段一已锁定，关键要素不能再改",
             "Stage I is locked: its critical components stay as they are",
         )),
-        _ => Ok(()),
+        _ => safety::before(t, path),
     }
 }
 
@@ -145,7 +194,7 @@ pub fn history(tx: &mut dyn Tx, t: &TaskRow, user: &str) -> Answer<Vec<HistoryEn
                 continue;
             }
         }
-        let before = label(&before, t.at.state.stage());
+        let before = label(&before, t.view());
         let was = |c: &FieldChange| before.pointer(&c.path).cloned().unwrap_or_default();
         out.push(HistoryEntry {
             before: changes.iter().map(was).collect(),

@@ -27,6 +27,8 @@ pub(super) const TABLES: &[&str] = &[
     "activity",
     "comments",
     "thumbnails",
+    "safety",
+    "gold",
     "seen",
     "webhooks",
     "outbox",

@@ -13,6 +13,8 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0005_tokens.sql"),
     include_str!("../../migrations/0006_dashboard.sql"),
     include_str!("../../migrations/0007_page.sql"),
+    include_str!("../../migrations/0008_safety.sql"),
+    include_str!("../../migrations/0009_gold.sql"),
 ];
 
 /// The version of this program.

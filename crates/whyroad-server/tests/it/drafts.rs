@@ -9,6 +9,7 @@ pub fn changes_of_different_fields_merge_and_of_the_same_conflict(world: &World)
     let mut work = Work::take(&ann, &task);
     work.stage1();
     work.act("lock_stage1", &json!({})).fine();
+    work.safe();
     let base = work.version;
     // One tab writes the trace; another, which has not seen it, the decision.
     assert_eq!(work.set(&[("/coc_trace", json!("one"))]).status, 200);
@@ -107,6 +108,7 @@ pub fn an_earlier_draft_comes_back(world: &World) {
     work.stage1();
     let components = work.view()["draft"]["critical_components"].clone();
     work.act("lock_stage1", &json!({})).fine();
+    work.safe();
     assert_eq!(work.set(&[("/coc_trace", json!("first"))]).status, 200);
     let seq = work.view()["history_count"].as_i64().unwrap();
     assert_eq!(work.set(&[("/coc_trace", json!("second"))]).status, 200);
@@ -116,6 +118,7 @@ pub fn an_earlier_draft_comes_back(world: &World) {
     let back = work.act("restore", &json!({ "seq": 1 })).fine();
     assert!(back["draft"]["coc_trace"].as_str().unwrap().starts_with("[DRAFT]"));
     assert_eq!(back["draft"]["critical_components"], components);
+    assert_eq!(back["draft"]["safety_filter"], json!({ "answer": "safe" }), "the answer stands");
     assert_eq!(work.act("restore", &json!({ "seq": 999 })).refusal().0, 404);
     // The history still has all of it.
     let second = ann.get(&work.path(&format!("/history/{}", seq + 1))).fine();

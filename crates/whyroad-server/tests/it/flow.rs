@@ -34,6 +34,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     let last = scene["times"].as_array().unwrap().last().unwrap().as_str().unwrap();
     assert!(last >= "2026-01-15T10:30:15.400Z", "{last}");
 
+    work.safe();
     let refused = work.act("submit", &json!({}));
     assert_eq!(refused.refusal(), (422, "label.findings".into()));
     let codes: Vec<Value> =
@@ -82,6 +83,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
         "take",
         "edit",
         "lock_stage1",
+        "safety",
         "edit",
         "edit",
         "submit",
@@ -95,7 +97,7 @@ pub fn the_whole_path_from_setup_to_export(world: &World) {
     ];
     assert_eq!(actions, expected);
     // Every state can be had again: the draft after the first submission is the one before the rework.
-    let first = admin.get(&format!("/tasks/{}/history/7", ids[0])).fine();
+    let first = admin.get(&format!("/tasks/{}/history/8", ids[0])).fine();
     assert_ne!(first["draft"]["coc_trace"], json!(better));
     assert_eq!(first["draft"]["provenance"]["by"], "ann");
 }

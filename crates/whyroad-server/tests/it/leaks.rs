@@ -73,7 +73,8 @@ fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
                 "kind" => &["label", "check", "audit", "none"],
                 "limit" | "cursor" => &["1", "2"],
                 "q" => &["drive"],
-                "scenario" => &["reactive_agent"],
+                "scenario" => &["reactive_agent", "reactive_agent.following", SUDDEN, STEADY],
+                "sort" => &["scenario", "-scenario"],
                 "assignee" => &["admin"],
                 "mine" => &["true"],
                 // Those of the export, which annotators do not get.
@@ -88,7 +89,7 @@ fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
 }
 
 /// Everything that an annotator in Stage I can get, as one text.
-fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String, String)> {
+pub fn all_answers(project: &str, work: &Work<'_>, ann: &Person) -> Vec<(String, String)> {
     let mut names = Names::default();
     let mut out = Vec::new();
     for path in readings(project, &work.task, &ann.id) {
@@ -171,7 +172,7 @@ fn stage1(future: Future, elsewhere: impl Fn(&World, &Person, &str, &str)) -> Ve
     out
 }
 
-fn same(a: &[(String, String)], b: &[(String, String)]) {
+pub fn same(a: &[(String, String)], b: &[(String, String)]) {
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(b) {
         assert_eq!(a.0, b.0);
@@ -224,6 +225,92 @@ fn the_test_sees_a_difference_where_there_is_one() {
     for path in ["/tasks/T", "/tasks/T/scene", "/tasks/T/history/1", "/tasks/T/media/front%20left/114"] {
         assert!(differ.contains(&path), "{path} does not differ: {differ:?}");
     }
+}
+
+/// Two leaves of one L2; the name of the first tells what the lead does after the keyframe.
+const SUDDEN: &str = "reactive_agent.following.lead_sudden_brake";
+const STEADY: &str = "reactive_agent.following.steady";
+
+/// Ann is in Stage I of an episode of `leaf`, in a project with these settings.
+fn of_leaf(leaf: &str, settings: &Value) -> Vec<(String, String)> {
+    let world = World::on_sqlite(Future::Brakes);
+    let admin = world.admin();
+    let project = world.project(&admin, "town", settings);
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let mut one = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
+    let parts: Vec<&str> = leaf.split('.').collect();
+    one["scenario_id"] = json!(leaf);
+    if parts[2] == "steady" {
+        // What else differs between leaves: range, kind of keyframe, signals, target.
+        one["time_range"]["start_timestamp"] = json!("2026-01-15T10:30:04.000Z");
+        one["keyframe"]["type"] = json!("proactive");
+        one["keyframe"]["range_start"] = json!("2026-01-15T10:30:05.000Z");
+        one["keyframe"]["range_end"] = json!("2026-01-15T10:30:12.000Z");
+        one["signals"] = json!(["ego.forward_speed"]);
+        one["target_id"] = Value::Null;
+        one["second_keyframe"] = Value::Null;
+    }
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &json!({ "episodes": [one] })).fine();
+    world.wait(60);
+    let mut work = Work::take(&ann, made["tasks"][0].as_str().unwrap());
+    assert_eq!(work.set(&[("/critical_components", components())]).status, 200);
+    all_answers(&project, &work, &ann)
+}
+
+#[test]
+fn leaves_of_an_l2_answer_alike_where_only_the_l2_is_shown() {
+    let settings = json!({ "stage1_class": "l2" });
+    same(&of_leaf(SUDDEN, &settings), &of_leaf(STEADY, &settings));
+    let text: String = of_leaf(SUDDEN, &settings).into_iter().map(|(_, answer)| answer).collect();
+    let told = text.matches("lead_sudden_brake").count();
+    // The framework names all classes; nothing else names this one.
+    let framework =
+        of_leaf(STEADY, &settings).into_iter().map(|(_, a)| a.matches("lead_sudden_brake").count());
+    assert_eq!(told, framework.sum::<usize>());
+}
+
+#[test]
+fn leaves_answer_differently_where_they_are_shown() {
+    let (a, b) = (of_leaf(SUDDEN, &json!({})), of_leaf(STEADY, &json!({})));
+    let differ: Vec<&str> = a.iter().zip(&b).filter(|(a, b)| a.1 != b.1).map(|(a, _)| a.0.as_str()).collect();
+    for part in ["/scene", "/thumbnail", "?sort=scenario", "/lease"] {
+        assert!(part == "/lease" || differ.iter().any(|path| path.contains(part)), "{part}: {differ:?}");
+    }
+}
+
+pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let ann = world.person(&admin, &project, "ann", &["annotator"]);
+    let mut one = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
+    one["scenario_id"] = json!(SUDDEN);
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &json!({ "episodes": [one] })).fine();
+    let task = made["tasks"][0].as_str().unwrap().to_owned();
+    // Drafted before the project asked for it: what was drafted for the leaf goes when somebody begins.
+    admin.get(&format!("/tasks/{task}")).fine();
+    admin.patch(&format!("/projects/{project}"), &json!({ "settings": { "stage1_class": "l2" } })).fine();
+    let listed = admin.get(&format!("/projects/{project}/tasks?scenario={SUDDEN}")).fine();
+    assert_eq!(listed["items"], json!([]), "not even a filter tells");
+    let mut work = Work::take(&ann, &task);
+    let view = work.view();
+    assert_eq!(view["task"]["scenario_id"], "reactive_agent.following");
+    assert_eq!(view["draft"]["scenario"], json!({ "l1": "reactive_agent", "l2": "following" }));
+    assert_eq!(view["draft"]["critical_components"], json!([]));
+    assert_eq!((&view["spec"], &view["suggestion"]["target_id"]), (&Value::Null, &Value::Null));
+    let kind = work.set(&[("/keyframe/range_start", json!("2026-01-15T10:30:08.000Z"))]);
+    assert_eq!(kind.refusal(), (422, "draft.hidden".into()));
+    let moment = json!({ "timestamp": "2026-01-15T10:30:09.400Z", "frame_idx": 94, "type": "proactive" });
+    assert_eq!(work.set(&[("/keyframe", moment)]).status, 200);
+    work.stage1();
+    work.act("lock_stage1", &json!({})).fine();
+    let view = work.view();
+    assert_eq!(view["task"]["scenario_id"], SUDDEN);
+    assert_eq!(view["draft"]["keyframe"]["type"], "reactive", "only the moment was set");
+    assert!(view["spec"].is_object());
+    // What a leaf asks of uncertainty could not be known before.
+    assert_eq!(work.set(&[("/critical_components/0/uncertainty", json!("high"))]).status, 200);
+    let words = work.set(&[("/critical_components/0/description", json!("x"))]);
+    assert_eq!(words.refusal(), (422, "draft.frozen".into()));
 }
 
 /// Words that only the future has.

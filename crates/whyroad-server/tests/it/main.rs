@@ -9,6 +9,7 @@ mod clock;
 mod drafts;
 mod ending;
 mod flow;
+mod gold;
 mod group;
 mod identities;
 mod later_task;
@@ -22,6 +23,7 @@ mod provider;
 mod recorded;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;
+mod safety;
 mod sessions;
 mod signer;
 mod store;
@@ -55,6 +57,11 @@ suite! {
     flow::the_whole_path_from_setup_to_export,
     flow::a_label_made_here_names_a_cause_of_each_decision,
     leaks::nothing_of_the_future_is_in_any_answer_of_stage_one,
+    leaks::the_leaf_is_shown_when_stage_one_is_locked,
+    gold::order_and_history_of_gold_tasks_are_those_of_others,
+    gold::gold_answers_are_compared_and_shown_to_leads_alone,
+    safety::decisions_wait_for_the_safety_filter,
+    safety::unsafe_driving_is_rejected_with_its_reasons,
     leaks::who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it,
     leaks::a_second_person_begins_stage_one_with_the_suggestion,
     sessions::the_first_run_makes_one_admin_and_no_second,

@@ -149,6 +149,7 @@ pub fn the_history_has_the_values_before_each_change(world: &World) {
     work.stage1();
     let now = work.view()["draft"]["critical_components"].clone();
     work.act("lock_stage1", &json!({})).fine();
+    work.safe();
     work.set(&[("/coc_trace", json!("first"))]).fine();
     work.set(&[("/coc_trace", json!("second"))]).fine();
     let history = admin.get(&format!("/tasks/{task}/history")).fine();

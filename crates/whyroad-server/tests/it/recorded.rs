@@ -267,10 +267,10 @@ impl Recordings for Recorded {
             version: Some("2.1.0".into()),
             clip_id: e.clip_id.to_string(),
             scenario: ScenarioLabel {
-                l1: "reactive_agent".into(),
-                l2: "cutin".into(),
-                l3: Some("urgent".into()),
-                full_id: Some(LEAF.into()),
+                l1: e.scenario_id.l1.clone(),
+                l2: e.scenario_id.l2.clone().unwrap_or_default(),
+                l3: e.scenario_id.l3.clone(),
+                full_id: Some(e.scenario_id.to_string()),
             },
             time_range: e.time_range.clone(),
             keyframe: e.keyframe.clone(),
@@ -294,6 +294,7 @@ impl Recordings for Recorded {
             causes: None,
             second_keyframe: e.second_keyframe.clone(),
             secondary_scenarios: vec![],
+            safety_filter: None,
             provenance: None,
         }
     }

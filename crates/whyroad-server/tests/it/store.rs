@@ -98,7 +98,7 @@ const FIRST: &str = include_str!("../../migrations/0001_tables.sql");
 /// A project with a task, as tables of version 1 hold them.
 const OF_VERSION_1: &str = "
     CREATE TABLE schema_version (version BIGINT NOT NULL); INSERT INTO schema_version VALUES (1);
-    INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 0);
+    INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'town', '', '{}', '{}', 0);
     INSERT INTO tasks (id, project_id, episode_id, overlap_index, overlap_count, drive_id, clip_id, scenario_id,
       keyframe_ns, from_ns, to_ns, episode, initial, draft, version, priority, state, authors, checked, audited,
       fence, seq, created, updated)
@@ -156,7 +156,7 @@ fn fill(store: &Store) {
                  VALUES ('u', 'ann', '安<b>', 0, 'zh', 'h', 0, 5)",
                 &[],
             )?;
-            tx.run("INSERT INTO projects VALUES ('p', 'town', 'a\nb', '{}', '{}', 7)", &[])?;
+            tx.run("INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'town', 'a\nb', '{}', '{}', 7)", &[])?;
             tx.run(
                 "INSERT INTO members (project_id, user_id, roles, skills) VALUES ('p', 'u', '[\"lead\"]', '[]')",
                 &[],
@@ -228,7 +228,7 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
     store
         .write(|tx| {
             // More than two pages, with keys that only the second column tells apart.
-            tx.run("INSERT INTO projects VALUES ('p', 'town', '', '{}', '{}', 7)", &[])?;
+            tx.run("INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'town', '', '{}', '{}', 7)", &[])?;
             for i in 0..2500_i64 {
                 let user = format!("u{i:04}");
                 tx.run(
@@ -306,7 +306,7 @@ fn stored_secrets(store: &Store) -> Vec<String> {
 fn with_secrets(store: &Store) {
     store
         .write(|tx| {
-            tx.run("INSERT INTO projects VALUES ('p', 'p', '', '{}', '{}', 0)", &[])?;
+            tx.run("INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)", &[])?;
             tx.run("INSERT INTO webhooks VALUES ('w', 'p', 'http://a', '[]', 'plain-secret', NULL, 0)", &[])?;
             tx.run("INSERT INTO settings (name, value) VALUES ('csrf_key', 'plain-csrf')", &[])
         })

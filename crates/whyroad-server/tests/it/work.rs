@@ -99,8 +99,17 @@ impl<'p> Work<'p> {
         assert_eq!(answer.status, 200, "{}", answer.text());
     }
 
+    /// Answers the safety filter.
+    pub fn safe(&mut self) {
+        let body = json!({ "fence": self.fence, "answer": "safe" });
+        self.version = self.who.post(&self.path("/safety"), &body).fine()["version"].as_i64().unwrap();
+    }
+
     /// Stage II as the example label has it.
     pub fn stage2(&mut self) {
+        if self.view()["draft"]["safety_filter"].is_null() {
+            self.safe();
+        }
         let example: Value = example();
         let answer = self.set(&[
             ("/driving_decision", example["driving_decision"].clone()),

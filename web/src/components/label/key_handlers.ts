@@ -17,6 +17,7 @@ interface ScreenActions {
   reject: () => void;
   sendBack: () => void;
   accept: () => void;
+  answerSafe: () => void;
 }
 
 /** Shows the selected object, or the rule's target, together with the ego. */
@@ -63,10 +64,11 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
   }
 
   /**
-   * Accepts the focused field, then goes to the next unaccepted one, then to the first error, then to the safety
-   * filter.
+   * Accepts the focused field, then goes to the next unaccepted one, then to the first error. Before the safety filter
+   * is answered there is nothing else to do.
    */
   async function acceptField(): Promise<void> {
+    if (editor.can("safety") && !editor.safe) return toSection("safety");
     const field = document.activeElement?.closest<HTMLElement>("[data-field]")?.dataset["field"];
     const before = editor.unaccepted;
     const at = before.indexOf(field ?? "");
@@ -77,7 +79,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     else if (editor.canEdit && editor.stage === "stage2") {
       const wrong = editor.draft.findings.find((f) => f.severity === "error");
       if (wrong) toField(wrong.pointer);
-      else toSection("safety");
+      else toSection("findings");
       // Text that has to be rewritten is selected: typing replaces it.
       if (wrong && editor.mustRewrite(wrong.pointer) && document.activeElement instanceof HTMLTextAreaElement) document.activeElement.select();
     }
@@ -124,7 +126,7 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     keyEnd: () => setKeyRange(editor, "range_end"),
     rangeStart: () => setRange(editor, "start"),
     rangeEnd: () => setRange(editor, "end"),
-    safe: () => editor.canEdit && editor.stage === "stage2" && editor.review.setSafe(!editor.review.safe),
+    safe: () => editor.can("safety") && !editor.safe && actions.answerSafe(),
     reject: actions.reject,
     accept: actions.accept,
     askLead: () => editor.can("comment") && void ask(),

@@ -11,7 +11,7 @@ use whyroad_framework::record_types::RecordValue;
 use whyroad_model::Severity;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
-use whyroad_model::messages::{ProvenanceSource, Uncertainty};
+use whyroad_model::messages::{ProvenanceSource, SafetyAnswer, Uncertainty};
 
 /// Reads a label. What is missing or of the wrong form is reported and becomes a hole in the view.
 pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) -> View<'d> {
@@ -42,6 +42,7 @@ pub(in crate::check) fn read<'d>(walk: &mut Walk<'d>, decisions: &DecisionSets) 
         let at = pointer::secondary_scenarios_item;
         v.secondary = items.iter().enumerate().map(|(i, n)| walk.text(Some(n), &at(i))).collect();
     }
+    safety_filter(walk, &mut o);
     v.source = provenance(walk, &mut o);
     walk.close(o, Severity::Warning);
     v
@@ -266,6 +267,32 @@ fn cause<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, base: &str) -> Slot<CauseV
     view.unobserved = text(walk, &mut o, name::UNOBSERVED);
     walk.close(o, Severity::Warning);
     Slot::Is(view)
+}
+
+/// No rule reads it: only its form is checked.
+fn safety_filter<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) {
+    let Some(node) = parent.get(name::SAFETY_FILTER) else { return };
+    let Some(mut o) = walk.object(node, pointer::SAFETY_FILTER.into()) else { return };
+    let set = ClosedSet {
+        code: "label.enum.safety_answer",
+        zh: "安全过滤的结论",
+        en: "an answer of the safety filter",
+        all: SafetyAnswer::ALL,
+        id: SafetyAnswer::id,
+        names: [("合法且安全", "safe"), ("违法或不安全", "unsafe")]
+            .map(|(n, id)| (n.to_owned(), id))
+            .to_vec(),
+    };
+    if let Some(n) = walk.need(&mut o, name::ANSWER) {
+        choose(walk, Some(n), pointer::SAFETY_FILTER_ANSWER, &set);
+    }
+    if let Slot::Is(reasons) = walk.list(o.get(name::REASONS), pointer::SAFETY_FILTER_REASONS) {
+        for (i, n) in reasons.iter().enumerate() {
+            walk.text(Some(n), &format!("{}/{i}", pointer::SAFETY_FILTER_REASONS));
+        }
+    }
+    text(walk, &mut o, name::NOTE);
+    walk.close(o, Severity::Warning);
 }
 
 fn provenance<'d>(walk: &mut Walk<'d>, parent: &mut Object<'d>) -> Slot<ProvenanceSource> {

@@ -3,11 +3,15 @@
 use super::tasks::{actor, answer, look};
 use crate::api::call::Call;
 use crate::api::reply::Reply;
+use crate::domain::people::User;
+use crate::domain::safety::SafetyRequest;
 use crate::domain::task::{DraftChange, DraftSaved, Findings, TaskAction, Validate};
+use crate::domain::workflow::Actor;
 use crate::problem::{Answer, Problem};
 use crate::service::drafts::Merged;
 use crate::service::tasks::TaskRow;
-use crate::service::{actions, drafts, findings, projects, tasks, visible};
+use crate::service::{actions, drafts, findings, projects, safety, tasks, visible};
+use crate::store::Tx;
 use whyroad_label::merge::MAX_DRAFT;
 
 /// `PATCH /tasks/{t}/draft`
@@ -21,11 +25,10 @@ pub fn save(call: &Call<'_>) -> Answer<Reply> {
         drafts::save(tx, &id, &user, &settings, &change, now)
     })?;
     let t = saved.task;
-    let stage = t.at.state.stage();
     Reply::json(&DraftSaved {
         version: t.version,
-        findings: findings::of(call.app, &t.draft, stage),
-        merged: (saved.merged == Merged::Yes).then(|| visible::label(&t.draft, stage)),
+        findings: findings::of(call.app, &t.draft, t.view()),
+        merged: (saved.merged == Merged::Yes).then(|| visible::label(&t.draft, t.view())),
         lease_until: t.lease_until.unwrap_or_default(),
     })
 }
@@ -57,6 +60,24 @@ fn act_once(call: &Call<'_>, request: &TaskAction) -> Answer<TaskRow> {
         let actor = actor(tx, &before, &user)?;
         actions::act(&app, tx, &id, &actor, &project, &request, checked.as_ref())
     })
+}
+
+/// `POST /tasks/{t}/safety`
+pub fn safety(call: &Call<'_>) -> Answer<Reply> {
+    let request: SafetyRequest = call.body()?;
+    let (id, user, app) = (call.param("t").to_owned(), call.user()?.clone(), call.app.clone());
+    let project = call.grant.project()?.to_owned();
+    let t = call.app.store.write(move |tx| {
+        let project = projects::get(tx, &project)?;
+        let actor = actor_of(tx, &id, &user)?;
+        safety::record(&app, tx, &id, &actor, &project, &request)
+    })?;
+    answer(call, &t)
+}
+
+fn actor_of(tx: &mut dyn Tx, id: &str, user: &User) -> Answer<Actor> {
+    let t = tasks::get_for_change(tx, id)?;
+    actor(tx, &t, user)
 }
 
 /// `POST /tasks/{t}/validate`

@@ -3,13 +3,15 @@
 use crate::api::access;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
+use crate::domain::gold::NewGold;
 use crate::domain::project::{
     AnalyticsPage, MemberChange, Members, NewProject, Project, ProjectChange, Projects,
 };
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::secret;
-use crate::service::{classes, dashboard, facts, people, projects};
+use crate::service::{classes, dashboard, facts, gold, people, projects, veil};
+use crate::store::Tx;
 use std::collections::BTreeMap;
 use whyroad_model::Nanos;
 
@@ -41,9 +43,11 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
         settings: wanted.settings,
         roles: Role::ALL.to_vec(),
     };
+    let framework = call.app.framework;
     let (new, user, now) = (project.clone(), call.user()?.id.clone(), call.app.now());
     call.app.store.write(move |tx| {
         projects::create(tx, &new, now)?;
+        veil::set(tx, framework, &new.id, &new.settings)?;
         projects::set_member(tx, &new.id, &user, Role::ALL, &[])
     })?;
     Reply::json(&project)
@@ -60,7 +64,8 @@ pub fn show(call: &Call<'_>) -> Answer<Reply> {
 pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let change: ProjectChange = call.body()?;
     let (id, roles) = (call.grant.project()?.to_owned(), call.grant.roles.clone());
-    let taxonomy = &call.app.framework.taxonomy;
+    let framework = call.app.framework;
+    let taxonomy = &framework.taxonomy;
     let project = call.app.store.write(move |tx| {
         let mut project = projects::get(tx, &id)?;
         if let Some(name) = &change.name {
@@ -81,9 +86,31 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
         project.quota = change.quota.clone().unwrap_or(project.quota);
         project.settings = change.settings.clone().unwrap_or(project.settings);
         projects::update(tx, &project)?;
+        veil::set(tx, framework, &id, &project.settings)?;
         Ok(Project { roles: roles.clone(), ..project })
     })?;
     Reply::json(&project)
+}
+
+/// `GET /projects/{p}/gold`
+pub fn gold(call: &Call<'_>) -> Answer<Reply> {
+    let project = call.grant.project()?;
+    let report = |tx: &mut dyn Tx| {
+        let project = projects::get(tx, project)?;
+        gold::report(tx, &project)
+    };
+    Reply::json(&call.app.store.report(report)?)
+}
+
+/// `POST /projects/{p}/gold`
+pub fn make_gold(call: &Call<'_>) -> Answer<Reply> {
+    let wanted: NewGold = call.body()?;
+    let (app, project) = (call.app.clone(), call.grant.project()?.to_owned());
+    let made = call.app.store.write(move |tx| {
+        let project = projects::get(tx, &project)?;
+        gold::make(&app, tx, &project, &wanted)
+    })?;
+    Reply::json(&made)
 }
 
 /// `GET /projects/{p}/members`

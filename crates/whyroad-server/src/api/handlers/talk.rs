@@ -59,7 +59,7 @@ pub fn overlap(call: &Call<'_>) -> Answer<Reply> {
         let names = tasks::names(tx)?;
         let item = |o: &tasks::TaskRow| OverlapItem {
             task: tasks::summary(o, &names),
-            label: visible::label(&o.draft, o.at.state.stage()),
+            label: visible::label(&o.draft, o.view()),
         };
         Ok(actions::group(tx, &t)?.iter().map(item).collect())
     })?;

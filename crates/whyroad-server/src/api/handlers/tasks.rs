@@ -110,7 +110,7 @@ pub fn look(call: &Call<'_>) -> Answer<TaskRow> {
 /// The answer about a task as it is in `t`.
 pub fn answer(call: &Call<'_>, t: &TaskRow) -> Answer<Reply> {
     let user = call.user()?;
-    let found = findings::of(call.app, &t.draft, t.at.state.stage());
+    let found = findings::of(call.app, &t.draft, t.view());
     let task = call.app.store.read(|tx| {
         let actor = actor(tx, t, user)?;
         answer::task(call.app, tx, t, &actor, found.clone())
@@ -196,9 +196,13 @@ pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
     let (id, user) = (call.param("t"), call.user()?);
     let labels = call.grant.roles.contains(&Role::Annotator);
     let svg = call.app.store.read(|tx| {
+        let t = tasks::get(tx, id)?;
+        // It shows the target, which tells the leaf.
+        if t.hides_leaf() {
+            return Ok(None);
+        }
         // A keyframe is the future of an earlier one: who may yet do Stage I sees only what they have opened.
         if labels {
-            let t = tasks::get(tx, id)?;
             if !seen::was_shown(tx, &t, &user.id)? {
                 return Ok(None);
             }

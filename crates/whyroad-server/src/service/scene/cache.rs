@@ -19,6 +19,7 @@ pub struct SceneCache {
 pub(super) struct SceneKey {
     pub(super) task: String,
     pub(super) stage: Stage,
+    pub(super) hides_leaf: bool,
     pub(super) drive_version: String,
 }
 

@@ -29,7 +29,7 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
         Stage::Stage1 => (Arc::new(whole.until(Nanos(t.keyframe_ns))), t.keyframe_ns),
         Stage::Stage2 => (whole, t.to_ns),
     };
-    let start = drive.times.partition_point(|at| at.0 < t.from_ns);
+    let start = drive.times.partition_point(|at| at.0 < t.shown_from());
     let end = drive.times.partition_point(|at| at.0 <= last);
     Ok(Shown { drive, frames: FrameRange::new(start, end) })
 }

@@ -9,7 +9,7 @@ use std::fmt;
 use whyroad_framework::check::Slot;
 use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
+use whyroad_model::messages::{KeyframeType, ProvenanceSource, SafetyAnswer, Uncertainty};
 
 include!(concat!(env!("OUT_DIR"), "/lean_label.rs"));
 

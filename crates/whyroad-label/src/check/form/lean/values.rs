@@ -8,7 +8,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use whyroad_framework::record_types::RecordValue;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
-use whyroad_model::messages::{KeyframeType, ProvenanceSource, Uncertainty};
+use whyroad_model::messages::{KeyframeType, ProvenanceSource, SafetyAnswer, Uncertainty};
 
 /// An `Option` whose key must be there.
 pub(super) fn present<'de, D: Deserializer<'de>, T: Deserialize<'de>>(d: D) -> Result<Option<T>, D::Error> {
@@ -55,7 +55,7 @@ trait Closed: Sized {
 macro_rules! closed {
     ($($t:ty),+) => { $(impl Closed for $t { fn of(id: &str) -> Option<Self> { Self::from_id(id) } })+ };
 }
-closed!(KeyframeType, ProvenanceSource, Uncertainty, Longitudinal, Lateral, LateralDirection);
+closed!(KeyframeType, ProvenanceSource, SafetyAnswer, Uncertainty, Longitudinal, Lateral, LateralDirection);
 
 impl<'de, T: Closed> Deserialize<'de> for Id<T> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
