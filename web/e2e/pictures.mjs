@@ -99,7 +99,9 @@ try {
     { path: "/driving_decision/lateral", value: null },
     ...(open.spec?.records ?? []).map((r) => ({ path: `/records/${r.id}`, value: r.choices?.[0]?.id === "yes" ? true : (r.choices?.[0]?.id ?? (r.unit ? 1 : "car")) })),
   ];
-  const saved = await as("li")("PATCH", `/tasks/${wanted.id}/draft`, { fence: open.fence, base_version: open.version, changes });
+  const answered = await as("li")("POST", `/tasks/${wanted.id}/safety`, { fence: open.fence, answer: "safe" });
+  await shoot("stage2-answered", people.li.page, `/tasks/${wanted.id}`);
+  const saved = await as("li")("PATCH", `/tasks/${wanted.id}/draft`, { fence: open.fence, base_version: answered.version, changes });
   if (saved.findings.some((f) => f.severity === "error")) console.log(saved.findings);
   await as("li")("POST", `/tasks/${wanted.id}/actions`, { action: "submit", fence: open.fence });
   await shoot("own-submitted", people.li.page, `/tasks/${wanted.id}`);
@@ -113,7 +115,7 @@ try {
   await as("li")("POST", `/tasks/${wanted.id}/actions`, { action: "submit", fence: again.fence });
   await begin("chen", wanted.id);
   await shoot("recheck", people.chen.page, `/tasks/${wanted.id}`);
-  for (const [name, path] of [["dashboard", "/dashboard"], ["members", "/members"], ["exchange", "/exchange"], ["project", ""]]) await shoot(name, page, `/projects/${project}${path}`);
+  for (const [name, path] of [["dashboard", "/dashboard"], ["analytics", "/analytics"], ["episodes", "/episodes"], ["members", "/members"], ["exchange", "/exchange"], ["project", ""]]) await shoot(name, page, `/projects/${project}${path}`);
   await shoot("settings", page, "/settings");
   await shoot("users", page, "/users");
   if (faults.length > 0) console.log(faults);

@@ -202,10 +202,8 @@ pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
             return Ok(None);
         }
         // A keyframe is the future of an earlier one: who may yet do Stage I sees only what they have opened.
-        if labels {
-            if !seen::was_shown(tx, &t, &user.id)? {
-                return Ok(None);
-            }
+        if labels && !seen::was_shown(tx, &t, &user.id)? {
+            return Ok(None);
         }
         thumbnail::get(tx, id)
     })?;
