@@ -42,7 +42,8 @@ async function rework(day) {
   const trace = page.locator('[data-field="/coc_trace"]');
   await trace.getByRole("textbox", { name: "原因" }).fill(day.slots.reason.replace("原有车距", "原有约 18 m 的车距"));
   await trace.getByRole("button", { name: "标为已解决" }).click();
-  await page.getByLabel("合法且安全").check();
+  // The answer of the safety filter stands.
+  await page.getByRole("button", { name: "合法且安全", pressed: true }).waitFor();
   await page.locator('[data-saving="saved"]').waitFor();
   await shot(day, page, "rework");
   await page.locator('[data-action="submit"]').click();

@@ -49,7 +49,8 @@ async function labelAs(day, who, trace) {
   const task = await ask(page, "POST", `/projects/${day.blind}/tasks:next`, { kind: "label" });
   const id = task.task.id;
   const act = (action, fence) => ask(page, "POST", `/tasks/${id}/actions`, { action, fence });
-  const open = await act("lock_stage1", task.fence);
+  await act("lock_stage1", task.fence);
+  const open = await ask(page, "POST", `/tasks/${id}/safety`, { fence: task.fence, answer: "safe" });
   const changes = [
     { path: "/coc_trace", value: trace },
     { path: "/driving_decision/longitudinal", value: "yield_to_agent" },

@@ -49,7 +49,7 @@ export async function checkAccessibility(page, where) {
   await page.evaluate(axeSource);
   const found = await page.evaluate(async (rules) => {
     const { violations } = await window.axe.run(document, { runOnly: rules });
-    return violations.map((v) => ({ impact: v.impact, id: v.id, at: v.nodes.map((n) => n.target.join(" ")).slice(0, 5) }));
+    return violations.map((v) => ({ impact: v.impact, id: v.id, at: v.nodes.map((n) => n.target.join(" ")).slice(0, 5), why: v.nodes.flatMap((n) => n.any.map((c) => c.message)).slice(0, 2) }));
   }, RULES);
   seriousFindings.push(...found.filter((v) => v.impact === "serious" || v.impact === "critical").map((v) => ({ where, ...v })));
   return found;
