@@ -2,14 +2,14 @@
 
 export type Route =
   | { screen: "projects" }
-  | { screen: "tasks" | "dashboard" | "analytics" | "members" | "exchange" | "project"; project: string }
+  | { screen: "tasks" | "dashboard" | "analytics" | "members" | "exchange" | "episodes" | "project"; project: string }
   | { screen: "label"; task: string }
   | { screen: "users" | "settings" | "unknown" };
 
 /** The address to which the identity provider redirects; not a screen, it is left at once. */
 export const CALLBACK = "/oidc/callback";
 
-const PROJECT_SCREENS = ["tasks", "dashboard", "analytics", "members", "exchange"] as const;
+const PROJECT_SCREENS = ["tasks", "dashboard", "analytics", "members", "exchange", "episodes"] as const;
 
 /** The screen of a path. `/projects/<id>` is the project's settings. */
 export function routeOf(path: string): Route {
@@ -41,6 +41,7 @@ export function pathOf(to: Route): string {
     case "analytics":
     case "members":
     case "exchange":
+    case "episodes":
       return `/projects/${encodeURIComponent(to.project)}/${to.screen}`;
     default:
       return `/${to.screen}`;

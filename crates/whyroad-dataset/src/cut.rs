@@ -7,7 +7,7 @@ mod motion;
 mod objects;
 mod road;
 
-pub use images::Media;
+pub use images::{Blurring, Media};
 
 use crate::item::{Cut, Dropped, Stage, hex};
 use crate::labels::LabelRecord;
@@ -138,6 +138,32 @@ impl<'a> Cutter<'a> {
             images: u16::try_from(sample.images.len()).unwrap_or(u16::MAX),
         };
         Ok((sample, facts))
+    }
+
+    /// The descriptor of a moment without a label: what [`Self::cut`] would compare it by. `None` where the drive has no
+    /// pose or frame there.
+    pub fn describe(&self, keyframe: Nanos, named: &BTreeSet<String>) -> Option<Vec<f32>> {
+        let drive = self.drive;
+        let frame = frame_at(&drive.times, keyframe).min(drive.times.len().checked_sub(1)?);
+        if drive.times[frame].seconds_since(keyframe).abs() > KEYFRAME_REACH_S
+            || drive.meta.frame_of_reference == FrameOfReference::Ego
+        {
+            return None;
+        }
+        let cut = &self.spec.sample;
+        let window = Window::around(drive, frame, cut)?;
+        let map = self.road.around(&window.pose, cut.radius_m);
+        let sample = Sample {
+            ego: window.ego_box(cut),
+            objects: objects::around(&window, cut, named),
+            lights: self.lights(frame, map.as_deref()),
+            map,
+            context: self.context(frame),
+            history: window.history(cut),
+            future: window.future(cut),
+            ..Sample::default()
+        };
+        Some(descriptor::of(&sample, named))
     }
 
     fn check_weather(&self, frame: usize) -> Result<(), Dropped> {

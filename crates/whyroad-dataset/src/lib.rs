@@ -15,6 +15,7 @@ pub mod export;
 pub mod release;
 pub mod sample;
 pub mod score;
+pub mod similar;
 pub mod spec;
 pub mod verify;
 
@@ -35,7 +36,7 @@ mod split;
 
 pub use balance::{BalanceReport, Shortfall};
 pub use build::{Built, Inputs, Step, build};
-pub use cut::Media;
+pub use cut::{Blurring, Media};
 pub use dedup::DedupReport;
 pub use error::{CODES, DatasetError};
 pub use freeze::manifest::Manifest;

@@ -10,9 +10,10 @@ pub mod coverage;
 pub mod evaluation;
 pub mod report;
 pub mod robustness;
+pub mod verdicts;
 
 /// Codes of the diagnostics of this crate; each has a page in the documentation.
-pub const CODES: &[&str] = &["evaluate.truth.line", "evaluate.sequence.line"];
+pub const CODES: &[&str] = &["evaluate.truth.line", "evaluate.sequence.line", "evaluate.verdicts.line"];
 
 #[cfg(test)]
 #[path = "../../whyroad-model/testing/hand_drive.rs"]

@@ -6,6 +6,7 @@ use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
+use crate::service::facts::FactsCache;
 use crate::service::scene::cache::SceneCache;
 use crate::service::veil;
 use crate::service::webhooks::reach::Reach;
@@ -43,6 +44,8 @@ pub struct App {
     pub lease_clock: LeaseClock,
     /// Failed sign-ins.
     pub limits: Limits,
+    /// Facts about tasks that reports were made from last.
+    pub facts: FactsCache,
     /// Scenes that were asked for last.
     pub scenes: SceneCache,
     /// Key of the CSRF values.
@@ -118,6 +121,7 @@ impl App {
             clock: Arc::new(wall_clock),
             lease_clock: LeaseClock::Store,
             limits: Limits::default(),
+            facts: FactsCache::default(),
             scenes: SceneCache::default(),
             csrf_key,
             cookies: Cookies::Plain,

@@ -6,6 +6,7 @@
 
 pub mod gold;
 pub mod making;
+pub mod mined;
 pub mod oidc;
 pub mod people;
 pub mod project;

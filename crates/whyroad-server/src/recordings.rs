@@ -9,6 +9,15 @@ use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePag
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Lang, SignalTable};
 
+/// Episodes that resemble one.
+#[derive(Clone, Debug, Default)]
+pub struct Similar {
+    /// With their similarity, 0 to 1.
+    pub nearest: Vec<(EpisodeRecord, f64)>,
+    /// Episodes that were compared.
+    pub compared: u64,
+}
+
 /// Recorded drives and what is derived from them.
 pub trait Recordings: Send + Sync {
     /// A drive; an error text when it is unavailable.
@@ -57,6 +66,17 @@ pub trait Recordings: Send + Sync {
         after: Option<EpisodeCursor>,
         limit: usize,
     ) -> Option<Result<EpisodePage, String>>;
+
+    /// The `limit` episodes of a mined folder that resemble `episode` most, of its L2, most similar first; itself left
+    /// out. `None` for an unknown name, an error in words where descriptors cannot be made.
+    fn similar(
+        &self,
+        _name: &str,
+        _episode: &EpisodeRecord,
+        _limit: usize,
+    ) -> Option<Result<Similar, String>> {
+        None
+    }
 
     /// The file of a camera frame, where it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;

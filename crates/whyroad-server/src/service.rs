@@ -19,6 +19,7 @@ pub mod identities;
 pub mod leases;
 pub mod list;
 pub mod migration;
+pub mod mined;
 pub mod people;
 pub mod permissions;
 pub mod pickers;

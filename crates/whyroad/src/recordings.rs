@@ -1,7 +1,9 @@
 //! The engine's recordings, handed to the labelling service: each answer is one call.
 
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
+use whyroad_dataset::similar::{self, EpisodeDescriptor};
 use whyroad_engine::label_drives::LabelDrives;
 use whyroad_engine::recordings::{LakeRecordings, MinedFolderError};
 use whyroad_framework::Framework;
@@ -10,9 +12,9 @@ use whyroad_label::draft;
 use whyroad_lake::Lake;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_model::{Drive, DriveId, Lang, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
-use whyroad_server::recordings::Recordings;
+use whyroad_server::recordings::{Recordings, Similar};
 use whyroad_signals::{Catalogue, SignalKind as Kind};
 
 /// What the service sees of a lake.
@@ -21,6 +23,8 @@ pub(crate) struct ServiceRecordings {
     /// Whole drives, for checks after Stage I.
     checked: LabelDrives,
     framework: &'static Framework,
+    /// By version of the drive and episode; none for a moment without a pose.
+    descriptors: Mutex<HashMap<(String, String), Option<EpisodeDescriptor>>>,
 }
 
 impl ServiceRecordings {
@@ -32,7 +36,73 @@ impl ServiceRecordings {
         media: &[PathBuf],
     ) -> Result<Self, MinedFolderError> {
         let checked = LabelDrives::new(lake.clone(), framework);
-        Ok(Self { lake: LakeRecordings::open(lake, mined, media)?, checked, framework })
+        Ok(Self {
+            lake: LakeRecordings::open(lake, mined, media)?,
+            checked,
+            framework,
+            descriptors: Mutex::default(),
+        })
+    }
+}
+
+/// Episodes that one is compared with; those of its L2 beyond are not. A descriptor takes about a millisecond once the
+/// drive is in memory.
+const MOST_COMPARED: usize = 2000;
+/// Descriptors that are kept.
+const MOST_KEPT: usize = 20_000;
+
+impl ServiceRecordings {
+    /// The `limit` of `others` that resemble `episode` most. Descriptors are made drive by drive and kept.
+    fn nearest(
+        &self,
+        episode: &EpisodeRecord,
+        others: Vec<EpisodeRecord>,
+        limit: usize,
+    ) -> Result<Similar, String> {
+        let mut by_drive: BTreeMap<DriveId, Vec<EpisodeRecord>> = BTreeMap::new();
+        for e in others.into_iter().filter(|e| e.episode_id != episode.episode_id) {
+            by_drive.entry(e.drive_id.clone()).or_default().push(e);
+        }
+        let own = self.described(&episode.drive_id, std::slice::from_ref(episode))?.remove(0);
+        let own = own.ok_or("the drive has no pose at the keyframe")?;
+        let mut out = Similar::default();
+        for (drive, episodes) in by_drive {
+            // A drive that is not in the lake any more is no reason to show nothing.
+            let Ok(described) = self.described(&drive, &episodes) else { continue };
+            for (e, descriptor) in episodes.into_iter().zip(described) {
+                if let Some(descriptor) = descriptor {
+                    out.compared += 1;
+                    out.nearest.push((e, own.similarity(&descriptor)));
+                }
+            }
+        }
+        out.nearest.sort_by(|(a, x), (b, y)| y.total_cmp(x).then_with(|| a.episode_id.cmp(&b.episode_id)));
+        out.nearest.truncate(limit);
+        Ok(out)
+    }
+
+    /// Descriptors of episodes of one drive.
+    fn described(
+        &self,
+        drive: &DriveId,
+        episodes: &[EpisodeRecord],
+    ) -> Result<Vec<Option<EpisodeDescriptor>>, String> {
+        let key = |e: &EpisodeRecord| (self.lake.version(drive), e.episode_id.clone());
+        let known: Vec<Option<Option<EpisodeDescriptor>>> = {
+            let kept = self.descriptors.lock().map_err(|e| e.to_string())?;
+            episodes.iter().map(|e| kept.get(&key(e)).cloned()).collect()
+        };
+        if known.iter().all(Option::is_some) {
+            return Ok(known.into_iter().flatten().collect());
+        }
+        let recorded = self.estimated(&self.drive(drive)?);
+        let made = similar::describe(self.framework, &recorded, episodes);
+        let mut kept = self.descriptors.lock().map_err(|e| e.to_string())?;
+        if kept.len() + made.len() > MOST_KEPT {
+            kept.clear();
+        }
+        kept.extend(episodes.iter().zip(&made).map(|(e, d)| (key(e), d.clone())));
+        Ok(made)
     }
 }
 
@@ -89,6 +159,16 @@ impl Recordings for ServiceRecordings {
         limit: usize,
     ) -> Option<Result<EpisodePage, String>> {
         Some(self.lake.episodes(name, filter, after, limit)?.map_err(|e| e.to_string()))
+    }
+
+    fn similar(&self, name: &str, episode: &EpisodeRecord, limit: usize) -> Option<Result<Similar, String>> {
+        let l2 = ScenarioId { l3: None, ..episode.scenario_id.clone() };
+        let filter = EpisodeFilter { scenario: Some(l2), ..EpisodeFilter::default() };
+        let page = match self.episodes(name, &filter, None, MOST_COMPARED)? {
+            Ok(page) => page,
+            Err(why) => return Some(Err(why)),
+        };
+        Some(self.nearest(episode, page.episodes, limit))
     }
 
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {

@@ -1,7 +1,7 @@
 // What was recorded around the keyframe of one task, as far as the stage may show it: scene, map, clock and player.
 import * as api from "../api/calls.generated.ts";
 import { LONG_TIMEOUT_MS, Offline } from "../api/client.ts";
-import type { SceneView } from "../api/types.ts";
+import type { MapView, SceneView } from "../api/types.ts";
 import { buildRoad, type Road } from "../scene/road.ts";
 import { trackNames } from "../scene/objects.ts";
 import { Player } from "../scene/player.svelte.ts";
@@ -32,6 +32,11 @@ export class ClipData {
       api.getTaskScene(this.#task, { timeoutMs: LONG_TIMEOUT_MS }),
       api.getTaskMap(this.#task),
     ]);
+    this.put(scene, map);
+  }
+
+  /** Shows what is here already. */
+  put(scene: SceneView, map: MapView): void {
     const i = scene.keyframe_index;
     const first = map.lanes[0]?.centre[0];
     this.origin = [scene.ego?.x[i] ?? first?.[0] ?? 0, scene.ego?.y[i] ?? first?.[1] ?? 0];

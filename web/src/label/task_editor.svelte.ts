@@ -2,7 +2,7 @@
 // from here. Draws nothing and handles no key.
 import * as api from "../api/calls.generated.ts";
 import { ApiError } from "../api/client.ts";
-import type { ActionName, Finding, SafetyReason, Task, User } from "../api/types.ts";
+import type { ActionName, Finding, MinedEpisode, SafetyReason, Task, User } from "../api/types.ts";
 import { loadFramework } from "../class_names.svelte.ts";
 import { RequestState } from "../request_state.svelte.ts";
 import { egoPose } from "../scene/motion.ts";
@@ -158,6 +158,13 @@ export class TaskEditor {
     if (task.stage === "stage2" && this.initial === null) void this.#loadInitial();
     if (!this.clip.scene) await this.clip.load();
     else if (shown?.stage !== task.stage) await this.clip.loadUntilReached();
+  }
+
+  /** Shows a mined episode, which nobody holds and nothing can be done with. */
+  showMined(shown: MinedEpisode): void {
+    this.task = shown.task;
+    this.draft.doc = shown.task.draft as Json;
+    this.clip.put(shown.scene, shown.map);
   }
 
   async take(): Promise<void> {

@@ -151,7 +151,8 @@ fn summary(state: &mut State<'_>) {
         if let Some(d) = &item.dropped {
             let kind = match &*d.reason {
                 "history" | "future" => "window",
-                "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing" => "image",
+                "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing"
+                | "image_not_blurred" => "image",
                 _ => continue,
             };
             *counts.entry(kind).or_default() += 1;

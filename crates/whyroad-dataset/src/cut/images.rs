@@ -8,6 +8,7 @@ use crate::spec::{Cut, Images};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{DriveId, Nanos};
 use whyroad_render::raster::{Raster, birds_eye};
@@ -17,17 +18,46 @@ const TYPES: &[&str] = &["jpg", "jpeg", "png", "webp"];
 /// A camera frame may be this much older than the time that is asked for, s.
 const OLDEST_S: f64 = 0.25;
 
-/// Folders in which the images lie that the lake names.
-#[derive(Clone, Debug, Default)]
+/// Gives the file that is to be exported in place of a camera image, with faces and plates made unreadable; an error in
+/// words where it cannot.
+pub type Blurring = Arc<dyn Fn(&Path) -> Result<PathBuf, String> + Send + Sync>;
+
+/// Folders in which the images lie that the lake names, and what is done with camera images before they are exported.
+#[derive(Clone, Default)]
 pub struct Media {
     roots: Vec<PathBuf>,
+    blurring: Option<(String, Blurring)>,
+}
+
+impl std::fmt::Debug for Media {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Media").field("roots", &self.roots).field("blurring", &self.blurring_name()).finish()
+    }
 }
 
 impl Media {
     /// The lake's own `media` folder and further ones.
     pub fn new(lake: &Path, more: &[PathBuf]) -> Self {
         let all = more.iter().cloned().chain([lake.join("media")]);
-        Self { roots: all.filter_map(|d| d.canonicalize().ok()).collect() }
+        Self { roots: all.filter_map(|d| d.canonicalize().ok()).collect(), blurring: None }
+    }
+
+    /// Every camera image goes through `blurring` before it is exported; where that fails the sample is dropped, never
+    /// exported as it is. `name` says what it is: a build with another one does not go on with this one's images.
+    #[must_use]
+    pub fn blurred(mut self, name: impl Into<String>, blurring: Blurring) -> Self {
+        self.blurring = Some((name.into(), blurring));
+        self
+    }
+
+    /// What camera images go through.
+    pub fn blurring_name(&self) -> Option<&str> {
+        self.blurring.as_ref().map(|(name, _)| name.as_str())
+    }
+
+    /// The file to export in place of `path`.
+    fn exported(&self, path: PathBuf) -> Result<PathBuf, String> {
+        self.blurring.as_ref().map_or(Ok(path.clone()), |(_, blurring)| blurring(&path))
     }
 
     /// The file of a camera frame; a name never leads out of the folders.
@@ -87,8 +117,11 @@ fn cameras(cutter: &Cutter<'_>, cut: &Cut, t0: Nanos) -> Result<Vec<Image>, Drop
             let bytes = cutter
                 .media
                 .find(&cutter.drive.meta.drive_id, frame)
-                .and_then(|path| std::fs::read(path).ok())
-                .ok_or_else(|| drop("image_file_missing", frame.uri.clone()))?;
+                .ok_or_else(|| drop("image_file_missing", frame.uri.clone()))
+                .and_then(|path| cutter.media.exported(path).map_err(|why| drop("image_not_blurred", why)))
+                .and_then(|path| {
+                    std::fs::read(path).map_err(|_| drop("image_file_missing", frame.uri.clone()))
+                })?;
             let format = if kind == "jpeg" { "jpg".to_owned() } else { kind };
             out.push(image(camera, frame.time.seconds_since(t0), format, bytes));
         }

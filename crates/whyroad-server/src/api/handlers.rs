@@ -2,6 +2,7 @@
 
 pub mod accounts;
 pub mod drafts;
+pub mod mined;
 pub mod oidc;
 pub mod projects;
 pub mod scenes;

@@ -1,10 +1,19 @@
 //! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
 
-use super::handlers::{accounts, drafts, oidc, projects, scenes, session, talk, tasks, transfer, webhooks};
+use super::handlers::{
+    accounts, drafts, mined, oidc, projects, scenes, session, talk, tasks, transfer, webhooks,
+};
 use super::route::{Access, BodySize, JSON_LINES, Route};
-use crate::domain::{gold::*, oidc::*, people::*, project::*, safety::*, scene::*, task::*};
+use crate::domain::{gold::*, mined::*, oidc::*, people::*, project::*, safety::*, scene::*, task::*};
 use crate::oidc::flow::Returned;
 use serde_json::Value;
+
+/// What names a mined episode.
+const EPISODE: &[(&str, &str)] = &[
+    ("drive", "drive of the episode"),
+    ("scenario", "class of the episode"),
+    ("episode", "id of the episode"),
+];
 
 /// The table.
 pub static ROUTES: &[Route] = &[
@@ -165,6 +174,53 @@ pub static ROUTES: &[Route] = &[
         .gives::<Tasks>(),
     Route::get("/mined", Access::SignedIn, "Folders of mining results to make tasks from", tasks::mined)
         .gives::<MinedFolders>(),
+    Route::get(
+        "/projects/{p}/mined/{m}/episodes",
+        Access::Lead,
+        "Episodes of a mined folder, to browse and judge",
+        mined::list,
+    )
+    .query(&[
+        ("scenario", "only this class: L1, L2 or leaf"),
+        ("drive", "only this drive"),
+        ("unjudged", "`true`: only those without a verdict of the caller's"),
+        ("cursor", "from the page before"),
+        ("limit", "page length, 1 to 200; default 50"),
+    ])
+    .gives::<EpisodeCards>(),
+    Route::get(
+        "/projects/{p}/mined/{m}/episode",
+        Access::Lead,
+        "One mined episode: scene, map, signals, what the rule found; counts as seen",
+        mined::show,
+    )
+    .query(EPISODE)
+    .gives::<MinedEpisode>(),
+    Route::get(
+        "/projects/{p}/mined/{m}/similar",
+        Access::Lead,
+        "Episodes of the folder that resemble one, of its L2",
+        mined::similar,
+    )
+    .query(&[
+        ("drive", "drive of the episode"),
+        ("scenario", "class of the episode"),
+        ("episode", "id of the episode"),
+        ("limit", "how many; default 12"),
+    ])
+    .gives::<SimilarEpisodes>(),
+    Route::post(
+        "/projects/{p}/verdicts",
+        Access::Lead,
+        "Say of a mined episode whether it is right, or take that back",
+        mined::judge,
+    )
+    .empty_when("the verdict was taken back")
+    .takes::<NewVerdict>()
+    .gives::<Verdict>(),
+    Route::get("/projects/{p}/verdicts", Access::Lead, "All verdicts, as JSON lines or CSV", mined::export)
+        .query(&[("format", "`json` (default) or `csv`")])
+        .gives_media(JSON_LINES),
     Route::post("/projects/{p}/tasks:create", Access::Lead, "Make tasks from episodes", tasks::create)
         .takes::<CreateTasks>()
         .takes_up_to(BodySize::Bulk)

@@ -273,6 +273,16 @@ pub fn prepare(
     row(app, project, source, episode, String::new(), draft.map_or(Given::Nothing, Given::Draft))
 }
 
+/// An episode as a task that is not stored: for showing it.
+pub fn shown(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
+    let mut last = LastDrive::default();
+    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
+    let draft = serde_json::json!({
+        (name::KEYFRAME): episode.keyframe, (name::TIME_RANGE): episode.time_range,
+    });
+    row(app, project, source, episode, String::new(), Given::Draft(draft))
+}
+
 /// The draft of an episode, in the language of its task or else of its project.
 pub fn draft_of(
     app: &App,

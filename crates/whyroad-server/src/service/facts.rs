@@ -6,15 +6,19 @@ use crate::problem::{Answer, Problem};
 use crate::service::gold::NOT_GOLD;
 use crate::service::projects::parse;
 use crate::service::{drafts, tasks};
-use crate::store::{Row, Tx};
+use crate::store::{Row, Store, Tx, Value as Cell};
 use crate::values;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex};
 use whyroad_label::facts::{Judgement, LabelStage, Step, TaskFacts, revision, worked_s};
 use whyroad_model::{DriveId, Nanos};
 
 /// Tasks read together.
-const PAGE: i64 = 500;
+const PAGE: usize = 500;
+/// Facts that are kept between requests, over all projects; half a kilobyte each. A project with more is read anew
+/// each time.
+const MOST_KEPT: usize = 200_000;
 
 /// How far the label of a task in this state is.
 fn stage(state: State) -> LabelStage {
@@ -28,38 +32,118 @@ fn stage(state: State) -> LabelStage {
     }
 }
 
+/// What a task's facts depend on: the last entry of its history and the outcome of adjudication.
+type Version = (i64, Option<String>);
+
 /// All tasks of `project`, by id.
 pub fn of(tx: &mut dyn Tx, project: &str) -> Answer<Vec<TaskFacts>> {
     let names = tasks::names(tx)?;
-    let mut out = Vec::new();
-    let mut after = String::new();
-    loop {
-        // Drafts only of what was handed in: others are not compared.
-        let rows = tx.rows(
+    let ids: Vec<String> = versions(tx, project)?.into_keys().collect();
+    let mut out = Vec::with_capacity(ids.len());
+    for part in ids.chunks(PAGE) {
+        out.extend(some(tx, part, &names)?);
+    }
+    Ok(out)
+}
+
+fn versions(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, Version>> {
+    let sql = format!("SELECT id, seq, adjudication FROM tasks WHERE project_id = $1 AND {NOT_GOLD}");
+    let rows = tx.rows(&sql, values![project])?;
+    rows.iter().map(|r| Ok((r.text("id")?, (r.int("seq")?, r.maybe_text("adjudication")?)))).collect()
+}
+
+/// The facts of these tasks; one that is gone has none.
+fn some(tx: &mut dyn Tx, ids: &[String], names: &HashMap<String, String>) -> Answer<Vec<TaskFacts>> {
+    let holes = (1..=ids.len()).map(|i| format!("${i}")).collect::<Vec<_>>().join(", ");
+    let values: Vec<Cell> = ids.iter().map(Cell::from).collect();
+    // Drafts only of what was handed in: others are not compared.
+    let rows = tx.rows(
             &format!("SELECT id, episode_id, overlap_count, drive_id, scenario_id, keyframe_ns, state, adjudication, author,
                created, CASE WHEN state = 'accepted' THEN initial END AS initial,
                CASE WHEN state IN ('submitted', 'in_check', 'rework', 'checked', 'in_audit', 'accepted') THEN draft END AS draft
-             FROM tasks WHERE project_id = $1 AND id > $2 AND {NOT_GOLD} ORDER BY id LIMIT $3"),
-            values![project, &after, PAGE],
-        )?;
-        let Some(last) = rows.last() else { return Ok(out) };
-        let last = last.text("id")?;
-        let mut steps = steps(tx, project, &after, &last)?;
-        for row in &rows {
-            let steps = steps.remove(&row.text("id")?).unwrap_or_default();
-            out.push(task(tx, row, &steps, &names)?);
+             FROM tasks WHERE id IN ({holes}) ORDER BY id"),
+        &values,
+    )?;
+    let mut steps = steps(tx, &holes, &values)?;
+    let mut out = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let steps = steps.remove(&row.text("id")?).unwrap_or_default();
+        out.push(task(tx, row, &steps, names)?);
+    }
+    Ok(out)
+}
+
+/// Facts that were made for an earlier report: only what has changed since is read again.
+#[derive(Default)]
+pub struct FactsCache {
+    /// The project that was asked for last comes last.
+    projects: Mutex<Vec<(String, Arc<Kept>)>>,
+}
+
+/// The facts of a project, and the names of people that are in them.
+#[derive(Default)]
+struct Kept {
+    names: HashMap<String, String>,
+    tasks: BTreeMap<String, (Version, TaskFacts)>,
+}
+
+impl FactsCache {
+    fn get(&self, project: &str) -> Option<Arc<Kept>> {
+        let projects = self.projects.lock().ok()?;
+        projects.iter().find(|(id, _)| id == project).map(|(_, kept)| Arc::clone(kept))
+    }
+
+    fn put(&self, project: &str, kept: Arc<Kept>) {
+        let Ok(mut projects) = self.projects.lock() else { return };
+        projects.retain(|(id, _)| id != project);
+        projects.push((project.to_owned(), kept));
+        while projects.iter().map(|(_, k)| k.tasks.len()).sum::<usize>() > MOST_KEPT {
+            projects.remove(0);
         }
-        after = last;
+    }
+
+    /// Tasks that are kept now.
+    pub fn len(&self) -> usize {
+        self.projects.lock().map_or(0, |p| p.iter().map(|(_, k)| k.tasks.len()).sum())
+    }
+
+    /// True when nothing is kept.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 }
 
-/// The histories of the tasks after `after` up to `last`, without their changes.
-fn steps(tx: &mut dyn Tx, project: &str, after: &str, last: &str) -> Answer<HashMap<String, Vec<Step>>> {
-    let rows = tx.rows(
-        "SELECT h.task_id, h.at, h.actor, h.action FROM history h JOIN tasks t ON t.id = h.task_id
-         WHERE t.project_id = $1 AND h.task_id > $2 AND h.task_id <= $3 ORDER BY h.task_id, h.seq",
-        values![project, after, last],
-    )?;
+/// The same as [`of`], from `cache` as far as nothing changed; the second number says how many tasks were read.
+pub fn kept(store: &Store, cache: &FactsCache, project: &str) -> Answer<(Vec<TaskFacts>, usize)> {
+    let (names, now) = store.report(|tx| Ok((tasks::names(tx)?, versions(tx, project)?)))?;
+    let before = cache.get(project).filter(|kept| kept.names == names).unwrap_or_default();
+    let same = |id: &String, version: &Version| before.tasks.get(id).is_some_and(|(v, _)| v == version);
+    let stale: Vec<String> = now.iter().filter(|(id, v)| !same(id, v)).map(|(id, _)| id.clone()).collect();
+    let mut fresh = HashMap::with_capacity(stale.len());
+    for part in stale.chunks(PAGE) {
+        let read = store.report(|tx| some(tx, part, &names))?;
+        fresh.extend(read.into_iter().map(|facts| (facts.task.clone(), facts)));
+    }
+    let read = fresh.len();
+    let mut tasks = BTreeMap::new();
+    for (id, version) in now {
+        // What changed between the two reads has a newer version next time, and is read again then.
+        let facts = fresh.remove(&id).or_else(|| before.tasks.get(&id).map(|(_, f)| f.clone()));
+        if let Some(facts) = facts {
+            tasks.insert(id, (version, facts));
+        }
+    }
+    let out = tasks.values().map(|(_, facts)| facts.clone()).collect();
+    cache.put(project, Arc::new(Kept { names, tasks }));
+    Ok((out, read))
+}
+
+/// The histories of these tasks, without their changes.
+fn steps(tx: &mut dyn Tx, holes: &str, ids: &[Cell]) -> Answer<HashMap<String, Vec<Step>>> {
+    let sql = format!(
+        "SELECT task_id, at, actor, action FROM history WHERE task_id IN ({holes}) ORDER BY task_id, seq"
+    );
+    let rows = tx.rows(&sql, ids)?;
     let mut out: HashMap<String, Vec<Step>> = HashMap::new();
     for r in rows {
         let step = Step { at_ms: r.int("at")?, actor: r.maybe_text("actor")?, action: r.text("action")? };

@@ -29,6 +29,7 @@ pub(super) const TABLES: &[&str] = &[
     "thumbnails",
     "safety",
     "gold",
+    "verdicts",
     "seen",
     "webhooks",
     "outbox",

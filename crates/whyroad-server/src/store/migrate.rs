@@ -15,6 +15,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0007_page.sql"),
     include_str!("../../migrations/0008_safety.sql"),
     include_str!("../../migrations/0009_gold.sql"),
+    include_str!("../../migrations/0010_verdicts.sql"),
 ];
 
 /// The version of this program.

@@ -82,6 +82,7 @@ pub fn every_route_lets_in_only_whom_it_should(world: &World) {
                     .replace("{w}", &hook)
                     .replace("{u}", "none")
                     .replace("{id}", "none")
+                    .replace("{m}", "week1")
                     .replace("{seq}", "1")
                     .replace("{camera}", "front%20left")
                     .replace("{index}", "0");

@@ -52,7 +52,12 @@ impl Names {
 fn readings(project: &str, task: &str, user: &str) -> Vec<String> {
     let mut out = Vec::new();
     for route in ROUTES.iter().filter(|r| r.verb == Verb::Get) {
-        let path = route.path.replace("{p}", project).replace("{t}", task).replace("{u}", user);
+        let path = route
+            .path
+            .replace("{p}", project)
+            .replace("{t}", task)
+            .replace("{u}", user)
+            .replace("{m}", "week1");
         let mut paths = vec![path];
         let mut fill = |name: &str, values: Vec<String>| {
             let old = std::mem::take(&mut paths);

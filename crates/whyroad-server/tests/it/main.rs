@@ -15,6 +15,7 @@ mod identities;
 mod later_task;
 mod leaks;
 mod migration;
+mod mined;
 mod oidc;
 mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
@@ -60,6 +61,8 @@ suite! {
     leaks::the_leaf_is_shown_when_stage_one_is_locked,
     gold::order_and_history_of_gold_tasks_are_those_of_others,
     gold::gold_answers_are_compared_and_shown_to_leads_alone,
+    mined::mined_episodes_are_browsed_and_judged,
+    mined::who_is_in_stage_one_is_not_shown_the_episode,
     safety::decisions_wait_for_the_safety_filter,
     safety::unsafe_driving_is_rejected_with_its_reasons,
     leaks::who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it,

@@ -121,6 +121,14 @@ pub fn facts_are_those_of_the_history(world: &World) {
     assert!(revision.changed.contains(&"/critical_components") && revision.changed.contains(&"/coc_trace"));
     assert_eq!(revision.keyframe_shift_s, Some(0.0), "nobody moved the keyframe");
     assert_eq!(done.accepted.unwrap().seconds_since(done.submitted.unwrap()), 3610.0);
+    // From what was kept the facts are the same, and only what has changed is read again.
+    let kept = || facts::kept(&world.app.store, &world.app.facts, &project).unwrap();
+    assert_eq!(kept(), (found.clone(), 2));
+    assert_eq!(kept(), (found.clone(), 0));
+    Work::take(&ann, &tasks[1]);
+    let after = kept();
+    assert_eq!((after.1, after.0 == found), (1, false));
+    assert_eq!(after.0, world.app.store.read(|tx| facts::of(tx, &project)).unwrap());
     let open = found.iter().find(|t| t.task == tasks[1]).unwrap();
     assert!(open.label.is_none() && open.revision.is_none() && open.submitted.is_none());
 }

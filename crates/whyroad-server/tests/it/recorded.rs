@@ -322,6 +322,20 @@ impl Recordings for Recorded {
         (name == "week1").then_some(Ok(EpisodePage { episodes, next }))
     }
 
+    /// The other drive's episode is half alike.
+    fn similar(
+        &self,
+        name: &str,
+        episode: &EpisodeRecord,
+        _: usize,
+    ) -> Option<Result<whyroad_server::recordings::Similar, String>> {
+        let all = self.episodes(name, &EpisodeFilter::default(), None, 10)?.ok()?.episodes;
+        let others = all.into_iter().filter(|e| e.episode_id != episode.episode_id);
+        let nearest: Vec<_> = others.map(|e| (e, 0.5)).collect();
+        let compared = nearest.len() as u64;
+        Some(Ok(whyroad_server::recordings::Similar { nearest, compared }))
+    }
+
     fn media(&self, _: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {
         let file = self.pictures.join(frame.uri.replace('/', "_"));
         std::fs::write(&file, format!("picture of frame {}", frame.index)).ok()?;

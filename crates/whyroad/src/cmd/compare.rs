@@ -13,6 +13,7 @@ use whyroad_label::facts::LabelStage;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{DriveId, ScenarioId};
 use whyroad_report::comparison::{AcceptedMoment, PageHead, compare, render, render_page};
+use whyroad_report::verdicts::{self, VerdictLine};
 
 /// Arguments of `whyroad compare`.
 #[derive(clap::Args)]
@@ -26,7 +27,7 @@ pub(crate) struct Args {
     /// Lake that frameworks are run over
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
-    /// Accepted labels that judge the changes: JSON Lines from `tasks export`, or the store (labels.db, the folder with
+    /// Accepted labels that judge the changes: JSON Lines from `tasks export`, verdicts on mined episodes, or the store (labels.db, the folder with
     /// it, postgres://...)
     #[arg(long, value_name = "FILE|STORE")]
     labels: Option<String>,
@@ -104,6 +105,14 @@ fn accepted(
             .collect());
     }
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {source}"))?;
+    if verdicts::is_export(&text) {
+        let (verdicts, problems) = verdicts::read(&text, source);
+        for d in &problems {
+            tell!("{}", output::render_text(d, global.lang));
+        }
+        let moments = verdicts.iter().filter_map(VerdictLine::moment);
+        return Ok(moments.filter(|m| drives.contains(&m.drive)).collect());
+    }
     let mut out = Vec::new();
     for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
         let label: CocLabel = serde_json::from_str(line).with_context(|| format!("{source}:{}", i + 1))?;

@@ -13,15 +13,19 @@ use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_report::evaluation::truth::TruthSet;
 use whyroad_report::evaluation::{Evaluation, evaluate, render};
+use whyroad_report::verdicts;
 
 /// Arguments of `whyroad evaluate`.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// Truth, JSON Lines (docs/reference/evaluation.md); may be given several times
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    #[arg(long, value_name = "FILE", required_unless_present = "verdicts", num_args = 1..)]
     truth: Vec<PathBuf>,
+    /// Verdicts on mined episodes in place of a truth: prints how often each class is right, and by score
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["truth", "episodes", "predictions"])]
+    verdicts: Option<PathBuf>,
     /// Folder that `whyroad mine` wrote
-    #[arg(long, value_name = "DIR", required_unless_present = "predictions")]
+    #[arg(long, value_name = "DIR", required_unless_present_any = ["predictions", "verdicts"])]
     episodes: Option<PathBuf>,
     /// Which figures
     #[arg(long, value_enum, default_value_t = Metric::Episodes)]
@@ -64,6 +68,9 @@ enum Metric {
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    if let Some(file) = &args.verdicts {
+        return calibration(global, &args, file);
+    }
     if let Some(predictions) = &args.predictions {
         anyhow::ensure!(
             args.metric == Metric::Av2ScenarioMining,
@@ -122,6 +129,20 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     } else {
         output::lost_input()
     })
+}
+
+/// `evaluate --verdicts`.
+fn calibration(global: &Global, args: &Args, file: &Path) -> anyhow::Result<ExitCode> {
+    let (mut verdicts, problems) = verdicts::read(&read(file)?, &file.display().to_string());
+    if let Some(class) = &args.scenario {
+        verdicts.retain(|v| v.scenario_id.is_within(class));
+    }
+    let classes = verdicts::calibrate(&verdicts);
+    args.print.put(&classes, || verdicts::render(&classes, global.lang))?;
+    for d in &problems {
+        tell!("{}", render_text(d, global.lang));
+    }
+    Ok(if problems.is_empty() { output::FINE } else { output::lost_input() })
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {

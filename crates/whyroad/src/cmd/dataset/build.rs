@@ -11,10 +11,11 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use whyroad_dataset::{Built, DatasetError, Inputs, LabelStream, Media, Step, build, spec};
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
+use whyroad_server::blur::Blur;
 use whyroad_server::service::projects;
 use whyroad_server::service::transfer::{self, ExportFormat};
 
@@ -40,6 +41,10 @@ pub(crate) struct Args {
     /// Folder with the camera images that the lake names (may be given more than once)
     #[arg(long, value_name = "DIR")]
     media: Vec<PathBuf>,
+    /// Program that makes faces and plates in camera images unreadable, called as `PROGRAM INPUT OUTPUT`; an image for
+    /// which it fails is not exported
+    #[arg(long, value_name = "PROGRAM", env = "WHYROAD_BLUR")]
+    blur: Option<PathBuf>,
     /// Include unchecked drafts, marked, whatever the spec says
     #[arg(long)]
     drafts: bool,
@@ -51,6 +56,15 @@ pub(crate) struct Args {
     jobs: Option<usize>,
     #[command(flatten)]
     print: Print,
+}
+
+/// `media` with camera images that go through `program`; what it makes is kept in `cache`.
+fn blurring(media: Media, program: Option<&Path>, cache: &Path) -> anyhow::Result<Media> {
+    let Some(program) = program else { return Ok(media) };
+    let blur = Blur::new(program.to_path_buf(), cache.to_path_buf())
+        .with_context(|| format!("cannot write {}", cache.display()))?;
+    let name = program.display().to_string();
+    Ok(media.blurred(name, Arc::new(move |image: &Path| blur.image(image).map_err(|p| p.text.en))))
 }
 
 pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
@@ -72,13 +86,16 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         streams.extend(open(source, a.project.as_deref(), global.lang)?);
     }
     let queries = query::Queries::new(&framework);
+    // Blurred images stay beside the release until the build ends well, so that an interrupted one does not begin anew.
+    let blurred = PathBuf::from(format!("{}.blurred", a.out.display()));
+    let media = blurring(Media::new(lake.dir(), &a.media), a.blur.as_deref(), &blurred)?;
     let inputs = Inputs {
         spec,
         spec_text: text,
         framework: &framework,
         licences: &licences,
         lake: &lake,
-        media: Media::new(lake.dir(), &a.media),
+        media,
         out: &a.out,
         lang: global.lang,
         queries: &|class, n| queries.query(class, n),
@@ -93,6 +110,10 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     progress.finish();
     match built {
         Ok(built) => {
+            if a.blur.is_some() {
+                // What is in the release is enough.
+                let _ = std::fs::remove_dir_all(&blurred);
+            }
             print(global, &built.diagnostics);
             a.print.put(&built.manifest, || summary(&built, &a.out, global.lang))?;
             let lost = built.diagnostics.iter().any(|d| {

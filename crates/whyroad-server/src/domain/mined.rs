@@ -1,0 +1,167 @@
+//! Mined episodes as people browse and judge them, without labelling.
+
+use super::scene::{MapView, SceneView};
+use super::task::Task;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use whyroad_model::Bilingual;
+
+/// A mined episode in a list.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct EpisodeCard {
+    /// Id.
+    pub episode_id: String,
+    /// Class.
+    pub scenario_id: String,
+    /// Drive.
+    pub drive_id: String,
+    /// Clip.
+    pub clip_id: String,
+    /// Keyframe.
+    pub keyframe: String,
+    /// Score, 0 to 1.
+    pub score: f64,
+    /// Arbitration made it the primary one of its moment.
+    pub is_primary: bool,
+    /// The caller's verdict.
+    pub verdict: Option<VerdictKind>,
+}
+
+/// A page of mined episodes.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct EpisodeCards {
+    /// By drive and keyframe.
+    pub items: Vec<EpisodeCard>,
+    /// Number of episodes that the filter lets through; on the first page only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total: Option<u64>,
+    /// Value for `cursor`, where there are more.
+    pub next: Option<String>,
+}
+
+/// One mined episode with all that is shown of it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MinedEpisode {
+    /// As the screen of a task shows it: what the rule found, the specification of its class. Nothing can be done with
+    /// it but a verdict.
+    pub task: Task,
+    /// Rule of the keyframe in words.
+    pub keyframe_rule: Bilingual,
+    /// The drive around the keyframe.
+    pub scene: SceneView,
+    /// The road there.
+    pub map: MapView,
+    /// The caller's verdict.
+    pub verdict: Option<Verdict>,
+}
+
+/// What somebody says of a mined episode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum VerdictKind {
+    /// Class and keyframe are right.
+    Right,
+    /// Something is there, of another class.
+    WrongLeaf,
+    /// Nothing is there.
+    Nothing,
+    /// The class is right, the keyframe is another moment.
+    KeyframeMoved,
+}
+
+impl VerdictKind {
+    /// The word in the store and in exports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::WrongLeaf => "wrong_leaf",
+            Self::Nothing => "nothing",
+            Self::KeyframeMoved => "keyframe_moved",
+        }
+    }
+
+    /// The one with this word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        [Self::Right, Self::WrongLeaf, Self::Nothing, Self::KeyframeMoved]
+            .into_iter()
+            .find(|v| v.word() == word)
+    }
+}
+
+/// Body of `POST /projects/{p}/verdicts`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewVerdict {
+    /// Mined folder.
+    pub mined: String,
+    /// Drive of the episode.
+    pub drive: String,
+    /// Class of the episode.
+    pub scenario: String,
+    /// Id of the episode.
+    pub episode: String,
+    /// The verdict; null takes it back.
+    pub verdict: Option<VerdictKind>,
+    /// For `wrong_leaf`: the right class, where it is known; an L2 or a leaf.
+    #[serde(default)]
+    pub leaf: Option<String>,
+    /// For `keyframe_moved`: the right moment.
+    #[serde(default)]
+    pub keyframe: Option<String>,
+    /// In words.
+    #[serde(default)]
+    pub note: Option<String>,
+}
+
+/// A verdict; also one line of the export (docs/reference/verdicts.md).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Verdict {
+    /// The verdict.
+    pub verdict: VerdictKind,
+    /// Mined folder that the episode was shown from.
+    pub mined: String,
+    /// Id of the episode.
+    pub episode_id: String,
+    /// Drive.
+    pub drive_id: String,
+    /// Class that mining gave.
+    pub scenario_id: String,
+    /// Target of the rule.
+    pub target_id: Option<String>,
+    /// Start of the episode, ns since 1970 on the drive's clock.
+    pub start_ns: i64,
+    /// Its keyframe as mined.
+    pub keyframe_ns: i64,
+    /// Its end, not included.
+    pub end_ns: i64,
+    /// Its score, 0 to 1.
+    pub score: f64,
+    /// The right class, of `wrong_leaf`.
+    pub right_scenario_id: Option<String>,
+    /// The right keyframe, of `keyframe_moved`.
+    pub right_keyframe_ns: Option<i64>,
+    /// In words.
+    pub note: Option<String>,
+    /// Login name of who said it.
+    pub by: String,
+    /// When, ms since 1970.
+    pub at: i64,
+}
+
+/// Episodes that resemble one.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct SimilarEpisodes {
+    /// The most similar first.
+    pub items: Vec<SimilarEpisode>,
+    /// Episodes that were compared.
+    pub compared: u64,
+}
+
+/// An episode that resembles another.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct SimilarEpisode {
+    /// The episode.
+    pub episode: EpisodeCard,
+    /// 1 for the same, towards 0 for a different one.
+    pub similarity: f64,
+}

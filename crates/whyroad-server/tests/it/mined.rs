@@ -1,0 +1,91 @@
+//! Mined episodes: browsed and judged by leads without labelling.
+
+use crate::work::Work;
+use crate::world::{Person, World};
+use serde_json::{Value, json};
+
+const DRIVE1: &str = "drive=drive1&scenario=reactive_agent.cutin.urgent&episode=drive1_e1";
+
+fn verdict(who: &Person, project: &str, more: Value) -> crate::world::Reply {
+    let mut body = json!({ "mined": "week1", "drive": "drive1", "scenario": "reactive_agent.cutin.urgent",
+        "episode": "drive1_e1" });
+    for (key, value) in more.as_object().unwrap() {
+        body[key] = value.clone();
+    }
+    who.post(&format!("/projects/{project}/verdicts"), &body)
+}
+
+pub fn mined_episodes_are_browsed_and_judged(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let lead = world.person(&admin, &project, "lea", &["lead", "annotator"]);
+    let chen = world.person(&admin, &project, "chen", &["checker"]);
+    let path = format!("/projects/{project}/mined/week1");
+    assert_eq!(chen.get(&format!("{path}/episodes")).status, 403);
+    let page = lead.get(&format!("{path}/episodes?limit=1")).fine();
+    assert_eq!((&page["total"], page["items"].as_array().unwrap().len()), (&json!(2), 1));
+    let next = page["next"].as_str().unwrap();
+    let second = lead.get(&format!("{path}/episodes?limit=1&cursor={next}")).fine();
+    assert_eq!((&second["items"][0]["episode_id"], &second["next"]), (&json!("drive2_e1"), &Value::Null));
+    assert_eq!(lead.get(&format!("{path}/episodes?scenario=proactive")).fine()["items"], json!([]));
+    assert_eq!(lead.get(&format!("/projects/{project}/mined/none/episodes")).status, 404);
+
+    let shown = lead.get(&format!("{path}/episode?{DRIVE1}")).fine();
+    assert_eq!(shown["task"]["task"]["scenario_id"], "reactive_agent.cutin.urgent");
+    assert_eq!(shown["task"]["permissions"], json!([]));
+    assert_eq!(shown["keyframe_rule"]["en"], "crosses the line");
+    assert!(shown["scene"]["times"].as_array().unwrap().len() > 100, "also what comes after");
+    assert!(shown["scene"]["signals"]["target.gap"].is_array());
+    // Who has seen it does no Stage I of it.
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    let take = lead.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }));
+    assert_eq!(take.refusal(), (403, "task.future_seen".into()));
+
+    assert_eq!(verdict(&lead, &project, json!({ "verdict": "right" })).fine()["by"], "lea");
+    assert_eq!(
+        lead.get(&format!("{path}/episodes?unjudged=true")).fine()["items"].as_array().unwrap().len(),
+        1
+    );
+    assert_eq!(verdict(&chen, &project, json!({ "verdict": "right" })).status, 403);
+    assert_eq!(verdict(&lead, &project, json!({ "verdict": "keyframe_moved" })).status, 400);
+    assert_eq!(verdict(&lead, &project, json!({ "verdict": "wrong_leaf", "leaf": "no.such" })).status, 400);
+    assert_eq!(verdict(&lead, &project, json!({ "verdict": "nothing", "episode": "gone" })).status, 404);
+    let moved = json!({ "verdict": "keyframe_moved", "keyframe": "2026-01-15T10:30:09.900Z", "note": "=1+1, \"late\"" });
+    verdict(&lead, &project, moved).fine();
+    let said = lead.get(&format!("{path}/episode?{DRIVE1}")).fine()["verdict"].clone();
+    assert_eq!(
+        said["right_keyframe_ns"].as_i64().unwrap() - said["keyframe_ns"].as_i64().unwrap(),
+        500_000_000
+    );
+    // A second lead says something else of it: both are exported.
+    let wrong = json!({ "verdict": "wrong_leaf", "leaf": "reactive_agent.cutin.slow" });
+    verdict(&admin, &project, wrong).fine();
+    let lines = lead.get(&format!("/projects/{project}/verdicts")).text();
+    let lines: Vec<Value> = lines.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let mut kinds: Vec<&str> = lines.iter().map(|l| l["verdict"].as_str().unwrap()).collect();
+    kinds.sort_unstable();
+    assert_eq!(kinds, ["keyframe_moved", "wrong_leaf"], "the first verdict of Lea's was replaced");
+    assert!(lines.iter().all(|l| l["score"] == 0.9 && l["drive_id"] == "drive1"));
+    let csv = lead.get(&format!("/projects/{project}/verdicts?format=csv")).text();
+    assert_eq!(csv.lines().count(), 3);
+    assert!(csv.starts_with("verdict,mined,episode_id,"));
+    assert!(csv.contains("\"'=1+1, \"\"late\"\"\""), "{csv}");
+    assert_eq!(verdict(&admin, &project, json!({ "verdict": null })).status, 204, "taken back");
+    assert_eq!(lead.get(&format!("/projects/{project}/verdicts")).text().lines().count(), 1);
+
+    let like = lead.get(&format!("{path}/similar?{DRIVE1}")).fine();
+    assert_eq!(
+        (&like["items"][0]["episode"]["episode_id"], &like["compared"]),
+        (&json!("drive2_e1"), &json!(1))
+    );
+}
+
+pub fn who_is_in_stage_one_is_not_shown_the_episode(world: &World) {
+    let admin = world.admin();
+    let project = world.project(&admin, "town", &json!({}));
+    let lead = world.person(&admin, &project, "lea", &["lead", "annotator"]);
+    let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
+    Work::take(&lead, &task);
+    let shown = lead.get(&format!("/projects/{project}/mined/week1/episode?{DRIVE1}"));
+    assert_eq!(shown.refusal(), (409, "task.stage1_first".into()));
+}
