@@ -85,6 +85,18 @@ export const getProjectMembers = (p: string | number, options?: CallOptions): Pr
 export const postProjectMembers = (p: string | number, body: T["MemberChange"], options?: CallOptions): Promise<T["Members"]> =>
   call<T["Members"]>("POST", `/projects/${encodeURIComponent(p)}/members`, body, options);
 
+/** GET /projects/{p}/mined/{m}/episode */
+export const getProjectMinedByMEpisode = (p: string | number, m: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue } = {}, options?: CallOptions): Promise<T["MinedEpisode"]> =>
+  call<T["MinedEpisode"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/episode${queryString(query)}`, undefined, options);
+
+/** GET /projects/{p}/mined/{m}/episodes */
+export const getProjectMinedByMEpisodes = (p: string | number, m: string | number, query: { scenario?: QueryValue; drive?: QueryValue; unjudged?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["EpisodeCards"]> =>
+  call<T["EpisodeCards"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/episodes${queryString(query)}`, undefined, options);
+
+/** GET /projects/{p}/mined/{m}/similar */
+export const getProjectMinedByMSimilar = (p: string | number, m: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["SimilarEpisodes"]> =>
+  call<T["SimilarEpisodes"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/similar${queryString(query)}`, undefined, options);
+
 /** GET /projects/{p}/queue */
 export const getProjectQueue = (p: string | number, query: { kind?: QueryValue } = {}, options?: CallOptions): Promise<T["QueueState"]> =>
   call<T["QueueState"]>("GET", `/projects/${encodeURIComponent(p)}/queue${queryString(query)}`, undefined, options);
@@ -104,6 +116,14 @@ export const postProjectTasksCreate = (p: string | number, body: T["CreateTasks"
 /** POST /projects/{p}/tasks:next */
 export const postProjectTasksNext = (p: string | number, body: T["NextTask"], options?: CallOptions): Promise<T["Task"] | null> =>
   call<T["Task"] | null>("POST", `/projects/${encodeURIComponent(p)}/tasks:next`, body, options);
+
+/** GET /projects/{p}/verdicts */
+export const getProjectVerdictsUrl = (p: string | number, query: { format?: QueryValue } = {}): string =>
+  BASE + `/projects/${encodeURIComponent(p)}/verdicts${queryString(query)}`;
+
+/** POST /projects/{p}/verdicts */
+export const postProjectVerdicts = (p: string | number, body: T["NewVerdict"], options?: CallOptions): Promise<T["Verdict"] | null> =>
+  call<T["Verdict"] | null>("POST", `/projects/${encodeURIComponent(p)}/verdicts`, body, options);
 
 /** GET /projects/{p}/webhooks */
 export const getProjectWebhooks = (p: string | number, options?: CallOptions): Promise<T["Webhooks"]> =>

@@ -201,6 +201,23 @@ export interface components {
             y: (number | null)[];
             yaw_rate: (number | null)[];
         };
+        EpisodeCard: {
+            clip_id: string;
+            drive_id: string;
+            episode_id: string;
+            is_primary: boolean;
+            keyframe: string;
+            scenario_id: string;
+            /** Format: double */
+            score: number;
+            verdict?: components["schemas"]["VerdictKind"] | null;
+        };
+        EpisodeCards: {
+            items: components["schemas"]["EpisodeCard"][];
+            next?: string | null;
+            /** Format: uint64 */
+            total?: number | null;
+        };
         FieldChange: {
             path: string;
             remove?: boolean;
@@ -399,6 +416,13 @@ export interface components {
             lateral: (string | null)[];
             longitudinal: (string | null)[];
         };
+        MinedEpisode: {
+            keyframe_rule: components["schemas"]["Bilingual"];
+            map: components["schemas"]["MapView"];
+            scene: components["schemas"]["SceneView"];
+            task: components["schemas"]["Task"];
+            verdict?: components["schemas"]["Verdict"] | null;
+        };
         MinedFolder: {
             /** Format: uint32 */
             episodes: number;
@@ -479,6 +503,19 @@ export interface components {
             name: string;
             /** @default null */
             password?: string | null;
+        };
+        NewVerdict: {
+            drive: string;
+            episode: string;
+            /** @default null */
+            keyframe?: string | null;
+            /** @default null */
+            leaf?: string | null;
+            mined: string;
+            /** @default null */
+            note?: string | null;
+            scenario: string;
+            verdict?: components["schemas"]["VerdictKind"] | null;
         };
         NewWebhook: {
             /** @default [] */
@@ -682,6 +719,16 @@ export interface components {
             done: boolean;
             provider_sign_out?: string | null;
         };
+        SimilarEpisode: {
+            episode: components["schemas"]["EpisodeCard"];
+            /** Format: double */
+            similarity: number;
+        };
+        SimilarEpisodes: {
+            /** Format: uint64 */
+            compared: number;
+            items: components["schemas"]["SimilarEpisode"][];
+        };
         Stage: "stage1" | "stage2";
         Stage1Class: "leaf" | "l2";
         State: "open" | "stage1" | "stage1_locked" | "stage2" | "submitted" | "in_check" | "rework" | "checked" | "in_audit" | "accepted" | "skipped" | "rejected";
@@ -827,6 +874,30 @@ export interface components {
         Validate: {
             label: unknown;
         };
+        Verdict: {
+            /** Format: int64 */
+            at: number;
+            by: string;
+            drive_id: string;
+            /** Format: int64 */
+            end_ns: number;
+            episode_id: string;
+            /** Format: int64 */
+            keyframe_ns: number;
+            mined: string;
+            note?: string | null;
+            /** Format: int64 */
+            right_keyframe_ns?: number | null;
+            right_scenario_id?: string | null;
+            scenario_id: string;
+            /** Format: double */
+            score: number;
+            /** Format: int64 */
+            start_ns: number;
+            target_id?: string | null;
+            verdict: components["schemas"]["VerdictKind"];
+        };
+        VerdictKind: "right" | "wrong_leaf" | "nothing" | "keyframe_moved";
         Webhook: {
             events: string[];
             /** Format: int64 */
@@ -890,6 +961,8 @@ export type DraftAt = components["schemas"]["DraftAt"];
 export type DraftChange = components["schemas"]["DraftChange"];
 export type DraftSaved = components["schemas"]["DraftSaved"];
 export type EgoView = components["schemas"]["EgoView"];
+export type EpisodeCard = components["schemas"]["EpisodeCard"];
+export type EpisodeCards = components["schemas"]["EpisodeCards"];
 export type FieldChange = components["schemas"]["FieldChange"];
 export type Finding = components["schemas"]["Finding"];
 export type Findings = components["schemas"]["Findings"];
@@ -920,6 +993,7 @@ export type Member = components["schemas"]["Member"];
 export type MemberChange = components["schemas"]["MemberChange"];
 export type Members = components["schemas"]["Members"];
 export type MetaView = components["schemas"]["MetaView"];
+export type MinedEpisode = components["schemas"]["MinedEpisode"];
 export type MinedFolder = components["schemas"]["MinedFolder"];
 export type MinedFolders = components["schemas"]["MinedFolders"];
 export type MyWork = components["schemas"]["MyWork"];
@@ -928,6 +1002,7 @@ export type NewGold = components["schemas"]["NewGold"];
 export type NewProject = components["schemas"]["NewProject"];
 export type NewToken = components["schemas"]["NewToken"];
 export type NewUser = components["schemas"]["NewUser"];
+export type NewVerdict = components["schemas"]["NewVerdict"];
 export type NewWebhook = components["schemas"]["NewWebhook"];
 export type NextTask = components["schemas"]["NextTask"];
 export type Overlap = components["schemas"]["Overlap"];
@@ -955,6 +1030,8 @@ export type SignIn = components["schemas"]["SignIn"];
 export type SignalAbout = components["schemas"]["SignalAbout"];
 export type SignalKind = components["schemas"]["SignalKind"];
 export type SignedOut = components["schemas"]["SignedOut"];
+export type SimilarEpisode = components["schemas"]["SimilarEpisode"];
+export type SimilarEpisodes = components["schemas"]["SimilarEpisodes"];
 export type Stage = components["schemas"]["Stage"];
 export type Stage1Class = components["schemas"]["Stage1Class"];
 export type State = components["schemas"]["State"];
@@ -972,6 +1049,8 @@ export type User = components["schemas"]["User"];
 export type UserChange = components["schemas"]["UserChange"];
 export type Users = components["schemas"]["Users"];
 export type Validate = components["schemas"]["Validate"];
+export type Verdict = components["schemas"]["Verdict"];
+export type VerdictKind = components["schemas"]["VerdictKind"];
 export type Webhook = components["schemas"]["Webhook"];
 export type Webhooks = components["schemas"]["Webhooks"];
 export type Work = components["schemas"]["Work"];
