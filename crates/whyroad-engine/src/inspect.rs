@@ -4,6 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata};
 use whyroad_model::messages::clip::ClipMetadata;
+use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::signal::is_deviation;
 use whyroad_model::{Drive, DriveId, FrameRange, Need, SignalTable};
@@ -30,6 +31,8 @@ pub struct DriveSummary {
     pub objects: BTreeMap<String, ObjectCount>,
     /// Features by kind.
     pub map: Option<BTreeMap<String, usize>>,
+    /// How much of each layer the map has.
+    pub map_layers: BTreeMap<MapLayer, LayerState>,
     /// Tables that the drive has.
     pub tables: Vec<&'static str>,
     /// What the log lacks.
@@ -152,6 +155,7 @@ impl DriveSummary {
             noise,
             objects: objects(&drive, frames),
             map: map(&drive),
+            map_layers: drive.map.as_ref().map(|m| m.layers.clone()).unwrap_or_default(),
             tables: tables(&drive),
             missing: meta.missing.clone(),
             signals,

@@ -2,6 +2,7 @@
 //! registered in `formats.rs`; the command line, the search for sources and the list of diagnostic codes follow from
 //! it.
 
+use crate::assemble::finish::finish;
 use crate::options::{OptionSpec, Options};
 use crate::report::SourceReport;
 use std::fmt;
@@ -141,8 +142,11 @@ impl<'a> DriveSink<'a> {
         (self.holds)(id, content_hash)
     }
 
-    /// Hands over a drive, or a report that says why there is none.
-    pub fn put(&mut self, (drive, report): (Option<Drive>, SourceReport)) {
+    /// Finishes a drive (what is common to all formats) and hands it over, or a report that says why there is none.
+    pub fn put(&mut self, (mut drive, mut report): (Option<Drive>, SourceReport)) {
+        if let Some(drive) = &mut drive {
+            report.diagnostics.extend(finish(drive));
+        }
         (self.each)(drive, report);
     }
 }

@@ -1,12 +1,15 @@
 //! What several adapters need to turn rows into scene tables: frames, maps, plausibility.
 
 pub mod angles;
+pub(crate) mod checks;
 pub(crate) mod feature_map;
+pub(crate) mod finish;
 pub(crate) mod frames;
 pub(crate) mod geodesy;
 pub(crate) mod geometry;
 pub(crate) mod junctions;
 pub(crate) mod lane_lights;
+pub(crate) mod layers;
 pub(crate) mod plausibility;
 pub(crate) mod resample;
 pub(crate) mod se3;

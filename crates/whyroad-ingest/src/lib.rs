@@ -30,6 +30,7 @@ pub fn codes() -> Vec<&'static str> {
         .chain(leftover::CODES)
         .chain(origin::CODES)
         .chain(source::CODES)
+        .chain(assemble::checks::CODES)
         .copied()
         .chain(of_adapters)
         .collect()

@@ -115,11 +115,6 @@ impl Table {
         self.batch.num_rows()
     }
 
-    /// True when the column is there.
-    pub fn has(&self, name: &str) -> bool {
-        self.batch.column_by_name(name).is_some()
-    }
-
     fn column(&self, name: &str) -> Result<&ArrayRef, LakeError> {
         self.batch
             .column_by_name(name)

@@ -1,6 +1,11 @@
 //! The road around a drive, in the drive's world frame. Geometry only; questions about it are signals.
 
+mod layers;
+
+pub use layers::{LayerState, MapLayer};
+
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A point in the world frame, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +38,9 @@ pub struct RoadMap {
     /// Kinds of signs and facilities and tags of lanes of which the map has all there are, ordered. Of any other a map
     /// without any is not a road without any.
     pub complete_for: Vec<String>,
+    /// How much of each layer the map has, as its adapter declares it. A layer that is not declared counts as complete:
+    /// maps made by hand are whole.
+    pub layers: BTreeMap<MapLayer, LayerState>,
 }
 
 /// One lane segment. Left and right are as seen when driving along it.
@@ -184,6 +192,16 @@ impl Lane {
 }
 
 impl RoadMap {
+    /// How much of `layer` the map has.
+    pub fn layer(&self, layer: MapLayer) -> LayerState {
+        self.layers.get(&layer).copied().unwrap_or(LayerState::Complete)
+    }
+
+    /// True when the map says something of `layer`.
+    pub fn has(&self, layer: MapLayer) -> bool {
+        self.layer(layer) != LayerState::Absent
+    }
+
     /// True if the map states where there are signs or facilities of `kind`: it has one, or states that it has all.
     pub fn tells(&self, kind: &str) -> bool {
         self.complete_for.iter().any(|k| k == kind)

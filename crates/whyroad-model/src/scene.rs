@@ -7,6 +7,9 @@
 //! that may be seen (`whyroad_signals::estimate`), after [`Drive::until`] has cut it.
 
 mod cut;
+mod driving_side;
+
+pub use driving_side::DrivingSide;
 
 use crate::{DriveId, FrameRange, Nanos, Need, ObjectClass, RoadMap, TrackId};
 use serde::{Deserialize, Serialize};

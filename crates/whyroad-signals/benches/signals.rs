@@ -69,7 +69,7 @@ fn main() {
     );
     let truth = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/truth");
     for (name, ego) in [("grid", "g18"), ("motorway", "m6")] {
-        let options = Options::default().with(&sumo::EGO, ego);
+        let options = Options::default().with(&sumo::EGO, ego).with(&sumo::SENSOR_RANGE, f64::INFINITY);
         let log = truth.join(name).join("fcd.xml.gz");
         let Some(drive) = sumo::read(&log, &options).0 else { continue };
         let reading = (0..rounds)

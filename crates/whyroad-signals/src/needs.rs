@@ -1,7 +1,7 @@
 //! What a log lacks of the parts that signals need.
 
 use std::collections::BTreeSet;
-use whyroad_model::road_map::{Lane, LaneMark};
+use whyroad_model::road_map::{Lane, LaneMark, MapLayer};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Drive, Need, ObjectClass};
@@ -39,8 +39,15 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
         missing.insert(Need::Visibility);
     }
     missing.extend(missing_of_road(drive));
+    missing.extend(missing_layers(drive));
     missing.extend(missing_context(drive));
     missing
+}
+
+/// Layers that the map does not have.
+fn missing_layers(drive: &Drive) -> impl Iterator<Item = Need> {
+    let absent = |layer: &MapLayer| drive.map.as_ref().is_some_and(|m| !m.has(*layer));
+    MapLayer::ALL.into_iter().filter(absent).filter_map(MapLayer::need)
 }
 
 /// What the map, the heights and the route lack.

@@ -31,7 +31,9 @@ struct Fault {
 fn lake(dir: &Path, folders: &[PathBuf]) -> Lake {
     let lake = Lake::create_or_open(dir.join("lake")).unwrap();
     for source in find_sources(None, folders).0 {
-        if let Some(drive) = read(&source, &Ingest::default()).0 {
+        // All of a simulation, not what a sensor sees of it.
+        let all = Ingest::default().with(&whyroad_ingest::sumo::SENSOR_RANGE, f64::INFINITY);
+        if let Some(drive) = read(&source, &all).0 {
             lake.write_drive(&drive).unwrap();
         }
     }

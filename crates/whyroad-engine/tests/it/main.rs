@@ -3,3 +3,4 @@
 
 mod incremental;
 mod label_checks;
+mod stage_one;

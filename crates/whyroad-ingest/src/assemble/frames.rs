@@ -6,9 +6,9 @@
 
 use crate::assemble::angles::{unwrapped, wrap_angle};
 use crate::assemble::plausibility::forget_impossible;
-use crate::assemble::resample::linear;
-use whyroad_model::ObjectClass;
+use crate::assemble::resample::{lags, linear};
 use whyroad_model::scene::{FRAME_RATE_HZ, Motion, Track};
+use whyroad_model::{Nanos, ObjectClass};
 
 /// A median step within this of 0.1 s is 10 Hz, s.
 const TOLERANCE_S: f64 = 0.01;
@@ -128,6 +128,11 @@ impl Sampled {
         Motion { z: at(&self.z), x, y, heading, vx, vy, forward, ..Motion::unknown(frames.len()) }
     }
 
+    /// How much later than each frame the latest measurement is on which the motion at it rests; see [`lags`].
+    pub fn lags(&self, frames: &[f64]) -> Vec<Nanos> {
+        lags(&self.times, frames)
+    }
+
     /// The object as a track: rows for the frames in which it is there. Also the number of rows whose speed cannot be.
     pub fn track_at(
         &self,
@@ -154,6 +159,7 @@ impl Sampled {
             width_m: at(&self.width),
             height_m: at(&self.height),
             interior_points: at(&self.points),
+            known_at: self.lags(&own),
             ..Track::default()
         };
         (track, impossible)

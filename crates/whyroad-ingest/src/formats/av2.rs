@@ -162,9 +162,13 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
     if at_axle {
         report.diagnostics.push(findings::box_at_axle(&label));
     }
-    let ego = with_pose.then(|| ego(&times, &posed, ego_box));
+    let mut ego = with_pose.then(|| ego(&times, &posed, ego_box));
     let mut unknown_categories = BTreeMap::new();
-    let tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
+    let mut tracks = tracks(&rows, &times, &posed, &mut unknown_categories, &label, report);
+    if let Some(poses) = &poses {
+        let lags: Vec<Nanos> = times.iter().map(|&t| Nanos(poses.lag(t))).collect();
+        state_lags(&lags, ego.as_mut(), &mut tracks);
+    }
     rows.count.keep("track", rows.objects.len());
     report.diagnostics.extend(findings::of_rows(&label, &rows, &unknown_categories));
     report.tables.insert(0, rows.count);
@@ -331,11 +335,17 @@ fn tracks(
         .into_iter()
         .map(|(id, mut cuboids)| {
             cuboids.sort_by_key(|c| c.time);
-            let category = &cuboids[0].category;
-            let class = classes::class_of(category).unwrap_or_else(|| {
-                *unknown_categories.entry(category.clone()).or_default() += cuboids.len();
-                Default::default()
-            });
+            let mut stated = Vec::with_capacity(cuboids.len());
+            for c in &cuboids {
+                let class = classes::class_of(&c.category).unwrap_or_else(|| {
+                    *unknown_categories.entry(c.category.clone()).or_default() += 1;
+                    Default::default()
+                });
+                stated.push((class, c.category.as_str()));
+            }
+            let mut track = Track::default();
+            track.state_classes(stated);
+            let class = track.class;
             let mut motion = Motion::unknown(cuboids.len());
             for (i, c) in cuboids.iter().enumerate() {
                 let (p, q) = match posed.get(&c.time) {
@@ -356,20 +366,29 @@ fn tracks(
             let frame_of = |t: i64| times.partition_point(|&x| x < t) as u32;
             Track {
                 id: TrackId::from(id),
-                class,
-                source_class: category.clone(),
                 frames: cuboids.iter().map(|c| frame_of(c.time)).collect(),
                 motion,
                 length_m: cuboids.iter().map(|c| c.size[0]).collect(),
                 width_m: cuboids.iter().map(|c| c.size[1]).collect(),
                 height_m: cuboids.iter().map(|c| c.size[2]).collect(),
                 interior_points: cuboids.iter().map(|c| c.points).collect(),
-                ..Track::default()
+                ..track
             }
         })
         .collect();
     report.diagnostics.extend(impossible_speeds(label, &impossible));
     tracks
+}
+
+/// States how much later than their frames rows were known that were placed by a pose between two of the log's.
+fn state_lags(lags: &[Nanos], ego: Option<&mut Ego>, tracks: &mut [Track]) {
+    if lags.iter().all(|lag| lag.0 == 0) {
+        return;
+    }
+    ego.into_iter().for_each(|e| e.known_at = lags.to_vec());
+    for track in tracks {
+        track.known_at = track.frames.iter().map(|&f| lags[f as usize]).collect();
+    }
 }
 
 /// Names and times of camera pictures, where the log has them: `sensors/cameras/<camera>/<timestamp_ns>.jpg`.

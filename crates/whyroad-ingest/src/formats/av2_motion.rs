@@ -177,6 +177,7 @@ fn ego(samples: &Sampled, frames: &[f64]) -> Ego {
         height_m: FORD_FUSION.height_m,
         reference_to_centre_m: 0.0,
         motion: samples.motion_at(frames, MAX_GAP_S),
+        known_at: samples.lags(frames),
         ..Ego::default()
     }
 }

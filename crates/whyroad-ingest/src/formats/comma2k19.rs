@@ -191,6 +191,7 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             reference_to_centre_m: motion::CAMERA_TO_CENTRE_M,
             motion,
             bus,
+            known_at: crate::assemble::resample::lags(&recording.pose.times, &frames),
             ..Ego::default()
         }),
         tracks,

@@ -307,6 +307,7 @@ fn ego(poses: &[EgoRow], times: &[f64], frames: &[f64], mapping: &Mapping) -> Eg
         height_m: mapping.ego.height_m.unwrap_or(f64::NAN),
         reference_to_centre_m: reference,
         motion: sampled.motion_at(frames, EGO_GAP_S),
+        known_at: sampled.lags(frames),
         ..Ego::default()
     }
 }

@@ -152,7 +152,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
         return None;
     }
     report.diagnostics.push(resampled(&label, keyframes[1] - keyframes[0]));
-    let motion = ego_motion(t, &frames, zero, report);
+    let (motion, known_at) = ego_motion(t, &frames, zero, report);
     let tracks = tracks(t, &frames, zero, &label, report);
     let root = set.parent().unwrap_or(set);
     let mut hash = ContentHash::new("nuscenes", REVISION);
@@ -190,7 +190,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
             ..DriveMeta::default()
         },
         times: frames.iter().map(|&s| Nanos(zero * 1000).plus_secs(s)).collect(),
-        ego: Some(ego(motion, bus)),
+        ego: Some(Ego { known_at, ..ego(motion, bus) }),
         tracks,
         map,
         lights: None,
@@ -220,7 +220,8 @@ fn add_rows(hash: &mut ContentHash, t: &SceneTables) {
     pictures.iter().for_each(|p| hash.add("data", p.as_bytes()));
 }
 
-fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceReport) -> Motion {
+/// Motion at the frames, and how much later than each it was known.
+fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceReport) -> (Motion, Vec<Nanos>) {
     let mut count = RowCount::new("ego_pose");
     let mut sampled = Sampled::default();
     for p in &t.poses {
@@ -244,7 +245,7 @@ fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceRep
         }
     }
     report.tables.push(count);
-    sampled.motion_at(frames, MAX_POSE_GAP_S)
+    (sampled.motion_at(frames, MAX_POSE_GAP_S), sampled.lags(frames))
 }
 
 fn ego(motion: Motion, bus: EgoBus) -> Ego {

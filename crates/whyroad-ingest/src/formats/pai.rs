@@ -191,6 +191,7 @@ fn read_clip(tree: &mut Tree, clip: &Clip, options: &Options, report: &mut Sourc
             height_m: shape.map_or(f64::NAN, |s| s.height_m),
             reference_to_centre_m: centre[0],
             motion,
+            known_at: poses.lags(&frames_us),
             ..Ego::default()
         }),
         tracks: tracks.unwrap_or_default(),

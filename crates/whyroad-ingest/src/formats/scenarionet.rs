@@ -153,6 +153,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         height_m: median(&e.height),
         reference_to_centre_m: 0.0,
         motion: e.motion_at(&frames.seconds, MAX_GAP_S),
+        known_at: e.lags(&frames.seconds),
         ..Ego::default()
     });
 

@@ -215,6 +215,7 @@ fn objects(
                     height_m: median(&object.height),
                     reference_to_centre_m: 0.0,
                     motion: object.motion_at(&frames.seconds, MAX_GAP_S),
+                    known_at: object.lags(&frames.seconds),
                     ..Ego::default()
                 });
             }

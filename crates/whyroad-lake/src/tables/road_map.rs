@@ -7,7 +7,7 @@ use crate::tables::states::text_at;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 
-/// Order of the features; the rows of `complete_for`, which are about the map and no feature of it, come last.
+/// Order of the features; the rows of `complete_for` and `layer`, which are about the map and no feature of it, come last.
 pub(crate) const ROW_ORDER: &str = "lane,crosswalk,junction,drivable_area,stop_line,sign,facility; id";
 
 /// One row, of whatever feature.
@@ -68,6 +68,14 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         id: kind,
         ..Row::default()
     }));
+    let layers: Vec<(String, String)> =
+        map.layers.iter().map(|(layer, state)| (member_name(layer), member_name(state))).collect();
+    rows.extend(layers.iter().map(|(layer, state)| Row {
+        feature: "layer",
+        id: layer,
+        purpose: Some(state),
+        ..Row::default()
+    }));
     let lanes = || rows.iter().map(|r| r.lane);
     let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
     TableBuilder::default()
@@ -107,8 +115,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
     let in_junction = t.flags("in_junction")?;
     let (limits, widths) = (t.numbers("speed_limit_mps")?, t.numbers("width_m")?);
     let junctions = t.texts_or_null("junction_id")?;
-    // Lakes written before lanes had tags.
-    let tags = if t.has("tags") { t.text_lists("tags")? } else { vec![Vec::new(); t.rows()] };
+    let tags = t.text_lists("tags")?;
     let known = |v: f64| (!v.is_nan()).then_some(v);
 
     let mut map = RoadMap::default();
@@ -151,6 +158,10 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
             }),
             "facility" => map.facilities.push(Facility { id, kind: purpose(), boundary }),
             "complete_for" => map.complete_for.push(id),
+            "layer" => {
+                let (layer, state) = (t.member("id", &id)?, t.member("purpose", &purpose())?);
+                map.layers.insert(layer, state);
+            }
             other => return Err(LakeError::broken(&t.path, format!("'{other}' is not a map feature"))),
         }
     }

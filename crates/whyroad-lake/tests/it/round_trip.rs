@@ -3,7 +3,9 @@
 use proptest::prelude::*;
 use std::fs;
 use whyroad_lake::{Lake, LakeError, WriteOutcome};
-use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, LaneMark, Point3, Sign, StopLine, TurnKind};
+use whyroad_model::road_map::{
+    Area, Facility, Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3, Sign, StopLine, TurnKind,
+};
 use whyroad_model::scene::{
     ContextState, DriveMeta, Ego, EgoBus, FrameOfReference, LightColour, LightState, MediaFrame, Motion,
     Track, TurnSignal,
@@ -201,6 +203,7 @@ fn road_map() -> impl Strategy<Value = RoadMap> {
                 }],
                 facilities: vec![Facility { id: "f".into(), kind: kind.clone(), boundary: boundary.clone() }],
                 complete_for: vec![kind],
+                layers: MapLayer::ALL.into_iter().zip([LayerState::Complete, LayerState::Derived]).collect(),
             }
         })
 }

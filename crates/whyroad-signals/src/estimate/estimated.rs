@@ -40,7 +40,7 @@ pub struct Estimated<'a> {
     pub ego: Option<Deviations>,
     /// Of each track's states; `None` where they are exact.
     pub tracks: Vec<Option<Deviations>>,
-    /// Of each track, the frames in which it was not observed.
+    /// Of each track, the frames between two observations in which it was not observed.
     pub bridged: Vec<Vec<u32>>,
     /// Later ids of objects whose ids broke, with the id that the object keeps.
     pub joined: Joined,
@@ -142,13 +142,7 @@ pub fn estimated(drive: &Drive) -> Estimated<'_> {
             keep_rows(&mut smoothed.motion, &mut states.sd, &exact, &measured.source);
         }
         forget_impossible(track.class, &mut smoothed.motion);
-        out.bridged[i] = measured
-            .frames
-            .iter()
-            .zip(&measured.source)
-            .filter(|(_, source)| source.is_none())
-            .map(|(frame, _)| *frame)
-            .collect();
+        out.bridged[i] = measured.bridged();
         out.tracks[i] = Some(states.sd);
         estimated.push(smoothed);
     }
@@ -198,8 +192,16 @@ fn of_the_ego(ego: &Ego, measured: &Measured, noise: &LogNoise) -> (Ego, Option<
         complete_motion(&mut exact.motion, &measured.times, &lengths, ObjectClass::Car);
         return (exact, None);
     }
-    let states = states_of(measured, model_of(ObjectClass::Car, &lengths), noise);
+    let mut states = states_of(measured, model_of(ObjectClass::Car, &lengths), noise);
     let mut motion = motion_of(&states, measured, &ego.motion);
+    if noise.is_negligible() && measured.x.iter().zip(&ego.motion.x).all(|(x, given)| x.is_nan() == given.is_nan()) {
+        // Only what the log lacks is estimated.
+        let mut exact = ego.motion.clone();
+        complete_motion(&mut exact, &measured.times, &lengths, ObjectClass::Car);
+        let known = |(x, source): (&f64, &Option<usize>)| source.filter(|_| x.is_finite());
+        let source: Vec<Option<usize>> = measured.x.iter().zip(&measured.source).map(known).collect();
+        keep_rows(&mut motion, &mut states.sd, &exact, &source);
+    }
     forget_impossible(ObjectClass::Car, &mut motion);
     (Ego { motion, known_at: Vec::new(), ..ego.clone() }, Some(states.sd))
 }

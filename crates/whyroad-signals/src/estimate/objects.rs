@@ -1,12 +1,21 @@
 //! From a drive's rows to what the smoother takes and back: the rows of one object on the frames of the drive, with
 //! those between left open for what was not measured (lost rows, rows that the log's lower rate made ingest
-//! interpolate), cut where the object was away for long.
+//! interpolate), cut where the object was away for long. A drive that was cut between two measurements lacks the rows
+//! that rest on the later one; they are left open too, until that measurement is due.
 
 use super::noise::Rows;
 use super::smoother::{Deviations, States};
 use std::ops::Range;
 use whyroad_model::scene::{ClassChange, Motion, Track};
 use whyroad_model::{Nanos, TrackId};
+
+/// A frame, with the jitter of real logs, s.
+const FRAME_S: f64 = 0.11;
+/// A little less than a frame: the frame of the next measurement is not one to predict, s.
+const UNDER_A_FRAME_S: f64 = 0.09;
+
+/// Rows that were known within this rest on the same measurement: sums of tenths are not exact, ns.
+const SAME_NS: i64 = 1_000;
 
 /// Rows of one object on consecutive frames; NaN where nothing was measured.
 #[derive(Clone, Debug, Default)]
@@ -85,7 +94,34 @@ impl Measured {
             }
             out.push(frame, Some(row), seconds, motion, is_measured(row, frame, known_at, times));
         }
+        out.leave_open_what_is_due(frames, motion, known_at, times, seconds);
         out
+    }
+
+    /// Adds the last frames of the drive when what was measured there is not known yet.
+    fn leave_open_what_is_due(
+        &mut self,
+        frames: &[u32],
+        motion: &Motion,
+        known_at: &[Nanos],
+        times: &[Nanos],
+        seconds: &[f64],
+    ) {
+        let (Some(&end), Some(last)) = (frames.last(), times.len().checked_sub(1)) else { return };
+        let late = |(at, f): (&Nanos, &u32)| at.seconds_since(times[*f as usize]);
+        let late = known_at.iter().zip(frames).map(late).fold(0.0, f64::max);
+        if late > 0.0 && seconds[last] - seconds[end as usize] <= (late + UNDER_A_FRAME_S).max(FRAME_S) {
+            for frame in end + 1..=last as u32 {
+                self.push(frame, None, seconds, motion, false);
+            }
+        }
+    }
+
+    /// The frames without a row of the source between two that have one.
+    pub fn bridged(&self) -> Vec<u32> {
+        let end = self.source.iter().rposition(Option::is_some).unwrap_or(0);
+        let rows = self.frames.iter().zip(&self.source).take(end);
+        rows.filter(|(_, source)| source.is_none()).map(|(frame, _)| *frame).collect()
     }
 
     fn push(&mut self, frame: u32, row: Option<usize>, seconds: &[f64], m: &Motion, measured: bool) {
@@ -122,7 +158,9 @@ impl Measured {
 /// fall on frames, the last row before a sample is the nearest to it and stands for it.
 fn is_measured(row: usize, frame: u32, known_at: &[Nanos], times: &[Nanos]) -> bool {
     match known_at.get(row) {
-        Some(at) if *at > times[frame as usize] => known_at.get(row + 1).is_none_or(|next| next != at),
+        Some(at) if *at > times[frame as usize] => {
+            known_at.get(row + 1).is_none_or(|next| next.0 - at.0 > SAME_NS)
+        }
         _ => true,
     }
 }
@@ -151,7 +189,7 @@ pub(super) fn motion_of(states: &States, measured: &Measured, given: &Motion) ->
     out
 }
 
-/// A column of the source on the rows, between them linearly.
+/// A column of the source on the rows, between them linearly, after the last one as there.
 pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
     let n = measured.frames.len();
     if given.is_empty() {
@@ -170,6 +208,10 @@ pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
             }
         }
         last = Some(i);
+    }
+    if let Some(a) = last {
+        let value = out[a];
+        out[a + 1..].fill(value);
     }
     out
 }

@@ -119,3 +119,20 @@ fn a_cut_drive_is_estimated_from_itself_alone() {
     let seen = |d: &Drive| format!("{:?}", estimate(&d.until_frame(11)).ego);
     assert_eq!(seen(&steady), seen(&brakes));
 }
+
+#[test]
+fn what_was_cut_between_two_measurements_is_predicted_until_the_next_is_due() {
+    // Measured every half second and interpolated in between: 10 m/s, the object 20 m ahead.
+    let known_at: Vec<Nanos> = (0..20_i64).map(|i| Nanos((i + 4) / 5 * 500_000_000)).collect();
+    let mut object = track("a", ObjectClass::Car, along(|t| 20.0 + 10.0 * t));
+    object.known_at = known_at.clone();
+    let mut log = drive(along(|t| 10.0 * t), vec![object]);
+    log.ego.as_mut().unwrap().known_at = known_at;
+    let cut = log.until_frame(9);
+    assert_eq!((cut.tracks[0].frames.len(), cut.ego.as_ref().unwrap().motion.x[8].is_nan()), (6, true));
+    let full = estimate(&cut).into_owned();
+    let (ego, a) = (&full.ego.unwrap().motion, &full.tracks[0]);
+    assert!(close(ego.x[8], 8.0) && close(ego.vx[8], 10.0));
+    assert_eq!((a.frames.len(), a.length_m.len(), a.motion.len()), (9, 9, 9));
+    assert!(close(a.motion.x[8], 28.0));
+}

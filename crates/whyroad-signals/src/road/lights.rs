@@ -6,7 +6,7 @@ use crate::geometry::p2;
 use crate::road::ego_lane::{EgoLane, OnCorridor};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::catalogue::{id, value};
 use whyroad_model::scene::{LightColour, LightState};
 use whyroad_model::{Nanos, RoadMap};
@@ -57,6 +57,8 @@ impl Shown {
 struct Lights<'a> {
     by_lane: BTreeMap<&'a str, Vec<&'a LightState>>,
     stop_lines: BTreeMap<&'a str, crate::geometry::P2>,
+    /// Lanes that stop at a line for no sign: they have a light, whether or not the log has its states.
+    lit: BTreeSet<&'a str>,
 }
 
 impl<'a> Lights<'a> {
@@ -71,7 +73,14 @@ impl<'a> Lights<'a> {
             let middle = line.line.iter().fold(p2(0.0, 0.0), |acc, p| acc + p2(p.x, p.y) * (1.0 / n));
             stop_lines.extend(line.lane_ids.iter().map(|id| (id.as_str(), middle)));
         }
-        Self { by_lane, stop_lines }
+        let signed: BTreeSet<&str> = map
+            .signs
+            .iter()
+            .filter(|s| matches!(s.kind.as_str(), "stop" | "yield"))
+            .flat_map(|s| s.lane_ids.iter().map(String::as_str))
+            .collect();
+        let lit = stop_lines.keys().copied().filter(|lane| !signed.contains(lane)).collect();
+        Self { by_lane, stop_lines, lit }
     }
 
     /// The latest state at `time` of the light on `lane` that concerns a way over the lanes `onward`, with its history.
@@ -95,7 +104,7 @@ impl<'a> Lights<'a> {
         for (k, &(lane, start)) in chain.iter().enumerate() {
             let id = road.lanes[lane].id.as_str();
             let end = on.corridor.lane_end(k);
-            if end < on.s || !self.by_lane.contains_key(id) {
+            if end < on.s || !(self.by_lane.contains_key(id) || self.lit.contains(id)) {
                 continue;
             }
             // A light on a junction's lane is met at its beginning, one on an approach at its end.

@@ -8,7 +8,9 @@ use whyroad_model::Tri::{False, True};
 fn drive(name: &str) -> Table {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives").join(name);
     let (sources, _) = find_sources(None, &[folder]);
-    Table::of(&read(&sources[0], &Options::default()).0.unwrap())
+    // All of the simulation, not what a sensor sees of it.
+    let options = Options::default().with(&whyroad_ingest::sumo::SENSOR_RANGE, f64::INFINITY);
+    Table::of(&read(&sources[0], &options).0.unwrap())
 }
 
 #[test]

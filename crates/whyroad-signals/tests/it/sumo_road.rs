@@ -79,7 +79,9 @@ fn compare(name: &str, tally: &mut Tally) {
     let mut egos: Vec<String> = rows.iter().map(|r| r.ego.clone()).collect();
     egos.dedup();
     for ego in egos {
-        let options = Options::default().with(&whyroad_ingest::sumo::EGO, ego.as_str());
+        let options = Options::default()
+            .with(&whyroad_ingest::sumo::EGO, ego.as_str())
+            .with(&whyroad_ingest::sumo::SENSOR_RANGE, f64::INFINITY);
         let (sources, _) = find_sources(None, &[folder(name)]);
         let drive = read(&sources[0], &options).0.unwrap();
         let t = Table::of(&drive);

@@ -126,6 +126,7 @@ fn label(key: &str, lang: Lang) -> String {
         "rows" => ("行", "rows"),
         "frames" => ("帧", "frames"),
         "map" => ("地图", "map"),
+        "map layers" => ("地图图层", "map layers"),
         "tables" => ("数据表", "tables"),
         "missing" => ("日志中没有", "not in the log"),
         "signals" => ("信号", "signals"),
@@ -191,6 +192,12 @@ fn drive_text(s: &DriveSummary, in_detail: bool, lang: Lang) -> String {
     }
     if let Some(map) = &s.map {
         out += &format!("  {}: {}\n", l("map"), counts_text(map, lang));
+        let layers = s.map_layers.iter();
+        let layers: Vec<String> =
+            layers.map(|(of, state)| format!("{} {}", of.name().get(lang), state.name().get(lang))).collect();
+        if !layers.is_empty() {
+            out += &wrapped(&format!("  {}: {}", l("map layers"), layers.join(", ")), 4);
+        }
     }
     out += &format!("  {}: {}\n", l("tables"), s.tables.join(", "));
     if !s.missing.is_empty() {

@@ -33,6 +33,7 @@ mod recorded;
 mod robustness;
 mod rules;
 mod signals;
+mod stage_one;
 mod tasks;
 mod taxonomy;
 mod taxonomy_framework;

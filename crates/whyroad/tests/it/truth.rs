@@ -67,6 +67,10 @@ fn words(words: &[&str]) -> Vec<String> {
 fn ingest(drive: &Path, lake: &str) {
     let format = if drive.join("fcd.xml.gz").is_file() { "sumo" } else { "table" };
     let mut args = words(&["ingest", format, "--lake", lake]);
+    if format == "sumo" {
+        // The truth is about all that the simulation knows, not about what a sensor sees of it.
+        args.extend(words(&["--sensor-range", "inf"]));
+    }
     if let Ok(egos) = std::fs::read_to_string(drive.join("egos.txt")) {
         args.extend(egos.split_whitespace().flat_map(|e| words(&["--ego", e])));
     }

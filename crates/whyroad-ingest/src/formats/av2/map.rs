@@ -6,7 +6,7 @@
 //! other end. Maps are local crops: ids of lanes beyond the border are kept, though no such lane is there.
 
 use crate::assemble::geometry::{between, centre_line, edges_oppose};
-use crate::assemble::junctions;
+use crate::assemble::{junctions, layers};
 use crate::report::RowCount;
 use geo::{ConvexHull, Coord, LineString, MultiPoint, Point};
 use serde::Deserialize;
@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::HashMap;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, Point3};
+use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3};
 
 /// A link to a lane that is not there is put down to the map's border when the lane ends this near to it, m.
 const BORDER_M: f64 = 25.0;
@@ -103,6 +103,15 @@ pub(super) fn read(text: &str) -> Result<MapReading, String> {
     r.map.lanes.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.drivable_areas.sort_by(|a, b| a.id.cmp(&b.id));
+    // AV2's maps have all lanes, crossings and paint around a drive; limits, lights, stop lines and ramps they never have.
+    let complete = [
+        MapLayer::Connections,
+        MapLayer::Junctions,
+        MapLayer::Crosswalks,
+        MapLayer::Marks,
+        MapLayer::Heights,
+    ];
+    layers::declare(&mut r.map, &complete.map(|layer| (layer, LayerState::Complete)));
     r.dangling = dangling_links(&r.map.lanes);
     r.completed_links = complete_links(&mut r.map.lanes);
     junctions::add(&mut r.map);

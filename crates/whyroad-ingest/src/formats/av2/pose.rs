@@ -38,6 +38,12 @@ pub(super) fn read(file: &Columns) -> Result<(PoseTrack, RowCount, bool), String
 }
 
 impl PoseTrack {
+    /// How much later than `time` the pose is on which [`PoseTrack::at`] rests, ns.
+    pub fn lag(&self, time: i64) -> i64 {
+        let next = self.times.partition_point(|&t| t < time);
+        self.times.get(next).map_or(0, |t| t - time)
+    }
+
     /// The pose at `time`: the log's own when it has one at that nanosecond, else between its two neighbours.
     /// `None` outside the log and inside a gap. Neighbours 1 ns apart, which AV2 has, do no harm: nothing is divided by
     /// less.

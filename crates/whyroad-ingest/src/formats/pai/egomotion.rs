@@ -1,10 +1,11 @@
 //! `egomotion`: poses of the rig (rear axle, on the ground) in the rig's own frame at the clip's start, about 100 Hz.
 //! Times are microseconds from the clip's start; the first ones may be negative.
 
-use crate::assemble::resample::{MAX_GAP_S, linear};
+use crate::assemble::resample::{MAX_GAP_S, lags, linear};
 use crate::assemble::se3::{self, Se3, unit};
 use crate::encodings::columns::Columns;
 use crate::report::RowCount;
+use whyroad_model::Nanos;
 use whyroad_model::scene::Motion;
 
 /// Step of the frames, us.
@@ -72,6 +73,12 @@ impl PoseTrack {
         let (Some(&first), Some(&last)) = (self.times.first(), self.times.last()) else { return Vec::new() };
         let tenth = -(-first).div_euclid(FRAME_US);
         (tenth..=last.div_euclid(FRAME_US)).map(|i| i * FRAME_US).filter(|&t| self.at(t).is_some()).collect()
+    }
+
+    /// How much later than each frame (us) the latest pose is on which its motion rests.
+    pub fn lags(&self, frames: &[i64]) -> Vec<Nanos> {
+        let seconds = |times: &[i64]| times.iter().map(|&t| t as f64 / 1e6).collect::<Vec<_>>();
+        lags(&seconds(&self.times), &seconds(frames))
     }
 
     /// Motion of the point `centre` (in the rig, m) at the frames (us), which are those of [`PoseTrack::frames`]. False

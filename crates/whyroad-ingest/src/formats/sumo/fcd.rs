@@ -27,6 +27,8 @@ pub(super) struct Sample {
     pub speed: f64,
     /// m/s2; NaN when not written.
     pub accel: f64,
+    /// How much later the sample is from which this one was interpolated, ns; 0 for the log's own.
+    pub lag: i64,
     /// Bits of SUMO's `signals`.
     pub signals: Option<u32>,
     /// The generic parameter `whyroad.aeb` (`--fcd-output.params whyroad.aeb`): emergency braking is active.
@@ -138,6 +140,7 @@ impl Fcd {
             heading: wrap_angle(FRAC_PI_2 - angle.to_radians()),
             speed: number("speed").unwrap_or(f64::NAN),
             accel: number("acceleration").unwrap_or(f64::NAN),
+            lag: 0,
             signals: get("signals").and_then(|s| s.trim().parse().ok()),
             aeb: get("whyroad.aeb").and_then(|s| match s.trim() {
                 "1" | "true" => Some(true),

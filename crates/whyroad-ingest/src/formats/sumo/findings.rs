@@ -19,7 +19,9 @@ pub(crate) const CODES: &[&str] = &[
     "sumo.net.unreadable",
     "sumo.net.invalid",
     "sumo.net.dangling",
+    "sumo.net.ambiguous",
     "sumo.lights.unreadable",
+    "sumo.lights.ambiguous",
     "sumo.shapes.unreadable",
 ];
 
@@ -161,6 +163,28 @@ pub(super) fn net_missing(place: &str) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new("用 `--net FILE` 指定", "name it with `--net FILE`"))
+    .in_file(place)
+}
+
+/// Several files could be the log's network or light states.
+pub(super) fn ambiguous(
+    code: &'static str,
+    option: &str,
+    place: &str,
+    files: &[std::path::PathBuf],
+) -> Diagnostic {
+    let names: Vec<String> = files.iter().map(|p| crate::source::file_label(p)).collect();
+    let names = names.join(", ");
+    Diagnostic::error(
+        code,
+        text(
+            format!("无法确定属于此行程的文件，有多个候选：{names}；均未使用"),
+            format!(
+                "several files could belong to this drive, and no name says which: {names}; none is used"
+            ),
+        ),
+    )
+    .with_hint(text(format!("用 `{option} FILE` 指定"), format!("name it with `{option} FILE`")))
     .in_file(place)
 }
 

@@ -68,6 +68,7 @@ pub(super) fn at(samples: &[Sample], time: i64) -> Option<Sample> {
         heading: wrap_angle(a.heading + wrap_angle(b.heading - a.heading) * share),
         speed: mix(a.speed, b.speed),
         accel: mix(a.accel, b.accel),
+        lag: b.time - time,
         signals: a.signals,
         aeb: a.aeb,
     })
@@ -87,6 +88,7 @@ mod tests {
             heading: if i % 2 == 0 { 3.1 } else { -3.1 },
             speed: 10.0,
             accel: 0.0,
+            lag: 0,
             signals: None,
             aeb: None,
         };

@@ -1,6 +1,6 @@
 //! The files beside an FCD: vehicle types, the network, light states; found by name or named by the user.
 
-use super::naming::{beside, run_name};
+use super::naming::{Companion, beside, companion, run_name};
 use super::net::{self, LightLink};
 use super::options::{LIGHTS, NET, TYPES};
 use super::vehicle_types::VehicleTypes;
@@ -48,11 +48,18 @@ pub(super) fn read_net(
     hash: &mut ContentHash,
     report: &mut SourceReport,
 ) -> Option<NetParts> {
-    let Some(file) =
-        options.file(&NET).map(Path::to_owned).or_else(|| beside(fcd, &["net"]).into_iter().next())
-    else {
-        report.diagnostics.push(findings::net_missing(&fcd.display().to_string()));
-        return None;
+    let place = fcd.display().to_string();
+    let found = options.file(&NET).map_or_else(|| companion(fcd, "net"), |p| Companion::File(p.to_owned()));
+    let file = match found {
+        Companion::File(file) => file,
+        Companion::None => {
+            report.diagnostics.push(findings::net_missing(&place));
+            return None;
+        }
+        Companion::Several(files) => {
+            report.diagnostics.push(findings::ambiguous("sumo.net.ambiguous", "--net", &place, &files));
+            return None;
+        }
     };
     let label = file.display().to_string();
     add_file(hash, &file);
@@ -98,10 +105,18 @@ pub(super) fn read_lights(
     hash: &mut ContentHash,
     report: &mut SourceReport,
 ) -> Option<Vec<LightState>> {
-    let file = options
-        .file(&LIGHTS)
-        .map(Path::to_owned)
-        .or_else(|| beside(fcd, &["tls"]).into_iter().find(|p| p.parent() == fcd.parent()))?;
+    let found =
+        options.file(&LIGHTS).map_or_else(|| companion(fcd, "tls"), |p| Companion::File(p.to_owned()));
+    let file = match found {
+        // In the folder above lie those of other runs.
+        Companion::File(file) if options.is_set(&LIGHTS) || file.parent() == fcd.parent() => file,
+        Companion::Several(files) if files.iter().any(|p| p.parent() == fcd.parent()) => {
+            let place = fcd.display().to_string();
+            report.diagnostics.push(findings::ambiguous("sumo.lights.ambiguous", "--lights", &place, &files));
+            return None;
+        }
+        _ => return None,
+    };
     add_file(hash, &file);
     match lights::read(&file, links, options.start()) {
         Ok(states) => Some(states),

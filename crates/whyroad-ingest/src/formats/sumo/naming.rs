@@ -39,3 +39,80 @@ pub(super) fn run_name(path: &Path) -> String {
     let folder = path.canonicalize().ok().and_then(|p| Some(file_label(p.parent()?)));
     if stem.eq_ignore_ascii_case("fcd") { folder.unwrap_or(stem) } else { stem }
 }
+
+/// A file that belongs to a log.
+#[derive(Debug, PartialEq)]
+pub(super) enum Companion {
+    None,
+    File(PathBuf),
+    /// Several could be meant, and no name says which.
+    Several(Vec<PathBuf>),
+}
+
+/// The name without endings and without the parts that say what the file is: `town` of `town_fcd.xml.gz`.
+fn base(path: &Path) -> String {
+    let name = file_label(path).to_lowercase();
+    let stem = without_ending(&name);
+    let stem = stem.strip_suffix(".xml").or_else(|| stem.strip_suffix(".csv")).unwrap_or(stem);
+    let parts = stem.split(['.', '_', '-']).filter(|p| !["fcd", "net", "tls", "lights"].contains(p));
+    parts.collect::<Vec<_>>().join(".")
+}
+
+/// The file named `word` that belongs to `fcd`: of the same name; else the one whose name begins that of the log; else
+/// the only one. What lies beside the log goes before what lies in the folder above.
+pub(super) fn companion(fcd: &Path, word: &str) -> Companion {
+    let own = base(fcd);
+    let found = beside(fcd, &[word]);
+    let (beside, above): (Vec<PathBuf>, Vec<PathBuf>) =
+        found.into_iter().partition(|p| p.parent() == fcd.parent());
+    for files in [beside, above] {
+        let begins = |p: &PathBuf| {
+            let name = base(p);
+            !name.is_empty() && (own == name || own.starts_with(&format!("{name}.")))
+        };
+        let longest = files.iter().filter(|p| begins(p)).map(|p| base(p).len()).max();
+        let mut named: Vec<PathBuf> =
+            files.iter().filter(|p| begins(p) && Some(base(p).len()) == longest).cloned().collect();
+        if named.is_empty() {
+            named = files;
+        }
+        match named.len() {
+            0 => {}
+            1 => return Companion::File(named.swap_remove(0)),
+            _ => return Companion::Several(named),
+        }
+    }
+    Companion::None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chosen(files: &[&str], fcd: &str, word: &str) -> Option<String> {
+        let dir = tempfile::tempdir().unwrap();
+        for file in files {
+            let path = dir.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "").unwrap();
+        }
+        match companion(&dir.path().join(fcd), word) {
+            Companion::None => Some("none".into()),
+            Companion::File(path) => Some(file_label(&path)),
+            Companion::Several(_) => None,
+        }
+    }
+
+    #[test]
+    fn the_network_of_the_same_name_is_taken_and_two_others_are_refused() {
+        let nets = ["runs/town.net.xml", "runs/motorway.net.xml.gz", "runs/x.fcd.xml"];
+        assert_eq!(chosen(&nets, "runs/town.fcd.xml", "net").as_deref(), Some("town.net.xml"));
+        assert_eq!(chosen(&nets, "runs/town_2.fcd.xml.gz", "net").as_deref(), Some("town.net.xml"));
+        assert_eq!(chosen(&nets, "runs/motorway_fcd.csv", "net").as_deref(), Some("motorway.net.xml.gz"));
+        assert_eq!(chosen(&nets, "runs/x.fcd.xml", "net"), None, "either could be meant");
+        assert_eq!(chosen(&["a/fcd.xml", "net.xml"], "a/fcd.xml", "net").as_deref(), Some("net.xml"));
+        assert_eq!(chosen(&["a/fcd.xml"], "a/fcd.xml", "net").as_deref(), Some("none"));
+        let beside_first = ["a/one.net.xml", "two.net.xml", "a/fcd.xml"];
+        assert_eq!(chosen(&beside_first, "a/fcd.xml", "net").as_deref(), Some("one.net.xml"));
+    }
+}

@@ -10,12 +10,15 @@ use super::border::Border;
 use super::edge::Edge;
 use super::{ramps, roundabouts};
 use crate::assemble::geometry::{beside, between, distance};
+use crate::assemble::layers;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
 use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 use whyroad_model::RoadMap;
-use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, Point3, StopLine, TurnKind};
+use whyroad_model::road_map::{
+    Area, Facility, Lane, LaneKind, LayerState, MapLayer, Point3, StopLine, TurnKind,
+};
 
 /// SUMO's width of a lane that states none, m.
 const DEFAULT_WIDTH_M: f64 = 3.2;
@@ -264,7 +267,11 @@ fn assemble(raw: Raw, net: &mut Net) {
     }
     let outside: Vec<&Vec<String>> =
         edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
+    let typed_ramps = lanes.values().any(|l| l.is_tagged("ramp") || l.is_tagged("acceleration"));
     ramps::tag_feeders(&outside, &mut lanes);
+    if !typed_ramps {
+        ramps::tag_branches(&branches(&edges), &mut lanes);
+    }
     ramps::tag_joints(&mut lanes);
     let exits = border.exits();
     for edge in edges.values().filter(|e| e.function.is_empty() && exits.contains(&e.to.as_str())) {
@@ -303,6 +310,17 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
+    // A network has what its vehicles obey. Crossings are often left out, paint always.
+    let complete = [MapLayer::Connections, MapLayer::Junctions, MapLayer::Lights, MapLayer::SpeedLimits];
+    let mut stated = complete.map(|layer| (layer, LayerState::Complete)).to_vec();
+    stated.push((MapLayer::Ramps, if typed_ramps { LayerState::Complete } else { LayerState::Derived }));
+    layers::declare(&mut net.map, &stated);
+}
+
+/// Edges outside junctions as [`ramps::tag_branches`] asks for them.
+fn branches(edges: &BTreeMap<String, Edge>) -> Vec<ramps::Branch<'_>> {
+    let outside = edges.values().filter(|e| e.function.is_empty() && !e.lanes.is_empty());
+    outside.map(|e| ramps::Branch { from: &e.from, to: &e.to, lanes: &e.lanes }).collect()
 }
 
 fn set(lanes: &mut BTreeMap<String, Lane>, id: &str, change: impl FnOnce(&mut Lane)) {

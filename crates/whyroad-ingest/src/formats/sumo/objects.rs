@@ -7,8 +7,8 @@ use crate::assemble::angles::wrap_angle;
 use crate::assemble::plausibility::forget_impossible;
 use crate::assemble::resample::MAX_GAP_S;
 use std::collections::BTreeMap;
-use whyroad_model::TrackId;
 use whyroad_model::scene::{Ego, EgoBus, Motion, Track, TurnSignal};
+use whyroad_model::{Nanos, TrackId};
 
 /// A sideways step of more than this in 0.1 s is a jump, not a motion, m.
 const MAX_SIDE_STEP_M: f64 = 1.0;
@@ -34,6 +34,14 @@ impl Notes {
 pub(super) fn samples_at(object: &Object, times: &[i64]) -> Vec<(u32, Sample)> {
     let frame = |(i, &t): (usize, &i64)| Some((u32::try_from(i).ok()?, frames::at(&object.samples, t)?));
     times.iter().enumerate().filter_map(frame).collect()
+}
+
+/// How much later than its frame each row was known; empty when none was.
+fn lags(rows: &[(u32, Sample)]) -> Vec<Nanos> {
+    if rows.iter().all(|(_, s)| s.lag == 0) {
+        return Vec::new();
+    }
+    rows.iter().map(|(_, s)| Nanos(s.lag)).collect()
 }
 
 /// Motion of the box centre.
@@ -116,7 +124,7 @@ pub(super) fn ego_table(rows: &[(u32, Sample)], shape: &VehicleType, notes: &mut
             aeb: empty_when_never_told(rows.iter().map(|(_, s)| s.aeb).collect()),
             ..EgoBus::default()
         },
-        ..Ego::default()
+        known_at: lags(rows),
     }
 }
 
@@ -149,6 +157,7 @@ pub(super) fn tracks(
             height_m: vec![shape.height_m; n],
             interior_points: vec![f64::NAN; n],
             turn_signal: empty_when_never_told(signals),
+            known_at: lags(&rows),
             // Visibility comes from the sensor model, where one is asked for.
             ..Track::default()
         });

@@ -28,8 +28,10 @@ pub const SENSOR_RANGE: OptionSpec = OptionSpec::new(
     "sensor-range",
     OptionType::Number { min: f64::MIN_POSITIVE, max: f64::INFINITY },
     "METRES",
-    "range of the ego's sensor, m (default: unlimited)",
+    "range of the ego's sensor, m, or inf for unlimited (default: 150)",
 );
+/// What a car's sensors see of other traffic, m; a simulation knows of everybody in the network.
+const DEFAULT_RANGE_M: f64 = 150.0;
 /// Whether vehicles hide others.
 pub const OCCLUSION: OptionSpec =
     OptionSpec::new("occlusion", OptionType::Flag, "", "leave out what other vehicles hide from the ego");
@@ -67,7 +69,10 @@ pub(super) fn egos(options: &Options) -> Egos {
 /// What the ego senses.
 pub(super) fn sensing(options: &Options) -> Sensing {
     Sensing {
-        range_m: options.number(&SENSOR_RANGE),
+        range_m: match options.number(&SENSOR_RANGE) {
+            None => Some(DEFAULT_RANGE_M),
+            Some(range) => range.is_finite().then_some(range),
+        },
         occlusion: if options.is_set(&OCCLUSION) { Occlusion::ByBoxes } else { Occlusion::Ignored },
     }
 }

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_3;
-use whyroad_model::road_map::{Lane, Point3};
+use whyroad_model::road_map::{Lane, LaneKind, Point3};
 
 /// Roads whose directions at a node differ by less than this run together there, rad: 60 deg.
 const TOGETHER_RAD: f64 = FRAC_PI_3;
@@ -79,6 +79,84 @@ pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, L
             && !l.is_tagged("ramp")
         {
             l.tags.push("ramp".to_owned());
+        }
+    }
+}
+
+/// An edge outside junctions.
+pub(super) struct Branch<'e> {
+    pub from: &'e str,
+    pub to: &'e str,
+    pub lanes: &'e [String],
+}
+
+/// Speed limit from which on a road is one that has ramps, m/s: 70 km/h.
+const RAMP_ROAD_MPS: f64 = 19.4;
+/// A side road is this much slower than the main road, m/s, or has fewer lanes.
+const SLOWER_MPS: f64 = 2.0;
+
+/// Tags exits and entries of networks that name no ramps: where a fast one-way road parts into two that go the same way
+/// (or two merge into one), the slower one, or the one with fewer lanes, is a ramp, with what leads on from it alone
+/// (or to it alone).
+pub(super) fn tag_branches(edges: &[Branch<'_>], lanes: &mut BTreeMap<String, Lane>) {
+    let (mut leaving, mut coming): (BTreeMap<&str, Vec<&Branch<'_>>>, BTreeMap<&str, Vec<&Branch<'_>>>) =
+        Default::default();
+    for edge in edges {
+        leaving.entry(edge.from).or_default().push(edge);
+        coming.entry(edge.to).or_default().push(edge);
+    }
+    let rolling = |e: &Branch<'_>| {
+        let of = |id: &&String| lanes.get(*id).is_some_and(|l| l.kind == LaneKind::Vehicle);
+        e.lanes.iter().filter(of).count()
+    };
+    let speed =
+        |e: &Branch<'_>| e.lanes.iter().filter_map(|id| lanes.get(id)?.speed_limit_mps).fold(0.0, f64::max);
+    // The lesser of two roads, if one is.
+    let lesser = |a: &'_ Branch<'_>, b: &'_ Branch<'_>| -> Option<bool> {
+        let (va, vb, na, nb) = (speed(a), speed(b), rolling(a), rolling(b));
+        if (va - vb).abs() > SLOWER_MPS {
+            return Some(va < vb);
+        }
+        (na != nb).then_some(na < nb)
+    };
+    let mut ramps: BTreeSet<&str> = BTreeSet::new();
+    let empty = Vec::new();
+    let nodes: BTreeSet<&str> = leaving.keys().chain(coming.keys()).copied().collect();
+    for node in nodes {
+        let (into, out) = (coming.get(node).unwrap_or(&empty), leaving.get(node).unwrap_or(&empty));
+        let (one, two, parts) = match (&into[..], &out[..]) {
+            ([one], [a, b]) => (*one, (*a, *b), true),
+            ([a, b], [one]) => (*one, (*a, *b), false),
+            _ => continue,
+        };
+        let mut flows = Flows::default();
+        for e in into {
+            e.lanes.first().and_then(|id| lanes.get(id)).into_iter().for_each(|l| flows.comes(e.from, l));
+        }
+        for e in out {
+            e.lanes.first().and_then(|id| lanes.get(id)).into_iter().for_each(|l| flows.leaves(e.to, l));
+        }
+        if !flows.run_together() || speed(one) < RAMP_ROAD_MPS {
+            continue;
+        }
+        let Some(first_is_less) = lesser(two.0, two.1) else { continue };
+        let mut edge: &Branch<'_> = if first_is_less { two.0 } else { two.1 };
+        // On along the ramp while it is the only way.
+        for _ in 0..32 {
+            ramps.extend(edge.lanes.iter().map(String::as_str));
+            let at = if parts { edge.to } else { edge.from };
+            let (into, out) = (coming.get(at).unwrap_or(&empty), leaving.get(at).unwrap_or(&empty));
+            edge = match (&into[..], &out[..]) {
+                ([_], [next]) if parts => *next,
+                ([before], [_]) if !parts => *before,
+                _ => break,
+            };
+        }
+    }
+    let ramps: Vec<String> = ramps.into_iter().map(str::to_owned).collect();
+    for id in ramps {
+        if let Some(lane) = lanes.get_mut(&id).filter(|l| !l.is_tagged("ramp")) {
+            lane.tags.push("ramp".to_owned());
         }
     }
 }

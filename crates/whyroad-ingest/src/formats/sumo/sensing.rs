@@ -268,6 +268,7 @@ fn keep(track: &mut Track, rows: &[usize]) {
         pick(column, rows);
     }
     pick(&mut track.turn_signal, rows);
+    pick(&mut track.known_at, rows);
 }
 
 #[cfg(test)]

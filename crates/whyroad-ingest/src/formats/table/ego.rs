@@ -212,6 +212,7 @@ impl EgoRows {
                 cruise: states(&self.bus.cruise, &last),
                 route_command: states(&self.bus.route_command, &last),
             },
+            known_at: samples.lags(&clock.frames),
             ..Ego::default()
         }
     }

@@ -100,12 +100,22 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
                 points: points[i],
             });
         }
-        let word = kept.iter().find_map(|&i| classes[i].as_deref()).unwrap_or("unknown");
-        let class = ObjectClass::from_id(&word.to_lowercase()).unwrap_or_else(|| {
-            *unknown_classes.entry(word).or_default() += kept.len();
-            ObjectClass::Unknown
-        });
-        let (mut track, rows) = samples.track_at(id, class, word, &clock.frames, max_gap_s);
+        let stated = |i: usize| {
+            let word = classes[i].as_deref().unwrap_or("unknown");
+            (ObjectClass::from_id(&word.to_lowercase()), word)
+        };
+        for &i in &kept {
+            if let (None, word) = stated(i) {
+                *unknown_classes.entry(word).or_default() += 1;
+            }
+        }
+        // By time: a class that becomes known later does not apply earlier.
+        let by_row: Vec<(ObjectClass, &str)> =
+            kept.iter().map(|&i| stated(i)).map(|(class, word)| (class.unwrap_or_default(), word)).collect();
+        let mut whole = Track::default();
+        whole.state_classes(by_row.iter().copied());
+        let (mut track, rows) =
+            samples.track_at(id, whole.class, &whole.source_class, &clock.frames, max_gap_s);
         if rows > 0 {
             impossible.insert(id.to_owned(), rows);
         }
@@ -118,6 +128,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         let of_rows: Vec<Option<TurnSignal>> = kept.iter().map(|&i| signals[i]).collect();
         let last = latest(&samples.times, &own, max_gap_s);
         track.turn_signal = states(&of_rows, &last);
+        track.state_classes(last.iter().map(|i| i.map_or((ObjectClass::Unknown, "unknown"), |i| by_row[i])));
         let hidden_by: Vec<Option<TrackId>> =
             kept.iter().map(|&i| occluders[i].as_deref().map(TrackId::from)).collect();
         track.occluder = empty_if(states(&hidden_by, &last), Option::is_none);

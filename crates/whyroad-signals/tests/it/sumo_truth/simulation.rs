@@ -214,7 +214,9 @@ impl Simulation {
     /// The same simulation through the adapter and the signals, seen from `ego`.
     pub fn derived(&self, ego: &str) -> Derived {
         let log = folder(self.name).join("fcd.xml.gz");
-        let options = Options::default().with(&whyroad_ingest::sumo::EGO, ego);
+        let options = Options::default()
+            .with(&whyroad_ingest::sumo::EGO, ego)
+            .with(&whyroad_ingest::sumo::SENSOR_RANGE, f64::INFINITY);
         let (drive, report) = whyroad_ingest::sumo::read(&log, &options);
         let drive = drive.unwrap_or_else(|| panic!("{ego} is ingested: {:?}", report.diagnostics));
         let table = whyroad_signals::derive(&drive);

@@ -33,7 +33,11 @@ impl Service {
 
     /// The same on a lake that has the drives of `demo()`.
     pub fn start_on(lake: &Path, arguments: &[&str]) -> Self {
-        let mined = demo().join("mined");
+        Self::start_mined(lake, &demo().join("mined"), arguments)
+    }
+
+    /// The same on a lake and a mined folder of the test's own.
+    pub fn start_mined(lake: &Path, mined: &Path, arguments: &[&str]) -> Self {
         let drives = ["--lake", lake.to_str().unwrap(), "--mined", mined.to_str().unwrap()];
         Self::run(&[&drives[..], arguments].concat())
     }

@@ -1,0 +1,312 @@
+//! What cannot be true of a drive, whatever its format: repaired where only one reading is possible, otherwise the values
+//! become unknown. Decided row by row, or by the first seconds alone: what is known of a moment must not depend on what
+//! comes later.
+
+use crate::assemble::angles::wrap_angle;
+use crate::assemble::geometry::distance;
+use std::collections::BTreeMap;
+use whyroad_model::road_map::{Lane, LayerState, MapLayer, Point3};
+use whyroad_model::scene::{Drive, Motion};
+use whyroad_model::{Bilingual, Diagnostic, Nanos, Need, RoadMap};
+
+/// Codes of this module.
+pub(crate) const CODES: &[&str] = &[
+    "ingest.size.swapped",
+    "ingest.height.heading",
+    "ingest.velocity.last_zero",
+    "ingest.accel.impossible",
+    "ingest.map.off",
+    "ingest.position.far",
+    "ingest.limit.connector",
+    "ingest.date.implausible",
+];
+
+/// A vehicle that is wider than long by more than this factor has its sizes swapped or a bad box.
+const WIDER: f64 = 1.05;
+/// Lengths and widths of cars, vans, trucks and buses, m: a swap is repaired when it gives these.
+const LENGTH_M: std::ops::RangeInclusive<f64> = 3.0..=19.0;
+const WIDTH_M: std::ops::RangeInclusive<f64> = 1.3..=3.1;
+/// A stated velocity of exactly 0 after one above this, in the last row, is a gap in the source, m/s.
+const MOVING_MPS: f64 = 2.0;
+/// Greatest believed acceleration, m/s2: the grip of tires on dry asphalt is about 1 g.
+const MAX_ACCEL_MPS2: f64 = 15.0;
+/// Positions of this and more are not of the same local frame as those below, m.
+const FAR_M: f64 = 1e6;
+/// The ego drives on the map when at least this share of its first frames is this near to a lane, m.
+const ON_MAP_SHARE: f64 = 0.5;
+const ON_MAP_M: f64 = 15.0;
+const FIRST_FRAMES: usize = 100;
+/// A lane's heights are headings when they agree with them within this, rad, at this share of its points.
+const SAME_RAD: f64 = 0.02;
+const SAME_SHARE: f64 = 0.9;
+/// 2000-01-01 and 2100-01-01, ns.
+const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_000_000_000;
+
+/// Checks a drive.
+pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    out.extend(far_positions(drive));
+    out.extend(swapped_sizes(drive));
+    out.extend(last_zero(drive));
+    out.extend(accelerations(drive));
+    if let Some(map) = &mut drive.map {
+        out.extend(headings_as_heights(map));
+        out.extend(limits_on_connectors(map));
+    }
+    out.extend(off_the_map(drive));
+    out.extend(date(drive));
+    out
+}
+
+fn warning(code: &'static str, zh: String, en: String) -> Diagnostic {
+    Diagnostic::warning(code, Bilingual::new(zh, en))
+}
+
+fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
+    let far = |m: &Motion, i: usize| m.x[i].abs() >= FAR_M || m.y[i].abs() >= FAR_M;
+    let ego = drive.ego.as_ref().map(|e| &e.motion)?;
+    let first = (0..ego.len()).find(|&i| ego.x[i].is_finite())?;
+    let mut rows = 0;
+    if far(ego, first) {
+        // All of it lies there: a projected frame such as UTM. Nothing is wrong with it.
+        return None;
+    }
+    let motions =
+        drive.ego.iter_mut().map(|e| &mut e.motion).chain(drive.tracks.iter_mut().map(|t| &mut t.motion));
+    for m in motions {
+        for i in 0..m.len() {
+            if far(m, i) {
+                (m.x[i], m.y[i], m.vx[i], m.vy[i]) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+                rows += 1;
+            }
+        }
+    }
+    (rows > 0).then(|| {
+        warning(
+            "ingest.position.far",
+            format!("{rows} 行的坐标达到 1000 km 以上，与该行程的其余位置不属于同一坐标系；记为未知"),
+            format!(
+                "{rows} rows have coordinates of 1000 km and more, unlike the start of the drive; they are set to unknown"
+            ),
+        )
+    })
+}
+
+fn swapped_sizes(drive: &mut Drive) -> Option<Diagnostic> {
+    let (mut repaired, mut unknown) = (0, 0);
+    let mut check = |length: &mut f64, width: &mut f64| {
+        if *width <= *length * WIDER || length.is_nan() || width.is_nan() {
+            return;
+        }
+        if LENGTH_M.contains(width) && WIDTH_M.contains(length) {
+            std::mem::swap(length, width);
+            repaired += 1;
+        } else {
+            (*length, *width) = (f64::NAN, f64::NAN);
+            unknown += 1;
+        }
+    };
+    if let Some(ego) = &mut drive.ego {
+        check(&mut ego.length_m, &mut ego.width_m);
+    }
+    for track in drive.tracks.iter_mut().filter(|t| t.class.is_vehicle()) {
+        track.length_m.iter_mut().zip(&mut track.width_m).for_each(|(l, w)| check(l, w));
+    }
+    (repaired + unknown > 0).then(|| {
+        warning(
+            "ingest.size.swapped",
+            format!("{} 个车辆框的宽大于长：{repaired} 个已交换长宽，{unknown} 个记为未知", repaired + unknown),
+            format!(
+                "{} boxes of vehicles are wider than long: length and width were swapped back in {repaired}, {unknown} \
+                 are set to unknown",
+                repaired + unknown
+            ),
+        )
+    })
+}
+
+/// A source that pads its arrays with zeros ends on a velocity of 0. Only the last row: a recording that goes on has
+/// another one there.
+fn last_zero(drive: &mut Drive) -> Option<Diagnostic> {
+    let mut rows = 0;
+    let motions =
+        drive.ego.iter_mut().map(|e| &mut e.motion).chain(drive.tracks.iter_mut().map(|t| &mut t.motion));
+    for m in motions {
+        let Some(last) = m.len().checked_sub(1).filter(|&last| last > 0) else { continue };
+        let zero = m.vx[last] == 0.0 && m.vy[last] == 0.0;
+        if zero && m.speed(last - 1) > MOVING_MPS {
+            (m.vx[last], m.vy[last]) = (f64::NAN, f64::NAN);
+            rows += 1;
+        }
+    }
+    (rows > 0).then(|| {
+        warning(
+            "ingest.velocity.last_zero",
+            format!("{rows} 条轨迹在行驶中以速度 0 结束；最后一行的速度记为未知"),
+            format!(
+                "{rows} tracks end with a velocity of 0 while moving; it is set to unknown in their last row"
+            ),
+        )
+    })
+}
+
+fn accelerations(drive: &mut Drive) -> Option<Diagnostic> {
+    let mut rows = 0;
+    let motions =
+        drive.ego.iter_mut().map(|e| &mut e.motion).chain(drive.tracks.iter_mut().map(|t| &mut t.motion));
+    for a in motions.flat_map(|m| &mut m.accel) {
+        if a.abs() > MAX_ACCEL_MPS2 {
+            *a = f64::NAN;
+            rows += 1;
+        }
+    }
+    (rows > 0).then(|| {
+        warning(
+            "ingest.accel.impossible",
+            format!("{rows} 行给出的加速度超过 {MAX_ACCEL_MPS2} m/s2；记为未知"),
+            format!(
+                "{rows} rows state accelerations of more than {MAX_ACCEL_MPS2} m/s2; they are set to unknown"
+            ),
+        )
+    })
+}
+
+/// True when the heights along a lane are its headings.
+fn is_heading(line: &[Point3]) -> bool {
+    let steps = line.windows(2).filter(|w| distance(w[0], w[1]) > 1e-3);
+    let (mut all, mut same) = (0_usize, 0_usize);
+    for w in steps {
+        let heading = (w[1].y - w[0].y).atan2(w[1].x - w[0].x);
+        all += 1;
+        same += usize::from([w[0].z, w[1].z].iter().any(|z| wrap_angle(z - heading).abs() <= SAME_RAD));
+    }
+    all >= 2 && same as f64 >= SAME_SHARE * all as f64
+}
+
+fn headings_as_heights(map: &mut RoadMap) -> Option<Diagnostic> {
+    let sloped = |l: &&Lane| l.centre.iter().any(|p| p.z != 0.0 && !p.z.is_nan());
+    let (all, same) = map
+        .lanes
+        .iter()
+        .filter(sloped)
+        .fold((0_usize, 0_usize), |(all, same), l| (all + 1, same + usize::from(is_heading(&l.centre))));
+    if all < 3 || (same as f64) < SAME_SHARE * all as f64 {
+        return None;
+    }
+    let lines = map.lanes.iter_mut().flat_map(|l| [&mut l.left, &mut l.right, &mut l.centre]);
+    let areas = map.crosswalks.iter_mut().chain(&mut map.junctions).chain(&mut map.drivable_areas);
+    let lines =
+        lines.chain(areas.map(|a| &mut a.boundary)).chain(map.stop_lines.iter_mut().map(|s| &mut s.line));
+    lines.flatten().for_each(|p| p.z = f64::NAN);
+    map.layers.insert(MapLayer::Heights, LayerState::Absent);
+    Some(warning(
+        "ingest.height.heading",
+        "地图折线的第三个坐标是航向而不是高度；高度记为未知".to_owned(),
+        "the third coordinate of the map's lines is their heading and not a height; heights are set to unknown".to_owned(),
+    ))
+}
+
+/// Lanes inside junctions are often given a default limit, lower than before and behind.
+fn limits_on_connectors(map: &mut RoadMap) -> Option<Diagnostic> {
+    let limits: BTreeMap<&str, f64> =
+        map.lanes.iter().filter_map(|l| Some((l.id.as_str(), l.speed_limit_mps?))).collect();
+    let lower = |lane: &Lane| {
+        let own = lane.speed_limit_mps?;
+        let least = |ids: &[String]| {
+            let known = ids.iter().filter_map(|id| limits.get(id.as_str()));
+            known.copied().reduce(f64::min)
+        };
+        let (before, behind) = (least(&lane.predecessors)?, least(&lane.successors)?);
+        (lane.in_junction && own < before.min(behind) - 0.1).then_some(())
+    };
+    let found: Vec<usize> = (0..map.lanes.len()).filter(|&i| lower(&map.lanes[i]).is_some()).collect();
+    let n = found.len();
+    for i in found {
+        map.lanes[i].speed_limit_mps = None;
+    }
+    (n > 0).then(|| {
+        warning(
+            "ingest.limit.connector",
+            format!("{n} 条路口内车道的限速低于其前后车道（多为默认值）；记为未知"),
+            format!(
+                "{n} lanes inside junctions have a limit below those before and behind (mostly a default); it is set to \
+                 unknown"
+            ),
+        )
+    })
+}
+
+/// A map on which the ego does not drive is that of another place.
+fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
+    let (map, ego) = (drive.map.as_ref()?, drive.ego.as_ref()?);
+    let m = &ego.motion;
+    let known: Vec<(f64, f64)> = (0..m.len().min(FIRST_FRAMES))
+        .map(|i| (m.x[i], m.y[i]))
+        .filter(|p| p.0.is_finite() && p.1.is_finite())
+        .collect();
+    if known.is_empty() || map.lanes.is_empty() {
+        return None;
+    }
+    let near = |&(x, y): &(f64, f64)| {
+        let p = Point3 { x, y, z: f64::NAN };
+        let areas = || map.drivable_areas.iter().chain(&map.junctions);
+        map.lanes.iter().any(|l| l.centre.windows(2).any(|w| to_segment(w[0], w[1], p) <= ON_MAP_M))
+            || areas().any(|a| crate::assemble::geometry::contains(&a.boundary, p))
+    };
+    // A moment each second is enough.
+    let probes: Vec<&(f64, f64)> = known.iter().step_by(10).collect();
+    let on = probes.iter().filter(|p| near(p)).count();
+    if on as f64 >= ON_MAP_SHARE * probes.len() as f64 {
+        return None;
+    }
+    (drive.map, drive.lights, drive.meta.map_ref) = (None, None, None);
+    for need in [Need::Map, Need::TrafficLights] {
+        if !drive.meta.missing.contains(&need) {
+            drive.meta.missing.push(need);
+        }
+    }
+    Some(
+        Diagnostic::error(
+            "ingest.map.off",
+            Bilingual::new(
+                format!("自车不在该地图上：前 10 s 中 {} 个位置只有 {on} 个在车道 15 m 以内；不使用此地图", probes.len()),
+                format!(
+                    "the ego is not on this map: of {} positions in its first 10 s, {on} lie within 15 m of a lane; the map \
+                     is not used",
+                    probes.len()
+                ),
+            ),
+        )
+        .with_hint(Bilingual::new(
+            "请给出该行程自己的地图（SUMO：--net）",
+            "give the map of this drive (SUMO: --net)",
+        )),
+    )
+}
+
+fn to_segment(a: Point3, b: Point3, p: Point3) -> f64 {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let share = (((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
+    (p.x - a.x - share * dx).hypot(p.y - a.y - share * dy)
+}
+
+fn date(drive: &mut Drive) -> Option<Diagnostic> {
+    let start: Nanos = *drive.times.first()?;
+    if PLAUSIBLE.contains(&start.0) {
+        return None;
+    }
+    drive.meta.missing.push(Need::Date);
+    let day: String = start.to_string().chars().take(10).collect();
+    Some(Diagnostic::note(
+        "ingest.date.implausible",
+        Bilingual::new(
+            format!("日志的时间始于 {day}，不是录制日期；日期与时刻未知，时间间隔不受影响"),
+            format!(
+                "the log's times begin on {day}, which is not when it was recorded; its date is unknown, intervals are right"
+            ),
+        ),
+    ))
+}
+
+#[cfg(test)]
+mod tests;

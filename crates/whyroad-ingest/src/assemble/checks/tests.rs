@@ -1,0 +1,160 @@
+//! One thing that cannot be true each, and the same drive without it.
+
+use super::*;
+use whyroad_model::ObjectClass;
+use whyroad_model::scene::{DriveMeta, Ego, Track};
+
+/// Eastwards at 10 m/s for 5 s, a car 20 m ahead; velocities stated.
+fn drive() -> Drive {
+    let n = 50;
+    let motion = |x0: f64| Motion {
+        x: (0..n).map(|i| x0 + i as f64).collect(),
+        y: vec![0.0; n],
+        heading: vec![0.0; n],
+        vx: vec![10.0; n],
+        vy: vec![0.0; n],
+        accel: vec![0.0; n],
+        ..Motion::unknown(n)
+    };
+    Drive {
+        meta: DriveMeta::default(),
+        times: (0..n).map(|i| Nanos(1_700_000_000_000_000_000 + i as i64 * 100_000_000)).collect(),
+        ego: Some(Ego { length_m: 4.8, width_m: 1.9, motion: motion(0.0), ..Ego::default() }),
+        tracks: vec![Track {
+            id: "a".into(),
+            class: ObjectClass::Car,
+            frames: (0..n as u32).collect(),
+            motion: motion(20.0),
+            length_m: vec![4.5; n],
+            width_m: vec![1.8; n],
+            height_m: vec![1.5; n],
+            interior_points: vec![f64::NAN; n],
+            ..Track::default()
+        }],
+        ..Drive::default()
+    }
+}
+
+fn lane(id: &str, points: &[(f64, f64, f64)]) -> Lane {
+    Lane {
+        id: id.into(),
+        centre: points.iter().map(|&(x, y, z)| Point3 { x, y, z }).collect(),
+        ..Lane::default()
+    }
+}
+
+fn codes(drive: &mut Drive) -> Vec<&'static str> {
+    check(drive).iter().map(|d| d.code).collect()
+}
+
+#[test]
+fn a_plausible_drive_is_left_as_it_is() {
+    let mut d = drive();
+    d.map = Some(RoadMap {
+        lanes: vec![lane("l", &[(-50.0, 0.0, 0.0), (300.0, 0.0, 0.0)])],
+        ..RoadMap::default()
+    });
+    let before = format!("{d:?}");
+    assert!(codes(&mut d).is_empty());
+    assert_eq!(format!("{d:?}"), before);
+}
+
+#[test]
+fn swapped_sizes_are_repaired_and_a_bad_box_is_unknown() {
+    let mut d = drive();
+    let ego = d.ego.as_mut().unwrap();
+    (ego.length_m, ego.width_m) = (1.73, 4.08);
+    (d.tracks[0].length_m[3], d.tracks[0].width_m[3]) = (0.4, 1.1);
+    assert_eq!(codes(&mut d), ["ingest.size.swapped"]);
+    let ego = d.ego.as_ref().unwrap();
+    assert_eq!((ego.length_m, ego.width_m), (4.08, 1.73));
+    assert!(d.tracks[0].length_m[3].is_nan() && d.tracks[0].length_m[4] == 4.5);
+}
+
+#[test]
+fn a_last_velocity_of_zero_is_unknown_and_a_stop_is_not() {
+    let mut d = drive();
+    d.ego.as_mut().unwrap().motion.vx[49] = 0.0;
+    d.tracks[0].motion.vx = (0..50).map(|i| 10.0 - 10.0 * i as f64 / 49.0).collect();
+    assert_eq!(codes(&mut d), ["ingest.velocity.last_zero"]);
+    assert!(d.ego.unwrap().motion.vx[49].is_nan());
+    assert_eq!(d.tracks[0].motion.vx[49], 0.0);
+}
+
+#[test]
+fn accelerations_and_positions_that_cannot_be_are_unknown() {
+    let mut d = drive();
+    d.ego.as_mut().unwrap().motion.accel[7] = -40.0;
+    d.tracks[0].motion.x[9] = 1e9;
+    assert_eq!(codes(&mut d), ["ingest.position.far", "ingest.accel.impossible"]);
+    assert!(d.ego.unwrap().motion.accel[7].is_nan());
+    assert!(d.tracks[0].motion.x[9].is_nan() && d.tracks[0].motion.x[8] == 28.0);
+}
+
+#[test]
+fn a_projected_frame_is_no_fault() {
+    let mut d = drive();
+    let motions = d.ego.iter_mut().map(|e| &mut e.motion).chain(d.tracks.iter_mut().map(|t| &mut t.motion));
+    motions.for_each(|m| m.y.iter_mut().for_each(|y| *y += 5_400_000.0));
+    assert!(codes(&mut d).is_empty());
+}
+
+#[test]
+fn headings_stored_as_heights_are_found() {
+    let mut d = drive();
+    // A bend each: the third coordinate is the direction to the next point.
+    let bend = |id: &str, y: f64| {
+        let points: Vec<(f64, f64)> =
+            (0..20).map(|i| (10.0 * f64::from(i), y + 0.05 * f64::from(i * i))).collect();
+        let heading = |i: usize| {
+            let (a, b) = (points[i.min(18)], points[i.min(18) + 1]);
+            (b.1 - a.1).atan2(b.0 - a.0)
+        };
+        lane(id, &(0..20).map(|i| (points[i].0, points[i].1, heading(i))).collect::<Vec<_>>())
+    };
+    d.map =
+        Some(RoadMap { lanes: vec![bend("a", 0.0), bend("b", 3.5), bend("c", 7.0)], ..RoadMap::default() });
+    assert_eq!(codes(&mut d), ["ingest.height.heading"]);
+    let map = d.map.unwrap();
+    assert!(map.lanes[0].centre[5].z.is_nan() && !map.has(MapLayer::Heights));
+}
+
+#[test]
+fn a_map_of_another_place_is_not_used() {
+    let mut d = drive();
+    let far = lane("l", &[(5000.0, 900.0, 0.0), (5300.0, 900.0, 0.0)]);
+    d.map = Some(RoadMap { lanes: vec![far], ..RoadMap::default() });
+    d.lights = Some(vec![]);
+    assert_eq!(codes(&mut d), ["ingest.map.off"]);
+    assert!(d.map.is_none() && d.lights.is_none());
+    assert_eq!(d.meta.missing, [Need::Map, Need::TrafficLights]);
+}
+
+#[test]
+fn a_default_limit_inside_a_junction_is_unknown() {
+    let limit = |id: &str, x: f64, limit: f64, links: (&[&str], &[&str])| Lane {
+        speed_limit_mps: Some(limit),
+        predecessors: links.0.iter().map(|s| (*s).to_owned()).collect(),
+        successors: links.1.iter().map(|s| (*s).to_owned()).collect(),
+        in_junction: id == "b",
+        ..lane(id, &[(x, 0.0, 0.0), (x + 50.0, 0.0, 0.0)])
+    };
+    let mut d = drive();
+    let lanes = vec![
+        limit("a", 0.0, 16.7, (&[], &["b"])),
+        limit("b", 50.0, 8.9, (&["a"], &["c"])),
+        limit("c", 100.0, 13.9, (&["b"], &[])),
+    ];
+    d.map = Some(RoadMap { lanes, ..RoadMap::default() });
+    assert_eq!(codes(&mut d), ["ingest.limit.connector"]);
+    let limits: Vec<Option<f64>> = d.map.unwrap().lanes.iter().map(|l| l.speed_limit_mps).collect();
+    assert_eq!(limits, [Some(16.7), None, Some(13.9)]);
+}
+
+#[test]
+fn a_clock_that_begins_in_1980_states_no_date() {
+    let mut d = drive();
+    d.times.iter_mut().for_each(|t| t.0 -= 1_384_033_746_339_643_000);
+    assert_eq!(codes(&mut d), ["ingest.date.implausible"]);
+    assert_eq!(d.meta.missing, [Need::Date]);
+}

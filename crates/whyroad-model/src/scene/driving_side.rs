@@ -1,0 +1,140 @@
+//! On which side of the road traffic drives: by the place, else by lanes that run against each other. No rule or signal
+//! may assume one.
+
+use super::Drive;
+use crate::road_map::{Lane, Point3, RoadMap};
+
+/// Side of the road on which traffic drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DrivingSide {
+    /// Right-hand traffic: oncoming traffic is on the left.
+    Right,
+    /// Left-hand traffic.
+    Left,
+}
+
+/// Places with left-hand traffic, in lower case, as logs write them.
+const LEFT: [&str; 20] = [
+    "singapore",
+    "japan",
+    "tokyo",
+    "hong kong",
+    "hong-kong",
+    "macau",
+    "united kingdom",
+    "great britain",
+    "england",
+    "london",
+    "ireland",
+    "australia",
+    "new zealand",
+    "india",
+    "thailand",
+    "malaysia",
+    "indonesia",
+    "south africa",
+    "kenya",
+    "cyprus",
+];
+/// Places with right-hand traffic, of the public sets and of our users.
+const RIGHT: [&str; 18] = [
+    "china",
+    "beijing",
+    "shanghai",
+    "shenzhen",
+    "guangzhou",
+    "united states",
+    "usa",
+    "boston",
+    "pittsburgh",
+    "miami",
+    "austin",
+    "detroit",
+    "palo alto",
+    "washington",
+    "las vegas",
+    "las-vegas",
+    "san francisco",
+    "germany",
+];
+/// This many pairs of lanes that run against each other decide, when at least this share of them agrees.
+const PAIRS: usize = 3;
+const SHARE: f64 = 0.9;
+
+impl Drive {
+    /// On which side traffic drives; `None` when neither the place nor the map tells.
+    pub fn driving_side(&self) -> Option<DrivingSide> {
+        let place = self.meta.place.as_deref().unwrap_or_default().to_lowercase();
+        let is = |names: &[&str]| names.iter().any(|n| place.contains(n));
+        match (is(&LEFT), is(&RIGHT)) {
+            (true, false) => Some(DrivingSide::Left),
+            (false, true) => Some(DrivingSide::Right),
+            _ => self.map.as_ref()?.driving_side(),
+        }
+    }
+}
+
+impl RoadMap {
+    /// By lanes whose neighbour runs the other way: on the left of the lane in right-hand traffic.
+    pub fn driving_side(&self) -> Option<DrivingSide> {
+        let against = |lane: &Lane, id: &Option<String>| {
+            let other = id.as_deref().and_then(|id| self.lane(id));
+            other.is_some_and(|o| direction(lane).zip(direction(o)).is_some_and(|(a, b)| dot(a, b) < -0.5))
+        };
+        let count = |of: fn(&Lane) -> &Option<String>| {
+            self.lanes.iter().filter(|l| !l.in_junction && against(l, of(l))).count()
+        };
+        let (left, right) = (count(|l| &l.left_neighbour), count(|l| &l.right_neighbour));
+        let agree = left.max(right) as f64 >= SHARE * (left + right) as f64;
+        if left + right < PAIRS || !agree {
+            return None;
+        }
+        Some(if left > right { DrivingSide::Right } else { DrivingSide::Left })
+    }
+}
+
+fn direction(lane: &Lane) -> Option<(f64, f64)> {
+    let (a, b): (&Point3, &Point3) = (lane.centre.first()?, lane.centre.last()?);
+    let length = (b.x - a.x).hypot(b.y - a.y);
+    (length > 0.0).then(|| ((b.x - a.x) / length, (b.y - a.y) / length))
+}
+
+fn dot(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0 * b.0 + a.1 * b.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two-way streets; the neighbour that comes towards one is on the given side.
+    fn map(oncoming_left: bool) -> RoadMap {
+        let lane = |id: String, towards: f64, other: String| {
+            let centre = [0.0, 50.0].map(|x| Point3 { x: towards * x, y: 0.0, z: 0.0 }).to_vec();
+            let (left, right) = if oncoming_left { (Some(other), None) } else { (None, Some(other)) };
+            Lane { id, centre, left_neighbour: left, right_neighbour: right, ..Lane::default() }
+        };
+        let mut lanes: Vec<Lane> = (0..2)
+            .flat_map(|i| {
+                let (a, b) = (format!("{i}a"), format!("{i}b"));
+                [lane(a.clone(), 1.0, b.clone()), lane(b, -1.0, a)]
+            })
+            .collect();
+        lanes.sort_by(|a, b| a.id.cmp(&b.id));
+        RoadMap { lanes, ..RoadMap::default() }
+    }
+
+    #[test]
+    fn lanes_tell_where_the_place_does_not() {
+        let drive = |place: Option<&str>, map| {
+            let mut drive = Drive { map: Some(map), ..Drive::default() };
+            drive.meta.place = place.map(str::to_owned);
+            drive.driving_side()
+        };
+        assert_eq!(drive(None, map(true)), Some(DrivingSide::Right));
+        assert_eq!(drive(Some("net_7"), map(false)), Some(DrivingSide::Left));
+        assert_eq!(drive(Some("singapore-onenorth"), map(true)), Some(DrivingSide::Left));
+        assert_eq!(drive(Some("Pittsburgh"), RoadMap::default()), Some(DrivingSide::Right));
+        assert_eq!(drive(None, RoadMap::default()), None);
+    }
+}
