@@ -1,6 +1,6 @@
-//! What cannot be true of a drive, whatever its format: repaired where only one reading is possible, otherwise the values
-//! become unknown. Decided row by row, or by the first seconds alone: what is known of a moment must not depend on what
-//! comes later.
+//! What cannot be true of a drive, whatever its format: repaired where only one reading is possible, otherwise the
+//! values become unknown. Decided row by row, or by the first seconds alone: what is known of a moment must not depend
+//! on what comes later.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::distance;

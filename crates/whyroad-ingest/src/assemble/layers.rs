@@ -21,8 +21,8 @@ const CROSSING_LANE_M: f64 = 80.0;
 const TURN_RAD: f64 = PI / 4.0;
 const UTURN_RAD: f64 = 3.0 * PI / 4.0;
 
-/// Declares layers; those that the adapter does not name are looked for: what has no instance is absent, what has one is
-/// there in part.
+/// Declares layers; those that the adapter does not name are looked for: what has no instance is absent, what has one
+/// is there in part.
 pub(crate) fn declare(map: &mut RoadMap, stated: &[(MapLayer, LayerState)]) {
     for layer in MapLayer::ALL {
         let found = || if has_any(map, layer) { LayerState::Partial } else { LayerState::Absent };

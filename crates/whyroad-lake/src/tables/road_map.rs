@@ -7,7 +7,8 @@ use crate::tables::states::text_at;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 
-/// Order of the features; the rows of `complete_for` and `layer`, which are about the map and no feature of it, come last.
+/// Order of the features; the rows of `complete_for` and `layer`, which are about the map and no feature of it, come
+/// last.
 pub(crate) const ROW_ORDER: &str = "lane,crosswalk,junction,drivable_area,stop_line,sign,facility; id";
 
 /// One row, of whatever feature.

@@ -56,8 +56,8 @@ impl MapLayer {
         Self::Ramps,
     ];
 
-    /// What a log lacks whose map does not have the layer; `None` where signals depend on something else that is checked
-    /// by itself (states of lights, marks of each lane, heights).
+    /// What a log lacks whose map does not have the layer; `None` where signals depend on something else that is
+    /// checked by itself (states of lights, marks of each lane, heights).
     pub fn need(self) -> Option<Need> {
         match self {
             Self::Connections => Some(Need::LaneConnections),

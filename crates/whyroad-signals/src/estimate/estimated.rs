@@ -194,7 +194,9 @@ fn of_the_ego(ego: &Ego, measured: &Measured, noise: &LogNoise) -> (Ego, Option<
     }
     let mut states = states_of(measured, model_of(ObjectClass::Car, &lengths), noise);
     let mut motion = motion_of(&states, measured, &ego.motion);
-    if noise.is_negligible() && measured.x.iter().zip(&ego.motion.x).all(|(x, given)| x.is_nan() == given.is_nan()) {
+    if noise.is_negligible()
+        && measured.x.iter().zip(&ego.motion.x).all(|(x, given)| x.is_nan() == given.is_nan())
+    {
         // Only what the log lacks is estimated.
         let mut exact = ego.motion.clone();
         complete_motion(&mut exact, &measured.times, &lengths, ObjectClass::Car);

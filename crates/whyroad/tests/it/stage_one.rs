@@ -109,7 +109,11 @@ fn stage_one(rates: Rates, future: Future) -> Vec<(String, String)> {
     one.episode(&episode(start, future)).unwrap();
     one.finish().unwrap();
 
-    let service = Service::start_mined(&at.join("lake"), &at.join("mined"), &["--data", at.join("data").to_str().unwrap()]);
+    let service = Service::start_mined(
+        &at.join("lake"),
+        &at.join("mined"),
+        &["--data", at.join("data").to_str().unwrap()],
+    );
     let mut admin = Client::set_up(service.at, "admin");
     let project = first_project(&mut admin);
     let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
@@ -132,7 +136,10 @@ fn stage_one(rates: Rates, future: Future) -> Vec<(String, String)> {
 fn assert_blind(rates: Rates) {
     let seen = stage_one(rates, Future::Steady);
     let (what, scene) = &seen[0];
-    assert!(what == "scene" && scene.starts_with("200 ") && scene.contains("\"a\""), "the object is there: {scene}");
+    assert!(
+        what == "scene" && scene.starts_with("200 ") && scene.contains("\"a\""),
+        "the object is there: {scene}"
+    );
     assert!(scene.contains("ego.accel") || scene.contains("ego.speed"), "signals are there: {scene}");
     for future in [Future::Eventful, Future::Short] {
         for ((what, one), (_, other)) in seen.iter().zip(stage_one(rates, future)) {

@@ -103,7 +103,8 @@ pub(super) fn read(text: &str) -> Result<MapReading, String> {
     r.map.lanes.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.drivable_areas.sort_by(|a, b| a.id.cmp(&b.id));
-    // AV2's maps have all lanes, crossings and paint around a drive; limits, lights, stop lines and ramps they never have.
+    // AV2's maps have all lanes, crossings and paint around a drive; limits, lights, stop lines and ramps they never
+    // have.
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,

@@ -310,8 +310,14 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
-    // A network has what its vehicles obey. Crossings are often left out, paint always.
-    let complete = [MapLayer::Connections, MapLayer::Junctions, MapLayer::Lights, MapLayer::SpeedLimits];
+    // A network has what those in it obey: a simulation has no lights, limits or crossings but those. Paint it never has.
+    let complete = [
+        MapLayer::Connections,
+        MapLayer::Junctions,
+        MapLayer::Crosswalks,
+        MapLayer::Lights,
+        MapLayer::SpeedLimits,
+    ];
     let mut stated = complete.map(|layer| (layer, LayerState::Complete)).to_vec();
     stated.push((MapLayer::Ramps, if typed_ramps { LayerState::Complete } else { LayerState::Derived }));
     layers::declare(&mut net.map, &stated);
