@@ -111,6 +111,8 @@ fn row(signal: &Node) -> String {
     let scope = match text(signal, "scope") {
         "frame" => "Frame",
         "target" => "Target",
+        "object" => "Object",
+        "pair" => "Pair",
         other => panic!("schema/signals.yaml: {name}: unknown scope '{other}'"),
     };
     let kind = match text(signal, "type") {
@@ -136,7 +138,12 @@ fn typed(signals: &[Node]) -> (String, String) {
             "flag" => "Flag".to_owned(),
             _ => format!("Category<value::{}>", camel(name)),
         };
-        let scope = if text(signal, "scope") == "target" { "PerTarget" } else { "PerFrame" };
+        let scope = match text(signal, "scope") {
+            "target" => "PerTarget",
+            "object" => "PerObject",
+            "pair" => "PerPair",
+            _ => "PerFrame",
+        };
         let constant = name.replace('.', "_").to_uppercase();
         let id = camel(name);
         writeln!(

@@ -8,6 +8,7 @@ pub mod inspect;
 pub mod label_drives;
 pub mod media;
 pub mod mine;
+pub mod objects;
 pub mod output;
 pub mod perturb;
 pub mod recordings;

@@ -10,17 +10,19 @@ pub use crate::drives::{derive_signals, signals_of};
 pub use stored::{find_stored, read as read_columns};
 
 use crate::drives::{derived_signals, map_drives, unreadable};
+use crate::objects::signals_for;
 use crate::output::record::{MinedEpisode, write_down};
 use kept::Kept;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_lake::{Lake, LakeError, Outline};
+use whyroad_mining::Rule;
 use whyroad_mining::drive::{DriveEpisodes, arbitrated};
 use whyroad_mining::episode::{Found, find};
-use whyroad_mining::fast::{Plan, Signals, find_all};
+use whyroad_mining::fast::{Plan, Search, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::messages::ClipMetadata;
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ScenarioId, SignalTable};
 
 /// One drive's contribution.
 #[derive(Clone, Debug)]
@@ -128,8 +130,23 @@ pub fn mine_each<E: Send>(
 /// is that of `rules`.
 pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpisodes {
     let table = whyroad_signals::derive(drive);
-    let found = find_all(plan, &Signals::of_table(&table));
+    let ordinary: Vec<usize> =
+        (0..rules.rules.len()).filter(|i| rules.rules[*i].on_demand().is_none()).collect();
+    let mut found = vec![Found::default(); rules.rules.len()];
+    let signals = Signals::of_table(&table);
+    for (i, of_rule) in ordinary.iter().zip(Search::new(plan, &signals, ordinary.iter().copied()).found()) {
+        found[*i] = of_rule;
+    }
+    for (i, rule) in rules.rules.iter().enumerate().filter(|(i, _)| !ordinary.contains(i)) {
+        let own = signals_for(rule, || Ok(drive.clone()), || Ok(table.clone()));
+        found[i] = own.map(|own| found_in(rule, &own)).unwrap_or_default();
+    }
     arbitrated(rules, &drive.meta.drive_id, &drive.times, found)
+}
+
+/// What one rule finds in signals that are at hand, by the fast evaluator.
+fn found_in(rule: &Rule, table: &SignalTable) -> Found {
+    find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
 
 /// What all drives of one run share.
@@ -151,7 +168,11 @@ impl Run<'_> {
             Evaluator::Fast => self.found(id, &outline).map_err(unreadable)?,
             Evaluator::Reference => {
                 let table = derived_signals(self.lake, id).map_err(unreadable)?;
-                self.rules.rules.iter().map(|rule| find(rule, &table)).collect()
+                let one = |rule: &Rule| {
+                    let own = signals_for(rule, || self.lake.read_drive(id), || Ok(table.clone()));
+                    own.map(|own| find(rule, &own))
+                };
+                self.rules.rules.iter().map(one).collect::<Result<_, _>>().map_err(unreadable)?
             }
         };
         let DriveEpisodes { episodes, missing, .. } = arbitrated(self.rules, id, &outline.times, found);
@@ -179,8 +200,25 @@ impl Run<'_> {
         Ok(found.into_iter().map(Option::unwrap_or_default).collect())
     }
 
-    /// Runs these rules on the stored signals; where there are none, derives and stores them.
+    /// Runs these rules: those about any object on signals that are derived for them.
     fn run(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
+        let of = |i: usize| &self.rules.rules[i];
+        let stored: Vec<usize> = rules.iter().copied().filter(|i| of(*i).on_demand().is_none()).collect();
+        let mut found =
+            if stored.is_empty() { Vec::new() } else { self.run_stored(id, &stored)? }.into_iter();
+        let one = |i: &usize| match of(*i).on_demand() {
+            None => Ok(found.next().unwrap_or_default()),
+            Some(_) => {
+                let whole = || signals_of(self.lake, id);
+                let own = signals_for(of(*i), || self.lake.read_drive(id), whole)?;
+                Ok(found_in(of(*i), &own))
+            }
+        };
+        rules.iter().map(one).collect()
+    }
+
+    /// Runs these rules on the stored signals; where there are none, derives and stores them.
+    fn run_stored(&self, id: &DriveId, rules: &[usize]) -> Result<Vec<Found>, LakeError> {
         if let Some(file) = self.lake.signals(id, whyroad_signals::VERSION)?
             && let Ok(found) = find_stored(&self.plan, &file, 0, rules)
         {
@@ -189,8 +227,7 @@ impl Run<'_> {
         // Missing, or unreadable: derived (again).
         let table = derived_signals(self.lake, id)?;
         self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
-        let mut all = find_all(&self.plan, &Signals::of_table(&table));
-        Ok(rules.iter().map(|i| std::mem::take(&mut all[*i])).collect())
+        Ok(Search::new(&self.plan, &Signals::of_table(&table), rules.iter().copied()).found())
     }
 
     /// A lake that cannot be written is mined all the same.

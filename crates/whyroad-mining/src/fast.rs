@@ -18,6 +18,7 @@ pub mod layout;
 mod margin;
 mod noise;
 pub mod numbers;
+mod pairs;
 pub mod plan;
 pub mod search;
 pub mod signals;

@@ -6,6 +6,8 @@
 //! That is the robustness of signal temporal logic, cut off at [`MARGIN_LIMIT`].
 
 mod objects;
+pub(crate) mod pair_rows;
+mod pairs;
 mod temporal;
 mod timeline;
 
@@ -20,7 +22,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::{TargetSpan, deviation_name};
+use whyroad_model::signal::{TargetSpan, deviation_name, is_of_object};
 use whyroad_model::{Column, FrameRange, SignalTable, Tri};
 
 /// The values of a node, one per row.
@@ -127,7 +129,7 @@ impl<'a> Evaluator<'a> {
 
     fn window(&self, roles: Roles<'_>) -> (usize, usize) {
         match (roles.target, roles.second) {
-            (Some(a), Some(b)) => self.timeline.window(a.frames.intersect(b.frames)),
+            (Some(a), Some(b)) => self.timeline.window(pair_rows::frames(self.table, a, b)),
             (Some(one), None) | (None, Some(one)) => self.timeline.window(one.frames),
             (None, None) => (0, self.timeline.rows.len()),
         }
@@ -181,6 +183,7 @@ impl<'a> Evaluator<'a> {
             Op::Truth(b) => Series::Truths(Truths::of_flags(vec![Tri::from(*b); n])),
             Op::Signal(name) => self.signal(name, pass.roles.target, pass),
             Op::SecondSignal(name) => self.signal(name, pass.roles.second, pass),
+            Op::PairSignal { name, seen_from } => self.pair_signal(name, *seen_from, pass),
             Op::Negate(a) => Series::Numbers(self.numbers(*a, pass).into_iter().map(|x| -x).collect()),
             Op::Absolute(a) => Series::Numbers(self.numbers(*a, pass).into_iter().map(f64::abs).collect()),
             Op::Add(a, b) => self.zip(*a, *b, pass, |x, y| x + y),
@@ -270,6 +273,9 @@ impl<'a> Evaluator<'a> {
             Op::AtLeast { of, count, subject } => {
                 Series::Truths(self.at_least(*of, *count, *subject, pass.episode))
             }
+            Op::AtLeastNear { of, count, subject } => {
+                Series::Truths(self.at_least_near(*of, (*count, *subject), pass))
+            }
             Op::Before(a) => Series::Truths(self.conditions(*a, pass).shifted()),
             Op::AtKeyframe(a) => self.at_keyframe(*a, pass),
             Op::InMatch(a) => Series::Truths(self.in_match(*a, pass)),
@@ -327,7 +333,7 @@ impl<'a> Evaluator<'a> {
     fn signal(&self, name: &str, of: Option<&TargetSpan>, pass: &Pass<'_>) -> Series {
         let rows = self.rows(pass);
         let (column, offset) = match of {
-            Some(span) if name.starts_with("target.") => {
+            Some(span) if is_of_object(name) => {
                 (self.table.target_columns.get(name), Some((span.first_row, span.frames.start)))
             }
             _ => (self.table.frame_columns.get(name), None),
@@ -335,22 +341,27 @@ impl<'a> Evaluator<'a> {
         let index = |row: &Row| {
             row.frame.map(|f| offset.map_or(f, |(first_row, first_frame)| first_row + f - first_frame))
         };
-        match column {
-            Some(column @ Column::Number(_)) => Series::Numbers(
-                rows.iter().map(|r| index(r).and_then(|i| column.number(i)).unwrap_or(f64::NAN)).collect(),
-            ),
-            Some(column @ Column::Flag(_)) => Series::Truths(Truths::of_flags(
-                rows.iter().map(|r| index(r).map_or(Tri::Unknown, |i| column.flag(i))).collect(),
-            )),
-            Some(Column::Category { codes, names }) => Series::Categories(
-                rows.iter()
-                    .map(|r| index(r).and_then(|i| codes.get(i).copied()).unwrap_or(UNKNOWN_CODE))
-                    .collect(),
-                names.clone(),
-            ),
-            // The type does not matter: everything that reads it finds nothing known.
-            None => Series::Numbers(vec![f64::NAN; rows.len()]),
-        }
+        values(column, rows, index)
+    }
+}
+
+/// A column on these rows, each of which has its value at `index` or, in a gap, none.
+fn values(column: Option<&Column>, rows: &[Row], index: impl Fn(&Row) -> Option<usize>) -> Series {
+    match column {
+        Some(column @ Column::Number(_)) => Series::Numbers(
+            rows.iter().map(|r| index(r).and_then(|i| column.number(i)).unwrap_or(f64::NAN)).collect(),
+        ),
+        Some(column @ Column::Flag(_)) => Series::Truths(Truths::of_flags(
+            rows.iter().map(|r| index(r).map_or(Tri::Unknown, |i| column.flag(i))).collect(),
+        )),
+        Some(Column::Category { codes, names }) => Series::Categories(
+            rows.iter()
+                .map(|r| index(r).and_then(|i| codes.get(i).copied()).unwrap_or(UNKNOWN_CODE))
+                .collect(),
+            names.clone(),
+        ),
+        // The type does not matter: everything that reads it finds nothing known.
+        None => Series::Numbers(vec![f64::NAN; rows.len()]),
     }
 }
 

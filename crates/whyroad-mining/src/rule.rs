@@ -15,10 +15,11 @@ pub mod text;
 
 pub use set::{Precedence, RuleSet};
 
-use crate::language::program::{Atom, Moment, NodeId, Program, Subject};
+use crate::language::program::{Atom, Moment, NodeId, Op, Program, Subject};
 use crate::language::{Checker, Expr, Fault};
 use std::collections::BTreeSet;
 use whyroad_model::messages::KeyframeType;
+use whyroad_model::signal::is_on_demand;
 use whyroad_model::{Bilingual, Nanos, ScenarioId};
 
 /// Codes of the diagnostics that this crate emits; each has a page in `docs/diagnostics/`.
@@ -81,6 +82,17 @@ pub struct Rule {
     pub merge_gap: Nanos,
     /// Keyframe, start, end, context.
     pub timing: Timing,
+}
+
+/// What a rule about any object needs besides what is derived for every drive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OnDemand {
+    /// The `object.` and `pair.` signals.
+    pub signals: BTreeSet<String>,
+    /// All its other signals.
+    pub others: BTreeSet<String>,
+    /// It asks about pairs of objects.
+    pub pairs: bool,
 }
 
 /// When the ego answers: looked for from the match's start to the end of the time range.
@@ -201,6 +213,17 @@ impl Rule {
             out.extend(self.program.signals(*id));
         }
         out
+    }
+
+    /// The signals that are derived only for rules that ask for them, and whether it asks about pairs; `None` when it
+    /// asks for none of them.
+    pub fn on_demand(&self) -> Option<OnDemand> {
+        let all = self.program.all_signals();
+        let asks_for_pairs = |op: &Op| matches!(op, Op::PairSignal { .. } | Op::AtLeastNear { .. });
+        let pairs = self.program.nodes.iter().any(|n| asks_for_pairs(&n.op));
+        let (signals, others): (BTreeSet<String>, BTreeSet<String>) =
+            all.into_iter().partition(|s| is_on_demand(s));
+        (!signals.is_empty()).then_some(OnDemand { signals, others, pairs })
     }
 
     /// Those of them without which nobody can say that it was not there: all but the ones of which the rule itself

@@ -18,6 +18,27 @@ pub enum SignalScope {
     Frame,
     /// One value per target and frame.
     Target,
+    /// One value per object and frame, the ego among the objects; derived when a rule asks for it.
+    Object,
+    /// One value per ordered pair of near objects and frame; derived when a rule asks for it.
+    Pair,
+}
+
+impl SignalScope {
+    /// True for signals that are derived only when a rule asks for them.
+    pub fn is_on_demand(self) -> bool {
+        matches!(self, Self::Object | Self::Pair)
+    }
+
+    /// The word for it in the catalogue.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Frame => "frame",
+            Self::Target => "target",
+            Self::Object => "object",
+            Self::Pair => "pair",
+        }
+    }
 }
 
 /// Type of a signal's values.
@@ -124,6 +145,12 @@ pub struct PerFrame;
 /// Marks a signal with one value per target and frame.
 #[derive(Clone, Copy, Debug)]
 pub struct PerTarget;
+/// Marks a signal with one value per object and frame.
+#[derive(Clone, Copy, Debug)]
+pub struct PerObject;
+/// Marks a signal with one value per pair of objects and frame.
+#[derive(Clone, Copy, Debug)]
+pub struct PerPair;
 /// Marks a signal of numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Number;
@@ -134,7 +161,7 @@ pub struct Flag;
 #[derive(Clone, Copy, Debug)]
 pub struct Category<C>(PhantomData<C>);
 
-/// A signal with its scope `S` ([`PerFrame`], [`PerTarget`]) and type `K` ([`Number`], [`Flag`], [`Category`]).
+/// A signal with its scope `S` ([`PerFrame`], [`PerTarget`], [`PerObject`], [`PerPair`]) and type `K` ([`Number`], [`Flag`], [`Category`]).
 #[derive(Debug)]
 pub struct Signal<S, K> {
     id: SignalId,
@@ -170,7 +197,13 @@ mod tests {
             assert_eq!((*id as usize, SignalId::from_name(id.name())), (i, Some(*id)));
             assert!(!matches!(id.kind(), SignalType::Number(_)) || id.unit().is_some(), "{id}: unit");
             // Rules and the lake derive the scope from the prefix.
-            assert_eq!(id.name().starts_with("target."), id.scope() == SignalScope::Target, "{id}");
+            for (prefix, scope) in [
+                ("target.", SignalScope::Target),
+                ("object.", SignalScope::Object),
+                ("pair.", SignalScope::Pair),
+            ] {
+                assert_eq!(id.name().starts_with(prefix), id.scope() == scope, "{id}");
+            }
         }
         assert!(SignalId::ALL.is_sorted_by_key(|id| id.name()));
         assert_eq!(SignalId::from_name("ego.sped"), None);

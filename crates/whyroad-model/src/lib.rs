@@ -17,6 +17,7 @@ pub mod messages;
 pub mod names;
 mod need;
 pub mod object;
+pub mod pair;
 pub mod road_map;
 pub mod scene;
 pub mod signal;

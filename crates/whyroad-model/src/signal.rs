@@ -1,5 +1,6 @@
 //! Signal tables: what is derived from one drive, by name. The catalogue of names is `schema/signals.yaml`.
 
+use crate::pair::PairTable;
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
 use std::collections::BTreeMap;
 
@@ -35,6 +36,21 @@ pub struct SignalTable {
     pub target_columns: BTreeMap<String, Column>,
     /// Signals that this log cannot support, with what it lacks: `{"light.state": [Need::TrafficLights]}`.
     pub unavailable: BTreeMap<String, Vec<Need>>,
+    /// Signals of pairs, where a rule asks for them; then the ego may be the last of `targets`.
+    pub pairs: Option<PairTable>,
+}
+
+/// Id of the ego where it is among the objects that a rule about any object asks for.
+pub const EGO_ID: &str = "ego";
+
+/// True for a signal with a value for each object and frame, by its name.
+pub fn is_of_object(signal: &str) -> bool {
+    signal.starts_with("target.") || signal.starts_with("object.")
+}
+
+/// True for a signal that is derived only when a rule asks for it, by its name: of any object, or of a pair.
+pub fn is_on_demand(signal: &str) -> bool {
+    signal.starts_with("object.") || signal.starts_with("pair.")
 }
 
 /// Where the rows of one target are: dense from its first to its last observed frame. In frames between

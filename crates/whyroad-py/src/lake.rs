@@ -76,6 +76,11 @@ impl Lake {
                 let hint = (!near.is_empty()).then(|| format!("did you mean {near}?"));
                 return Err(of_code("rule.signal.unknown", format!("signal '{name}' not found"), hint));
             };
+            if def.scope.is_on_demand() {
+                return Err(PyValueError::new_err(format!(
+                    "'{name}' is derived only for rules that ask for it: use mine(rule=...)"
+                )));
+            }
             let of = if def.id.scope() == SignalScope::Frame { Rows::Frames } else { Rows::Targets };
             if *rows.get_or_insert(of) != of {
                 return Err(PyValueError::new_err("signals per frame and signals per target need two calls"));

@@ -4,7 +4,8 @@
 //! What the log did not measure is estimated first (`estimate`), from the drive that is given and nothing else.
 //! Names and meanings are in `schema/signals.yaml`; one file per signal family, in folders by stage (`ego`, `road`,
 //! `target`, `conflict`, `behavior`, `sight`, `refav`) in the order in which they build on one another. Signals are
-//! derived over the whole drive, before it is cut into clips.
+//! derived over the whole drive, before it is cut into clips. `object` derives signals of any object and of pairs, for
+//! the rules that ask for them.
 
 pub mod catalogue;
 pub mod estimate;
@@ -24,6 +25,8 @@ mod behavior;
 mod refav;
 mod sight;
 
+mod object;
+
 mod derive;
 mod occluders;
 
@@ -31,6 +34,7 @@ pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestric
 pub use derive::{derive, meta_actions};
 pub use ego::meta_actions::MetaActions;
 pub use estimate::estimate;
+pub use object::{Objects, WithPairs, derive_objects};
 pub use occluders::occluders;
 pub use road::lane_ids::ego_lane_ids;
 pub use sight::Occluder;

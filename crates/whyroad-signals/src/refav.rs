@@ -2,7 +2,7 @@
 //! is asked about: so that the same question can be put to both. Left out is its median filter over seven positions,
 //! which works along the world's axes and would make an answer depend on how they lie; and exactly 180 deg is opposite.
 
-mod turning;
+pub mod turning;
 
 use crate::geometry::{P2, p2, wrap};
 use crate::road::network::{LaneShape, Road};

@@ -103,7 +103,8 @@ impl<'a> TableBuilder<'a> {
     fn column(&self, id: SignalId) -> Option<&Column> {
         match id.scope() {
             SignalScope::Frame => self.table.frame_columns.get(id.name()),
-            SignalScope::Target => self.table.target_columns.get(id.name()),
+            SignalScope::Target | SignalScope::Object => self.table.target_columns.get(id.name()),
+            SignalScope::Pair => self.table.pairs.as_ref()?.columns.get(id.name()),
         }
     }
 
@@ -174,7 +175,8 @@ impl<'a> TableBuilder<'a> {
     fn add(&mut self, id: SignalId, column: Column) {
         let (columns, rows) = match id.scope() {
             SignalScope::Frame => (&mut self.table.frame_columns, self.table.times.len()),
-            SignalScope::Target => (&mut self.table.target_columns, self.rows),
+            SignalScope::Target | SignalScope::Object => (&mut self.table.target_columns, self.rows),
+            SignalScope::Pair => return,
         };
         debug_assert_eq!(column.len(), rows, "{id}");
         columns.insert(id.name().to_owned(), column);
@@ -185,7 +187,7 @@ impl<'a> TableBuilder<'a> {
     /// not enough of it.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let mut unavailable = BTreeMap::new();
-        for def in self.catalogue.iter() {
+        for def in self.catalogue.iter().filter(|d| !d.scope.is_on_demand()) {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not read as "never active".
             let silent = |need: &Need| {
                 *need == Need::VehicleBus

@@ -4,3 +4,4 @@
 mod incremental;
 mod label_checks;
 mod stage_one;
+mod refav;

@@ -120,6 +120,7 @@ fn one() -> SignalTable {
         }],
         target_columns: columns("target", &rows),
         unavailable: BTreeMap::new(),
+        pairs: None,
     }
 }
 

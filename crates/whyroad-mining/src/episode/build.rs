@@ -66,7 +66,10 @@ struct Decided {
 /// the drive has them all and yet not one row could be decided, those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
     let signals = rule.needs();
-    let column = |s: &String| table.frame_columns.get(s).or_else(|| table.target_columns.get(s));
+    let of_pair = |s: &String| table.pairs.as_ref().and_then(|p| p.columns.get(s));
+    let column = |s: &String| {
+        table.frame_columns.get(s).or_else(|| table.target_columns.get(s)).or_else(|| of_pair(s))
+    };
     let absent: BTreeSet<String> = signals.iter().filter(|s| column(s).is_none()).cloned().collect();
     if !absent.is_empty() || decided.rows == 0 || decided.known > 0 {
         return absent;

@@ -1,7 +1,7 @@
 //! Rules that bind two objects: which pairs are worth judging. All pairs of a crowded drive are many, and nearly
 //! all fail for the target alone (it is not even the lead), which is looked at first.
 
-use crate::interpret::{Evaluator, Roles, Series};
+use crate::interpret::{Evaluator, Roles, Series, pair_rows};
 use crate::language::program::{NodeId, Op, Program, ValueScope};
 use crate::rule::{Rule, SecondRole};
 use whyroad_model::signal::TargetSpan;
@@ -17,7 +17,11 @@ pub(crate) fn partners<'a>(
     table.targets.iter().filter(move |o| {
         o.first_row != target.first_row
             && subject.admits(o.class)
-            && !o.frames.intersect(target.frames).is_empty()
+            && match table.pairs {
+                // A rule that asks for pairs is about those that come near each other.
+                Some(_) => pair_rows::span(table, target, o).is_some(),
+                None => !o.frames.intersect(target.frames).is_empty(),
+            }
     })
 }
 

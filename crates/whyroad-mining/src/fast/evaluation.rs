@@ -17,6 +17,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::signal::is_of_object;
 
 /// Values by node and row set.
 type Memo<V> = RefCell<HashMap<(NodeId, RowSet), V>>;
@@ -29,6 +30,7 @@ pub struct Evaluation<'a> {
     pub layout: RowLayout,
     of_drive: RefCell<Vec<Option<NodeValue<'a>>>>,
     of_objects: RefCell<Vec<Option<NodeValue<'a>>>>,
+    of_pairs: RefCell<Vec<Option<NodeValue<'a>>>>,
     of_one: Memo<NodeValue<'a>>,
     of_pair: Memo<NodeValue<'a>>,
     of_episode: Memo<NodeValue<'a>>,
@@ -40,12 +42,18 @@ impl<'a> Evaluation<'a> {
     /// An evaluation that has computed nothing yet.
     pub fn new(plan: &'a Plan<'a>, signals: &'a Signals<'a>) -> Self {
         let n = plan.nodes.len();
+        let layout = RowLayout::new(&signals.times, &signals.targets);
+        let layout = match signals.pairs {
+            Some(pairs) => layout.with_pairs(pairs),
+            None => layout,
+        };
         Self {
             plan,
             signals,
-            layout: RowLayout::new(&signals.times, &signals.targets),
+            layout,
             of_drive: RefCell::new(vec![None; n]),
             of_objects: RefCell::new(vec![None; n]),
+            of_pairs: RefCell::new(vec![None; n]),
             of_one: RefCell::default(),
             of_pair: RefCell::default(),
             of_episode: RefCell::default(),
@@ -69,8 +77,10 @@ impl<'a> Evaluation<'a> {
             (ValueScope::Frame, _) => Some((id, RowSet::Drive)),
             (ValueScope::Target, RowSet::Objects | RowSet::Object(_)) => Some((id, row_set)),
             (ValueScope::Target, RowSet::Pair(target, _)) => Some((id, RowSet::Object(target))),
+            (ValueScope::Target, RowSet::Pairs) => Some((id, RowSet::Objects)),
             (ValueScope::Second, RowSet::Pair(_, second)) => Some((node.as_target?, RowSet::Object(second))),
-            (ValueScope::Pair, RowSet::Pair(..)) => Some((id, row_set)),
+            (ValueScope::Second, RowSet::Pairs) => Some((node.as_target?, RowSet::Objects)),
+            (ValueScope::Pair, RowSet::Pair(..) | RowSet::Pairs) => Some((id, row_set)),
             _ => None,
         }
     }
@@ -85,7 +95,12 @@ impl<'a> Evaluation<'a> {
         }
         let value = match (home == row_set, home, row_set) {
             (true, ..) => self.compute(own, home),
-            (false, RowSet::Drive, RowSet::Objects) => self.spread(self.value(own, RowSet::Drive)),
+            (false, RowSet::Drive, RowSet::Objects | RowSet::Pairs) => {
+                self.spread(self.value(own, RowSet::Drive), row_set)
+            }
+            (false, RowSet::Objects, RowSet::Pairs) => {
+                self.spread_to_pairs(&self.value(own, RowSet::Objects), self.plan.node(id).scope)
+            }
             _ => {
                 let (from, to) = (self.layout.segment(home), self.layout.segment(row_set));
                 let start = to.row - from.row.min(to.row);
@@ -109,7 +124,13 @@ impl<'a> Evaluation<'a> {
                 }
                 self.of_one.borrow().get(&(id, row_set)).cloned()
             }
-            RowSet::Pair(..) => self.of_pair.borrow().get(&(id, row_set)).cloned(),
+            RowSet::Pairs => self.of_pairs.borrow()[id.0].clone(),
+            RowSet::Pair(a, b) => {
+                if let (Some(of_all), Some(i)) = (&self.of_pairs.borrow()[id.0], self.layout.pair(a, b)) {
+                    return Some(of_all.slice(self.layout.segments(RowSet::Pairs)[i].range()));
+                }
+                self.of_pair.borrow().get(&(id, row_set)).cloned()
+            }
         }
     }
 
@@ -126,6 +147,7 @@ impl<'a> Evaluation<'a> {
         match row_set {
             RowSet::Drive => self.of_drive.borrow_mut()[id.0] = Some(value.clone()),
             RowSet::Objects => self.of_objects.borrow_mut()[id.0] = Some(value.clone()),
+            RowSet::Pairs => self.of_pairs.borrow_mut()[id.0] = Some(value.clone()),
             RowSet::Object(_) => drop(self.of_one.borrow_mut().insert((id, row_set), value.clone())),
             RowSet::Pair(..) => drop(self.of_pair.borrow_mut().insert((id, row_set), value.clone())),
         }
@@ -136,10 +158,10 @@ impl<'a> Evaluation<'a> {
         self.of_pair.borrow_mut().clear();
     }
 
-    /// Values of the drive's rows, repeated for each object.
-    pub(super) fn spread(&self, of_drive: NodeValue<'a>) -> NodeValue<'a> {
-        let n = self.layout.object_rows;
-        let objects = &self.layout.objects;
+    /// Values of the drive's rows, repeated for each object or pair.
+    pub(super) fn spread(&self, of_drive: NodeValue<'a>, row_set: RowSet) -> NodeValue<'a> {
+        let n = self.layout.len(row_set);
+        let objects = &*self.layout.segments(row_set);
         let bits = |from: &Bits| {
             let mut out = Bits::zeros(n);
             for s in objects {
@@ -192,6 +214,7 @@ impl<'a> Evaluation<'a> {
                 .signals
                 .value(name, &self.layout, row_set)
                 .unwrap_or(NodeValue::Numbers(Numbers::Same(f64::NAN, n))),
+            Op::PairSignal { name, seen_from } => self.pair_signal(id, name, *seen_from, row_set),
             // Its rows are always those of its twin.
             Op::SecondSignal(_) => NodeValue::Numbers(Numbers::Same(f64::NAN, n)),
             Op::Negate(a) => NodeValue::Numbers(numbers(a).map(|x| -x)),
@@ -228,6 +251,9 @@ impl<'a> Evaluation<'a> {
             Op::Until(a, b) => NodeValue::Truth(temporal::until(&truth(a), &truth(b), on)),
             Op::Bridge(a, d) => NodeValue::Truth(temporal::bridged(&truth(a), on, *d)),
             Op::AtLeast { of, count, subject } => NodeValue::Truth(self.at_least(*of, *count, *subject)),
+            Op::AtLeastNear { of, count, subject } => {
+                NodeValue::Truth(self.at_least_near(*of, (*count, *subject), row_set))
+            }
             Op::Before(a) => NodeValue::Truth(temporal::before(&truth(a), on)),
             Op::InMatch(a) => NodeValue::Truth(self.in_match(*a, row_set)),
         }
@@ -298,9 +324,7 @@ impl<'a> Evaluation<'a> {
         let mut todo = vec![of];
         while let Some(id) = todo.pop() {
             match &self.plan.node(id).op {
-                Op::Signal(name)
-                    if name.starts_with("target.") && !self.signals.present.contains_key(name) =>
-                {
+                Op::Signal(name) if is_of_object(name) && !self.signals.present.contains_key(name) => {
                     return false;
                 }
                 op => todo.extend(op.operands()),

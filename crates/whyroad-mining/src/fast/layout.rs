@@ -2,8 +2,10 @@
 //! A *segment* is an unbroken stretch of the drive's rows; operators over time never look out of theirs.
 
 use crate::interpret::{Row, Timeline};
+use crate::language::program::PairSide;
 use std::borrow::Cow;
 use std::ops::Range;
+use whyroad_model::pair::PairTable;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{FrameRange, Nanos};
 
@@ -16,8 +18,24 @@ pub enum RowSet {
     Objects,
     /// The rows of the object with this index.
     Object(usize),
-    /// The rows in which both the target and the other object are.
+    /// The rows in which both the target and the other object are; where the drive has a table of pairs, from the first
+    /// to the last frame in which they are near.
     Pair(usize, usize),
+    /// The rows of all pairs of the drive's table of pairs, one after another, as one long column.
+    Pairs,
+}
+
+/// A pair of objects and its rows as a stretch of the long column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PairRows {
+    /// The target.
+    pub first: usize,
+    /// The other one.
+    pub second: usize,
+    /// Its rows.
+    pub segment: Segment,
+    /// Index of the pair with the two exchanged.
+    pub reversed: usize,
 }
 
 /// A stretch of the drive's rows in a column.
@@ -58,6 +76,10 @@ pub struct RowLayout {
     /// Objects in the order in which they come into sight.
     by_start: Vec<usize>,
     longest: usize,
+    /// The pairs of the drive's table, in its order; `None` where it has none.
+    pub pairs: Option<Vec<PairRows>>,
+    pair_rows: usize,
+    pair_segments: Vec<Segment>,
 }
 
 impl RowLayout {
@@ -92,6 +114,9 @@ impl RowLayout {
         Self {
             by_start,
             longest,
+            pairs: None,
+            pair_rows: 0,
+            pair_segments: Vec::new(),
             rows,
             row_of_frame,
             objects,
@@ -104,11 +129,41 @@ impl RowLayout {
         }
     }
 
+    /// With the pairs of this table.
+    #[must_use]
+    pub fn with_pairs(mut self, table: &PairTable) -> Self {
+        let mut start = 0;
+        let rows = table.spans.iter().enumerate().map(|(i, span)| {
+            let (row, len) = match span.frames.is_empty() {
+                true => (0, 0),
+                false => {
+                    let first = self.row_of_frame[span.frames.start];
+                    (first, self.row_of_frame[span.frames.end - 1] + 1 - first)
+                }
+            };
+            let segment = Segment { start, row, len };
+            start += len;
+            let reversed = table.reversed(i).unwrap_or(i);
+            PairRows { first: span.first, second: span.second, segment, reversed }
+        });
+        let rows: Vec<PairRows> = rows.collect();
+        self.pair_segments = rows.iter().map(|p| p.segment).collect();
+        self.pairs = Some(rows);
+        self.pair_rows = start;
+        self
+    }
+
+    /// Index of a pair in the table of pairs.
+    pub fn pair(&self, first: usize, second: usize) -> Option<usize> {
+        self.pairs.as_ref()?.binary_search_by_key(&(first, second), |p| (p.first, p.second)).ok()
+    }
+
     /// The stretches of which a column there is made.
     pub fn segments(&self, row_set: RowSet) -> Cow<'_, [Segment]> {
         match row_set {
             RowSet::Drive => Cow::Borrowed(std::slice::from_ref(&self.drive)),
             RowSet::Objects => Cow::Borrowed(&self.objects),
+            RowSet::Pairs => Cow::Borrowed(&self.pair_segments),
             _ => Cow::Owned(vec![self.segment(row_set)]),
         }
     }
@@ -116,8 +171,12 @@ impl RowLayout {
     /// The stretch of a row set that has one.
     pub fn segment(&self, row_set: RowSet) -> Segment {
         match row_set {
-            RowSet::Drive | RowSet::Objects => self.drive,
+            RowSet::Drive | RowSet::Objects | RowSet::Pairs => self.drive,
             RowSet::Object(i) => Segment { start: 0, ..self.objects[i] },
+            RowSet::Pair(a, b) if self.pairs.is_some() => {
+                let nobody = Segment { start: 0, row: 0, len: 0 };
+                self.pair(a, b).map_or(nobody, |i| Segment { start: 0, ..self.pair_segments[i] })
+            }
             RowSet::Pair(a, b) => {
                 let (a, b) = (self.objects[a], self.objects[b]);
                 let row = a.row.max(b.row);
@@ -131,12 +190,19 @@ impl RowLayout {
     pub fn len(&self, row_set: RowSet) -> usize {
         match row_set {
             RowSet::Objects => self.object_rows,
+            RowSet::Pairs => self.pair_rows,
             _ => self.segment(row_set).len,
         }
     }
 
     /// Objects that are seen while this one is, itself among them, in the order of the targets.
+    ///
+    /// Where the drive has a table of pairs: those that come near it.
     pub fn seen_with(&self, object: usize) -> Vec<usize> {
+        if let Some(pairs) = &self.pairs {
+            let from = pairs.partition_point(|p| p.first < object);
+            return pairs[from..].iter().take_while(|p| p.first == object).map(|p| p.second).collect();
+        }
         let of = self.objects[object];
         let start = |i: &usize| self.objects[*i].row;
         let from = self.by_start.partition_point(|i| start(i) + self.longest <= of.row);
@@ -176,8 +242,36 @@ impl RowLayout {
                 Cow::Owned(all)
             }
             RowSet::Object(i) => self.of_object(values, i, hole),
-            RowSet::Drive | RowSet::Pair(..) => Cow::Owned(vec![hole; self.len(row_set)]),
+            RowSet::Drive | RowSet::Pair(..) | RowSet::Pairs => Cow::Owned(vec![hole; self.len(row_set)]),
         }
+    }
+
+    /// The values of a signal of pairs, as all rows of [`RowSet::Pairs`], with `hole` in each gap.
+    pub fn of_pairs<T: Copy>(&self, values: &[T], side: PairSide, hole: T) -> Vec<T> {
+        let pairs = self.pairs.as_deref().unwrap_or_default();
+        // Stored rows hold frames only.
+        let mut firsts = Vec::with_capacity(pairs.len());
+        let mut at = 0;
+        for p in pairs {
+            firsts.push(at);
+            at += self.frames_in(p.segment);
+        }
+        let mut out = Vec::with_capacity(self.pair_rows);
+        for (i, p) in pairs.iter().enumerate() {
+            let mut next = firsts[if side == PairSide::First { i } else { p.reversed }];
+            for row in &self.rows[p.segment.row..p.segment.row + p.segment.len] {
+                let value = row.frame.map(|_| {
+                    next += 1;
+                    values.get(next - 1).copied().unwrap_or(hole)
+                });
+                out.push(value.unwrap_or(hole));
+            }
+        }
+        out
+    }
+
+    fn frames_in(&self, segment: Segment) -> usize {
+        self.rows[segment.row..segment.row + segment.len].iter().filter(|r| r.frame.is_some()).count()
     }
 
     /// The rows of a stored column of `len` values that are the rows of a row set, where they are some of them just

@@ -136,6 +136,9 @@ impl Evaluation<'_> {
             }
             Op::Bridge(a, d) => self.of_bridge(*a, row_set, rows, *d),
             Op::AtLeast { of, count, subject } => self.of_count(*of, *count, *subject, rows),
+            Op::AtLeastNear { of, count, subject } => {
+                self.of_near_count(*of, (*count, *subject), row_set, rows)
+            }
             Op::InMatch(a) => {
                 let of = self.match_rows(row_set).map(|m| self.margins(*a, row_set, m)).unwrap_or_default();
                 vec![of.into_iter().fold(f64::NEG_INFINITY, f64::max); n]

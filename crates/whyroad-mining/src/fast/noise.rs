@@ -60,7 +60,10 @@ impl Evaluation<'_> {
         let at_home = self.signals.value(name, &self.layout, home)?;
         let there = match (home == row_set, home, row_set) {
             (true, ..) => at_home,
-            (false, RowSet::Drive, RowSet::Objects) => self.spread(at_home),
+            (false, RowSet::Drive, RowSet::Objects | RowSet::Pairs) => self.spread(at_home, row_set),
+            (false, RowSet::Objects, RowSet::Pairs) => {
+                self.spread_to_pairs(&at_home, self.plan.node(id).scope)
+            }
             _ => {
                 let (from, to) = (self.layout.segment(home), self.layout.segment(row_set));
                 let start = to.row - from.row.min(to.row);

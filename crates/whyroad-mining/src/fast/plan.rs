@@ -117,12 +117,9 @@ impl<'r> Plan<'r> {
             return *id;
         }
         let operands = op.operands();
-        let scope = match &op {
-            Op::Signal(name) if name.starts_with("target.") => ValueScope::Target,
-            Op::SecondSignal(_) => ValueScope::Second,
-            Op::AtLeast { .. } => ValueScope::Frame,
-            _ => operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join),
-        };
+        let joined =
+            || operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join);
+        let scope = op.own_scope().unwrap_or_else(joined);
         let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
         let as_target = (scope == ValueScope::Second).then(|| {
             let twin = |id: NodeId| self.nodes[id.0].as_target.unwrap_or(id);
@@ -157,7 +154,9 @@ fn later_nodes(rule: &Rule) -> Vec<NodeId> {
 /// The same operation on other nodes.
 fn renamed(op: &Op, to: impl Fn(NodeId) -> NodeId) -> Op {
     match op {
-        Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) => op.clone(),
+        Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } => {
+            op.clone()
+        }
         Op::Negate(a) => Op::Negate(to(*a)),
         Op::Add(a, b) => Op::Add(to(*a), to(*b)),
         Op::Subtract(a, b) => Op::Subtract(to(*a), to(*b)),
@@ -181,6 +180,9 @@ fn renamed(op: &Op, to: impl Fn(NodeId) -> NodeId) -> Op {
         Op::Until(a, b) => Op::Until(to(*a), to(*b)),
         Op::Bridge(a, d) => Op::Bridge(to(*a), *d),
         Op::AtLeast { of, count, subject } => Op::AtLeast { of: to(*of), count: *count, subject: *subject },
+        Op::AtLeastNear { of, count, subject } => {
+            Op::AtLeastNear { of: to(*of), count: *count, subject: *subject }
+        }
         Op::Before(a) => Op::Before(to(*a)),
         Op::AtKeyframe(a) => Op::AtKeyframe(to(*a)),
         Op::InMatch(a) => Op::InMatch(to(*a)),

@@ -4,6 +4,7 @@
 use super::layout::{RowLayout, RowSet};
 use super::numbers::{NumberColumn, Numbers};
 use super::truth::Truth;
+use crate::language::program::PairSide;
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
@@ -11,7 +12,8 @@ use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::{TargetSpan, is_deviation};
+use whyroad_model::pair::PairTable;
+use whyroad_model::signal::{TargetSpan, is_deviation, is_of_object};
 use whyroad_model::{Column, Nanos, SignalTable, Tri};
 
 /// One signal: a value per frame, or a value per row of the targets' table.
@@ -91,6 +93,8 @@ pub struct Signals<'a> {
     pub targets: Cow<'a, [TargetSpan]>,
     /// Every signal that the drive has, of frames and targets, and whether any of its values is known.
     pub present: BTreeMap<String, bool>,
+    /// Signals of pairs, where the rules ask for them.
+    pub pairs: Option<&'a PairTable>,
     columns: Columns<'a>,
     more: OnceCell<Columns<'a>>,
     /// True when a column of standard deviations is at hand.
@@ -106,16 +110,20 @@ impl<'a> Signals<'a> {
         columns: Columns<'a>,
     ) -> Self {
         let noisy = Cell::new(has_noise(&columns));
-        Self { times: times.into(), targets: targets.into(), present, columns, more: OnceCell::new(), noisy }
+        let (times, targets) = (times.into(), targets.into());
+        Self { times, targets, present, pairs: None, columns, more: OnceCell::new(), noisy }
     }
 
     /// All signals of a table, borrowed.
     pub fn of_table(table: &'a SignalTable) -> Self {
         let all = || table.frame_columns.iter().chain(&table.target_columns);
         let named = all().filter(|(n, _)| !is_deviation(n));
-        let present = named.map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i)))).collect();
+        let of_pairs = table.pairs.iter().flat_map(|p| &p.columns);
+        let present = named.chain(of_pairs).map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i))));
+        let present = present.collect();
         let columns = all().map(|(n, c)| (n.clone(), SignalColumn::borrowed(c))).collect();
-        Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns)
+        let signals = Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns);
+        Self { pairs: table.pairs.as_ref(), ..signals }
     }
 
     /// Columns that turned out to be needed as well. Only the first call brings anything.
@@ -138,10 +146,33 @@ impl<'a> Signals<'a> {
         self.columns.get(name).or_else(|| self.more.get()?.get(name))
     }
 
+    /// A flag of an object in a frame that its span covers; `None` where the drive has no such flag.
+    pub fn flag_of_object(&self, name: &str, object: usize, frame: usize) -> Option<Tri> {
+        let row = self.targets[object].row(frame);
+        match self.column(name)? {
+            SignalColumn::Flags(values) => Some(row.map_or(Tri::Unknown, |r| values[r])),
+            SignalColumn::Packed(truth) => Some(row.map_or(Tri::Unknown, |r| truth.at(r))),
+            _ => None,
+        }
+    }
+
+    /// The values of a signal of pairs on the rows of all pairs; `None` where the drive has it not.
+    pub fn of_pairs(&self, name: &str, side: PairSide, layout: &RowLayout) -> Option<NodeValue<'a>> {
+        Some(match self.pairs?.columns.get(name)? {
+            Column::Number(values) => {
+                NodeValue::Numbers(Numbers::of(layout.of_pairs(values, side, f64::NAN)))
+            }
+            Column::Flag(values) => NodeValue::Truth(packed(&layout.of_pairs(values, side, Tri::Unknown))),
+            Column::Category { codes, names } => {
+                NodeValue::Words(Words::of(layout.of_pairs(codes, side, UNKNOWN_CODE), names.clone()))
+            }
+        })
+    }
+
     /// The values of a signal on a row set; `None` where the drive has it not.
     pub fn value(&'a self, name: &str, layout: &RowLayout, row_set: RowSet) -> Option<NodeValue<'a>> {
         let column = self.column(name)?;
-        let of_target = name.starts_with("target.");
+        let of_target = is_of_object(name);
         Some(match column {
             SignalColumn::Numbers(column) => {
                 NodeValue::Numbers(match layout.stored_rows(row_set, of_target, column.len()) {

@@ -38,7 +38,11 @@ fn same_values(rule: &Rule, table: &SignalTable) {
     for (i, a) in table.targets.iter().enumerate() {
         passes.push((RowSet::Object(i), Roles { target: Some(a), second: None }));
         for (k, b) in table.targets.iter().enumerate().filter(|(k, _)| *k != i) {
-            if !a.frames.intersect(b.frames).is_empty() {
+            let there = match &table.pairs {
+                Some(pairs) => pairs.find(i, k).is_some(),
+                None => !a.frames.intersect(b.frames).is_empty(),
+            };
+            if there {
                 passes.push((RowSet::Pair(i, k), Roles { target: Some(a), second: Some(b) }));
             }
         }

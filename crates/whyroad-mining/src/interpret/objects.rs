@@ -6,6 +6,7 @@ use super::{Evaluator, MARGIN_LIMIT, Moments, Pass, Roles, Series};
 use crate::language::program::{NodeId, Subject, ValueScope};
 use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
+use whyroad_model::signal::is_of_object;
 use whyroad_model::{FrameRange, Tri};
 
 impl<'a> Evaluator<'a> {
@@ -29,8 +30,12 @@ impl<'a> Evaluator<'a> {
     }
 
     /// A node over all rows of these roles; kept where it belongs to one object and to no episode.
-    fn over(&mut self, id: NodeId, roles: Roles<'a>, episode: Option<Moments>) -> Rc<Series> {
-        let object = roles.target.or(roles.second);
+    pub(super) fn over(&mut self, id: NodeId, roles: Roles<'a>, episode: Option<Moments>) -> Rc<Series> {
+        // What belongs to a pair is asked for once.
+        let object = match roles {
+            Roles { target: Some(_), second: Some(_) } => None,
+            Roles { target, second } => target.or(second),
+        };
         let key = object.filter(|_| !self.program.node(id).needs_episode).map(|o| (id, o.first_row));
         if let Some(done) = key.and_then(|k| self.of_object.get(&k)) {
             return done.clone();
@@ -54,9 +59,8 @@ impl<'a> Evaluator<'a> {
         episode: Option<Moments>,
     ) -> Truths {
         let n = self.timeline.rows.len();
-        let of_target = |s: &String| s.starts_with("target.");
         let signals = self.program.signals(of);
-        if signals.iter().filter(|s| of_target(s)).any(|s| !self.table.target_columns.contains_key(s)) {
+        if signals.iter().filter(|s| is_of_object(s)).any(|s| !self.table.target_columns.contains_key(s)) {
             // Not even the absence of objects is known.
             return Truths::unknown(n);
         }
@@ -72,22 +76,7 @@ impl<'a> Evaluator<'a> {
         }
         let mut out = Truths::unknown(n);
         for (i, cells) in seen.iter().enumerate().filter(|(i, _)| self.timeline.rows[*i].frame.is_some()) {
-            let sure = cells.iter().filter(|(t, _)| *t == Tri::True).count();
-            let possible = cells.iter().filter(|(t, _)| *t != Tri::False).count();
-            let mut margins: Vec<f64> = cells.iter().map(|(_, m)| *m).filter(|m| !m.is_nan()).collect();
-            margins.sort_by(|a, b| b.total_cmp(a));
-            // The object that is last needed to make up the number; with too few of them, none is near.
-            let deciding = match count.checked_sub(1) {
-                None => MARGIN_LIMIT,
-                Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),
-            };
-            (out.value[i], out.margin[i]) = if sure >= count {
-                (Tri::True, deciding.max(0.0))
-            } else if possible < count {
-                (Tri::False, deciding.min(0.0))
-            } else {
-                (Tri::Unknown, f64::NAN)
-            };
+            (out.value[i], out.margin[i]) = enough(count, cells);
         }
         out
     }
@@ -145,5 +134,25 @@ impl<'a> Evaluator<'a> {
         let from = rows.iter().position(|r| r.frame == Some(start))?;
         let to = rows.iter().rposition(|r| r.frame.is_some_and(|f| f + 1 == end))?;
         (from <= to).then_some((from, to + 1))
+    }
+}
+
+/// At least `count` of these, each with its truth and margin; unknown where those that are not known decide.
+pub(super) fn enough(count: usize, cells: &[(Tri, f64)]) -> (Tri, f64) {
+    let sure = cells.iter().filter(|(t, _)| *t == Tri::True).count();
+    let possible = cells.iter().filter(|(t, _)| *t != Tri::False).count();
+    let mut margins: Vec<f64> = cells.iter().map(|(_, m)| *m).filter(|m| !m.is_nan()).collect();
+    margins.sort_by(|a, b| b.total_cmp(a));
+    // The object that is last needed to make up the number; with too few of them, none is near.
+    let deciding = match count.checked_sub(1) {
+        None => MARGIN_LIMIT,
+        Some(last) => margins.get(last).copied().unwrap_or(-MARGIN_LIMIT),
+    };
+    if sure >= count {
+        (Tri::True, deciding.max(0.0))
+    } else if possible < count {
+        (Tri::False, deciding.min(0.0))
+    } else {
+        (Tri::Unknown, f64::NAN)
     }
 }

@@ -9,6 +9,7 @@ mod describe;
 mod every;
 mod moments;
 mod names;
+mod pairs;
 mod words;
 
 pub use names::nearest;
@@ -40,6 +41,8 @@ pub struct Checker<'a> {
     pub roles: RoleNames,
     /// Whom `target.` means at present.
     meaning: Meaning,
+    /// A definition is being read: it may be used inside `exists`, where there is a second object.
+    defining: bool,
 }
 
 /// How a rule calls the objects that it binds. `target.` always names the first one.
@@ -83,6 +86,7 @@ impl<'a> Checker<'a> {
             subject: None,
             roles: RoleNames::default(),
             meaning: Meaning::Role,
+            defining: false,
         }
     }
 
@@ -235,10 +239,14 @@ impl<'a> Checker<'a> {
             return Ok(self.program.add(Op::Constant(q.base()), ValueKind::Number(q.unit.dimension)));
         }
         if let Some(definition) = self.definitions.get(name) {
-            return Ok(definition.node);
+            let node = definition.node;
+            return if self.speaks_of_nobody(node) { Err(names::no_other(name, span)) } else { Ok(node) };
         }
         if let "true" | "false" = name {
             return Ok(self.flag(Op::Truth(name == "true")));
+        }
+        if let Some(node) = self.of_pair(name, span)? {
+            return Ok(node);
         }
         if let Some((role, signal)) = name.split_once('.') {
             let is = |r: &Option<String>| r.as_deref() == Some(role);
@@ -314,7 +322,7 @@ impl<'a> Checker<'a> {
     /// Typical magnitude of a number: that of the first signal in it.
     fn scale(&self, id: NodeId) -> Option<f64> {
         match &self.program.node(id).op {
-            Op::Signal(name) => self.catalogue.get(name).map(|d| d.scale),
+            Op::Signal(name) | Op::PairSignal { name, .. } => self.catalogue.get(name).map(|d| d.scale),
             op => op.operands().into_iter().find_map(|o| self.scale(o)),
         }
     }

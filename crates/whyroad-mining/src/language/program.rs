@@ -3,6 +3,7 @@
 
 use super::syntax::CompareOp;
 use std::collections::BTreeSet;
+use whyroad_model::signal::is_of_object;
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Nanos, ObjectClass};
 
@@ -46,6 +47,17 @@ pub enum Subject {
     LargeVehicle,
     /// Vulnerable road users.
     Vru,
+    /// Objects of one class.
+    Class(ObjectClass),
+}
+
+/// From whose side a pair is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PairSide {
+    /// The object in the first role: `pair.`.
+    First,
+    /// The object in the second role: `reverse.`.
+    Second,
 }
 
 impl Subject {
@@ -56,7 +68,7 @@ impl Subject {
             "vehicle" => Some(Self::Vehicle),
             "large_vehicle" => Some(Self::LargeVehicle),
             "vru" => Some(Self::Vru),
-            _ => None,
+            _ => ObjectClass::from_id(word).filter(|c| *c != ObjectClass::Unknown).map(Self::Class),
         }
     }
 
@@ -67,6 +79,7 @@ impl Subject {
             Self::Vehicle => class.is_vehicle(),
             Self::LargeVehicle => class.is_large_vehicle(),
             Self::Vru => class.is_vru(),
+            Self::Class(only) => class == only,
         }
     }
 }
@@ -89,10 +102,18 @@ pub enum Op {
     Constant(f64),
     /// `true` or `false` of the rule.
     Truth(bool),
-    /// A signal of any kind, by its name in the catalogue; `target.*` is of the object in the first role.
+    /// A signal of any kind, by its name in the catalogue; `target.*` and `object.*` are of the object in the first
+    /// role.
     Signal(String),
-    /// A `target.*` signal of the object in the second role, by its name in the catalogue.
+    /// A `target.*` or `object.*` signal of the object in the second role, by its name in the catalogue.
     SecondSignal(String),
+    /// A `pair.*` signal of the two, by its name in the catalogue.
+    PairSignal {
+        /// Name.
+        name: String,
+        /// From whose side it is seen.
+        seen_from: PairSide,
+    },
     /// `-a`.
     Negate(NodeId),
     /// `a + b`.
@@ -147,6 +168,17 @@ pub enum Op {
     /// At least `count` objects that are seen at the frame meet a condition of [`ValueScope::Target`], in which the
     /// target is each of them in turn. The value is of [`ValueScope::Frame`].
     AtLeast {
+        /// The condition.
+        of: NodeId,
+        /// How many.
+        count: usize,
+        /// Which objects are counted.
+        subject: Subject,
+    },
+    /// At least `count` of the objects that are near the object in the first role at the frame meet a condition of
+    /// [`ValueScope::Second`] or [`ValueScope::Pair`], in which each of them takes the second role in turn. The value is
+    /// of [`ValueScope::Target`].
+    AtLeastNear {
         /// The condition.
         of: NodeId,
         /// How many.
@@ -260,12 +292,9 @@ impl Program {
             return NodeId(i);
         }
         let operands = op.operands();
-        let scope = match &op {
-            Op::Signal(name) if name.starts_with("target.") => ValueScope::Target,
-            Op::SecondSignal(_) => ValueScope::Second,
-            Op::AtLeast { .. } => ValueScope::Frame,
-            _ => operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join),
-        };
+        let joined =
+            || operands.iter().map(|o| self.node(*o).scope).fold(ValueScope::Frame, ValueScope::join);
+        let scope = op.own_scope().unwrap_or_else(joined);
         let needs_episode = op.is_of_episode() || operands.iter().any(|o| self.node(*o).needs_episode);
         self.nodes.push(Node { op, kind, scope, needs_episode });
         NodeId(self.nodes.len() - 1)
@@ -275,11 +304,35 @@ impl Program {
     pub fn signals(&self, root: NodeId) -> BTreeSet<String> {
         let mut out = BTreeSet::new();
         for id in self.reached(root) {
-            if let Op::Signal(name) | Op::SecondSignal(name) = &self.node(id).op {
+            if let Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } = &self.node(id).op
+            {
                 out.insert(name.clone());
             }
         }
         out
+    }
+
+    /// Names of the signals of the object in the first role that `root` reads.
+    pub fn signals_of_first(&self, root: NodeId) -> BTreeSet<String> {
+        let name = |id: NodeId| match &self.node(id).op {
+            Op::Signal(name) if is_of_object(name) => Some(name.clone()),
+            _ => None,
+        };
+        self.reached(root).into_iter().filter_map(name).collect()
+    }
+
+    /// True when a node reads a `target.` signal.
+    pub fn reads_targets(&self, root: NodeId) -> bool {
+        self.signals(root).iter().any(|s| s.starts_with("target."))
+    }
+
+    /// Names of all signals that any node reads.
+    pub fn all_signals(&self) -> BTreeSet<String> {
+        let name = |n: &Node| match &n.op {
+            Op::Signal(name) | Op::SecondSignal(name) | Op::PairSignal { name, .. } => Some(name.clone()),
+            _ => None,
+        };
+        self.nodes.iter().filter_map(name).collect()
     }
 
     /// Names of the signals below a node of which it is asked whether they are known (`x is known`): what it is to
@@ -308,6 +361,18 @@ impl Program {
 }
 
 impl Op {
+    /// The rows of an operation that are not those of its operands joined.
+    pub fn own_scope(&self) -> Option<ValueScope> {
+        match self {
+            Op::Signal(name) if is_of_object(name) => Some(ValueScope::Target),
+            Op::SecondSignal(_) => Some(ValueScope::Second),
+            Op::PairSignal { .. } => Some(ValueScope::Pair),
+            Op::AtLeast { .. } => Some(ValueScope::Frame),
+            Op::AtLeastNear { .. } => Some(ValueScope::Target),
+            _ => None,
+        }
+    }
+
     /// True for the operations that look at an episode's keyframe or match.
     pub fn is_of_episode(&self) -> bool {
         matches!(self, Op::AtKeyframe(_) | Op::InMatch(_) | Op::MatchLeast(_) | Op::MatchGreatest(_))
@@ -316,7 +381,9 @@ impl Op {
     /// The nodes it reads.
     pub fn operands(&self) -> Vec<NodeId> {
         match self {
-            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) => vec![],
+            Op::Constant(_) | Op::Truth(_) | Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } => {
+                vec![]
+            }
             Op::Negate(a)
             | Op::Absolute(a)
             | Op::Least(a, _)
@@ -330,6 +397,7 @@ impl Op {
             | Op::Previously(a, _)
             | Op::Bridge(a, _)
             | Op::AtLeast { of: a, .. }
+            | Op::AtLeastNear { of: a, .. }
             | Op::Before(a)
             | Op::AtKeyframe(a)
             | Op::InMatch(a)

@@ -43,6 +43,26 @@ fn and_binds_tighter_than_or_and_for_speaks_of_all_to_its_left() {
 }
 
 #[test]
+fn what_is_counted_near_an_object_belongs_to_it() {
+    let scope = |text: &str| {
+        let (program, id) = check(text).unwrap();
+        program.node(id).scope
+    };
+    assert_eq!(scope("exists(target.gap < 5 m)"), ValueScope::Frame);
+    assert_eq!(scope("exists(pair.sector == right, bicycle)"), ValueScope::Target);
+    assert_eq!(scope("count(other.stopped, vehicle) >= 3"), ValueScope::Target);
+    // What is nobody's own is the same inside and outside.
+    assert_eq!(
+        scope("exists(pair.follows and ego.speed > 1 m/s) and object.speed > 2 m/s"),
+        ValueScope::Target
+    );
+    let (program, id) =
+        check("exists(pair.sector == right and reverse.distance < 5 m and object.stopped)").unwrap();
+    let expected = ["object.stopped", "pair.distance", "pair.sector"].map(str::to_owned);
+    assert_eq!(program.signals(id), expected.into());
+}
+
+#[test]
 fn numbers_arrive_in_base_units() {
     let (program, _) = check("ego.speed > 36 km/h").unwrap();
     assert!(program.nodes.iter().any(|n| matches!(n.op, Op::Constant(v) if (v - 10.0).abs() < 1e-12)));
@@ -86,7 +106,18 @@ fn every_kind_of_fault_has_its_code_and_place() {
         ("ego.brake until", "rule.syntax", ""),
         ("ego.brake for 1 s gaps 3 m", "rule.unit.mismatch", "3 m"),
         ("exists(ego.brake)", "rule.target", "ego.brake"),
-        ("exists(target.gap < 5 m, car)", "rule.target", "car"),
+        ("exists(target.gap < 5 m, cat)", "rule.target", "cat"),
+        ("pair.distance < 5 m", "rule.target", "pair.distance"),
+        ("object.stopped and other.stopped", "rule.target", "other.stopped"),
+        ("exists(object.stopped)", "rule.target", "object.stopped"),
+        (
+            "exists(pair.distance < 5 m and target.gap < 3 m)",
+            "rule.target",
+            "pair.distance < 5 m and target.gap < 3 m",
+        ),
+        ("exists(target.gap < 5 m and exists(pair.follows))", "rule.target", "exists(pair.follows)"),
+        ("exists(pair.distanc < 5 m)", "rule.signal.unknown", "pair.distanc"),
+        ("exists(reverse.distance < 5 s)", "rule.unit.mismatch", "reverse.distance < 5 s"),
         ("count(target.gap < 5 m)", "rule.type", "count(target.gap < 5 m)"),
         ("count(target.gap < 5 m) > 1.5", "rule.type", "1.5"),
         ("count(target.gap < 5 m) > 2 s", "rule.type", "2 s"),

@@ -17,8 +17,20 @@ pub(super) struct Bound {
 }
 
 /// Words that mean something else in a rule. (`lead` is a role that rules want: there, `lead.` means the role.)
-const TAKEN: &[&str] =
-    &["ego", "target", "target_vehicle", "target_vru", "map", "light", "match", "keyframe", "context"];
+const TAKEN: &[&str] = &[
+    "ego",
+    "target",
+    "target_vehicle",
+    "target_vru",
+    "map",
+    "light",
+    "match",
+    "keyframe",
+    "context",
+    "object",
+    "pair",
+    "reverse",
+];
 
 /// Names of the roles in a block: with `target:`, all roles beside it; else the first is the target.
 pub(super) fn names<'n>(target_is_given: bool, roles: impl IntoIterator<Item = &'n Entry>) -> RoleNames {
@@ -82,7 +94,10 @@ impl Compiler<'_> {
                 format!("没有名为 '{word}' 的目标种类"),
                 format!("'{word}' is not a kind of target"),
             )
-            .hint("可用：vehicle, large_vehicle, vru, any", "use one of vehicle, large_vehicle, vru, any");
+            .hint(
+                "可用：vehicle, large_vehicle, vru, any，或一个类别，如 bicycle",
+                "use one of vehicle, large_vehicle, vru, any, or a class, such as bicycle",
+            );
             self.report(node, fault);
         }
         subject

@@ -9,12 +9,15 @@
 //! - balanced accuracy is the mean of the true positive and the true negative rate, a rate over nothing being 1; frames
 //!   whose truth is ambiguous do not count.
 //!
-//! The region-of-interest raster of the challenge is not applied. [`sequence`] has the file format, free of pickles.
+//! The region-of-interest raster of the challenge is applied where it is given ([`region`]). [`sequence`] has the file
+//! format, free of pickles; [`result`] writes that of the challenge.
 
 mod accuracy;
 mod assignment;
 pub mod bridge;
 mod hota;
+pub mod region;
+pub mod result;
 pub mod sequence;
 mod thresholds;
 

@@ -247,6 +247,7 @@ impl Recordings for Recorded {
             }],
             target_columns: [("target.gap".to_owned(), number(vec![gap; n]))].into(),
             unavailable: BTreeMap::new(),
+            pairs: None,
         }
     }
 

@@ -40,6 +40,14 @@ impl Catalogue {
         let sections = [
             (SignalScope::Frame, "Signals of the ego, the map, the light and the lead (one value a frame)"),
             (SignalScope::Target, "Signals of each target (one value a target and frame)"),
+            (
+                SignalScope::Object,
+                "Signals of any object (one value an object and frame, the ego included; derived on demand)",
+            ),
+            (
+                SignalScope::Pair,
+                "Signals of pairs of objects within 50 m (one value a pair and frame; derived on demand)",
+            ),
         ];
         for (scope, title) in sections {
             let defs: Vec<&SignalDef> = self.iter().filter(|d| d.scope == scope).collect();

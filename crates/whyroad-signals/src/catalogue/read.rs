@@ -136,10 +136,12 @@ fn scope(node: &Node, report: &mut FileReport<'_>) -> Option<SignalScope> {
     match report.text(node)?.as_str() {
         "frame" => Some(SignalScope::Frame),
         "target" => Some(SignalScope::Target),
+        "object" => Some(SignalScope::Object),
+        "pair" => Some(SignalScope::Pair),
         other => {
             let message = Bilingual::new(
-                format!("未知的作用域 '{other}'（应为 frame 或 target）"),
-                format!("unknown scope '{other}' (expected frame or target)"),
+                format!("未知的作用域 '{other}'（应为 frame、target、object 或 pair）"),
+                format!("unknown scope '{other}' (expected frame, target, object or pair)"),
             );
             report.push(Diagnostic::error("signals.type", message), node.mark, &node.pointer);
             None
@@ -196,7 +198,7 @@ fn resolve(w: Written<'_>, report: &mut FileReport<'_>) -> Option<SignalDef> {
     };
     let (kind, unit) = kind(&w, id, report)?;
     if w.scope.0 != id.scope() {
-        changed(report, w.scope.1, id, "scope", scope_word(id.scope()));
+        changed(report, w.scope.1, id, "scope", id.scope().word());
         return None;
     }
     let stated: BTreeSet<Need> = w.needs.0.iter().copied().collect();
@@ -290,13 +292,6 @@ fn number_unit(w: &Written<'_>, report: &mut FileReport<'_>) -> Option<&'static 
         return None;
     }
     Some(unit)
-}
-
-fn scope_word(scope: SignalScope) -> &'static str {
-    match scope {
-        SignalScope::Frame => "frame",
-        SignalScope::Target => "target",
-    }
 }
 
 /// A framework folder may not change this field: the code that derives the signal would not follow.

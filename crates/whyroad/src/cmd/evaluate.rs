@@ -39,6 +39,12 @@ pub(crate) struct Args {
     /// Write truth and predictions as sequences into this folder (av2-scenario-mining)
     #[arg(long, value_name = "DIR")]
     write: Option<PathBuf>,
+    /// Region of interest: objects outside of this raster (.npy, bool) do not count (av2-scenario-mining)
+    #[arg(long, value_name = "FILE", requires = "region_transform")]
+    region: Option<PathBuf>,
+    /// How city coordinates become cells of --region: a *_img_Sim2_city.json
+    #[arg(long, value_name = "FILE", requires = "region")]
+    region_transform: Option<PathBuf>,
     /// Only this class: an L1, L2 or leaf
     #[arg(long, value_name = "ID")]
     scenario: Option<ScenarioId>,

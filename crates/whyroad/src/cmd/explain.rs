@@ -13,6 +13,7 @@ use anyhow::{Context as _, bail};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_engine::drives::signals_of;
+use whyroad_engine::objects::signals_for;
 use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_lake::Lake;
@@ -21,6 +22,7 @@ use whyroad_mining::explain::{Explanation, explain};
 use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::signal::EGO_ID;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_render::truths;
 use whyroad_signals::Catalogue;
@@ -98,13 +100,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let index = args.clip.rsplit_once('_').and_then(|(_, i)| i.parse::<usize>().ok()).unwrap_or_default();
     let clip = drive.clips().get(index).copied().unwrap_or_default();
     let wanted = args.target.as_deref().map(TrackId::from);
-    if let Some(id) = wanted.as_ref().filter(|id| !drive.tracks.iter().any(|t| t.id == **id)) {
+    if let Some(id) =
+        wanted.as_ref().filter(|id| id.as_str() != EGO_ID && !drive.tracks.iter().any(|t| t.id == **id))
+    {
         bail!(match global.lang {
             Lang::Zh => format!("该行程没有名为 '{id}' 的对象"),
             Lang::En => format!("the drive has no track '{id}'"),
         });
     }
-    let table = match signals_of(&lake, &drive.meta.drive_id) {
+    let whole = || signals_of(&lake, &drive.meta.drive_id);
+    let table = match signals_for(&rule, || lake.read_drive(&drive.meta.drive_id), whole) {
         Ok(table) => table,
         Err(e) => {
             tell!("{}", render_text(&e.diagnostic(), global.lang));

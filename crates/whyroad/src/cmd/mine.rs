@@ -1,6 +1,7 @@
 //! `whyroad mine`: episodes out of a lake, by the framework's rules, by a custom rule or by a JSON query.
 
 pub(super) mod plan;
+mod sequences;
 mod table;
 
 use crate::output::{Print, render_text};
@@ -34,9 +35,16 @@ pub(crate) struct Args {
     /// Name of the custom rule; its matches are custom.NAME [default: the stem of its file, or rule]
     #[arg(long, value_name = "NAME", requires = "rule", value_parser = rule_name)]
     name: Option<String>,
-    /// What the target of --rule can be [default: any]
-    #[arg(long, value_name = "KIND", requires = "rule", value_parser = ["vehicle", "large_vehicle", "vru", "any"])]
+    /// What the target of --rule can be: vehicle, large_vehicle, vru, any, or a class such as bicycle [default: any]
+    #[arg(long, value_name = "KIND", requires = "rule", value_parser = plan::target_kind)]
     target: Option<String>,
+    /// Also write what --rule found as a result of the Argoverse 2 scenario-mining challenge: .pkl as its evaluator
+    /// loads it, or .jsonl
+    #[arg(long, value_name = "FILE", requires = "rule")]
+    sequences: Option<PathBuf>,
+    /// What --sequences names the question [default: the name of the rule]
+    #[arg(long, value_name = "TEXT", requires = "sequences")]
+    prompt: Option<String>,
     /// A mining_query (JSON) instead of the framework's rules
     #[arg(long, value_name = "FILE")]
     query: Option<PathBuf>,
@@ -173,11 +181,22 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         bar.set_message(format!("{id}"));
         bar.inc(1);
     };
+    let mut referred = Vec::new();
     let unread = mine_each(&lake, &plan.rules, &options, done, |drive| match &plan.query {
         Some((class, has_conditions)) => folder.add(&query::answer(&drive, class, *has_conditions)),
-        None => folder.add(&drive),
+        None => {
+            if args.sequences.is_some() {
+                let episodes = drive.episodes.iter().map(|e| e.record.clone()).collect();
+                referred.push((drive.drive_id.clone(), episodes));
+            }
+            folder.add(&drive)
+        }
     });
     bar.finish_and_clear();
+    if let Some(file) = &args.sequences {
+        let name = plan.questions.first().map(|q| q.query_id.as_str()).unwrap_or_default();
+        sequences::write(file, &lake, args.prompt.as_deref().unwrap_or(name), &referred)?;
+    }
     let said = say(unread?, global.lang);
     // That the lake could not keep something loses nothing of the results.
     let lost = said.iter().any(|d| d.severity == Severity::Error);

@@ -111,13 +111,6 @@ fn kind_name(signal: &SignalDef) -> &'static str {
     }
 }
 
-fn scope_name(signal: &SignalDef) -> &'static str {
-    match signal.scope {
-        SignalScope::Frame => "frame",
-        SignalScope::Target => "target",
-    }
-}
-
 fn as_json(signal: &SignalDef) -> Value {
     let names = match &signal.kind {
         SignalKind::Category(names) => json!(names.as_ref()),
@@ -126,7 +119,7 @@ fn as_json(signal: &SignalDef) -> Value {
     json!({
         "name": signal.name,
         "aliases": signal.aliases,
-        "scope": scope_name(signal),
+        "scope": signal.scope.word(),
         "type": kind_name(signal),
         "values": names,
         "unit": signal.unit_symbol(),
@@ -167,6 +160,16 @@ fn page(s: &SignalDef, lang: Lang) -> String {
         match s.scope {
             SignalScope::Frame => word("每帧一个值", "a frame").to_owned(),
             SignalScope::Target => word("每个目标每帧一个值", "a target and frame").to_owned(),
+            SignalScope::Object => word(
+                "每个对象（含自车）每帧一个值，规则用到时才推导",
+                "an object (also the ego) and frame, derived on demand",
+            )
+            .to_owned(),
+            SignalScope::Pair => word(
+                "每对相距 50 m 以内的对象每帧一个值，规则用到时才推导",
+                "a pair of objects within 50 m and frame, derived on demand",
+            )
+            .to_owned(),
         },
     );
     line(

@@ -24,6 +24,7 @@ const STAGES: &[&str] = &[
     "behavior",
     "refav",
     "sight",
+    "object",
     "derive",
     "occluders",
 ];

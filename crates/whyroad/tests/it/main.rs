@@ -32,6 +32,7 @@ mod model;
 mod recorded;
 mod robustness;
 mod rules;
+mod scenario_mining;
 mod signals;
 mod stage_one;
 mod tasks;

@@ -62,7 +62,7 @@ pub(super) fn episode(
     let id = |i: usize| evaluation.signals.targets[i].id.clone();
     let target = match row_set {
         RowSet::Object(i) | RowSet::Pair(i, _) => Some(id(i)),
-        RowSet::Drive | RowSet::Objects => None,
+        RowSet::Drive | RowSet::Objects | RowSet::Pairs => None,
     };
     let roles = match (&rule.second, row_set) {
         (Some(role), RowSet::Pair(a, b)) => {

@@ -1,13 +1,14 @@
 //! Random signal tables and random rules. A program is built by instructions that take their operands from what
 //! was built before, so that every kind of operation meets every other.
 
-use crate::language::program::{Moment, NodeId, Op, Program, Subject, ValueKind, ValueScope};
+use crate::language::program::{Moment, NodeId, Op, PairSide, Program, Subject, ValueKind, ValueScope};
 use crate::language::syntax::CompareOp;
 use crate::rule::{Listed, ResponseCondition, Rule, SecondRole, Timing};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::signal::{TargetSpan, deviation_name};
+use whyroad_model::pair::{PairSpan, PairTable};
+use whyroad_model::signal::{TargetSpan, deviation_name, is_deviation};
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
 
@@ -81,8 +82,16 @@ pub fn table() -> impl Strategy<Value = SignalTable> {
     let step = prop_oneof![12 => 98i64..=102, 1 => 200i64..900, 1 => 1i64..40];
     let object = (0usize..90, 1usize..90, 0usize..4);
     let lacks = (any::<bool>(), any::<bool>());
-    (prop::collection::vec(step, 1..90), prop::collection::vec(object, 0..6), stock(), stock(), lacks)
-        .prop_map(|(steps, objects, of_frames, of_targets, lacks)| {
+    // Half of the tables have pairs; which pairs, and when they are near, is taken from the flags.
+    let pairs = (any::<bool>(), stock(), 0usize..24);
+    (
+        prop::collection::vec(step, 1..90),
+        prop::collection::vec(object, 0..6),
+        stock(),
+        stock(),
+        (lacks, pairs),
+    )
+        .prop_map(|(steps, objects, of_frames, of_targets, (lacks, (paired, of_pairs, skip)))| {
             let mut now = 1_700_000_000_000i64;
             let times: Vec<Nanos> = steps
                 .iter()
@@ -106,15 +115,48 @@ pub fn table() -> impl Strategy<Value = SignalTable> {
                 });
                 first_row += frames.len();
             }
+            let mut target_columns = columns("target", &of_targets, first_row, lacks.1);
+            if paired && skip % 2 == 0 {
+                let observed = taken(&of_targets.1, skip, first_row).into_iter();
+                let observed = observed.map(|t| Tri::from(t != Tri::Unknown)).collect();
+                target_columns.insert("object.observed".to_owned(), Column::Flag(observed));
+            }
             SignalTable {
                 drive_id: "random".into(),
                 frame_columns: columns("ego", &of_frames, times.len(), lacks.0),
-                target_columns: columns("target", &of_targets, first_row, lacks.1),
+                target_columns,
+                pairs: paired.then(|| pairs_of(&targets, &of_pairs, skip)),
                 times,
                 targets,
                 unavailable: BTreeMap::new(),
             }
         })
+}
+
+/// Pairs of some of these objects, each in both orders over the same frames.
+fn pairs_of(targets: &[TargetSpan], of: &Stock, skip: usize) -> PairTable {
+    let mut found = BTreeMap::new();
+    for (i, a) in targets.iter().enumerate() {
+        for (k, b) in targets.iter().enumerate().skip(i + 1) {
+            let both = a.frames.intersect(b.frames);
+            let near: Vec<bool> =
+                taken(&of.1, skip + 5 * i + 3 * k, both.len()).into_iter().map(|t| t == Tri::True).collect();
+            let first = near.iter().position(|n| *n);
+            let Some((first, last)) = first.zip(near.iter().rposition(|n| *n)) else { continue };
+            let frames = FrameRange::new(both.start + first, both.start + last + 1);
+            for key in [(i, k), (k, i)] {
+                found.insert(key, (frames, near[first..=last].to_vec()));
+            }
+        }
+    }
+    let mut table = PairTable::default();
+    for ((first, second), (frames, near)) in found {
+        table.spans.push(PairSpan { first, second, first_row: table.near.len(), frames });
+        table.near.extend(near);
+    }
+    table.columns = columns("pair", of, table.near.len(), skip % 3 == 0);
+    table.columns.retain(|name, _| !is_deviation(name));
+    table
 }
 
 fn duration() -> impl Strategy<Value = Nanos> {
@@ -131,6 +173,8 @@ struct Pool {
     program: Program,
     numbers: Vec<NodeId>,
     conditions: Vec<NodeId>,
+    /// How many objects the rule binds.
+    roles: usize,
 }
 
 const NUMBER: ValueKind = ValueKind::Number(Dimension::Speed);
@@ -138,15 +182,20 @@ const NUMBER: ValueKind = ValueKind::Number(Dimension::Speed);
 impl Pool {
     /// The signals and a constant.
     fn new(roles: usize) -> Self {
-        let mut pool = Pool { program: Program::default(), numbers: vec![], conditions: vec![] };
+        let mut pool = Pool { program: Program::default(), numbers: vec![], conditions: vec![], roles };
         let words = || ValueKind::Category(WORDS.map(str::to_owned).to_vec());
         let signal = |prefix: &str, name: &str, second: bool| {
-            let full = format!("{prefix}.{name}");
-            if second { Op::SecondSignal(full) } else { Op::Signal(full) }
+            let name = format!("{prefix}.{name}");
+            match (prefix, second) {
+                ("pair", false) => Op::PairSignal { name, seen_from: PairSide::First },
+                ("pair", true) => Op::PairSignal { name, seen_from: PairSide::Second },
+                (_, false) => Op::Signal(name),
+                (_, true) => Op::SecondSignal(name),
+            }
         };
-        for (prefix, second) in
-            [("ego", false), ("target", false), ("target", true)].into_iter().take(roles + 1)
-        {
+        // A rule about one object speaks of others where it counts those near it.
+        let all = [("ego", false), ("target", false), ("target", true), ("pair", false), ("pair", true)];
+        for (prefix, second) in all.into_iter().take(if roles == 0 { 1 } else { 5 }) {
             for name in ["n", "x"] {
                 let id = pool.program.add(signal(prefix, name, second), NUMBER);
                 pool.numbers.push(id);
@@ -225,14 +274,24 @@ impl Pool {
                 let subject = if a % 2 == 0 { Subject::Any } else { Subject::Vehicle };
                 self.add_condition(Op::AtLeast { of: p, count: b % 3, subject });
             }
+            31 | 32 if matches!(self.program.node(p).scope, ValueScope::Second | ValueScope::Pair) => {
+                let subject = if a % 2 == 0 { Subject::Any } else { Subject::Vehicle };
+                self.add_condition(Op::AtLeastNear { of: p, count: b % 3, subject });
+            }
             30 => self.add_condition(Op::And(vec![p, q, self.condition(a + b)])),
             _ => self.add_condition(Op::Truth(a % 2 == 0)),
         }
     }
 
+    /// False for what speaks of a second object in a rule that has none.
+    fn is_usable(&self, id: NodeId) -> bool {
+        self.roles == 2 || matches!(self.program.node(id).scope, ValueScope::Frame | ValueScope::Target)
+    }
+
     /// The condition that was built last for which this holds, from the `skip`th on.
     fn last(&self, skip: usize, holds: impl Fn(&crate::language::program::Node) -> bool) -> Option<NodeId> {
-        let all = self.conditions.iter().rev().filter(|id| holds(self.program.node(**id)));
+        let usable = |id: &&NodeId| self.is_usable(**id) && holds(self.program.node(**id));
+        let all = self.conditions.iter().rev().filter(usable);
         let all: Vec<NodeId> = all.copied().collect();
         (!all.is_empty()).then(|| all[skip % all.len()])
     }
@@ -261,7 +320,7 @@ pub fn plain_rule(program: Program, when: NodeId) -> Rule {
 
 /// A rule of an ego, a target or a pair, with all its moments.
 pub fn rule() -> impl Strategy<Value = Rule> {
-    let instruction = (0usize..32, 0usize..40, 0usize..40, -3i32..4, duration());
+    let instruction = (0usize..34, 0usize..40, 0usize..40, -3i32..4, duration());
     let picks = (0usize..4, 0usize..9, 0usize..9, 0usize..9, any::<bool>());
     let times = (duration(), duration(), duration());
     (0usize..3, prop::collection::vec(instruction, 1..18), picks, times).prop_map(
@@ -275,7 +334,8 @@ pub fn rule() -> impl Strategy<Value = Rule> {
             let moment = pool.last(b, |n| !n.needs_episode).unwrap_or(fallback);
             let late = pool.last(c, |_| true).unwrap_or(fallback);
             let number = pool.number(a);
-            let number = if pool.program.node(number).needs_episode { pool.numbers[0] } else { number };
+            let fits = !pool.program.node(number).needs_episode && pool.is_usable(number);
+            let number = if fits { number } else { pool.numbers[0] };
             let words = Bilingual::new("", "");
             let first = match c % 5 {
                 0 => Moment::First(moment),

@@ -71,7 +71,9 @@ impl Checker<'_> {
 
     /// Each definition that the text of a condition names, as an atom: its name and what it means.
     fn definitions_in_text(&mut self, expr: &Expr, out: &mut Vec<Atom>) -> Result<Vec<String>, Fault> {
-        let names = if self.is_short(expr) { Vec::new() } else { self.names_in_text(expr) };
+        let mut names = if self.is_short(expr) { Vec::new() } else { self.names_in_text(expr) };
+        // What holds of each object in turn has no one value to show.
+        names.retain(|name| !self.speaks_of_nobody(self.definitions[name].node));
         for name in &names {
             let definition = self.definitions[name].expr.clone();
             let condition = self.condition(&definition)?;

@@ -1,8 +1,9 @@
 //! Operators that are written as calls.
 
 use super::super::Fault;
-use super::super::program::{NodeId, Op, Subject, ValueKind, ValueScope};
+use super::super::program::{NodeId, Op, Subject, ValueKind};
 use super::super::syntax::{Expr, ExprKind, Span};
+use super::pairs::Among;
 use super::words::unknown_call;
 use super::{Checker, Lowered, Meaning};
 use whyroad_model::units::Dimension;
@@ -42,13 +43,13 @@ impl Checker<'_> {
                 Ok(self.flag(Op::Previously(id, Some(time))))
             }
             ("exists", [_] | [_, _]) => {
-                let (of, subject) = self.counted(name, arguments, span)?;
-                Ok(self.flag(Op::AtLeast { of, count: 1, subject }))
+                let counted = self.counted(name, arguments, span)?;
+                Ok(self.at_least(counted, 1))
             }
             ("forall", [_] | [_, _]) => {
-                let (of, subject) = self.counted(name, arguments, span)?;
+                let (of, subject, among) = self.counted(name, arguments, span)?;
                 let of = self.flag(Op::Not(of));
-                let exception = self.flag(Op::AtLeast { of, count: 1, subject });
+                let exception = self.at_least((of, subject, among), 1);
                 Ok(self.flag(Op::Not(exception)))
             }
             ("count", [_] | [_, _]) => Err(Fault::new(
@@ -69,13 +70,14 @@ impl Checker<'_> {
         }
     }
 
-    /// What is counted and among whom: `count(c)`, `count(c, vru)`. Inside, `target.` is each object in turn.
+    /// What is counted and among whom: `count(c)`, `count(c, vru)`. Inside, `target.` is each object in turn; where the
+    /// condition speaks of `pair.` or `other.`, these are of the rule's object and each object near it in turn.
     pub(super) fn counted(
         &mut self,
         name: &str,
         arguments: &[Expr],
         span: Span,
-    ) -> Result<(NodeId, Subject), Fault> {
+    ) -> Result<(NodeId, Subject, Among), Fault> {
         let ([of] | [of, _]) = arguments else { return Err(unknown_call(name, arguments.len(), span)) };
         let stated = arguments.get(1).map(kind_of_object).transpose()?;
         let outer = (self.subject.take(), self.meaning);
@@ -84,22 +86,18 @@ impl Checker<'_> {
         let prefix = self.subject;
         (self.subject, self.meaning) = outer;
         let id = id?;
-        match self.program.node(id).scope {
-            ValueScope::Target => Ok((id, stated.or(prefix).unwrap_or(Subject::Any))),
-            ValueScope::Frame => Err(Fault::new(
+        let among = self.among(name, id, of)?;
+        if among == Among::Near && self.meaning == Meaning::Counted {
+            return Err(Fault::new(
                 "rule.target",
-                of.span,
-                format!("{name} 的条件没有说到 target.*"),
-                format!("the condition in {name} says nothing of target.*"),
-            )
-            .hint("例如 exists(target.gap < 20 m)", "as in exists(target.gap < 20 m)")),
-            ValueScope::Second | ValueScope::Pair => Err(Fault::new(
-                "rule.target",
-                of.span,
-                format!("{name} 之内不能用第二个角色"),
-                format!("the second role cannot be used inside {name}"),
-            )),
+                span,
+                format!("{name} 说到 pair.* 或 other.* 时不能嵌套在另一个 exists、forall 或 count 之内"),
+                format!(
+                    "{name} speaks of pair.* or other.* and cannot be nested in another exists, forall or count"
+                ),
+            ));
         }
+        Ok((id, stated.or(prefix).unwrap_or(Subject::Any), among))
     }
 }
 
@@ -109,7 +107,9 @@ fn kind_of_object(word: &Expr) -> Result<Subject, Fault> {
         _ => None,
     };
     subject.ok_or_else(|| {
-        Fault::new("rule.target", word.span, "此处应为目标种类", "expected a kind of target")
-            .hint("可用：vehicle, large_vehicle, vru, any", "there are vehicle, large_vehicle, vru, any")
+        Fault::new("rule.target", word.span, "此处应为目标种类", "expected a kind of target").hint(
+            "可用：vehicle, large_vehicle, vru, any，或一个类别，如 bicycle",
+            "there are vehicle, large_vehicle, vru, any, and every class, such as bicycle",
+        )
     })
 }

@@ -139,9 +139,8 @@ impl Checker<'_> {
             .hint("例如 count(target.gap < 20 m) >= 2", "as in count(target.gap < 20 m) >= 2"));
         };
         let ExprKind::Call(name, arguments) = &count.kind else { return self.lower(count) };
-        let (of, subject) = self.counted(name, arguments, count.span)?;
-        let at_least = |c: &mut Self, count| c.flag(Op::AtLeast { of, count, subject });
-        let (n, over) = (at_least(self, n), at_least(self, n + 1));
+        let counted = self.counted(name, arguments, count.span)?;
+        let (n, over) = (self.at_least(counted, n), self.at_least(counted, n + 1));
         Ok(match op {
             CompareOp::GreaterOrEqual => n,
             CompareOp::Greater => over,
@@ -198,7 +197,7 @@ impl Checker<'_> {
     /// True when the node can differ from frame to frame of one episode.
     fn varies(&self, id: NodeId) -> bool {
         match &self.program.node(id).op {
-            Op::Signal(_) | Op::SecondSignal(_) => true,
+            Op::Signal(_) | Op::SecondSignal(_) | Op::PairSignal { .. } => true,
             op if op.is_of_episode() => false,
             op => op.operands().into_iter().any(|o| self.varies(o)),
         }

@@ -29,7 +29,10 @@ impl Checker<'_> {
         if !extent.is_sane() {
             return Err(parse::too_large(expr.span));
         }
-        let node = self.lower(&expr)?;
+        self.defining = true;
+        let node = self.lower(&expr);
+        self.defining = false;
+        let node = node?;
         let text = self.definition_text(&expr, &self.program.node(node).kind);
         self.definitions.insert(name.to_owned(), Definition { expr, node, extent, text });
         Ok(())

@@ -108,6 +108,27 @@ pub(super) fn unknown_of_role(catalogue: &Catalogue, role: &str, written: &str, 
     }
 }
 
+/// The fault for `pair.distanc`, where `prefix` stands for signals of `family`.
+pub(super) fn unknown_of_family(
+    catalogue: &Catalogue,
+    (prefix, family): (&str, &str),
+    written: &str,
+    span: Span,
+) -> Fault {
+    let fault = Fault::new(
+        "rule.signal.unknown",
+        span,
+        format!("没有名为 '{family}.{written}' 的信号"),
+        format!("signal '{family}.{written}' not found"),
+    );
+    let start = format!("{family}.");
+    let known = catalogue.iter().filter_map(|d| d.name.strip_prefix(&start));
+    match nearest(written, known) {
+        Some(n) => fault.hint(format!("是否想写 '{prefix}.{n}'？"), format!("did you mean '{prefix}.{n}'?")),
+        None => see_the_list(fault),
+    }
+}
+
 /// The candidate most like `written`, when one is alike enough to be what was meant. The first one wins a tie.
 pub fn nearest<'c>(written: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let mut best: Option<(f64, &str)> = None;
@@ -120,4 +141,18 @@ pub fn nearest<'c>(written: &str, candidates: impl Iterator<Item = &'c str>) -> 
     }
     // Below this, names of one family (`target.speed`, `target.accel`) are proposed for nonsense.
     best.filter(|(likeness, _)| *likeness >= 0.8).map(|(_, c)| c)
+}
+
+/// The fault for `pair.`, `reverse.` or `other.` where there is no other object.
+pub(super) fn no_other(name: &str, span: Span) -> Fault {
+    Fault::new(
+        "rule.target",
+        span,
+        format!("'{name}' 说的是两个对象，但此处只有一个"),
+        format!("'{name}' speaks of two objects, but there is only one here"),
+    )
+    .hint(
+        "写在 exists、forall 或 count 之内，例如 exists(pair.sector == right, bicycle)，或给规则第二个角色",
+        "write it inside exists, forall or count, as in exists(pair.sector == right, bicycle), or give the rule a second role",
+    )
 }

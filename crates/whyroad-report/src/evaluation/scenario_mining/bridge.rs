@@ -2,8 +2,11 @@
 //! where there is no target. An object is referred to from the start of its time range to the end.
 
 use super::super::truth::TruthEntry;
+use super::result::{MiningResult, ResultFrame, ResultObject, evaluated_frames};
 use super::sequence::{Frame, Label, Object, Sequence};
+use std::collections::BTreeMap;
 use whyroad_model::messages::EpisodeRecord;
+use whyroad_model::scene::{Motion, Track};
 use whyroad_model::{Drive, Nanos, ScenarioId, TrackId};
 
 /// Track id of the ego in sequences.
@@ -82,4 +85,62 @@ pub fn sequence(drive: &Drive, class: &ScenarioId, references: &[Reference]) -> 
         frames.push(Frame { timestamp_ns: time.0, ego, is_positive: None, objects });
     }
     Sequence { log_id: drive.meta.drive_id.to_string(), prompt: class.to_string(), frames }
+}
+
+/// What was found on `drive` as the challenge wants it: every object in every evaluated frame. `one_object` says which
+/// tracks were found to be one object, by id of the later one. An object that only takes another role is related.
+pub fn result(
+    drive: &Drive,
+    prompt: &str,
+    episodes: &[EpisodeRecord],
+    one_object: &BTreeMap<TrackId, TrackId>,
+) -> MiningResult {
+    let Some(ego) = &drive.ego else { return MiningResult::default() };
+    let label = |id: &str, time: Nanos| {
+        let now =
+            |e: &&EpisodeRecord| e.time_range.start_timestamp <= time && time < e.time_range.end_timestamp;
+        let mut found = (Label::OtherObject, 0.0_f64);
+        for e in episodes.iter().filter(now) {
+            let target = e.target_id.as_ref().map_or(EGO, |t| t.as_str());
+            if target == id {
+                let before = if found.0 == Label::ReferredObject { found.1 } else { 0.0 };
+                found = (Label::ReferredObject, e.score.max(before));
+            } else if found.0 == Label::OtherObject && e.roles.values().any(|r| r.as_str() == id) {
+                found = (Label::RelatedObject, e.score);
+            }
+        }
+        found
+    };
+    let object = |own: &str, seen_as: &str, time: Nanos, m: &Motion, row: usize, size: [f64; 3]| {
+        let (label, score) = label(seen_as, time);
+        ResultObject {
+            track_id: own.to_owned(),
+            label,
+            centre: [m.x[row], m.y[row], if m.z[row].is_finite() { m.z[row] } else { 0.0 }],
+            size: size.map(|x| if x.is_finite() { x } else { 0.0 }),
+            yaw: m.heading[row],
+            score: if label == Label::OtherObject { 1.0 } else { score },
+        }
+    };
+    let mut frames = Vec::new();
+    for f in evaluated_frames(drive.times.len()) {
+        let (time, m) = (drive.times[f], &ego.motion);
+        if !m.x[f].is_finite() {
+            continue;
+        }
+        let of_track = |t: &Track| {
+            let row = t.row_at(f).filter(|r| t.motion.x[*r].is_finite())?;
+            let seen_as = one_object.get(&t.id).unwrap_or(&t.id);
+            let size = [t.length_m[row], t.width_m[row], t.height_m[row]];
+            Some(object(t.id.as_str(), seen_as.as_str(), time, &t.motion, row, size))
+        };
+        let mut objects: Vec<ResultObject> = drive.tracks.iter().filter_map(of_track).collect();
+        objects.push(object(EGO, EGO, time, m, f, [ego.length_m, ego.width_m, ego.height_m]));
+        let back = ego.reference_to_centre_m;
+        let back = if back.is_finite() { back } else { 0.0 };
+        let z = if m.z[f].is_finite() { m.z[f] } else { 0.0 };
+        let axle = [m.x[f] - back * m.heading[f].cos(), m.y[f] - back * m.heading[f].sin(), z];
+        frames.push(ResultFrame { timestamp_ns: time.0, ego: axle, objects });
+    }
+    MiningResult { log_id: drive.meta.drive_id.to_string(), prompt: prompt.to_owned(), frames }
 }

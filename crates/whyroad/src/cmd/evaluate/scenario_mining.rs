@@ -13,6 +13,7 @@ use whyroad_lake::Lake;
 use whyroad_model::messages::EpisodeRecord;
 use whyroad_model::{Diagnostic, DriveId, ScenarioId};
 use whyroad_report::evaluation::scenario_mining::bridge::{self, Reference};
+use whyroad_report::evaluation::scenario_mining::region::Region;
 use whyroad_report::evaluation::scenario_mining::sequence::{self, Sequence};
 use whyroad_report::evaluation::scenario_mining::{Figures, Scores, score};
 use whyroad_report::evaluation::truth::TruthSet;
@@ -90,9 +91,23 @@ fn finish(
     for d in lost {
         tell!("{}", render_text(d, global.lang));
     }
-    let scores = score(truth, predictions)?;
+    let scores = match &region(args)? {
+        Some(region) => {
+            let inside =
+                |all: &[Sequence]| -> Vec<Sequence> { all.iter().map(|s| region.inside(s)).collect() };
+            score(&inside(truth), &inside(predictions))?
+        }
+        None => score(truth, predictions)?,
+    };
     args.print.put(&scores, || table(&scores))?;
     Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })
+}
+
+/// The region of interest, where one is given. One raster covers one city: evaluate logs of one city at a time.
+fn region(args: &Args) -> anyhow::Result<Option<Region>> {
+    let (Some(raster), Some(transform)) = (&args.region, &args.region_transform) else { return Ok(None) };
+    let bytes = std::fs::read(raster).with_context(|| format!("cannot read {}", raster.display()))?;
+    Ok(Some(Region::read(&bytes, &read(transform)?)?))
 }
 
 /// Percent, as the challenge tells them.

@@ -14,7 +14,7 @@ use whyroad_mining::rule::file::bare_rule;
 use whyroad_mining::rule::origin::SourceFile;
 use whyroad_mining::rule::query::{compile_query, parse_query};
 use whyroad_mining::rule::text::compile_text;
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
+use whyroad_model::{Bilingual, Diagnostic, ObjectClass, ScenarioId};
 use whyroad_signals::Catalogue;
 
 /// What to run, and what to answer.
@@ -134,6 +134,14 @@ fn identifier(text: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
     let name: String = text.chars().map(letter).collect();
     if name.starts_with(|c: char| c.is_ascii_lowercase()) { name } else { format!("rule_{name}") }
+}
+
+/// A kind of target: one of the groups, or a class of objects.
+pub(in crate::cmd) fn target_kind(text: &str) -> Result<String, String> {
+    let all =
+        ["vehicle", "large_vehicle", "vru", "any"].into_iter().chain(ObjectClass::ALL.iter().map(|c| c.id()));
+    let listed = || all.clone().collect::<Vec<_>>().join(", ");
+    Subject::from_word(text).map(|_| text.to_owned()).ok_or_else(|| format!("possible values: {}", listed()))
 }
 
 /// A name that can be part of a class's id.

@@ -1,0 +1,46 @@
+//! The signals of a rule about any object: derived for this rule alone, with those that every drive has beside them
+//! where the rule reads them too. Nothing of it is stored.
+
+use whyroad_lake::LakeError;
+use whyroad_mining::rule::{OnDemand, Rule};
+use whyroad_model::signal::is_of_object;
+use whyroad_model::{Drive, SignalTable};
+use whyroad_signals::{Objects, WithPairs, derive_objects};
+
+/// The signals of a drive for one rule: all that every drive has (`whole`), or, for a rule that asks for signals of any
+/// object, those that it asks for.
+///
+/// The ego is one of the objects unless the rule reads `target.` signals as well: those are relative to it.
+pub fn signals_for(
+    rule: &Rule,
+    drive: impl FnOnce() -> Result<Drive, LakeError>,
+    whole: impl FnOnce() -> Result<SignalTable, LakeError>,
+) -> Result<SignalTable, LakeError> {
+    match rule.on_demand() {
+        None => whole(),
+        Some(wanted) => Ok(joined(&wanted, &drive()?, whole)?),
+    }
+}
+
+fn joined(
+    wanted: &OnDemand,
+    drive: &Drive,
+    whole: impl FnOnce() -> Result<SignalTable, LakeError>,
+) -> Result<SignalTable, LakeError> {
+    let of_targets = wanted.others.iter().any(|s| is_of_object(s));
+    let objects = if of_targets { Objects::Tracks } else { Objects::WithEgo };
+    let pairs = if wanted.pairs { WithPairs::Yes } else { WithPairs::No };
+    let mut table = derive_objects(drive, &wanted.signals, objects, pairs);
+    if wanted.others.is_empty() {
+        return Ok(table);
+    }
+    let whole = whole()?;
+    table.frame_columns = whole.frame_columns;
+    table.unavailable.extend(whole.unavailable);
+    if of_targets {
+        // Both have the tracks in the same rows.
+        debug_assert_eq!(table.targets, whole.targets);
+        table.target_columns.extend(whole.target_columns);
+    }
+    Ok(table)
+}

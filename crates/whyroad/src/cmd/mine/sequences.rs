@@ -1,0 +1,37 @@
+//! `whyroad mine --sequences FILE`: what a custom rule found, as the result of the Argoverse 2 scenario-mining challenge.
+
+use anyhow::Context as _;
+use std::path::Path;
+use whyroad_lake::Lake;
+use whyroad_model::DriveId;
+use whyroad_model::messages::EpisodeRecord;
+use whyroad_report::evaluation::scenario_mining::bridge;
+use whyroad_report::evaluation::scenario_mining::result::{MiningResult, to_pickle};
+use whyroad_report::evaluation::scenario_mining::sequence;
+use whyroad_signals::estimate::estimated;
+
+/// Writes what was found on each of these drives: a pickle where the file ends in `.pkl`, else JSON Lines.
+pub(super) fn write(
+    file: &Path,
+    lake: &Lake,
+    prompt: &str,
+    found: &[(DriveId, Vec<EpisodeRecord>)],
+) -> anyhow::Result<()> {
+    let mut results: Vec<MiningResult> = Vec::with_capacity(found.len());
+    for (id, episodes) in found {
+        let drive = lake.read_drive(id).map_err(|e| anyhow::anyhow!("{}", e.diagnostic().message.en))?;
+        let joined = estimated(&drive).joined;
+        let result = bridge::result(&drive, prompt, episodes, &joined);
+        // A drive without a pose of the ego has no place in the city.
+        if !result.frames.is_empty() {
+            results.push(result);
+        }
+    }
+    let bytes = if file.extension().is_some_and(|e| e == "pkl") {
+        to_pickle(&results)
+    } else {
+        let sequences: Vec<_> = results.iter().map(MiningResult::to_sequence).collect();
+        sequence::write(&sequences)?.into_bytes()
+    };
+    std::fs::write(file, bytes).with_context(|| format!("cannot write {}", file.display()))
+}
