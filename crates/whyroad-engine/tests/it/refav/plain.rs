@@ -478,7 +478,7 @@ impl Plain {
             },
             "at_stop_sign" => {
                 let sign = self.objects.values().find(|o| o.sign);
-                let Some(sign) = sign.and_then(|o| o.rows.get(&frame)) else { return None };
+                let sign = sign.and_then(|o| o.rows.get(&frame))?;
                 let (x, y) = sign.local(s.x, s.y);
                 let lane = self.lane_of(id, frame)?;
                 let turned = wrapped(s.h - sign.h).abs().to_degrees();
@@ -489,7 +489,7 @@ impl Plain {
                     above(y, -7.0),
                     above(turned, 90.0),
                     // The lane whose right edge ends nearest to the sign.
-                    Some(lane == Some(("e1", "a")) || (lane == Some(("bus", "a")) && false)),
+                    Some(lane == Some(("e1", "a"))),
                 ])
                 .filter(|_| lane != Some(("bus", "a")))
             }
