@@ -7,6 +7,7 @@ use crate::item::SplitName;
 use crate::sample::Sample;
 use crate::sample::schema::{from_batch, schema};
 use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fs::File;
@@ -86,6 +87,17 @@ impl Release {
         }
         Ok(None)
     }
+}
+
+/// Drives of the samples of a batch that has the column `drive_id`.
+///
+/// # Errors
+/// Where the batch has no such column of texts.
+pub fn drive_ids(batch: &RecordBatch) -> Result<impl Iterator<Item = &str>, DatasetError> {
+    let column = batch.column_by_name("drive_id").and_then(|c| c.as_string_opt::<i32>());
+    let column =
+        column.ok_or_else(|| DatasetError::broken(Path::new("drive_id"), "the column is missing"))?;
+    Ok(column.iter().flatten())
 }
 
 /// The row groups of one data file.

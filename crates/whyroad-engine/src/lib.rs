@@ -10,6 +10,7 @@ pub mod media;
 pub mod mine;
 pub mod objects;
 pub mod output;
+pub mod parts;
 pub mod perturb;
 pub mod recordings;
 mod states;

@@ -7,13 +7,16 @@ mod prefilter;
 mod stored;
 
 pub use crate::drives::{derive_signals, signals_of};
+pub use kept::key as rule_key;
 pub use stored::{find_stored, read as read_columns};
 
 use crate::drives::{derived_signals, map_drives, unreadable};
 use crate::objects::signals_for;
 use crate::output::record::{MinedEpisode, write_down};
 use kept::Kept;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::panic::AssertUnwindSafe;
 use std::sync::atomic::{AtomicBool, Ordering};
 use whyroad_lake::{Lake, LakeError, Outline};
 use whyroad_mining::Rule;
@@ -25,7 +28,7 @@ use whyroad_model::messages::ClipMetadata;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ScenarioId, SignalTable};
 
 /// One drive's contribution.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MinedDrive {
     /// The drive.
     pub drive_id: DriveId,
@@ -89,6 +92,27 @@ pub fn mine_lake_with(
     MinedLake { drives, diagnostics }
 }
 
+/// Mines these drives of the lake in this order, and keeps all of it.
+pub fn mine_drives(lake: &Lake, rules: &RuleSet, options: &MineOptions, ids: &[DriveId]) -> MinedLake {
+    let miner = Miner::new(lake, rules, options);
+    let mut out = MinedLake::default();
+    let kept: Result<(), std::convert::Infallible> = map_drives(
+        ids,
+        options.jobs,
+        |id| miner.drive(id),
+        |mined| {
+            match mined {
+                Ok(drive) => out.drives.push(drive),
+                Err(d) => out.diagnostics.push(*d),
+            }
+            Ok(())
+        },
+    );
+    let Ok(()) = kept;
+    out.diagnostics.extend(miner.unwritable());
+    out
+}
+
 /// Mines every drive of the lake as the options say, and hands its results to `each`, in the order of their ids; an
 /// error of `each` ends it. Gives an error for each drive that could not be read.
 pub fn mine_each<E: Send>(
@@ -99,16 +123,9 @@ pub fn mine_each<E: Send>(
     mut each: impl FnMut(MinedDrive) -> Result<(), E>,
 ) -> Result<Vec<Diagnostic>, E> {
     let ids = lake.drive_ids();
-    let run = Run {
-        lake,
-        rules,
-        plan: Plan::of(rules),
-        keys: rules.rules.iter().map(kept::key).collect(),
-        options,
-        unwritable: AtomicBool::new(false),
-    };
+    let miner = Miner::new(lake, rules, options);
     let one = |id: &DriveId| {
-        let mined = run.mine_one(id);
+        let mined = miner.drive(id);
         done(id);
         mined
     };
@@ -120,9 +137,7 @@ pub fn mine_each<E: Send>(
             Ok(())
         }
     })?;
-    if run.unwritable.load(Ordering::Relaxed) {
-        diagnostics.push(unwritable(lake));
-    }
+    diagnostics.extend(miner.unwritable());
     Ok(diagnostics)
 }
 
@@ -149,8 +164,9 @@ fn found_in(rule: &Rule, table: &SignalTable) -> Found {
     find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
 
-/// What all drives of one run share.
-struct Run<'a> {
+/// Mines single drives; what all drives of one run share. [`mine_each`] is a loop around it, and so is every other
+/// engine that spreads drives over workers.
+pub struct Miner<'a> {
     lake: &'a Lake,
     rules: &'a RuleSet,
     plan: Plan<'a>,
@@ -160,7 +176,24 @@ struct Run<'a> {
     unwritable: AtomicBool,
 }
 
-impl Run<'_> {
+impl<'a> Miner<'a> {
+    /// A run with these rules.
+    pub fn new(lake: &'a Lake, rules: &'a RuleSet, options: &'a MineOptions) -> Self {
+        let keys = rules.rules.iter().map(kept::key).collect();
+        Self { lake, rules, plan: Plan::of(rules), keys, options, unwritable: AtomicBool::new(false) }
+    }
+
+    /// The results of a drive. A drive that cannot be read, or on which the program panics, is an error of its own.
+    pub fn drive(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
+        let mined = std::panic::catch_unwind(AssertUnwindSafe(|| self.mine_one(id)));
+        mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
+    }
+
+    /// A warning where the lake could not keep something.
+    pub fn unwritable(&self) -> Option<Diagnostic> {
+        self.unwritable.load(Ordering::Relaxed).then(|| unwritable(self.lake))
+    }
+
     fn mine_one(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
         let unreadable = |e: LakeError| unreadable(id, &e);
         let outline = self.lake.outline(id).map_err(unreadable)?;
@@ -236,6 +269,18 @@ impl Run<'_> {
             self.unwritable.store(true, Ordering::Relaxed);
         }
     }
+}
+
+fn crashed(id: &DriveId) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("处理行程 {id} 时程序出错，已跳过"),
+        format!("the program failed on drive {id}, which is left out"),
+    );
+    let hint = Bilingual::new(
+        "这是程序缺陷：请附上标准错误中的 panic 信息报告",
+        "this is a defect of the program: report it with the panic message on stderr",
+    );
+    Diagnostic::error("mine.drive.crashed", message).with_hint(hint)
 }
 
 fn unwritable(lake: &Lake) -> Diagnostic {

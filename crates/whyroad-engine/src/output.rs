@@ -5,6 +5,7 @@ pub mod coverage;
 pub mod folder;
 pub mod query;
 pub mod record;
+pub mod removal;
 pub mod result;
 mod wording;
 

@@ -75,6 +75,11 @@ impl LakeRecordings {
         Ok(drive)
     }
 
+    /// Whether the lake's folder can be read.
+    pub fn ready(&self) -> Result<(), LakeError> {
+        Lake::open(self.lake.dir()).map(drop)
+    }
+
     /// Differs whenever the drive on disk was changed; empty for a drive that cannot be read.
     pub fn version(&self, id: &DriveId) -> String {
         self.lake.stamp(id).map_or_else(|_| String::new(), |stamp| format!("{stamp:?}"))

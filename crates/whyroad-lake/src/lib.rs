@@ -8,6 +8,7 @@
 
 mod clips;
 mod columns;
+mod delete;
 mod error;
 mod facts;
 mod file;
@@ -19,6 +20,7 @@ pub mod mined;
 mod outline;
 pub mod sheet;
 pub mod signals;
+mod size;
 mod stamp;
 mod tables;
 mod validity;
@@ -31,6 +33,7 @@ pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;
 pub use outline::Outline;
 pub use signals::SignalFile;
+pub use size::DriveSize;
 pub use stamp::Stamp;
 
 /// Version of the lake's layout. Raised when a reader of the old one would misread the new one. Version 1 had speeds

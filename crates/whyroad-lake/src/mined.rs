@@ -8,6 +8,7 @@ mod columns;
 mod error;
 mod index;
 mod lines;
+mod publish;
 mod question;
 mod summary;
 mod write;
@@ -16,6 +17,7 @@ pub use columns::{EPISODES_VERSION, episode_table};
 pub use error::MinedWriteError;
 pub use index::EpisodeIndex;
 pub use lines::{EpisodeLines, LineSpan};
+pub use publish::{Publication, PublishError};
 pub use question::MiningQuestion;
 pub use summary::{DriveSummary, EpisodeSummary};
 pub use write::{Existing, FinishedEpisodes, MinedFolderWriter};
@@ -93,7 +95,9 @@ impl MinedFolder {
         if let Some(folder) = Self::open(dir) {
             return Ok([(folder.folder_name(), folder)].into());
         }
-        let below = fs::read_dir(dir)?.flatten().filter_map(|entry| Self::open(entry.path()));
+        // A name with a leading dot is a folder being written.
+        let visible = |e: &fs::DirEntry| !e.file_name().to_string_lossy().starts_with('.');
+        let below = fs::read_dir(dir)?.flatten().filter(visible).filter_map(|e| Self::open(e.path()));
         Ok(below.map(|folder| (folder.folder_name(), folder)).collect())
     }
 

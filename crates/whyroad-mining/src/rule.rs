@@ -38,6 +38,7 @@ pub const CODES: &[&str] = &[
     "rule.case",
     "rule.case.skipped",
     "mine.drive.unreadable",
+    "mine.drive.crashed",
     "mine.store.unwritable",
     "mine.query.syntax",
     "mine.query.scenario",

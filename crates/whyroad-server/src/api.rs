@@ -6,6 +6,7 @@ pub mod call;
 pub mod handlers;
 mod incoming;
 pub mod openapi;
+pub mod ops;
 pub mod pages;
 pub mod reply;
 pub mod route;

@@ -2,6 +2,7 @@
 
 use crate::blur::Blur;
 use crate::limits::Limits;
+use crate::metrics::{Metrics, Served};
 use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
@@ -23,6 +24,9 @@ pub type Clock = Arc<dyn Fn() -> i64 + Send + Sync>;
 
 /// Takes one line for the operator.
 pub type Log = Arc<dyn Fn(&str) + Send + Sync>;
+
+/// Takes each request that was answered.
+pub type AccessLog = Arc<dyn Fn(&Served<'_>) + Send + Sync>;
 
 /// The service.
 pub struct App {
@@ -62,6 +66,10 @@ pub struct App {
     pub origin: Origin,
     /// Where failures are reported to the operator; by default nowhere.
     pub log: Log,
+    /// Where each request is reported; by default nowhere.
+    pub access_log: Option<AccessLog>,
+    /// Figures for operators.
+    pub metrics: Metrics,
     /// What the maker of the first account has to show; none where only this machine reaches the service.
     pub setup_token: Option<String>,
     /// Where people can sign in beside here.
@@ -130,6 +138,8 @@ impl App {
             trust: Trust::default(),
             origin: Origin::Connection,
             log: Arc::new(|_| {}),
+            access_log: None,
+            metrics: Metrics::default(),
             setup_token: None,
             oidc: None,
         })

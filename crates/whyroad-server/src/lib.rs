@@ -8,6 +8,7 @@ pub mod app;
 pub mod blur;
 pub mod domain;
 pub mod limits;
+pub mod metrics;
 pub mod oidc;
 pub mod problem;
 pub mod recordings;
@@ -17,6 +18,7 @@ pub mod service;
 pub mod store;
 mod url;
 
+pub use api::ops::serve_ops;
 pub use api::server::serve;
 pub use app::App;
 

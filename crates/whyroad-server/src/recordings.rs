@@ -29,6 +29,11 @@ pub trait Recordings: Send + Sync {
         String::new()
     }
 
+    /// Whether the recordings can be read at all; why not, otherwise.
+    fn ready(&self) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Signals of `drive`. The service hands in drives that were cut at the keyframe, so the result must depend on
     /// nothing but the drive that is given.
     fn signals(&self, drive: &Drive) -> SignalTable;

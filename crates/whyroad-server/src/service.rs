@@ -7,6 +7,7 @@ pub mod bulk;
 pub mod classes;
 pub mod create;
 pub mod dashboard;
+pub mod deletion;
 pub mod drafting;
 pub mod drafts;
 pub mod facts;

@@ -121,6 +121,20 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "lake delete",
+        &[
+            (
+                "What would be deleted, and which releases and backups hold the drive",
+                "whyroad lake delete drive --lake lake --mined mined --store whyroad-data/labels.db \
+                 --releases releases --backups backups --dry-run",
+            ),
+            (
+                "Drives of before 2026",
+                "whyroad lake delete --older-than 2026-01-01 --lake lake --mined mined",
+            ),
+        ],
+    ),
+    (
         "media add",
         &[(
             "Ten images per second, from the start of the drive",
@@ -143,6 +157,15 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "A query, result as JSON",
                 "whyroad mine --lake lake --query query.json --out asked --format json",
             ),
+            ("Work lists for four workers", "whyroad mine --lake lake --plan 4 --out plan"),
+            ("One worker", "whyroad mine --lake lake --drives plan/list-1.json --out parts/1"),
+        ],
+    ),
+    (
+        "merge",
+        &[
+            ("The parts of all workers", "whyroad merge parts --out mined"),
+            ("Parts of lists that other programs made", "whyroad merge a b --lake lake --out mined"),
         ],
     ),
     (

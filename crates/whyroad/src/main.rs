@@ -39,6 +39,16 @@ pub(crate) struct Global {
     /// Print notes too: messages that need no action
     #[arg(long, global = true)]
     pub verbose: bool,
+    /// Format of messages on stderr: text, or one JSON object per line, for log collectors
+    #[arg(
+        long,
+        global = true,
+        value_name = "FORMAT",
+        value_enum,
+        default_value_t,
+        env = "WHYROAD_LOG_FORMAT"
+    )]
+    pub log_format: output::log::LogFormat,
     /// Colors in messages: on a terminal, always or never; NO_COLOR turns them off
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto", value_parser = output::color_choice)]
     pub color: anstream::ColorChoice,
@@ -54,12 +64,16 @@ enum Command {
     Ingest(cmd::ingest::Args),
     /// Show what a lake holds
     Inspect(cmd::inspect::Args),
+    /// Delete drives from a lake and from everything that was made of them
+    Lake(cmd::lake::Args),
     /// Attach camera pictures to a drive of a lake
     Media(cmd::media::Args),
     /// List and show the signals that rules can speak of
     Signals(cmd::signals::Args),
     /// Find episodes
     Mine(cmd::mine::Args),
+    /// Merge the parts of several workers into one mined folder
+    Merge(cmd::merge::Args),
     /// Show why a class was found in a clip, or why not
     Explain(cmd::explain::Args),
     /// Check mining rules while they are being written
@@ -117,14 +131,17 @@ fn main() -> ExitCode {
         Err(e) => e.exit(),
     };
     cli.global.color.write_global();
+    output::log::set(cli.global.log_format);
     let result = match cli.command {
         Command::Taxonomy(a) => cmd::taxonomy::run(&cli.global, a),
         Command::Validate(a) => cmd::validate::run(&cli.global, a),
         Command::Ingest(a) => cmd::ingest::run(&cli.global, a),
         Command::Inspect(a) => cmd::inspect::run(&cli.global, a),
+        Command::Lake(a) => cmd::lake::run(&cli.global, a),
         Command::Media(a) => cmd::media::run(&cli.global, a),
         Command::Signals(a) => cmd::signals::run(&cli.global, a),
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
+        Command::Merge(a) => cmd::merge::run(&cli.global, a),
         Command::Explain(a) => cmd::explain::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Robustness(a) => cmd::robustness::run(&cli.global, a),

@@ -1,7 +1,8 @@
 //! Printing and exit codes shared by the commands. Color only on a terminal (or by `--color`). Exit codes: 0 fine, 1
 //! findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
-use indicatif::{ProgressBar, ProgressStyle};
+pub(crate) mod log;
+
 use serde::Serialize;
 use std::process::ExitCode;
 use whyroad_model::{Diagnostic, Lang};
@@ -14,12 +15,11 @@ macro_rules! tell {
     }};
 }
 
-/// Prints one line to stderr.
+/// Prints one message to stderr, as the log format says.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(anstream::stderr(), $($text)*);
-    }};
+    ($($text:tt)*) => {
+        $crate::output::log::message(&format!($($text)*))
+    };
 }
 
 /// How a command prints the data it was asked for.
@@ -77,8 +77,12 @@ pub(crate) fn put_json<T: Serialize + ?Sized>(data: &T) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A diagnostic as text, colored where the stream is a terminal: `tell!` and `put` remove colors elsewhere.
+/// A diagnostic as text, colored where the stream is a terminal: `tell!` and `put` remove colors elsewhere. In the log
+/// format JSON it is a line of that.
 pub(crate) fn render_text(d: &Diagnostic, lang: Lang) -> String {
+    if log::is_json() {
+        return log::of_diagnostic(d, lang);
+    }
     whyroad_model::diagnostic::render_ansi(d, lang)
 }
 
@@ -111,11 +115,8 @@ pub(crate) fn put(text: &str) {
     }
 }
 
-/// A progress bar with this number of steps; drawn on stderr, and only on a terminal.
-pub(crate) fn progress(steps: usize) -> ProgressBar {
-    let bar = ProgressBar::new(steps as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}") {
-        bar.set_style(style);
-    }
-    bar
+/// A progress bar with this number of steps; drawn on stderr, and only on a terminal. In the log format JSON it is a line
+/// now and then.
+pub(crate) fn progress(steps: usize) -> log::Progress {
+    log::Progress::new(steps)
 }

@@ -115,6 +115,10 @@ impl Recordings for ServiceRecordings {
         self.lake.version(id)
     }
 
+    fn ready(&self) -> Result<(), String> {
+        self.lake.ready().map_err(|e| e.to_string())
+    }
+
     fn signals(&self, drive: &Drive) -> SignalTable {
         self.lake.signals(drive)
     }

@@ -2,13 +2,15 @@
 //! so that no drive has to be kept.
 
 use crate::mine::MinedDrive;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use whyroad_framework::Taxonomy;
 use whyroad_model::messages::{Coverage, CoverageState, DriveGap, LeafCoverage};
 use whyroad_model::{DriveId, ScenarioId};
 
 /// Whose rules were run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Searched {
     /// Those of the framework: a leaf without one is reported as that.
     Framework,

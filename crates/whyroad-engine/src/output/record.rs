@@ -3,6 +3,7 @@
 //! message allows, frames are clamped to the clip.
 
 use super::wording::in_words;
+use serde::{Deserialize, Serialize};
 use whyroad_mining::episode::{Episode, Rank};
 use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
@@ -12,7 +13,7 @@ use whyroad_model::{ClipId, DriveId, FrameRange, Lang, Nanos};
 use whyroad_signals::Catalogue;
 
 /// An episode with everything that is written about it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MinedEpisode {
     /// The episode.
     pub record: EpisodeRecord,

@@ -3,8 +3,8 @@
 //! there when the result is written.
 
 use super::coverage::Counts;
-use serde::Serialize;
 use serde::ser::{Error as _, SerializeSeq, Serializer};
+use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -14,7 +14,7 @@ use whyroad_model::ScenarioId;
 use whyroad_model::messages::{EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable};
 
 /// A question that was asked: a `mining_result` is written for each.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Question {
     /// Repeated in the result.
     pub query_id: String,
@@ -103,6 +103,15 @@ impl Answer {
 
     /// The message of a closed answer, to be written: its clips are read from the episodes' file one by one.
     pub fn message<'a>(&'a self, counts: &Counts, episodes: &'a RefCell<File>) -> impl Serialize + 'a {
+        self.message_with(not_observable(counts, &self.question.scenario), episodes)
+    }
+
+    /// The same where it is known already which drives could not be decided.
+    pub(super) fn message_with<'a>(
+        &'a self,
+        not_observable: Vec<NotObservable>,
+        episodes: &'a RefCell<File>,
+    ) -> impl Serialize + 'a {
         Message {
             mining_result: Body {
                 query_id: &self.question.query_id,
@@ -111,7 +120,7 @@ impl Answer {
                 returned: self.matches.len() as u64,
                 clips: Clips { answer: self, episodes },
                 statistics: MiningStatistics { score_distribution: self.distribution() },
-                not_observable: not_observable(counts, &self.question.scenario),
+                not_observable,
             },
         }
     }

@@ -34,7 +34,11 @@ impl LineWriter {
     }
 
     pub fn put(&mut self, message: &impl Serialize) -> Result<LineSpan, MinedWriteError> {
-        let mut line = serde_json::to_vec(message).map_err(encoding(&self.path))?;
+        self.copy(serde_json::to_vec(message).map_err(encoding(&self.path))?)
+    }
+
+    /// Writes a line of another file as it is, given without its end.
+    pub fn copy(&mut self, mut line: Vec<u8>) -> Result<LineSpan, MinedWriteError> {
         let span = LineSpan { start: self.bytes, len: line.len() };
         line.push(b'\n');
         self.bytes += line.len() as u64;

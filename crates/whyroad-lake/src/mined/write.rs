@@ -78,7 +78,17 @@ impl MinedFolderWriter {
 
     /// Adds an episode; they come in the order of drive, keyframe, class, target.
     pub fn episode(&mut self, record: &EpisodeRecord) -> Result<LineSpan, MinedWriteError> {
-        let span = self.episodes.put(record)?;
+        let line = serde_json::to_vec(record).map_err(encoding(&part(&self.dir, MinedFile::Episodes)))?;
+        self.episode_line(record, line)
+    }
+
+    /// The same with the episode's line of another folder, which is written as it is: numbers keep all their digits.
+    pub fn episode_line(
+        &mut self,
+        record: &EpisodeRecord,
+        line: Vec<u8>,
+    ) -> Result<LineSpan, MinedWriteError> {
+        let span = self.episodes.copy(line)?;
         self.written += 1;
         self.waiting.push((record.clone(), span));
         if self.waiting.len() >= EPISODES_PER_BATCH {
@@ -103,6 +113,16 @@ impl MinedFolderWriter {
     /// Adds a clip.
     pub fn clip(&mut self, message: &ClipMetadataMessage) -> Result<(), MinedWriteError> {
         self.clips.put(message).map(drop)
+    }
+
+    /// Adds a line of another folder's pre-labels, keyframe suggestions or clips as it is. Other files have no lines.
+    pub fn line(&mut self, file: MinedFile, line: Vec<u8>) -> Result<(), MinedWriteError> {
+        match file {
+            MinedFile::PreLabels => self.pre_labels.copy(line).map(drop),
+            MinedFile::KeyframeSuggestions => self.suggestions.copy(line).map(drop),
+            MinedFile::Clips => self.clips.copy(line).map(drop),
+            _ => Ok(()),
+        }
     }
 
     /// Number of episodes so far.

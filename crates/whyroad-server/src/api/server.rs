@@ -12,6 +12,7 @@ use super::router::{find, wrong_method};
 use super::table::ROUTES;
 use super::timed::{Peer, TimedListener};
 use crate::app::App;
+use crate::metrics::Served;
 use crate::problem::{Answer, Problem};
 use crate::service::{drafting, retention, webhooks};
 use axum::Router;
@@ -20,7 +21,7 @@ use axum::extract::ConnectInfo;
 use axum::http::{Method, Response};
 use std::future::Future;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::Semaphore;
 use whyroad_model::Nanos;
 
@@ -44,10 +45,12 @@ pub async fn serve(
     let deliveries = webhooks::spawn(Arc::clone(&app));
     let drafts = drafting::spawn(&app);
     let sweeps = retention::spawn(&app);
+    let figures = Arc::clone(&app);
     let service = router(app).into_make_service_with_connect_info::<Peer>();
     let (stopping, stopped) = tokio::sync::oneshot::channel::<()>();
     let signal = async move {
         shutdown.await;
+        figures.metrics.stop();
         let _ = stopping.send(());
     };
     let server = axum::serve(TimedListener::new(listener), service).with_graceful_shutdown(signal);
@@ -72,8 +75,35 @@ pub fn router(app: Arc<App>) -> Router {
     let turns = Arc::new(Semaphore::new(AT_ONCE));
     Router::new().fallback(move |request: axum::extract::Request| {
         let (app, turns) = (Arc::clone(&app), Arc::clone(&turns));
-        async move { answer(app, turns, request).await }
+        async move { counted(app, turns, request).await }
     })
+}
+
+/// Answers a request and counts it under its route.
+async fn counted(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Request) -> Response<Body> {
+    let begun = Instant::now();
+    let (method, route) = label(request.method(), request.uri().path());
+    let _in_progress = app.metrics.begin();
+    let response = answer(Arc::clone(&app), turns, request).await;
+    let served = Served { method, route, status: response.status().as_u16(), took: begun.elapsed() };
+    app.metrics.count(&served);
+    if let Some(log) = &app.access_log {
+        log(&served);
+    }
+    response
+}
+
+/// Method and route as metrics name them: from the table, so their number does not depend on what clients send.
+fn label(method: &Method, path: &str) -> (&'static str, &'static str) {
+    let word = ["GET", "HEAD", "POST", "PATCH", "DELETE"].into_iter().find(|w| *w == method.as_str());
+    let route = match path.strip_prefix(ROOT) {
+        Some(below) if below.is_empty() || below.starts_with('/') => {
+            find(method, below).map_or("none", |(route, _)| route.path)
+        }
+        _ if path == "/api" || path.starts_with("/api/") => "none",
+        _ => "page",
+    };
+    (word.unwrap_or("other"), route)
 }
 
 async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Request) -> Response<Body> {

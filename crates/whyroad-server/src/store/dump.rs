@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Tables, each after those that it refers to, with a key in the first two columns. A test holds it against the
 /// scripts.
-pub(super) const TABLES: &[&str] = &[
+pub(crate) const TABLES: &[&str] = &[
     "settings",
     "users",
     "identities",

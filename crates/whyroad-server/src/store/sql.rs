@@ -122,6 +122,11 @@ pub trait Tx {
         Ok(None)
     }
 
+    /// Rows deleted by this connection from now on are overwritten on disk, where the database leaves that to us.
+    fn overwrite_deleted(&mut self) -> Answer<()> {
+        Ok(())
+    }
+
     /// The only row, where there is one.
     fn row(&mut self, sql: &str, values: &[Value]) -> Answer<Option<Row>> {
         Ok(self.rows(sql, values)?.into_iter().next())

@@ -205,6 +205,10 @@ impl Tx for Plain<'_> {
     fn lock(&self) -> &'static str {
         ""
     }
+
+    fn overwrite_deleted(&mut self) -> Answer<()> {
+        self.script("PRAGMA secure_delete = ON")
+    }
 }
 
 /// `$1` is a *named* parameter to SQLite; `?1` is the first.

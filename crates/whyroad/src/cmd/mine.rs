@@ -1,8 +1,9 @@
 //! `whyroad mine`: episodes out of a lake, by the framework's rules, by a custom rule or by a JSON query.
 
+mod part;
 pub(super) mod plan;
 mod sequences;
-mod table;
+pub(super) mod table;
 
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
@@ -19,6 +20,9 @@ use whyroad_lake::mined::{Existing, MinedWriteError};
 use whyroad_mining::rule::Rule;
 use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
+
+/// Deaths of a worker after which a drive in work is set aside.
+const DEATHS: u16 = 3;
 
 /// Arguments of `whyroad mine`.
 #[derive(clap::Args)]
@@ -57,10 +61,21 @@ pub(crate) struct Args {
     /// fast, or the plain reference that it must equal (keeps nothing)
     #[arg(long, hide = true, default_value = "fast", value_parser = ["fast", "reference"])]
     evaluator: String,
+    /// Divide the drives among N workers: print N work lists, or write them to --out; mines nothing
+    #[arg(long, value_name = "N", conflicts_with = "drives", value_parser = clap::value_parser!(u16).range(1..))]
+    plan: Option<u16>,
+    /// Mine only the drives of this work list (or of a file with one drive id per line; - is standard input), and
+    /// write a part for `whyroad merge`
+    #[arg(long, value_name = "FILE")]
+    drives: Option<PathBuf>,
+    /// With --drives: set a drive aside that was in work at N deaths of a worker
+    #[arg(long, value_name = "N", default_value_t = DEATHS, requires = "drives",
+          value_parser = clap::value_parser!(u16).range(1..))]
+    deaths: u16,
     /// Folder for the results; created if it does not exist
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
-    /// Replace results of another question in that folder
+    #[arg(long, value_name = "DIR", required_unless_present = "plan")]
+    out: Option<PathBuf>,
+    /// Replace results of another question in that folder, or make a part again from the start
     #[arg(long)]
     force: bool,
     /// Also list the classes that some drives cannot answer, with the signals that these drives lack
@@ -85,6 +100,9 @@ impl Mined {
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    if let Some(lists) = args.plan {
+        return part::print_plan(global, &args, usize::from(lists));
+    }
     let print = args.print;
     let mined = search(global, args)?;
     if let Some((json, text)) = mined.results {
@@ -108,11 +126,16 @@ impl Args {
             rule: Some(rule),
             name,
             target: None,
+            sequences: None,
+            prompt: None,
             query: None,
             limit: None,
             jobs: None,
             evaluator: "fast".to_owned(),
-            out,
+            plan: None,
+            drives: None,
+            deaths: DEATHS,
+            out: Some(out),
             force,
             missing: false,
             print: Print { format: Default::default() },
@@ -127,6 +150,7 @@ impl Args {
 
 /// Mines, and writes the folder.
 pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
+    let Some(out) = &args.out else { anyhow::bail!("--out is missing") };
     let (framework, faults) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;
@@ -166,9 +190,13 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|(class, _)| r.scenario.is_within(class));
     let classes: Vec<ScenarioId> =
         plan.rules.rules.iter().filter(asked_for).map(|r| r.scenario.clone()).collect();
+    if let Some(list) = &args.drives {
+        let work = part::Work { list, out, lake: &lake, plan, classes, framework: &framework };
+        return Ok(Mined { results: None, code: part::mine(global, &args, work)? });
+    }
     let existing = if args.force { Existing::Replace } else { Existing::ReplaceSameQuestion };
     let precedence = &plan.rules.precedence;
-    let folder = FolderWriter::create(&args.out, plan.asked, existing, &plan.questions, &classes, precedence);
+    let folder = FolderWriter::create(out, plan.asked, existing, &plan.questions, &classes, precedence);
     let mut folder = match folder {
         Err(MinedWriteError::OtherQuestion { dir, .. }) => {
             say!("{}", other_question(&dir, global.lang));
@@ -209,7 +237,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         lang: global.lang,
     };
     let results = Some((results.json(), results.text(args.missing)));
-    say!("{}", written(&args.out, global.lang));
+    say!("{}", written(out, global.lang));
     let code = if lost {
         output::lost_input()
     } else if findings.is_empty() {

@@ -36,6 +36,9 @@ pub(crate) struct Args {
     /// Address to listen on. Beyond this machine, put a proxy with TLS in front
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
+    /// Second address, for operators: /metrics (Prometheus), /livez and /readyz, without sign-in; keep it from the public
+    #[arg(long, value_name = "ADDR", env = "WHYROAD_OPS_LISTEN")]
+    ops_listen: Option<SocketAddr>,
     /// The page is served over https by a proxy in front: cookies are for https only
     #[arg(long)]
     https: bool,
@@ -63,6 +66,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let listener =
         TcpListener::bind(args.listen).with_context(|| format!("cannot listen on {}", args.listen))?;
     let at = listener.local_addr()?;
+    let bind_ops = |at: SocketAddr| TcpListener::bind(at).with_context(|| format!("cannot listen on {at}"));
+    let ops = args.ops_listen.map(bind_ops).transpose()?;
     // A mistake here is reported before the drives are read.
     let own = Some(at).filter(|at| at.ip().is_loopback() && !args.https);
     let oidc = args.oidc.provider(own, global.lang)?;
@@ -95,13 +100,19 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         // A proxy on this machine lets others in, although the service listens to this machine alone.
         _ => Reach::Network,
     };
-    app.log = Arc::new(|line| say!("{line}"));
+    app.log = Arc::new(output::log::warning);
+    if output::log::is_json() {
+        app.access_log = Some(Arc::new(output::log::request));
+    }
     if args.lake.is_none() {
         first_run::offer_project(&app, global.lang)?;
     }
     let account = first_run::first_account(&mut app, at.ip(), global.lang)?;
     say!("{}", where_to_look(at, &account, drives, global.lang));
-    run_until_stopped(app, listener).context("the service stopped")?;
+    if let Some(at) = ops.as_ref().and_then(|ops| ops.local_addr().ok()) {
+        say!("{}", ops_address(at, global.lang));
+    }
+    run_until_stopped(app, listener, ops).context("the service stopped")?;
     Ok(output::FINE)
 }
 
@@ -109,18 +120,31 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 const LAST_WAIT: Duration = Duration::from_secs(2);
 
 /// Serves until Ctrl-C or a request to terminate; then finishes what was begun.
-fn run_until_stopped(app: App, listener: TcpListener) -> std::io::Result<()> {
+fn run_until_stopped(app: App, listener: TcpListener, ops: Option<TcpListener>) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let app = Arc::new(app);
     let result = runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
+        if let Some(ops) = ops {
+            ops.set_nonblocking(true)?;
+            let ops = tokio::net::TcpListener::from_std(ops)?;
+            // It ends with the runtime, after the last request: until then it says that the service is stopping.
+            tokio::spawn(whyroad_server::serve_ops(Arc::clone(&app), ops));
+        }
         whyroad_server::serve(Arc::clone(&app), listener, stop_signal()).await
     });
     // Work that does not end, a derivation from a broken drive, must not keep the process: what was acknowledged is
     // stored.
     runtime.shutdown_timeout(LAST_WAIT);
     result
+}
+
+fn ops_address(at: SocketAddr, lang: Lang) -> String {
+    match lang {
+        Lang::Zh => format!("运维端口：http://{at}/metrics"),
+        Lang::En => format!("for operators: http://{at}/metrics"),
+    }
 }
 
 async fn stop_signal() {

@@ -5,7 +5,6 @@ use crate::output::Print;
 use crate::store_args::{error as told, open_store};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow, bail};
-use indicatif::ProgressBar;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Cursor};
@@ -129,7 +128,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
 /// A bar per step.
 struct Progress {
     lang: Lang,
-    bars: Mutex<Option<(Step, ProgressBar)>>,
+    bars: Mutex<Option<(Step, output::log::Progress)>>,
 }
 
 impl Progress {

@@ -12,7 +12,7 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Lang, ScenarioId};
 
 /// The results of a run.
-pub(super) struct Results<'a> {
+pub(in crate::cmd) struct Results<'a> {
     pub summary: &'a Summary,
     pub questions: &'a [Question],
     pub searched: Searched,

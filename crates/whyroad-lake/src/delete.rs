@@ -1,0 +1,76 @@
+//! Removing a drive from a lake: its tables, stored signals, findings and copied camera images.
+
+use crate::lake::remove_dir;
+use crate::{Lake, LakeError};
+use std::fs;
+use std::path::PathBuf;
+use whyroad_model::DriveId;
+
+impl Lake {
+    /// True where the lake holds anything of the drive, also what a killed process left.
+    pub fn holds(&self, id: &DriveId) -> bool {
+        self.folders_of(id).is_ok_and(|folders| !folders.is_empty())
+    }
+
+    /// Removes the drive. Readers find all of it or none; a killed removal is finished by the next one.
+    ///
+    /// # Errors
+    /// Where a folder cannot be removed, or the id is not one that a drive can have.
+    pub fn remove_drive(&self, id: &DriveId) -> Result<(), LakeError> {
+        let dir = self.checked_dir(id)?;
+        if dir.exists() {
+            let gone = self.aside(id, "gone");
+            remove_dir(&gone)?;
+            fs::rename(&dir, &gone).map_err(LakeError::io(&dir))?;
+        }
+        for path in self.folders_of(id)? {
+            let removed = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+            removed.map_err(LakeError::io(&path))?;
+        }
+        Ok(())
+    }
+
+    /// The drive's folder, its images, and what processes wrote aside for it (`.new-<pid>-<id>` and the like).
+    fn folders_of(&self, id: &DriveId) -> Result<Vec<PathBuf>, LakeError> {
+        let dir = self.checked_dir(id)?;
+        let drives = self.dir().join("drives");
+        let aside = |name: &str| {
+            let parts = name.strip_prefix('.').and_then(|n| n.strip_suffix(id.as_str())?.strip_suffix('-'));
+            parts.and_then(|p| p.rsplit_once('-')).is_some_and(|(_, pid)| pid.parse::<u32>().is_ok())
+        };
+        let entries = fs::read_dir(&drives).map_err(LakeError::io(&drives))?.flatten();
+        let mut found: Vec<PathBuf> =
+            entries.filter(|e| aside(&e.file_name().to_string_lossy())).map(|e| e.path()).collect();
+        found.extend([dir, self.media_dir().join(id.as_str())].into_iter().filter(|p| p.exists()));
+        found.sort();
+        Ok(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_of_the_drive_goes_and_nothing_of_another() {
+        let dir = tempfile::tempdir().unwrap();
+        let lake = Lake::create_or_open(dir.path()).unwrap();
+        let at = |p: &str| dir.path().join(p);
+        let gone =
+            ["drives/d1", "drives/.new-7-d1", "drives/.found.json-8-d1", "drives/.gone-9-d1", "media/d1"];
+        let kept = ["drives/d11", "drives/x-d1", "drives/.new-7-x-d1", "drives/.new-7-d11", "media/d11"];
+        for path in gone.iter().chain(&kept) {
+            fs::create_dir_all(at(path)).unwrap();
+            fs::write(at(path).join("t"), "x").unwrap();
+        }
+        assert!(lake.holds(&"d1".into()) && !lake.holds(&"d2".into()));
+        lake.remove_drive(&"d1".into()).unwrap();
+        assert!(gone.iter().all(|p| !at(p).exists()) && kept.iter().all(|p| at(p).exists()));
+        assert!(!lake.holds(&"d1".into()));
+        lake.remove_drive(&"d1".into()).unwrap();
+        for outside in ["..", "../x", ""] {
+            assert!(lake.remove_drive(&outside.into()).is_err(), "{outside}");
+        }
+        assert!(kept.iter().all(|p| at(p).exists()));
+    }
+}

@@ -1,0 +1,226 @@
+//! Publishing a mined folder as one: it is written beside its place, and takes it in one step.
+//!
+//! On Linux the new folder and the one in its place are exchanged by one system call. Where that does not exist (other
+//! systems, some network file systems) the old folder is first renamed aside; a reader can then find none for a moment.
+
+use super::{MinedFile, MinedFolder, MinedWriteError, MiningQuestion, error::io};
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+/// A folder could not be published.
+#[derive(Debug, thiserror::Error)]
+pub enum PublishError {
+    /// The file system refused.
+    #[error(transparent)]
+    Write(#[from] MinedWriteError),
+    /// The folder holds the results of another question.
+    #[error("{} holds the results of another question", .0.display())]
+    OtherQuestion(PathBuf),
+    /// The folder holds files that no mining run wrote; publishing would remove them.
+    #[error("{} holds '{}', which is not a file of a mined folder", .dir.display(), .name)]
+    OtherFiles {
+        /// The folder.
+        dir: PathBuf,
+        /// The first such file.
+        name: String,
+    },
+    /// Another process publishes into the same place.
+    #[error("another process is writing {}", .0.display())]
+    Busy(PathBuf),
+}
+
+/// A place that a folder is being written for. What is not finished is removed when this is dropped.
+pub struct Publication {
+    out: PathBuf,
+    fresh: PathBuf,
+    lock: (PathBuf, File),
+}
+
+impl Publication {
+    /// Checks the place `out` and makes an empty folder beside it. With `replace`, results of another question may be
+    /// there.
+    pub fn begin(out: &Path, question: &MiningQuestion, replace: bool) -> Result<Self, PublishError> {
+        if let Some(folder) = MinedFolder::open(out)
+            && !replace
+            && folder.question().as_ref() != Some(question)
+        {
+            return Err(PublishError::OtherQuestion(out.to_owned()));
+        }
+        if let Some(name) = other_file(out) {
+            return Err(PublishError::OtherFiles { dir: out.to_owned(), name });
+        }
+        let place = Self::lock(out)?;
+        fs::create_dir(&place.fresh).map_err(io(&place.fresh))?;
+        Ok(place)
+    }
+
+    /// Removes what a killed process left beside the place.
+    pub fn sweep(out: &Path) -> Result<(), PublishError> {
+        Self::lock(out).map(drop)
+    }
+
+    /// Locks the place, and clears away what a killed process left.
+    fn lock(out: &Path) -> Result<Self, PublishError> {
+        let parent = match out.parent() {
+            Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        fs::create_dir_all(&parent).map_err(io(&parent))?;
+        let name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let beside = |what: &str| parent.join(format!(".{name}.{what}"));
+        let (locked, fresh, old) = (beside("lock"), beside("new"), beside("old"));
+        let lock = File::create(&locked).map_err(io(&locked))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(PublishError::Busy(out.to_owned())),
+            Err(TryLockError::Error(e)) => return Err(io(&locked)(e).into()),
+        }
+        // The process that held it may have removed the file between opening and locking.
+        if !is_at(&lock, &locked) {
+            return Err(PublishError::Busy(out.to_owned()));
+        }
+        // Put aside for a folder that never came: it is all there is.
+        if old.exists() && !out.exists() {
+            fs::rename(&old, out).map_err(io(out))?;
+        }
+        remove(&fresh)?;
+        remove(&old)?;
+        Ok(Self { out: out.to_owned(), fresh, lock: (locked, lock) })
+    }
+
+    /// The folder to write to.
+    pub fn folder(&self) -> &Path {
+        &self.fresh
+    }
+
+    /// Puts the folder in its place.
+    pub fn publish(self) -> Result<(), PublishError> {
+        if !self.out.exists() {
+            fs::rename(&self.fresh, &self.out).map_err(io(&self.out))?;
+        } else if !exchange(&self.fresh, &self.out) {
+            let old = self.fresh.with_extension("old");
+            fs::rename(&self.out, &old).map_err(io(&self.out))?;
+            fs::rename(&self.fresh, &self.out).map_err(io(&self.out))?;
+            remove(&old)?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Publication {
+    fn drop(&mut self) {
+        // After an exchange this is the folder that was replaced.
+        let _ = fs::remove_dir_all(&self.fresh);
+        let _ = fs::remove_file(&self.lock.0);
+    }
+}
+
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let id = |m: fs::Metadata| (m.dev(), m.ino());
+    matches!((file.metadata().map(id), fs::metadata(path).map(id)), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
+}
+
+#[cfg(target_os = "linux")]
+fn exchange(a: &Path, b: &Path) -> bool {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    renameat_with(CWD, a, CWD, b, RenameFlags::EXCHANGE).is_ok()
+}
+
+#[cfg(not(target_os = "linux"))]
+fn exchange(_: &Path, _: &Path) -> bool {
+    false
+}
+
+/// The first file that no mining run writes, by name.
+fn other_file(dir: &Path) -> Option<String> {
+    const ALL: [MinedFile; 9] = [
+        MinedFile::Question,
+        MinedFile::Episodes,
+        MinedFile::EpisodeTable,
+        MinedFile::PreLabels,
+        MinedFile::KeyframeSuggestions,
+        MinedFile::Clips,
+        MinedFile::Coverage,
+        MinedFile::Results,
+        MinedFile::SingleResult,
+    ];
+    let known = |name: &str| {
+        ALL.iter().any(|f| name == f.name() || name.strip_prefix('.') == Some(&format!("{}.part", f.name())))
+    };
+    let names = fs::read_dir(dir).into_iter().flatten().flatten();
+    names.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|n| !known(n)).min()
+}
+
+fn remove(dir: &Path) -> Result<(), MinedWriteError> {
+    match fs::remove_dir_all(dir) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io(dir)(e)),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn question() -> MiningQuestion {
+        MiningQuestion::Framework { scenarios: vec![] }
+    }
+
+    fn put(out: &Path, text: &str) {
+        let new = Publication::begin(out, &question(), false).unwrap();
+        fs::write(MinedFile::Episodes.path(new.folder()), text).unwrap();
+        fs::write(MinedFile::Question.path(new.folder()), serde_json::to_vec(&question()).unwrap()).unwrap();
+        new.publish().unwrap();
+    }
+
+    #[test]
+    fn a_folder_takes_its_place_whole_and_leaves_nothing_beside_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("mined");
+        put(&out, "one");
+        put(&out, "two");
+        assert_eq!(fs::read_to_string(out.join("episodes.jsonl")).unwrap(), "two");
+        drop(Publication::begin(&out, &question(), false).unwrap());
+        assert_eq!(fs::read_to_string(out.join("episodes.jsonl")).unwrap(), "two", "not published");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_cleared_away_or_put_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("mined");
+        put(&out, "one");
+        fs::create_dir(dir.path().join(".mined.new")).unwrap();
+        fs::rename(&out, dir.path().join(".mined.old")).unwrap();
+        Publication::sweep(&out).unwrap();
+        assert_eq!(fs::read_to_string(out.join("episodes.jsonl")).unwrap(), "one");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+        assert_eq!(MinedFolder::find(dir.path()).unwrap().len(), 1);
+        fs::rename(&out, dir.path().join(".mined.new")).unwrap();
+        assert!(MinedFolder::find(dir.path()).unwrap().is_empty(), "what is being written is not there yet");
+    }
+
+    #[test]
+    fn what_would_be_lost_is_not_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("mined");
+        put(&out, "one");
+        let other = MiningQuestion::Framework { scenarios: vec!["safety".parse().unwrap()] };
+        let refused = |question, replace| Publication::begin(&out, question, replace).err();
+        assert!(matches!(refused(&other, false), Some(PublishError::OtherQuestion(_))));
+        assert!(refused(&other, true).is_none());
+        let busy = Publication::begin(&out, &question(), false).unwrap();
+        assert!(matches!(refused(&question(), false), Some(PublishError::Busy(_))));
+        drop(busy);
+        fs::write(out.join("notes.txt"), "mine").unwrap();
+        let found = refused(&question(), true);
+        assert!(matches!(found, Some(PublishError::OtherFiles { name, .. }) if name == "notes.txt"));
+    }
+}

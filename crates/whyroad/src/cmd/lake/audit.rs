@@ -1,0 +1,75 @@
+//! The audit file of deletions: when, on which request, how much. No ids of drives: they can be personal data
+//! themselves, and are what was to be forgotten.
+
+use anyhow::Context as _;
+use serde::Serialize;
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+use whyroad_model::Nanos;
+
+/// What was deleted, as numbers; and who still holds it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub(super) struct Deleted {
+    /// Drives asked for.
+    pub drives: usize,
+    /// Of these, drives that were in the lake.
+    pub lake_drives: usize,
+    /// Mined folders that were written again.
+    pub mined_folders: usize,
+    /// Episodes in them.
+    pub episodes: usize,
+    /// Tasks in the store.
+    pub tasks: u64,
+    /// Other rows in the store.
+    pub store_rows: u64,
+    /// Camera images outside the lake's own folder.
+    pub images: usize,
+    /// Releases that hold a drive, by folder.
+    pub releases: Vec<String>,
+    /// Backups that hold a drive, by file.
+    pub backups: Vec<String>,
+    /// Parts of mining runs that hold a drive, by folder.
+    pub parts: Vec<String>,
+    /// What could not be searched.
+    pub unsearched: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Entry<'a> {
+    at: String,
+    state: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    request: Option<&'a str>,
+    whyroad: &'a str,
+    #[serde(flatten)]
+    counts: &'a Deleted,
+}
+
+/// Adds a line to the file, on disk when this returns.
+pub(super) fn put(file: &Path, state: &str, request: Option<&str>, counts: &Deleted) -> anyhow::Result<()> {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
+    let at = Nanos(i64::try_from(now).unwrap_or(i64::MAX)).to_string();
+    let entry = Entry { at, state, request, whyroad: env!("CARGO_PKG_VERSION"), counts };
+    let mut line = serde_json::to_string(&entry)?;
+    line.push('\n');
+    let cannot = || format!("cannot write the audit file {}", file.display());
+    let mut out = OpenOptions::new().create(true).append(true).open(file).with_context(cannot)?;
+    out.write_all(line.as_bytes()).and_then(|()| out.sync_all()).with_context(cannot)
+}
+
+/// True where the last entry is of a deletion that began and did not end.
+pub(super) fn unfinished(file: &Path) -> bool {
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let last = text.lines().last().and_then(|l| serde_json::from_str::<serde_json::Value>(l).ok());
+    last.is_some_and(|entry| entry["state"] == "begun")
+}
+
+/// A reference such as a ticket's number; free text is refused.
+pub(super) fn reference(text: &str) -> Result<String, String> {
+    let fits = !text.is_empty()
+        && text.len() <= 40
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.#/".contains(c));
+    if fits { Ok(text.to_owned()) } else { Err("letters, digits and -_.#/, at most 40".to_owned()) }
+}

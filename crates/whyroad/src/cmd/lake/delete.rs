@@ -1,0 +1,296 @@
+//! `whyroad lake delete`: what a lake and everything made of it holds of some drives is removed. The lake comes last,
+//! so that a deletion that was killed finds its drives again; each step can be done twice.
+
+use super::audit::{self, Deleted};
+use super::holders;
+use crate::output::{Print, render_text};
+use crate::{Global, output, store_args};
+use anyhow::{Context as _, anyhow, bail};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{SystemTime, UNIX_EPOCH};
+use whyroad_engine::output::removal;
+use whyroad_engine::recordings::LakeRecordings;
+use whyroad_lake::mined::Publication;
+use whyroad_lake::{Lake, MinedFolder};
+use whyroad_model::{DriveId, Lang, Nanos};
+use whyroad_server::service::deletion;
+
+/// Arguments of `whyroad lake delete`.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// Drives, by id
+    #[arg(value_name = "DRIVE", required_unless_present = "older_than")]
+    drives: Vec<String>,
+    /// Also drives that ended before this time (2026-01-01, or an age such as 180d)
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    older_than: Option<Nanos>,
+    /// Lake
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Mined folder, or a folder of such folders or of parts; may be repeated
+    #[arg(long, value_name = "DIR")]
+    mined: Vec<PathBuf>,
+    /// Folder outside the lake with camera images of the drives; may be repeated
+    #[arg(long, value_name = "DIR")]
+    media: Vec<PathBuf>,
+    /// Store of the labelling service: a SQLite file, its folder, or postgres://...; its caches are emptied
+    #[arg(long, value_name = "URL", env = "WHYROAD_STORE", hide_env_values = true)]
+    store: Option<String>,
+    /// Folder in which to look for releases that hold the drives; may be repeated
+    #[arg(long, value_name = "DIR")]
+    releases: Vec<PathBuf>,
+    /// Backup, or folder of backups, in which to look for the drives; may be repeated
+    #[arg(long, value_name = "PATH")]
+    backups: Vec<PathBuf>,
+    /// Audit file [default: deletions.jsonl in the lake]
+    #[arg(long, value_name = "FILE")]
+    audit: Option<PathBuf>,
+    /// Number of the request, for the audit file; no personal data
+    #[arg(long, value_name = "REF", value_parser = audit::reference)]
+    request: Option<String>,
+    /// Say what would be deleted, and delete nothing
+    #[arg(long)]
+    dry_run: bool,
+    #[command(flatten)]
+    print: Print,
+}
+
+pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
+    let lang = global.lang;
+    let lake = match Lake::open(&args.lake) {
+        Ok(lake) => lake,
+        Err(e) => {
+            tell!("{}", render_text(&e.diagnostic(), lang));
+            return Ok(output::FINDINGS);
+        }
+    };
+    let (drives, undated) = selected(&lake, &args);
+    let folders = mined_folders(&args.mined)?;
+    let store = args.store.as_deref().map(|s| store_args::open_store(s, lang)).transpose()?;
+    let service = args.store.as_deref().and_then(service_folder);
+
+    let mut counts = Deleted { drives: drives.len(), unsearched: undated, ..Deleted::default() };
+    let mut backups = args.backups.clone();
+    backups.extend(service.iter().flat_map(|dir| kept_stores(dir)));
+    let mut take = |holders: holders::Holders| {
+        counts.unsearched.extend(holders.unsearched);
+        holders.found
+    };
+    let releases = take(holders::releases(&args.releases, &drives));
+    let backups = take(holders::backups(&backups, &drives));
+    let parts = take(holders::parts(&args.mined, &drives));
+    (counts.releases, counts.backups, counts.parts) = (releases, backups, parts);
+
+    let images = outside_images(&lake, &args.media, &drives)?;
+    counts.images = images.len();
+    let mut unknown = Vec::new();
+    for id in &drives {
+        let in_lake = lake.holds(id);
+        let rows = match &store {
+            Some(store) => deletion::held(store, id).map_err(|p| store_args::error(&p, lang))?,
+            None => deletion::DriveRows::default(),
+        };
+        counts.lake_drives += usize::from(in_lake);
+        counts.tasks += rows.tasks;
+        counts.store_rows += rows.other;
+        if !in_lake && rows == deletion::DriveRows::default() {
+            unknown.push(id);
+        }
+    }
+    let mut mined = BTreeSet::new();
+    for folder in &folders {
+        let held = removal::held(folder, &drives)?;
+        if held.drives > 0 {
+            counts.mined_folders += 1;
+            counts.episodes += held.episodes;
+            mined.extend(folder.coverage().map(|c| c.drives).unwrap_or_default());
+        }
+    }
+    unknown.retain(|id| !mined.contains(*id));
+    let file = args.audit.clone().unwrap_or_else(|| args.lake.join("deletions.jsonl"));
+    // After a kill behind the last step there is nothing left but to say so.
+    if !unknown.is_empty()
+        && !audit::unfinished(&file)
+        && args.older_than.is_none()
+        && unknown.len() == drives.len()
+    {
+        let names: Vec<String> = unknown.iter().map(ToString::to_string).collect();
+        bail!(not_found(&names.join(", "), lang));
+    }
+    if args.dry_run {
+        args.print.put(&counts, || text(&counts, true, lang))?;
+        return Ok(outcome(&counts));
+    }
+
+    audit::put(&file, "begun", args.request.as_deref(), &counts)?;
+    if let Some(store) = &store {
+        for id in &drives {
+            deletion::delete_drive(store, id).map_err(|p| store_args::error(&p, lang))?;
+        }
+    }
+    for folder in &folders {
+        // A killed run may have left the folder as it was before beside it.
+        Publication::sweep(folder.dir())?;
+        removal::remove(folder, &drives)?;
+    }
+    if let Some(dir) = &service {
+        empty(&dir.join("blurred"))?;
+    }
+    for image in &images {
+        std::fs::remove_file(image).with_context(|| format!("cannot remove {}", image.display()))?;
+    }
+    for id in &drives {
+        lake.remove_drive(id)?;
+    }
+    audit::put(&file, "done", args.request.as_deref(), &counts)?;
+    args.print.put(&counts, || text(&counts, false, lang))?;
+    Ok(outcome(&counts))
+}
+
+/// The drives named, and those that ended before a time; and which drives state no time.
+fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
+    let mut drives: BTreeSet<DriveId> = args.drives.iter().map(|d| DriveId::from(d.as_str())).collect();
+    let mut undated = Vec::new();
+    if let Some(before) = args.older_than {
+        for id in lake.drive_ids() {
+            match lake.outline(&id).ok().and_then(|o| o.times.last().copied()) {
+                Some(end) if end < before => {
+                    drives.insert(id);
+                }
+                Some(_) => {}
+                None => undated.push(format!("{id}: end unknown")),
+            }
+        }
+    }
+    (drives, undated)
+}
+
+/// The mined folders at or directly below each folder; parts are looked for apart.
+fn mined_folders(dirs: &[PathBuf]) -> anyhow::Result<Vec<MinedFolder>> {
+    let mut out = Vec::new();
+    for dir in dirs {
+        let found = MinedFolder::find(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+        out.extend(found.into_values());
+    }
+    Ok(out)
+}
+
+/// The folder in which a service with a SQLite store keeps its caches; of a server's it is named by WHYROAD_DATA_DIR.
+fn service_folder(store: &str) -> Option<PathBuf> {
+    use whyroad_server::store::StoreLocation;
+    match StoreLocation::parse(store) {
+        StoreLocation::File(path) if path.is_dir() => Some(path),
+        StoreLocation::File(path) => path.parent().map(Path::to_path_buf),
+        StoreLocation::Server(_) => std::env::var_os("WHYROAD_DATA_DIR").map(PathBuf::from),
+    }
+}
+
+/// What an upgrade kept of the store from before.
+fn kept_stores(dir: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    entries.filter(|e| e.file_name().to_string_lossy().contains(".before-")).map(|e| e.path()).collect()
+}
+
+/// Images that the drives' media tables name and that are in these folders.
+fn outside_images(
+    lake: &Lake,
+    media: &[PathBuf],
+    drives: &BTreeSet<DriveId>,
+) -> anyhow::Result<Vec<PathBuf>> {
+    if media.is_empty() {
+        return Ok(vec![]);
+    }
+    let recordings = LakeRecordings::open(lake.clone(), &[], media)?;
+    let own = lake.media_dir().canonicalize().ok();
+    let mut out = BTreeSet::new();
+    for id in drives {
+        for frame in lake.media(id).unwrap_or_default() {
+            let path = recordings.media(id, &frame);
+            out.extend(path.filter(|p| own.as_ref().is_none_or(|own| !p.starts_with(own))));
+        }
+    }
+    Ok(out.into_iter().collect())
+}
+
+/// Removes the files of a cache: under which key an image is kept cannot be told from the drive.
+fn empty(cache: &Path) -> anyhow::Result<()> {
+    for entry in std::fs::read_dir(cache).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_file() {
+            std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Others still hold a drive, or it is unknown whether they do: exit code 1, so that a script notices.
+fn outcome(counts: &Deleted) -> ExitCode {
+    let rest = [&counts.releases, &counts.backups, &counts.parts, &counts.unsearched];
+    if rest.iter().all(|list| list.is_empty()) { output::FINE } else { output::FINDINGS }
+}
+
+fn text(c: &Deleted, dry_run: bool, lang: Lang) -> String {
+    let mut out = match (lang, dry_run) {
+        (Lang::Zh, true) => "将删除（未作改动）：\n".to_owned(),
+        (Lang::Zh, false) => "已删除：\n".to_owned(),
+        (Lang::En, true) => "would be deleted (nothing was changed):\n".to_owned(),
+        (Lang::En, false) => "deleted:\n".to_owned(),
+    };
+    let (drives, lake, folders, episodes) = (c.drives, c.lake_drives, c.mined_folders, c.episodes);
+    let (tasks, rows, images) = (c.tasks, c.store_rows, c.images);
+    out += &match lang {
+        Lang::Zh => format!(
+            "  {drives} 个行程，其中数据湖中 {lake} 个\n  {folders} 个挖掘结果文件夹中的 {episodes} 个事件\n  \
+             {tasks} 个任务，存储中其他 {rows} 行\n  数据湖以外的 {images} 张图片\n"
+        ),
+        Lang::En => format!(
+            "  {drives} drives, {lake} of them in the lake\n  {episodes} episodes in {folders} mined folders\n  \
+             {tasks} tasks and {rows} other rows of the store\n  {images} images outside the lake\n"
+        ),
+    };
+    let heads = match lang {
+        Lang::Zh => [
+            "仍包含这些行程的数据集（未改动）",
+            "仍包含的备份（未改动）",
+            "仍包含的分片（未改动）",
+            "无法检查",
+        ],
+        Lang::En => [
+            "releases that hold them (not changed)",
+            "backups that hold them (not changed)",
+            "parts that hold them (not changed)",
+            "could not be searched",
+        ],
+    };
+    for (head, list) in heads.iter().zip([&c.releases, &c.backups, &c.parts, &c.unsearched]) {
+        if !list.is_empty() {
+            let _ = writeln!(out, "{head}:");
+            list.iter().for_each(|line| {
+                let _ = writeln!(out, "  {line}");
+            });
+        }
+    }
+    out
+}
+
+fn not_found(names: &str, lang: Lang) -> String {
+    match lang {
+        Lang::Zh => format!("所给之处均没有行程 {names}"),
+        Lang::En => format!("nothing of {names} was found in the places given"),
+    }
+}
+
+/// A date, a time, or an age in days.
+fn moment(text: &str) -> Result<Nanos, String> {
+    if let Some(days) = text.strip_suffix('d').and_then(|n| n.parse::<u32>().ok()) {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_err(|e| e.to_string())?;
+        let age = u128::from(days) * 86_400 * 1_000_000_000;
+        let then = now.as_nanos().saturating_sub(age);
+        return i64::try_from(then).map(Nanos).map_err(|e| e.to_string());
+    }
+    let full = if text.len() == 10 { format!("{text}T00:00:00Z") } else { text.to_owned() };
+    Nanos::parse_iso(&full).map_err(|_| anyhow!("a date (2026-01-01), a time, or an age (180d)").to_string())
+}
