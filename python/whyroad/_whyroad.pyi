@@ -51,6 +51,7 @@ class Lake:
         *,
         target: str | None = None,
         scenario: str | None = None,
+        drives: Sequence[str] | None = None,
         jobs: int | None = None,
     ) -> Table: ...
 

@@ -7,7 +7,7 @@ use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use whyroad_engine::mine::{MineOptions, mine_lake_with, signals_of};
+use whyroad_engine::mine::{MineOptions, mine_drives, signals_of};
 use whyroad_framework::Framework;
 use whyroad_lake::mined::episode_table;
 use whyroad_mining::RuleSet;
@@ -109,14 +109,16 @@ impl Lake {
     }
 
     /// Episodes that the bundled rules find (default), or a custom rule (`rule="target.gap < 10 m for 1 s"`); the
-    /// columns are those of `episodes.parquet`. `scenario` keeps one class: an L1, L2 or leaf.
-    #[pyo3(signature = (rule=None, *, target=None, scenario=None, jobs=None))]
+    /// columns are those of `episodes.parquet`. `scenario` keeps one class: an L1, L2 or leaf; `drives` searches only
+    /// these.
+    #[pyo3(signature = (rule=None, *, target=None, scenario=None, drives=None, jobs=None))]
     fn mine(
         &self,
         py: Python<'_>,
         rule: Option<&str>,
         target: Option<&str>,
         scenario: Option<&str>,
+        drives: Option<Vec<String>>,
         jobs: Option<usize>,
     ) -> PyResult<Table> {
         let framework = Framework::bundled();
@@ -147,7 +149,11 @@ impl Lake {
             None => all.with_decision_moments(catalogue),
         };
         let options = MineOptions { jobs, lang: Lang::En, ..MineOptions::default() };
-        let mined = py.detach(|| mine_lake_with(&self.inner, &rules, &options, |_| {}));
+        let ids = match drives {
+            Some(ids) => ids.into_iter().map(DriveId::from).collect(),
+            None => self.inner.drive_ids(),
+        };
+        let mined = py.detach(|| mine_drives(&self.inner, &rules, &options, &ids));
         if mined.drives.is_empty() && mined.diagnostics.iter().any(|d| d.severity == Severity::Error) {
             return Err(of_diagnostics(&mined.diagnostics));
         }
