@@ -15,6 +15,7 @@ pub mod findings;
 #[cfg(test)]
 mod fixtures;
 pub mod gold;
+pub(crate) mod fixtures;
 pub mod history;
 pub mod identities;
 pub mod leases;

@@ -213,7 +213,7 @@ mod tests {
         let out = dir.path().join("mined");
         put(&out, "one");
         let other = MiningQuestion::Framework { scenarios: vec!["safety".parse().unwrap()] };
-        let refused = |question, replace| Publication::begin(&out, question, replace).err();
+        let refused = |question: &MiningQuestion, replace| Publication::begin(&out, question, replace).err();
         assert!(matches!(refused(&other, false), Some(PublishError::OtherQuestion(_))));
         assert!(refused(&other, true).is_none());
         let busy = Publication::begin(&out, &question(), false).unwrap();
