@@ -21,6 +21,8 @@ import whyroad
 from whyroad.per_drive import FAILURE, REPORT, STATUS, Mine, portable, results
 
 RULE = "target.gap < 40 m for 1 s"
+#: Code of a drive that cannot be read, by what is done with it.
+UNREADABLE = {"rule": "mine.drive.unreadable", "signals": "lake."}
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def test_per_drive_without_an_engine(lake: Path) -> None:
     work = Killing(str(lake), RULE, victim=drives[-1])
     made = pa.concat_tables(results(work, drives))
     report = made.filter(pa.compute.not_equal(made[STATUS], "row")).select(REPORT)
-    check_report(report, drives, {"broken": "lake.", drives[-1]: "mine.drive.kills_worker"})
+    check_report(report, drives, {"broken": UNREADABLE["rule"], drives[-1]: "mine.drive.kills_worker"})
 
 
 @pytest.fixture(scope="session")
@@ -116,7 +118,7 @@ def test_ray_gives_the_embedded_rows(ray: Any, lake: Path, drives_per_task: int)
             result = whyroad.ray.signals(lake, ["target.gap", "target.class"], drives_per_task=drives_per_task)
         rows, report = whyroad.ray.split(result.materialize())
         same(arrow(rows), embedded(lake, work))
-        check_report(arrow(report), drives, {"broken": "lake."})
+        check_report(arrow(report), drives, {"broken": UNREADABLE[work]})
 
 
 def test_ray_sets_a_drive_aside_that_kills_its_process(ray: Any, lake: Path) -> None:
@@ -126,7 +128,7 @@ def test_ray_sets_a_drive_aside_that_kills_its_process(ray: Any, lake: Path) -> 
     victim = drives[-1]
     result = whyroad.ray.run(Killing(str(lake), RULE, victim=victim), drives_per_task=2).materialize()
     rows, report = whyroad.ray.split(result)
-    check_report(arrow(report), drives, {"broken": "lake.", victim: "mine.drive.kills_worker"})
+    check_report(arrow(report), drives, {"broken": UNREADABLE["rule"], victim: "mine.drive.kills_worker"})
     expected = embedded(lake, "rule")
     same(arrow(rows), expected.filter(pa.compute.not_equal(expected["drive_id"], victim)))
 
@@ -182,7 +184,7 @@ def test_spark_gives_the_embedded_rows(spark: Any, lake: Path, partitions: int) 
             result = whyroad.spark.signals(spark, lake, ["target.gap", "target.class"], partitions=partitions)
         rows, report = whyroad.spark.split(result.persist())
         same(rows.toArrow(), embedded(lake, work))
-        check_report(report.toArrow(), drives, {"broken": "lake."})
+        check_report(report.toArrow(), drives, {"broken": UNREADABLE[work]})
         result.unpersist()
 
 
@@ -193,7 +195,7 @@ def test_spark_sets_a_drive_aside_and_validates(spark: Any, lake: Path) -> None:
     victim = drives[-1]
     result = whyroad.spark.run(spark, Killing(str(lake), RULE, victim=victim), partitions=2).persist()
     rows, report = whyroad.spark.split(result)
-    check_report(report.toArrow(), drives, {"broken": "lake.", victim: "mine.drive.kills_worker"})
+    check_report(report.toArrow(), drives, {"broken": UNREADABLE["rule"], victim: "mine.drive.kills_worker"})
     expected = embedded(lake, "rule")
     same(rows.toArrow(), expected.filter(pa.compute.not_equal(expected["drive_id"], victim)))
 

@@ -89,14 +89,14 @@ impl Release {
     }
 }
 
-/// Drives of the samples of a batch that has the column `drive_id`.
+/// Drives of the samples of a batch that has the column `lineage`.
 ///
 /// # Errors
-/// Where the batch has no such column of texts.
+/// Where the batch has no such column.
 pub fn drive_ids(batch: &RecordBatch) -> Result<impl Iterator<Item = &str>, DatasetError> {
-    let column = batch.column_by_name("drive_id").and_then(|c| c.as_string_opt::<i32>());
-    let column =
-        column.ok_or_else(|| DatasetError::broken(Path::new("drive_id"), "the column is missing"))?;
+    let lineage = batch.column_by_name("lineage").and_then(|c| c.as_struct_opt());
+    let column = lineage.and_then(|l| l.column_by_name("drive_id")).and_then(|c| c.as_string_opt::<i32>());
+    let column = column.ok_or_else(|| DatasetError::broken(Path::new("lineage"), "the column is missing"))?;
     Ok(column.iter().flatten())
 }
 

@@ -1,8 +1,6 @@
 //! Figures of the running service in the text format of Prometheus (exposition format 0.0.4): requests, tasks by state,
 //! deliveries that wait, the store, the process. No name of a person, project, drive or task is in them.
 
-use crate::app::App;
-use crate::problem::Answer;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
@@ -34,7 +32,7 @@ pub struct Metrics {
     in_progress: AtomicI64,
     stopping: AtomicBool,
     started: SystemTime,
-    store: Mutex<Option<(Instant, StoreFigures)>>,
+    store: Mutex<Option<(Instant, Option<StoreFigures>)>>,
 }
 
 impl Default for Metrics {
@@ -59,16 +57,17 @@ struct Requests {
     count: u64,
 }
 
-/// What a look into the store gave; `None` where it did not answer.
-type StoreFigures = Option<Held>;
-
+/// What a look into the store gave.
 #[derive(Clone, Debug, Default)]
-struct Held {
-    tasks: BTreeMap<String, i64>,
-    waiting: i64,
-    /// Since 1970, ms.
-    oldest: Option<i64>,
-    took: Duration,
+pub(crate) struct StoreFigures {
+    /// Tasks by state.
+    pub tasks: BTreeMap<String, i64>,
+    /// Events to be delivered.
+    pub waiting: i64,
+    /// When the oldest of them was made, ms since 1970.
+    pub oldest: Option<i64>,
+    /// How long the look took.
+    pub took: Duration,
 }
 
 /// A request in progress, until it is dropped.
@@ -106,33 +105,26 @@ impl Metrics {
         self.stopping.store(true, Ordering::Relaxed);
     }
 
-    /// Whether the service can work: why not, otherwise.
-    ///
-    /// # Errors
-    /// The service stops, its store does not answer, or its recordings are away.
-    pub fn ready(app: &App) -> Result<(), String> {
-        if app.metrics.stopping.load(Ordering::Relaxed) {
-            return Err("stopping".to_owned());
+    /// True once the service takes no new work.
+    pub(crate) fn is_stopping(&self) -> bool {
+        self.stopping.load(Ordering::Relaxed)
+    }
+
+    /// What the store held at the last look that is young enough, or at a new one.
+    pub(crate) fn of_store(&self, look: impl FnOnce() -> Option<StoreFigures>) -> Option<StoreFigures> {
+        let mut kept = lock(&self.store);
+        if let Some((at, held)) = &*kept
+            && at.elapsed() < STORE_AGE
+        {
+            return held.clone();
         }
-        app.store.read(|tx| tx.row("SELECT 1 AS one", &[])).map_err(|p| format!("store: {}", p.code))?;
-        app.recordings.ready().map_err(|_| "lake: cannot be read".to_owned())
+        let held = look();
+        *kept = Some((Instant::now(), held.clone()));
+        held
     }
 
-    /// All figures. Asks the store, and so blocks.
-    pub fn text(app: &App) -> String {
-        let metrics = &app.metrics;
-        let mut out = Text::default();
-        out.head("whyroad_build_info", "gauge", "Version of the program");
-        out.line("whyroad_build_info", &[("version", env!("CARGO_PKG_VERSION"))], 1.0);
-        out.head("whyroad_ready", "gauge", "1 when the service can work: see /readyz");
-        out.line("whyroad_ready", &[], f64::from(u8::from(Self::ready(app).is_ok())));
-        metrics.http(&mut out);
-        metrics.of_store(app, &mut out);
-        process(metrics.started, &mut out);
-        out.0
-    }
-
-    fn http(&self, out: &mut Text) {
+    /// Requests.
+    pub(crate) fn http(&self, out: &mut Text) {
         out.head("whyroad_http_requests_in_progress", "gauge", "Requests that are being answered");
         out.line("whyroad_http_requests_in_progress", &[], self.in_progress.load(Ordering::Relaxed) as f64);
         let requests = lock(&self.requests);
@@ -165,86 +157,47 @@ impl Metrics {
         }
     }
 
-    fn of_store(&self, app: &App, out: &mut Text) {
-        let mut kept = lock(&self.store);
-        let held = match &*kept {
-            Some((at, held)) if at.elapsed() < STORE_AGE => held.clone(),
-            _ => {
-                let held = look(app).ok();
-                *kept = Some((Instant::now(), held.clone()));
-                held
-            }
-        };
-        drop(kept);
-        out.head("whyroad_store_up", "gauge", "1 when the store answered the last time it was asked");
-        out.line("whyroad_store_up", &[], f64::from(u8::from(held.is_some())));
-        // Without an answer nothing is known; 0 would be a claim.
-        let Some(held) = held else { return };
-        out.head("whyroad_store_seconds", "gauge", "How long the store took for these figures");
-        out.line("whyroad_store_seconds", &[], held.took.as_secs_f64());
-        out.head("whyroad_tasks", "gauge", "Tasks by state");
-        for (state, n) in &held.tasks {
-            out.line("whyroad_tasks", &[("state", state)], *n as f64);
+    /// Figures of the process under the names that Prometheus' own clients use; where there is no `/proc` only its
+    /// start.
+    pub(crate) fn process(&self, out: &mut Text) {
+        let since = self.started.duration_since(UNIX_EPOCH).unwrap_or_default();
+        out.head("process_start_time_seconds", "gauge", "Start of the process since 1970");
+        out.line("process_start_time_seconds", &[], since.as_secs_f64());
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let resident = status.lines().find_map(|l| l.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB"));
+        if let Some(kib) = resident.and_then(|n| n.trim().parse::<f64>().ok()) {
+            out.head("process_resident_memory_bytes", "gauge", "Memory in use");
+            out.line("process_resident_memory_bytes", &[], kib * 1024.0);
         }
-        out.head("whyroad_webhook_deliveries_waiting", "gauge", "Events that are to be delivered");
-        out.line("whyroad_webhook_deliveries_waiting", &[], held.waiting as f64);
-        out.head("whyroad_webhook_oldest_seconds", "gauge", "Age of the oldest of them; 0 without one");
-        let age = held.oldest.map_or(0, |at| (app.now() - at).max(0));
-        out.line("whyroad_webhook_oldest_seconds", &[], age as f64 / 1000.0);
+        // Fields 14 and 15 in hundredths of a second (USER_HZ); the name in parentheses before may hold spaces.
+        let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+        if let [Some(user), Some(system)] =
+            [11, 12].map(|i| fields.get(i).and_then(|n| n.parse::<f64>().ok()))
+        {
+            out.head("process_cpu_seconds_total", "counter", "CPU time");
+            out.line("process_cpu_seconds_total", &[], (user + system) / 100.0);
+        }
+        if let Ok(open) = std::fs::read_dir("/proc/self/fd") {
+            out.head("process_open_fds", "gauge", "Open files and connections");
+            out.line("process_open_fds", &[], open.count() as f64);
+        }
     }
 }
 
-fn look(app: &App) -> Answer<Held> {
-    let begun = Instant::now();
-    let mut held = app.store.report(|tx| {
-        let mut held = Held::default();
-        for row in tx.rows("SELECT state, count(*) AS n FROM tasks GROUP BY state", &[])? {
-            held.tasks.insert(row.text("state")?, row.int("n")?);
-        }
-        if let Some(row) = tx.row("SELECT count(*) AS n, min(created) AS oldest FROM outbox", &[])? {
-            (held.waiting, held.oldest) = (row.int("n")?, row.maybe_int("oldest")?);
-        }
-        Ok(held)
-    })?;
-    held.took = begun.elapsed();
-    Ok(held)
-}
-
-/// Figures of the process under the names that Prometheus' own clients use; where there is no `/proc` only its start.
-fn process(started: SystemTime, out: &mut Text) {
-    let since = started.duration_since(UNIX_EPOCH).unwrap_or_default();
-    out.head("process_start_time_seconds", "gauge", "Start of the process since 1970");
-    out.line("process_start_time_seconds", &[], since.as_secs_f64());
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let resident = status.lines().find_map(|l| l.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB"));
-    if let Some(kib) = resident.and_then(|n| n.trim().parse::<f64>().ok()) {
-        out.head("process_resident_memory_bytes", "gauge", "Memory in use");
-        out.line("process_resident_memory_bytes", &[], kib * 1024.0);
-    }
-    // Fields 14 and 15 in hundredths of a second (USER_HZ); the name in parentheses before may hold spaces.
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-    if let [Some(user), Some(system)] = [11, 12].map(|i| fields.get(i).and_then(|n| n.parse::<f64>().ok())) {
-        out.head("process_cpu_seconds_total", "counter", "CPU time");
-        out.line("process_cpu_seconds_total", &[], (user + system) / 100.0);
-    }
-    if let Ok(open) = std::fs::read_dir("/proc/self/fd") {
-        out.head("process_open_fds", "gauge", "Open files and connections");
-        out.line("process_open_fds", &[], open.count() as f64);
-    }
-}
-
+/// The text format.
 #[derive(Default)]
-struct Text(String);
+pub(crate) struct Text(pub String);
 
 impl Text {
-    fn head(&mut self, name: &str, kind: &str, about: &str) {
+    /// Announces a metric.
+    pub(crate) fn head(&mut self, name: &str, kind: &str, about: &str) {
         let _ = write!(self.0, "# HELP {name} {about}\n# TYPE {name} {kind}\n");
     }
 
-    /// Values of labels are routes, states and versions: nothing in them has to be escaped but what a state of a broken
-    /// store might hold.
-    fn line(&mut self, name: &str, labels: &[(&str, &str)], value: f64) {
+    /// A value. Values of labels are routes, states and versions: nothing in them has to be escaped but what a state of
+    /// a broken store might hold.
+    pub(crate) fn line(&mut self, name: &str, labels: &[(&str, &str)], value: f64) {
         let escaped = |v: &str| v.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
         let labels: Vec<String> = labels.iter().map(|(k, v)| format!("{k}=\"{}\"", escaped(v))).collect();
         let labels = if labels.is_empty() { String::new() } else { format!("{{{}}}", labels.join(",")) };
@@ -254,45 +207,4 @@ impl Text {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::service::fixtures;
-
-    #[test]
-    fn requests_are_counted_by_route_and_bound() {
-        let (app, _dir) = fixtures::app();
-        let served = |status, millis| Served {
-            method: "GET",
-            route: "/tasks/{t}",
-            status,
-            took: Duration::from_millis(millis),
-        };
-        app.metrics.count(&served(200, 1));
-        app.metrics.count(&served(200, 40));
-        app.metrics.count(&served(404, 20_000));
-        let _open = app.metrics.begin();
-        let text = Metrics::text(&app);
-        let labels = "method=\"GET\",route=\"/tasks/{t}\"";
-        for line in [
-            format!("whyroad_http_requests_total{{{labels},status=\"200\"}} 2"),
-            format!("whyroad_http_requests_total{{{labels},status=\"404\"}} 1"),
-            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"0.001\"}} 1"),
-            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"0.05\"}} 2"),
-            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"10\"}} 2"),
-            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"+Inf\"}} 3"),
-            format!("whyroad_http_request_seconds_count{{{labels}}} 3"),
-            "whyroad_http_requests_in_progress 1".to_owned(),
-            "whyroad_ready 1".to_owned(),
-            "whyroad_store_up 1".to_owned(),
-            "whyroad_webhook_oldest_seconds 0".to_owned(),
-        ] {
-            assert!(text.lines().any(|l| l == line), "no {line} in\n{text}");
-        }
-        app.metrics.stop();
-        assert!(Metrics::text(&app).contains("whyroad_ready 0\n"));
-        assert_eq!(Metrics::ready(&app).unwrap_err(), "stopping");
-    }
 }

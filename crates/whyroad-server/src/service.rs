@@ -11,11 +11,12 @@ pub mod deletion;
 pub mod drafting;
 pub mod drafts;
 pub mod facts;
+pub mod figures;
 pub mod findings;
 #[cfg(test)]
 mod fixtures;
+mod fixtures;
 pub mod gold;
-pub(crate) mod fixtures;
 pub mod history;
 pub mod identities;
 pub mod leases;

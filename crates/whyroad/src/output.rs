@@ -115,8 +115,8 @@ pub(crate) fn put(text: &str) {
     }
 }
 
-/// A progress bar with this number of steps; drawn on stderr, and only on a terminal. In the log format JSON it is a line
-/// now and then.
+/// A progress bar with this number of steps; drawn on stderr, and only on a terminal. In the log format JSON it is a
+/// line now and then.
 pub(crate) fn progress(steps: usize) -> log::Progress {
     log::Progress::new(steps)
 }

@@ -1,6 +1,6 @@
 //! Taking drives out of a mined folder: the folder is written again without them and takes the place of the old one
-//! as a whole. What stays is copied as it is; results fill up from what was beyond their limit. For a folder that asked all
-//! rules, the bytes are those of mining a lake that never had the drives.
+//! as a whole. What stays is copied as it is; results fill up from what was beyond their limit. For a folder that
+//! asked all rules, the bytes are those of mining a lake that never had the drives.
 //!
 //! Counts in `coverage.json` of classes that were not asked for include episodes of the removed drives: which these
 //! were is not in the folder.

@@ -2,7 +2,7 @@
 //! opened to the public. Nothing of the API or the page is on it.
 
 use crate::app::App;
-use crate::metrics::Metrics;
+use crate::service::figures;
 use axum::Router;
 use axum::body::Body;
 use axum::http::{Method, Response, StatusCode, header};
@@ -30,12 +30,12 @@ async fn answer(app: Arc<App>, method: &Method, path: &str) -> Response<Body> {
     match path {
         // The process answers: that is all that a restart could improve.
         "/livez" => plain(StatusCode::OK, "ok\n".to_owned()),
-        "/readyz" => match tokio::task::spawn_blocking(move || Metrics::ready(&app)).await {
+        "/readyz" => match tokio::task::spawn_blocking(move || figures::ready(&app)).await {
             Ok(Ok(())) => plain(StatusCode::OK, "ok\n".to_owned()),
             Ok(Err(why)) => plain(StatusCode::SERVICE_UNAVAILABLE, format!("{why}\n")),
             Err(_) => plain(StatusCode::INTERNAL_SERVER_ERROR, "internal error\n".to_owned()),
         },
-        "/metrics" => match tokio::task::spawn_blocking(move || Metrics::text(&app)).await {
+        "/metrics" => match tokio::task::spawn_blocking(move || figures::text(&app)).await {
             Ok(text) => plain(StatusCode::OK, text),
             Err(_) => plain(StatusCode::INTERNAL_SERVER_ERROR, "internal error\n".to_owned()),
         },

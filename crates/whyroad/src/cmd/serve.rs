@@ -36,7 +36,8 @@ pub(crate) struct Args {
     /// Address to listen on. Beyond this machine, put a proxy with TLS in front
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
-    /// Second address, for operators: /metrics (Prometheus), /livez and /readyz, without sign-in; keep it from the public
+    /// Second address, for operators: /metrics (Prometheus), /livez and /readyz, without sign-in; keep it from the
+    /// public
     #[arg(long, value_name = "ADDR", env = "WHYROAD_OPS_LISTEN")]
     ops_listen: Option<SocketAddr>,
     /// The page is served over https by a proxy in front: cookies are for https only

@@ -30,6 +30,9 @@ impl Holders {
 /// Releases at or anywhere below the folders.
 pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
     let mut out = Holders::default();
+    if drives.is_empty() {
+        return out;
+    }
     for manifest in files(dirs, &mut out.unsearched).iter().filter(|p| p.ends_with("manifest.json")) {
         // Other tools call files so, too.
         let text = fs::read(manifest).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
@@ -42,7 +45,14 @@ pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders 
 }
 
 fn release_holds(dir: &Path, drives: &BTreeSet<DriveId>) -> anyhow::Result<bool> {
-    for batch in Release::open(dir)?.batches(None, Some(&["drive_id"])) {
+    // What was dropped is named in the stages' files.
+    let named = files(&[dir.to_owned()], &mut vec![]);
+    for file in named.iter().filter(|f| f.extension().is_none_or(|e| e != "parquet")) {
+        if occurs(file, drives)? {
+            return Ok(true);
+        }
+    }
+    for batch in Release::open(dir)?.batches(None, Some(&["lineage"])) {
         let batch = batch?;
         for drive in whyroad_dataset::release::drive_ids(&batch)? {
             if drives.contains(&DriveId::from(drive)) {
@@ -66,6 +76,9 @@ pub(super) fn parts(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
 /// SQLite file hold texts as they are. Compressed files are named as not searched.
 pub(super) fn backups(paths: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
     let mut out = Holders::default();
+    if drives.is_empty() {
+        return out;
+    }
     for file in files(paths, &mut out.unsearched) {
         let packed = file.extension().and_then(|e| e.to_str());
         if packed.is_some_and(|e| ["gz", "zst", "xz", "zip", "bz2", "7z", "age", "gpg"].contains(&e)) {

@@ -1,0 +1,110 @@
+//! The figures of a service as one text, and whether it can work: what the port for operators answers. Both ask the
+//! store, and so block.
+
+use crate::app::App;
+use crate::metrics::{StoreFigures, Text};
+use crate::problem::Answer;
+use std::time::Instant;
+
+/// Whether the service can work: why not, otherwise.
+///
+/// # Errors
+/// The service stops, its store does not answer, or its recordings are away.
+pub fn ready(app: &App) -> Result<(), String> {
+    if app.metrics.is_stopping() {
+        return Err("stopping".to_owned());
+    }
+    app.store.read(|tx| tx.row("SELECT 1 AS one", &[])).map_err(|p| format!("store: {}", p.code))?;
+    app.recordings.ready().map_err(|_| "lake: cannot be read".to_owned())
+}
+
+/// All figures, in the text format of Prometheus.
+pub fn text(app: &App) -> String {
+    let mut out = Text::default();
+    out.head("whyroad_build_info", "gauge", "Version of the program");
+    out.line("whyroad_build_info", &[("version", env!("CARGO_PKG_VERSION"))], 1.0);
+    out.head("whyroad_ready", "gauge", "1 when the service can work: see /readyz");
+    out.line("whyroad_ready", &[], f64::from(u8::from(ready(app).is_ok())));
+    app.metrics.http(&mut out);
+    of_store(app, &mut out);
+    app.metrics.process(&mut out);
+    out.0
+}
+
+fn of_store(app: &App, out: &mut Text) {
+    let held = app.metrics.of_store(|| look(app).ok());
+    out.head("whyroad_store_up", "gauge", "1 when the store answered the last time it was asked");
+    out.line("whyroad_store_up", &[], f64::from(u8::from(held.is_some())));
+    // Without an answer nothing is known; 0 would be a claim.
+    let Some(held) = held else { return };
+    out.head("whyroad_store_seconds", "gauge", "How long the store took for these figures");
+    out.line("whyroad_store_seconds", &[], held.took.as_secs_f64());
+    out.head("whyroad_tasks", "gauge", "Tasks by state");
+    for (state, n) in &held.tasks {
+        out.line("whyroad_tasks", &[("state", state)], *n as f64);
+    }
+    out.head("whyroad_webhook_deliveries_waiting", "gauge", "Events that are to be delivered");
+    out.line("whyroad_webhook_deliveries_waiting", &[], held.waiting as f64);
+    out.head("whyroad_webhook_oldest_seconds", "gauge", "Age of the oldest of them; 0 without one");
+    let age = held.oldest.map_or(0, |at| (app.now() - at).max(0));
+    out.line("whyroad_webhook_oldest_seconds", &[], age as f64 / 1000.0);
+}
+
+fn look(app: &App) -> Answer<StoreFigures> {
+    let begun = Instant::now();
+    let mut held = app.store.report(|tx| {
+        let mut held = StoreFigures::default();
+        for row in tx.rows("SELECT state, count(*) AS n FROM tasks GROUP BY state", &[])? {
+            held.tasks.insert(row.text("state")?, row.int("n")?);
+        }
+        if let Some(row) = tx.row("SELECT count(*) AS n, min(created) AS oldest FROM outbox", &[])? {
+            (held.waiting, held.oldest) = (row.int("n")?, row.maybe_int("oldest")?);
+        }
+        Ok(held)
+    })?;
+    held.took = begun.elapsed();
+    Ok(held)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::Served;
+    use crate::service::fixtures;
+    use std::time::Duration;
+
+    #[test]
+    fn requests_are_counted_by_route_and_bound() {
+        let (app, _dir) = fixtures::app();
+        let served = |status, millis| Served {
+            method: "GET",
+            route: "/tasks/{t}",
+            status,
+            took: Duration::from_millis(millis),
+        };
+        app.metrics.count(&served(200, 1));
+        app.metrics.count(&served(200, 40));
+        app.metrics.count(&served(404, 20_000));
+        let _open = app.metrics.begin();
+        let all = text(&app);
+        let labels = "method=\"GET\",route=\"/tasks/{t}\"";
+        for line in [
+            format!("whyroad_http_requests_total{{{labels},status=\"200\"}} 2"),
+            format!("whyroad_http_requests_total{{{labels},status=\"404\"}} 1"),
+            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"0.001\"}} 1"),
+            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"0.05\"}} 2"),
+            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"10\"}} 2"),
+            format!("whyroad_http_request_seconds_bucket{{{labels},le=\"+Inf\"}} 3"),
+            format!("whyroad_http_request_seconds_count{{{labels}}} 3"),
+            "whyroad_http_requests_in_progress 1".to_owned(),
+            "whyroad_ready 1".to_owned(),
+            "whyroad_store_up 1".to_owned(),
+            "whyroad_webhook_oldest_seconds 0".to_owned(),
+        ] {
+            assert!(all.lines().any(|l| l == line), "no {line} in\n{all}");
+        }
+        app.metrics.stop();
+        assert!(text(&app).contains("whyroad_ready 0\n"));
+        assert_eq!(ready(&app).unwrap_err(), "stopping");
+    }
+}
