@@ -112,6 +112,12 @@ impl Store {
         value.ok_or_else(|| Problem::store("no result"))
     }
 
+    /// Removes what was deleted from the database's log of changes; false when another process keeps it in use. Of a
+    /// database server this is the server's task.
+    pub fn empty_log(&self) -> Answer<bool> {
+        self.backend.empty_log()
+    }
+
     /// Runs `job` on one consistent state of the store.
     pub fn read<T>(&self, job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
         self.read_for(Purpose::Work, job)

@@ -101,6 +101,13 @@ impl Backend for Sqlite {
         readers.free.notify_one();
         result.and(ended)
     }
+
+    fn empty_log(&self) -> Answer<bool> {
+        let pool = self.reporters.idle.lock().map_err(Problem::store)?;
+        let Some(connection) = pool.first() else { return Ok(false) };
+        let busy = connection.query_row("PRAGMA wal_checkpoint(TRUNCATE)", [], |row| row.get::<_, i64>(0));
+        Ok(busy.map_err(problem)? == 0)
+    }
 }
 
 fn connect(path: &Path) -> Answer<Connection> {

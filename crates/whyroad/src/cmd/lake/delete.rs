@@ -130,6 +130,9 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         for id in &drives {
             deletion::delete_drive(store, id).map_err(|p| store_args::error(&p, lang))?;
         }
+        if !store.empty_log().map_err(|p| store_args::error(&p, lang))? {
+            counts.unsearched.push(log_in_use(lang));
+        }
     }
     for folder in &folders {
         // A killed run may have left the folder as it was before beside it.
@@ -274,6 +277,17 @@ fn text(c: &Deleted, dry_run: bool, lang: Lang) -> String {
         }
     }
     out
+}
+
+fn log_in_use(lang: Lang) -> String {
+    match lang {
+        Lang::Zh => "存储的 -wal 文件正被另一进程使用，仍含已删除的行；请停止服务后再次运行".to_owned(),
+        Lang::En => {
+            "the store's -wal file is in use by another process and still has the deleted rows; stop the \
+                     service and run the command again"
+                .to_owned()
+        }
+    }
 }
 
 fn not_found(names: &str, lang: Lang) -> String {
