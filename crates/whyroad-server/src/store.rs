@@ -15,7 +15,6 @@ mod sqlite;
 pub mod vault;
 
 pub use backup::{backup, backup_to, restore};
-#[cfg(test)]
 pub(crate) use dump::TABLES;
 pub use opened::{Store, StoreLocation, key_file};
 pub use sql::{Row, Tx, Value};
