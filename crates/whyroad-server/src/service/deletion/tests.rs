@@ -9,9 +9,7 @@ fn no_table_that_names_a_task_or_a_drive_is_forgotten() {
     let (app, _dir) = fixtures::app();
     let found = app.store.read(|tx| places(tx)).unwrap();
     let conditions = |table: &str| found.iter().find(|(t, _)| *t == table).map(|(_, c)| c.len());
-    for (table, named) in
-        [("history", 1), ("comments", 1), ("thumbnails", 1), ("safety", 1), ("gold", 2), ("seen", 2)]
-    {
+    for (table, named) in [("history", 1), ("comments", 1), ("thumbnails", 1), ("seen", 2)] {
         assert_eq!(conditions(table), Some(named), "{table}");
     }
     for table in ["tasks", "users", "projects", "activity"] {
@@ -35,7 +33,6 @@ fn put(store: &Store, task: &'static str, drive: &'static str) {
             "INSERT INTO history (task_id, seq, at, action, version) VALUES ($1, 1, 0, 'create', 1)",
             "INSERT INTO comments (id, task_id, path, author, body, at, resolved) VALUES ($1, $1, '', 'u', '', 0, 0)",
             "INSERT INTO thumbnails (task_id, svg) VALUES ($1, '<svg/>')",
-            "INSERT INTO safety (task_id, project_id, answer, reasons, actor, at) VALUES ($1, 'p', '', '[]', 'u', 0)",
         ];
         for sql in rows {
             tx.run(sql, values![task])?;
@@ -62,10 +59,10 @@ fn one_drive_goes_and_the_others_stay() {
     put(&app.store, "t2", "d1");
     put(&app.store, "t10", "d10");
     let rows = |drive: &str| held(&app.store, &drive.into()).unwrap();
-    assert_eq!(rows("d1"), DriveRows { tasks: 2, other: 12 });
-    assert_eq!(delete_drive(&app.store, &"d1".into()).unwrap(), DriveRows { tasks: 2, other: 12 });
+    assert_eq!(rows("d1"), DriveRows { tasks: 2, other: 10 });
+    assert_eq!(delete_drive(&app.store, &"d1".into()).unwrap(), DriveRows { tasks: 2, other: 10 });
     assert_eq!(rows("d1"), DriveRows::default());
-    assert_eq!(rows("d10"), DriveRows { tasks: 1, other: 6 });
+    assert_eq!(rows("d10"), DriveRows { tasks: 1, other: 5 });
     // Again, as after a kill.
     assert_eq!(delete_drive(&app.store, &"d1".into()).unwrap(), DriveRows::default());
 }
