@@ -15,7 +15,6 @@ pub mod figures;
 pub mod findings;
 #[cfg(test)]
 mod fixtures;
-mod fixtures;
 pub mod gold;
 pub mod history;
 pub mod identities;

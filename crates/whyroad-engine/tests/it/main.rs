@@ -3,5 +3,5 @@
 
 mod incremental;
 mod label_checks;
-mod stage_one;
 mod refav;
+mod stage_one;
