@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn pairs_are_found_in_both_orders() {
-        let span = |first, second, first_row, n| PairSpan {
+        let span = |first, second, first_row, n: usize| PairSpan {
             first,
             second,
             first_row,

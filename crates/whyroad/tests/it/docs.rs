@@ -172,3 +172,15 @@ fn the_checks_can_fail() {
     assert_eq!(links("[a](b.md#c), `[no](link)` and ![d](e.png)"), ["b.md#c", "e.png"]);
     assert_eq!(normal(Path::new("/a/b/../c/./d")), Path::new("/a/c/d"));
 }
+
+#[test]
+fn every_format_has_a_page() {
+    let folder = root().join("docs/formats");
+    let pages: BTreeSet<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_str().unwrap().trim_end_matches(".md").to_owned())
+        .collect();
+    let formats: BTreeSet<String> =
+        whyroad_ingest::formats::ALL.iter().map(|f| f.0.name().to_owned()).collect();
+    assert_eq!(pages, formats);
+}

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use whyroad_framework::Framework;
 use whyroad_framework::docs::{fill_spec_page, taxonomy_page};
 use whyroad_framework::schemas::schemas as all_schemas;
-use whyroad_model::{Bilingual, Diagnostic};
+use whyroad_model::{Bilingual, Diagnostic, Lang};
 use whyroad_signals::Catalogue;
 
 /// What to do with a generated text.
@@ -70,25 +70,44 @@ fn reference_pages(
         .map_err(|reason| anyhow!("{}", reason.get(global.lang)))?;
     let mut files = vec![(docs.join("reference/signals.md"), catalogue.page())];
     files.extend(leaves.into_iter().map(|(path, text)| (docs.join("reference").join(path), text)));
-    let mut pages = BTreeMap::new();
-    for path in list(&docs.join("diagnostics"))? {
-        if let Some(code) = path.file_name().and_then(|n| n.to_str()).and_then(|n| n.strip_suffix(".md")) {
-            pages.insert(code.to_owned(), read(&path)?);
-        }
-    }
+    let pages = by_name(&docs.join("diagnostics"))?;
     if !pages.is_empty() {
         let index = reference::diagnostics_index(&pages).map_err(|code| {
             anyhow!("docs/diagnostics/{code}.md does not have the form of the other pages")
         })?;
         files.push((docs.join("reference/diagnostics.md"), index));
     }
+    let formats = by_name(&docs.join("formats"))?;
+    let wrong = |path: &Path, reason: String| match reason.starts_with("<!--") {
+        true => anyhow!("{} has no line `{reason}`", path.display()),
+        false => anyhow!("{reason}"),
+    };
+    for (name, lang) in [("reference/formats.md", Lang::En), ("reference/formats.zh.md", Lang::Zh)] {
+        let path = docs.join(name);
+        if !formats.is_empty() && path.is_file() {
+            let filled =
+                reference::fill_formats(&read(&path)?, &formats, lang).map_err(|e| wrong(&path, e))?;
+            files.push((path, filled));
+        }
+    }
     let summary = docs.join("SUMMARY.md");
     if summary.is_file() {
-        let filled = reference::fill_summary(&read(&summary)?, framework, &pages)
-            .map_err(|marker| anyhow!("{} has no line `{marker}`", summary.display()))?;
+        let filled = reference::fill_summary(&read(&summary)?, framework, &pages, &formats)
+            .map_err(|e| wrong(&summary, e))?;
         files.push((summary, filled));
     }
     Ok(files)
+}
+
+/// Texts of the pages in a folder, by their names without `.md`.
+fn by_name(folder: &Path) -> anyhow::Result<BTreeMap<String, String>> {
+    let mut pages = BTreeMap::new();
+    for path in list(folder)? {
+        if let Some(name) = path.file_name().and_then(|n| n.to_str()).and_then(|n| n.strip_suffix(".md")) {
+            pages.insert(name.to_owned(), read(&path)?);
+        }
+    }
+    Ok(pages)
 }
 
 /// The files of a folder, sorted; none where it does not exist.

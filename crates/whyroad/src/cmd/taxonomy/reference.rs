@@ -1,14 +1,17 @@
 //! The generated pages of `docs/` that are made of several sources: a page for every leaf, the index of leaves, the
-//! index of diagnostics, and the lists of both in the book's summary.
+//! index of diagnostics, the list of formats, and the lists of all in the book's summary.
 
 mod cases;
 mod diagnostics;
+mod formats;
+mod generated;
 mod leaf;
 mod leaves;
 mod sources;
 mod summary;
 
 pub(super) use diagnostics::index as diagnostics_index;
+pub(super) use formats::fill as fill_formats;
 pub(super) use leaves::pages as leaf_pages;
 pub(super) use summary::fill as fill_summary;
 

@@ -1,26 +1,24 @@
-//! The generated lists in the book's `SUMMARY.md`: leaves by L2 in both languages, and diagnostics.
+//! The generated lists in the book's `SUMMARY.md`: leaves by L2 in both languages, formats, and diagnostics.
 
+use super::{formats, generated};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use whyroad_framework::Framework;
 
-/// Markers are indented, so that they stay inside the list item above them.
-const END: &str = "  <!-- end generated -->";
-
-/// `summary` with its lists brought up to date, or the marker that it lacks.
+/// `summary` with its lists brought up to date, from the texts of the pages of diagnostics and formats by name; the
+/// error says what is wrong. The lists and their markers are indented: they belong to the list item above them.
 pub(in crate::cmd::taxonomy) fn fill(
     summary: &str,
     framework: &Framework,
     diagnostics: &BTreeMap<String, String>,
+    formats: &BTreeMap<String, String>,
 ) -> Result<String, String> {
-    let mut out = summary.to_owned();
-    for (name, list) in [("leaves", leaves(framework)), ("diagnostics", codes(diagnostics))] {
-        let marker = format!("  <!-- generated: {name} -->\n");
-        let start = out.find(&marker).ok_or_else(|| marker.trim().to_owned())? + marker.len();
-        let end = out[start..].find(END).ok_or_else(|| END.trim().to_owned())? + start;
-        out.replace_range(start..end, &list);
-    }
-    Ok(out)
+    let lists = [
+        ("leaves", leaves(framework)),
+        ("formats", formats::summary_lines(formats)?),
+        ("diagnostics", codes(diagnostics)),
+    ];
+    lists.iter().try_fold(summary.to_owned(), |text, (name, list)| generated::fill(&text, name, list))
 }
 
 fn leaves(framework: &Framework) -> String {
