@@ -310,7 +310,8 @@ fn assemble(raw: Raw, net: &mut Net) {
             Area { id, boundary }
         })
         .collect();
-    // A network has what those in it obey: a simulation has no lights, limits or crossings but those. Paint it never has.
+    // A network has what those in it obey: a simulation has no lights, limits or crossings but those. Paint it never
+    // has.
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,
