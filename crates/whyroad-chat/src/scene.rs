@@ -96,7 +96,7 @@ fn record(drive: &Drive, frame: usize, lang: Lang) -> Option<(Value, Vec<(Value,
     let ego = &drive.ego.as_ref()?.motion;
     let at = |v: &[f64], i: usize| v.get(i).copied().filter(|v| v.is_finite());
     let (x, y, heading) = (at(&ego.x, frame)?, at(&ego.y, frame)?, at(&ego.heading, frame)?);
-    let speed = |i: usize| Some(at(&ego.vx, i)?.hypot(at(&ego.vy, i)?)).map(rounded);
+    let speed = |i: usize| Some(rounded(at(&ego.vx, i)?.hypot(at(&ego.vy, i)?)));
     let (sin, cos) = heading.sin_cos();
     let seconds = [2.0, 1.0, 0.0];
     let frames = seconds.map(|s| frame_at(&drive.times, drive.times[frame].plus_secs(-s)));

@@ -104,7 +104,7 @@ fn of(kind: &'static str, pairs: &[Pair], seed: u64) -> QuestionAgreement {
         kind,
         answers: pairs.len(),
         same: bootstrap(pairs, seed, same),
-        kappa: bootstrap(pairs, seed, |p| cohen(p)),
+        kappa: bootstrap(pairs, seed, cohen),
         counts: [count(false, false), count(false, true), count(true, false), count(true, true)],
     }
 }
