@@ -4,7 +4,7 @@
 use crate::episode::build::{locate, matches, measured, truth_at};
 use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
-use crate::language::program::NodeId;
+use crate::language::program::{Atom, NodeId, Op};
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -73,6 +73,11 @@ pub struct AtomCourse {
     pub actual: Value,
     /// Symbol of the unit.
     pub unit: &'static str,
+    /// What is compared, by frame of the clip, in `unit`; NaN where it is unknown or there is nothing to judge. Empty
+    /// where no number is compared.
+    pub values: Vec<f64>,
+    /// The fixed number that it is compared with, in `unit`.
+    pub threshold: Option<f64>,
 }
 
 /// Why, or why not.
@@ -228,6 +233,8 @@ fn explanation_at<'a>(
                 course: of_atom,
                 actual,
                 unit: atom.unit.symbol,
+                values: curve(atom, &rows, clip, evaluator, &mut pass),
+                threshold: threshold(rule, atom),
             });
         }
         let of_part = course(part.condition, evaluator, &mut pass);
@@ -246,6 +253,34 @@ fn explanation_at<'a>(
         missing: Vec::new(),
         response: None,
     }
+}
+
+/// The measured number over the frames of the clip.
+fn curve<'a>(
+    atom: &Atom,
+    rows: &[Row],
+    clip: FrameRange,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> Vec<f64> {
+    let series = evaluator.series(atom.measured, pass);
+    let Series::Numbers(numbers) = series.as_ref() else { return Vec::new() };
+    let mut out = vec![f64::NAN; clip.end - clip.start];
+    for (row, value) in rows.iter().zip(numbers) {
+        if let Some(f) = row.frame.filter(|f| clip.contains(*f)) {
+            out[f - clip.start] = value / atom.unit.to_base;
+        }
+    }
+    out
+}
+
+/// The constant of a comparison, in the unit of its atom.
+fn threshold(rule: &Rule, atom: &Atom) -> Option<f64> {
+    let Op::Compare { left, right, .. } = &rule.program.node(atom.condition).op else { return None };
+    [right, left].into_iter().find_map(|id| match rule.program.node(*id).op {
+        Op::Constant(value) => Some(value / atom.unit.to_base),
+        _ => None,
+    })
 }
 
 fn over_clip(truths: &Truths, rows: &[Row], clip: FrameRange, row: Option<usize>) -> Course {

@@ -8,6 +8,8 @@ use whyroad_model::Tri;
 const LEFT: usize = 16;
 const PX_PER_FRAME: usize = 3;
 const ROW: usize = 22;
+/// Height of a curve below its row.
+const CURVE: usize = 46;
 /// Frames between two marks of the time axis.
 const FRAMES_PER_TICK: usize = 50;
 /// Room for the longest text: upper bounds of the mean width of a Latin letter and of a Chinese one at 13 px.
@@ -24,6 +26,7 @@ svg { --ground: #15181c; --ink: #e6e8ea; --yes: #6fdc8c; --no: #ff8f84; --unknow
 .yes { fill: var(--yes) } .no { fill: var(--no) } .unknown { fill: var(--unknown) }
 .t { fill: var(--true) } .f { fill: var(--false) } .u { fill: url(#hatch) } .hatch { stroke: var(--unknown) }
 .moment { stroke: var(--moment); stroke-width: 2 }
+.curve { fill: none; stroke: var(--ink); stroke-width: 1.5 } .threshold { stroke: var(--no); stroke-dasharray: 4 3 }
 </style>";
 
 /// The chart.
@@ -54,6 +57,23 @@ pub struct TruthRow {
     pub truth: Tri,
     /// Truth by frame; `None` where there is nothing to judge.
     pub cells: Vec<Option<Tri>>,
+    /// What is compared, drawn below the bar.
+    pub curve: Option<Curve>,
+}
+
+/// A number over time.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// By frame; what is not finite is not drawn.
+    pub values: Vec<f64>,
+    /// Drawn as a dashed line.
+    pub threshold: Option<f64>,
+}
+
+impl TruthRow {
+    fn height(&self) -> usize {
+        if self.curve.is_some() { ROW + CURVE } else { ROW }
+    }
 }
 
 /// The SVG document.
@@ -61,7 +81,7 @@ pub fn render(chart: &TruthChart) -> String {
     let TruthChart { title, rows, .. } = chart;
     let top = 30 + 18 * title.lines().count();
     let right = LEFT + chart.frames * PX_PER_FRAME;
-    let bottom = top + ROW * rows.len();
+    let bottom = top + rows.iter().map(TruthRow::height).sum::<usize>();
     let row_ends = rows.iter().map(|r| right + 12 + r.indent + text_px(&r.text));
     let width = row_ends.chain(title.lines().map(|l| LEFT + text_px(l))).max().unwrap_or(right) + LEFT;
     let height = bottom + 54;
@@ -76,9 +96,12 @@ pub fn render(chart: &TruthChart) -> String {
     for (i, line) in title.lines().enumerate() {
         at(&mut m, LEFT, 20 + 18 * i).raw(">").text(line).raw("</text>\n");
     }
-    for (i, row) in rows.iter().enumerate() {
-        let y = top + ROW * i;
+    let mut y = top;
+    for row in rows {
         bar(&mut m, &row.cells, y);
+        if let Some(curve) = &row.curve {
+            draw(&mut m, curve, y + ROW, right);
+        }
         let class = match row.truth {
             Tri::True => "yes",
             Tri::False => "no",
@@ -86,6 +109,7 @@ pub fn render(chart: &TruthChart) -> String {
         };
         at(&mut m, right + 12 + row.indent, y + 13).raw(" class=\"").raw(class).raw("\">");
         m.text(&row.text).raw("</text>\n");
+        y += row.height();
     }
     for frame in (0..=chart.frames).step_by(FRAMES_PER_TICK) {
         let x = LEFT + frame * PX_PER_FRAME;
@@ -136,6 +160,42 @@ fn bar(m: &mut Markup, cells: &[Option<Tri>], y: usize) {
     }
 }
 
+/// A curve with its threshold, and the numbers at the ends of its scale.
+fn draw(m: &mut Markup, curve: &Curve, top: usize, right: usize) {
+    let all = || curve.values.iter().copied().chain(curve.threshold).filter(|v| v.is_finite());
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    if !low.is_finite() {
+        return;
+    }
+    let span = if high > low { high - low } else { 1.0 };
+    let room = (CURVE - 8) as f64;
+    let y = |v: f64| top as f64 + room * (1.0 - (v - low) / span);
+    let mut frame = 0;
+    for run in curve.values.chunk_by(|a, b| a.is_finite() == b.is_finite()) {
+        if run[0].is_finite() {
+            m.raw("<polyline class=\"curve\" points=\"");
+            for (k, v) in run.iter().enumerate() {
+                let x = (LEFT + (frame + k) * PX_PER_FRAME) as f64 + PX_PER_FRAME as f64 / 2.0;
+                m.num(x, 1).raw(",").num(y(*v), 1).raw(" ");
+            }
+            m.raw("\"/>\n");
+        }
+        frame += run.len();
+    }
+    if let Some(at) = curve.threshold.filter(|t| t.is_finite()) {
+        m.raw("<path class=\"threshold\" d=\"M")
+            .int(LEFT)
+            .raw(" ")
+            .num(y(at), 1)
+            .raw("H")
+            .int(right)
+            .raw("\"/>\n");
+    }
+    for (value, y) in [(high, top + 8), (low, top + CURVE - 8)] {
+        at(m, right + 12, y).raw(" font-size=\"10\">").num(value, 2).raw("</text>\n");
+    }
+}
+
 /// One stretch: high where true, low where false, hatched where unknown.
 fn stretch(m: &mut Markup, x: usize, width: usize, y: usize, truth: Tri) {
     let (class, y, height) = match truth {
@@ -154,7 +214,8 @@ mod tests {
     #[test]
     fn equal_cells_are_one_stretch_and_texts_are_escaped() {
         let cells = [Some(Tri::True); 3].into_iter().chain([None, Some(Tri::False)]).collect();
-        let rows = vec![TruthRow { text: "a < b".into(), indent: 0, truth: Tri::Unknown, cells }];
+        let rows =
+            vec![TruthRow { text: "a < b".into(), indent: 0, truth: Tri::Unknown, cells, curve: None }];
         let words = ["true", "false", "unknown"];
         let svg = render(&TruthChart {
             title: "x & y\nsecond line".into(),
@@ -171,5 +232,16 @@ mod tests {
         assert!(svg.contains("<rect x=\"16\" y=\"68\" width=\"9\" height=\"14\" class=\"t\"/>"), "{svg}");
         assert!(svg.contains("<rect x=\"28\" y=\"78\" width=\"3\" height=\"4\" class=\"f\"/>"), "{svg}");
         assert!(svg.contains("<path d=\"M22 66V88\" class=\"moment\"/>"), "{svg}");
+    }
+
+    #[test]
+    fn a_curve_has_its_threshold_and_breaks_where_nothing_is_known() {
+        let curve = Curve { values: vec![0.0, 10.0, f64::NAN, 5.0], threshold: Some(5.0) };
+        let cells = vec![Some(Tri::True); 4];
+        let row = TruthRow { text: "x".into(), indent: 0, truth: Tri::True, cells, curve: Some(curve) };
+        let svg = render(&TruthChart { frames: 4, rows: vec![row], ..TruthChart::default() });
+        // 38 px from 10 at y = 52 down to 0 at y = 90, the threshold half way.
+        assert!(svg.contains("points=\"17.5,90.0 20.5,52.0 \""), "{svg}");
+        assert!(svg.contains("points=\"26.5,71.0 \"") && svg.contains("d=\"M16 71.0H28\""), "{svg}");
     }
 }

@@ -15,6 +15,9 @@ pub mod verdicts;
 /// Codes of the diagnostics of this crate; each has a page in the documentation.
 pub const CODES: &[&str] = &["evaluate.truth.line", "evaluate.sequence.line", "evaluate.verdicts.line"];
 
+/// Style sheet of pages with scenes and charts.
+pub const STYLE: &str = include_str!("../assets/report.css");
+
 #[cfg(test)]
 #[path = "../../whyroad-model/testing/hand_drive.rs"]
 mod fixture;

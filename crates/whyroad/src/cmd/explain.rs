@@ -3,6 +3,7 @@
 
 mod chart;
 mod json;
+mod page;
 mod text;
 
 use super::inspect::drive_of;
@@ -48,6 +49,9 @@ pub(crate) struct Args {
     /// Also draw it into this file
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
+    /// Also write a page with the scene at that moment and the conditions over time
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     #[command(flatten)]
     print: Print,
 }
@@ -122,6 +126,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if let Some(file) = &args.svg {
         std::fs::write(file, truths::render(&chart::chart(&shown, global.lang)))
             .with_context(|| format!("cannot write {}", file.display()))?;
+    }
+    if let Some(file) = &args.html {
+        let chart = truths::render(&chart::chart(&shown, global.lang));
+        let frame = explanation.moment.map(|m| clip.start + m);
+        let target = explanation.roles.get(&rule.target_role);
+        let title = format!("{}, {}", rule.scenario, args.clip);
+        let page = page::page(&title, &drive, frame, target, chart, global.lang);
+        std::fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))?;
     }
     Ok(output::FINE)
 }

@@ -4,7 +4,7 @@ use super::Shown;
 use super::text::{actual, below, mark, single, text_of, verdict, whole};
 use whyroad_mining::explain::{AtomCourse, Cell, Course};
 use whyroad_model::Lang;
-use whyroad_render::truths::{TruthChart, TruthRow};
+use whyroad_render::truths::{Curve, TruthChart, TruthRow};
 
 /// How far the conditions of a part are indented, px.
 const INDENT: usize = 18;
@@ -34,10 +34,11 @@ fn rows(shown: &Shown<'_>, lang: Lang) -> Vec<TruthRow> {
     let mut out = vec![row(&e.when, whole(lang), 0, lang)];
     for part in &e.parts {
         let text = with_value(text_of(part, lang), single(part), lang);
-        out.push(row(&part.course, &text, 0, lang));
+        out.push(TruthRow { curve: single(part).and_then(curve), ..row(&part.course, &text, 0, lang) });
         if single(part).is_none() {
             out.extend(below(part).map(|atom| {
-                row(&atom.course, &with_value(atom.text.clone(), Some(atom), lang), INDENT, lang)
+                let text = with_value(atom.text.clone(), Some(atom), lang);
+                TruthRow { curve: curve(atom), ..row(&atom.course, &text, INDENT, lang) }
             }));
         }
     }
@@ -54,7 +55,14 @@ fn row(course: &Course, text: &str, indent: usize, lang: Lang) -> TruthRow {
         indent,
         truth: course.truth,
         cells: course.cells.iter().map(cell).collect(),
+        curve: None,
     }
+}
+
+/// The number that is compared; none where it is never known.
+fn curve(atom: &AtomCourse) -> Option<Curve> {
+    let known = atom.values.iter().any(|v| v.is_finite());
+    known.then(|| Curve { values: atom.values.clone(), threshold: atom.threshold })
 }
 
 fn with_value(text: String, atom: Option<&AtomCourse>, lang: Lang) -> String {
