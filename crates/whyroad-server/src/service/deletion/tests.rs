@@ -7,8 +7,10 @@ on_postgresql!(no_table_that_names_a_task_or_a_drive_is_forgotten, one_drive_goe
 #[test]
 fn no_table_that_names_a_task_or_a_drive_is_forgotten() {
     let (app, _dir) = fixtures::app();
-    let found = app.store.read(|tx| places(tx)).unwrap();
-    let conditions = |table: &str| found.iter().find(|(t, _)| *t == table).map(|(_, c)| c.len());
+    let found =
+        app.store.read(|tx| Ok(places(tx)?.into_iter().map(|(t, c)| (t, c.len())).collect::<Vec<_>>()));
+    let found = found.unwrap();
+    let conditions = |table: &str| found.iter().find(|(t, _)| *t == table).map(|(_, n)| *n);
     for (table, named) in [("history", 1), ("comments", 1), ("thumbnails", 1), ("seen", 2)] {
         assert_eq!(conditions(table), Some(named), "{table}");
     }
