@@ -46,10 +46,11 @@ fn report(town: &Town) -> Value {
 }
 
 /// All that Ann gets in Stage I, then in Stage II and after, of the task of `drive1`: a gold task or an ordinary one.
+/// One more task waits in both towns; of two with one age their random ids would decide which comes next.
 fn answers(is_gold: bool) -> Vec<(String, String)> {
     let world = World::on_sqlite(crate::recorded::Future::Brakes);
     let (labelled, open): (&str, &[&str]) =
-        if is_gold { ("drive1", &["drive3", "drive4"]) } else { ("drive2", &["drive1", "drive3", "drive4"]) };
+        if is_gold { ("drive1", &["drive3"]) } else { ("drive2", &["drive1", "drive3"]) };
     let town = town(&world, labelled, open, &settings());
     let task = if is_gold {
         assert_eq!(gold(&town, &[&town.accepted], &["ann"])["made"], 1);
