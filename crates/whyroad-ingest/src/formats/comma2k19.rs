@@ -192,7 +192,6 @@ fn read_route(segments: &[PathBuf], options: &Options, report: &mut SourceReport
             motion,
             bus,
             known_at: crate::assemble::resample::lags(&recording.pose.times, &frames),
-            ..Ego::default()
         }),
         tracks,
         map: None,

@@ -99,8 +99,8 @@ const SLOWER_MPS: f64 = 2.0;
 /// (or two merge into one), the slower one, or the one with fewer lanes, is a ramp, with what leads on from it alone
 /// (or to it alone).
 pub(super) fn tag_branches(edges: &[Branch<'_>], lanes: &mut BTreeMap<String, Lane>) {
-    let (mut leaving, mut coming): (BTreeMap<&str, Vec<&Branch<'_>>>, BTreeMap<&str, Vec<&Branch<'_>>>) =
-        Default::default();
+    let mut leaving = BTreeMap::<&str, Vec<&Branch<'_>>>::new();
+    let mut coming = BTreeMap::<&str, Vec<&Branch<'_>>>::new();
     for edge in edges {
         leaving.entry(edge.from).or_default().push(edge);
         coming.entry(edge.to).or_default().push(edge);

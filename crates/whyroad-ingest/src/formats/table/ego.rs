@@ -213,7 +213,6 @@ impl EgoRows {
                 route_command: states(&self.bus.route_command, &last),
             },
             known_at: samples.lags(&clock.frames),
-            ..Ego::default()
         }
     }
 }
