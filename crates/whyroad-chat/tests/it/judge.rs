@@ -131,7 +131,7 @@ fn agreement_counts_answers_that_both_gave() {
     assert_eq!(all.counts, [0, 0, 2, n - 3]);
     // A person's answers to other questions do not count.
     person.questions.iter_mut().for_each(|q| q.text.push('!'));
-    assert_eq!(agreement_with_people(&[model.clone()], &[person], 1).unmatched, 1);
+    assert_eq!(agreement_with_people(std::slice::from_ref(&model), &[person], 1).unmatched, 1);
 
     let task = |action: &str, state: &str| {
         let label = serde_json::to_value(label(&drive, true)).unwrap();

@@ -5,6 +5,7 @@
 
 mod plain;
 
+use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
 use std::io::Write as _;
 use std::process::Command;
@@ -40,7 +41,7 @@ fn crowd() -> Drive {
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     let mut motion = |speed: f64| {
-        let (x, y, h) = (200.0 * random() - 100.0, 80.0 * random() - 40.0, 6.28 * random() - 3.14);
+        let (x, y, h) = (200.0 * random() - 100.0, 80.0 * random() - 40.0, TAU * random() - PI);
         let mut m = Motion::default();
         for i in 0..FRAMES {
             let t = i as f64 * 0.1;

@@ -154,7 +154,7 @@ fn pairs_of(targets: &[TargetSpan], of: &Stock, skip: usize) -> PairTable {
         table.spans.push(PairSpan { first, second, first_row: table.near.len(), frames });
         table.near.extend(near);
     }
-    table.columns = columns("pair", of, table.near.len(), skip % 3 == 0);
+    table.columns = columns("pair", of, table.near.len(), skip.is_multiple_of(3));
     table.columns.retain(|name, _| !is_deviation(name));
     table
 }

@@ -19,6 +19,15 @@ use whyroad_lake::Lake;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::{Diagnostic, Lang};
 
+/// What was found of one kind.
+#[derive(Default)]
+struct OfKind {
+    /// The texts, by their number.
+    texts: BTreeSet<usize>,
+    /// Findings with the place of their text.
+    findings: Vec<(String, Diagnostic)>,
+}
+
 /// What was found in all texts.
 #[derive(Default)]
 struct Report {
@@ -27,8 +36,7 @@ struct Report {
     not_in_lake: usize,
     without_action: usize,
     clean: usize,
-    /// By kind: texts, and findings with the place of their text.
-    kinds: BTreeMap<QualityKind, (BTreeSet<usize>, Vec<(String, Diagnostic)>)>,
+    kinds: BTreeMap<QualityKind, OfKind>,
     /// Texts by what made them: `tool` of the provenance's `by`, and how many of them have a finding.
     authors: BTreeMap<String, (usize, usize)>,
 }
@@ -105,14 +113,14 @@ impl Report {
         author.0 += 1;
         author.1 += usize::from(!quality.findings.is_empty());
         for (kind, d) in quality.findings {
-            let (texts, all) = self.kinds.entry(kind).or_default();
+            let OfKind { texts, findings: all } = self.kinds.entry(kind).or_default();
             texts.insert(number);
             all.push((place.clone(), d));
         }
     }
 
     fn of(&self, kind: QualityKind) -> (usize, &[(String, Diagnostic)]) {
-        self.kinds.get(&kind).map_or((0, &[]), |(texts, all)| (texts.len(), all.as_slice()))
+        self.kinds.get(&kind).map_or((0, &[]), |k| (k.texts.len(), k.findings.as_slice()))
     }
 
     fn json(&self, examples: usize, lang: Lang) -> Value {
