@@ -221,7 +221,7 @@ fn a_roundabout_is_a_facility_and_closed_lanes_have_their_users() {
     net += r#"<edge id="s" from="d" to="a"><lane id="s_0" disallow="passenger private truck" speed="13.89" shape="0,50 50,50"/><lane id="s_1" disallow="all" shape="0,54 50,54"/></edge>
 <roundabout nodes="a b c d" edges="da bc ab cd"/></net>"#;
     fs::write(dir.path().join("net.xml"), net).unwrap();
-    let file = log(dir.path(), &[("ego", CAR, 0.0, 0.0, 1.0)]);
+    let file = log(dir.path(), &[("ego", CAR, 20.0, 0.0, 1.0)]);
     let map = all(&file, &Options::default()).remove(0).0.unwrap().map.unwrap();
     let ring = &map.facilities[0];
     assert_eq!(
@@ -254,7 +254,7 @@ fn a_roundabout_reaches_to_the_give_way_lines() {
     let dir = tempfile::tempdir().unwrap();
     let net = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/truth/traffic/seen-ring/net.xml.gz");
     let options = Options::default().with(&NET, net);
-    let file = log(dir.path(), &[("ego", CAR, 0.0, 0.0, 1.0)]);
+    let file = log(dir.path(), &[("ego", CAR, 100.0, 4.95, 1.0)]);
     let map = all(&file, &options).remove(0).0.unwrap().map.unwrap();
     let area = &map.facilities.iter().find(|f| f.kind == "roundabout").unwrap().boundary;
     let between = |a: Point3, b: Point3, m: f64| {
