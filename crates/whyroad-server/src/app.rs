@@ -7,7 +7,7 @@ use crate::oidc::provider::Provider;
 use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
-use crate::service::facts::FactsCache;
+use crate::service::facts::cache::FactsCache;
 use crate::service::scene::cache::SceneCache;
 use crate::service::veil;
 use crate::service::webhooks::reach::Reach;

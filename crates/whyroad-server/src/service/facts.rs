@@ -1,6 +1,8 @@
 //! The tasks of a project in short, for reports: what each is about, how far it is, what people changed, how long they
 //! worked. Read page by page; a draft is compared and dropped before the next page is read.
 
+pub mod cache;
+
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::gold::NOT_GOLD;
@@ -8,17 +10,15 @@ use crate::service::projects::parse;
 use crate::service::{drafts, tasks};
 use crate::store::{Row, Store, Tx, Value as Cell};
 use crate::values;
+use cache::{FactsCache, Kept, Version};
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use whyroad_label::facts::{Judgement, LabelStage, Step, TaskFacts, revision, worked_s};
 use whyroad_model::{DriveId, Nanos};
 
 /// Tasks read together.
 const PAGE: usize = 500;
-/// Facts that are kept between requests, over all projects; half a kilobyte each. A project with more is read anew
-/// each time.
-const MOST_KEPT: usize = 200_000;
 
 /// How far the label of a task in this state is.
 fn stage(state: State) -> LabelStage {
@@ -31,9 +31,6 @@ fn stage(state: State) -> LabelStage {
         State::Skipped | State::Rejected => LabelStage::LeftOut,
     }
 }
-
-/// What a task's facts depend on: the last entry of its history and the outcome of adjudication.
-type Version = (i64, Option<String>);
 
 /// All tasks of `project`, by id.
 pub fn of(tx: &mut dyn Tx, project: &str) -> Answer<Vec<TaskFacts>> {
@@ -71,46 +68,6 @@ fn some(tx: &mut dyn Tx, ids: &[String], names: &HashMap<String, String>) -> Ans
         out.push(task(tx, row, &steps, names)?);
     }
     Ok(out)
-}
-
-/// Facts that were made for an earlier report: only what has changed since is read again.
-#[derive(Default)]
-pub struct FactsCache {
-    /// The project that was asked for last comes last.
-    projects: Mutex<Vec<(String, Arc<Kept>)>>,
-}
-
-/// The facts of a project, and the names of people that are in them.
-#[derive(Default)]
-struct Kept {
-    names: HashMap<String, String>,
-    tasks: BTreeMap<String, (Version, TaskFacts)>,
-}
-
-impl FactsCache {
-    fn get(&self, project: &str) -> Option<Arc<Kept>> {
-        let projects = self.projects.lock().ok()?;
-        projects.iter().find(|(id, _)| id == project).map(|(_, kept)| Arc::clone(kept))
-    }
-
-    fn put(&self, project: &str, kept: Arc<Kept>) {
-        let Ok(mut projects) = self.projects.lock() else { return };
-        projects.retain(|(id, _)| id != project);
-        projects.push((project.to_owned(), kept));
-        while projects.iter().map(|(_, k)| k.tasks.len()).sum::<usize>() > MOST_KEPT {
-            projects.remove(0);
-        }
-    }
-
-    /// Tasks that are kept now.
-    pub fn len(&self) -> usize {
-        self.projects.lock().map_or(0, |p| p.iter().map(|(_, k)| k.tasks.len()).sum())
-    }
-
-    /// True when nothing is kept.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
 }
 
 /// The same as [`of`], from `cache` as far as nothing changed; the second number says how many tasks were read.

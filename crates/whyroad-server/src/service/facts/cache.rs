@@ -1,0 +1,52 @@
+//! Facts about tasks that are kept between requests.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex};
+use whyroad_label::facts::TaskFacts;
+
+/// Facts that are kept between requests, over all projects; half a kilobyte each. A project with more is read
+/// again each time.
+const MOST_KEPT: usize = 200_000;
+
+/// What a task's facts depend on: the last entry of its history and the outcome of adjudication.
+pub(super) type Version = (i64, Option<String>);
+
+/// Facts that were made for an earlier report: only what has changed since is read again.
+#[derive(Default)]
+pub struct FactsCache {
+    /// The project that was asked for last comes last.
+    projects: Mutex<Vec<(String, Arc<Kept>)>>,
+}
+
+/// The facts of a project, and the names of people that are in them.
+#[derive(Default)]
+pub(super) struct Kept {
+    pub names: HashMap<String, String>,
+    pub tasks: BTreeMap<String, (Version, TaskFacts)>,
+}
+
+impl FactsCache {
+    pub(super) fn get(&self, project: &str) -> Option<Arc<Kept>> {
+        let projects = self.projects.lock().ok()?;
+        projects.iter().find(|(id, _)| id == project).map(|(_, kept)| Arc::clone(kept))
+    }
+
+    pub(super) fn put(&self, project: &str, kept: Arc<Kept>) {
+        let Ok(mut projects) = self.projects.lock() else { return };
+        projects.retain(|(id, _)| id != project);
+        projects.push((project.to_owned(), kept));
+        while projects.iter().map(|(_, k)| k.tasks.len()).sum::<usize>() > MOST_KEPT {
+            projects.remove(0);
+        }
+    }
+
+    /// Tasks that are kept now.
+    pub fn len(&self) -> usize {
+        self.projects.lock().map_or(0, |p| p.iter().map(|(_, k)| k.tasks.len()).sum())
+    }
+
+    /// True when nothing is kept.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
