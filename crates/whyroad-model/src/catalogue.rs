@@ -161,7 +161,8 @@ pub struct Flag;
 #[derive(Clone, Copy, Debug)]
 pub struct Category<C>(PhantomData<C>);
 
-/// A signal with its scope `S` ([`PerFrame`], [`PerTarget`], [`PerObject`], [`PerPair`]) and type `K` ([`Number`], [`Flag`], [`Category`]).
+/// A signal with its scope `S` ([`PerFrame`], [`PerTarget`], [`PerObject`], [`PerPair`]) and type `K` ([`Number`],
+/// [`Flag`], [`Category`]).
 #[derive(Debug)]
 pub struct Signal<S, K> {
     id: SignalId,

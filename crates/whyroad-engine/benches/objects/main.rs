@@ -1,6 +1,6 @@
 //! Questions about any object: from scene tables to episodes, per object and frame, against two plain implementations
-//! that are run now: loops over all pairs in Rust (`plain`), and NumPy in the way of RefAV (`peer.py`: a loop over pairs
-//! and time stamps; without reading files). Prints ratios. `cargo bench -p whyroad-engine --bench objects`
+//! that are run now: loops over all pairs in Rust (`plain`), and NumPy in the way of RefAV (`peer.py`: a loop over
+//! pairs and time stamps; without reading files). Prints ratios. `cargo bench -p whyroad-engine --bench objects`
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs, reason = "a bench prints, and may panic")]
 
 mod plain;

@@ -176,8 +176,8 @@ pub enum Op {
         subject: Subject,
     },
     /// At least `count` of the objects that are near the object in the first role at the frame meet a condition of
-    /// [`ValueScope::Second`] or [`ValueScope::Pair`], in which each of them takes the second role in turn. The value is
-    /// of [`ValueScope::Target`].
+    /// [`ValueScope::Second`] or [`ValueScope::Pair`], in which each of them takes the second role in turn. The value
+    /// is of [`ValueScope::Target`].
     AtLeastNear {
         /// The condition.
         of: NodeId,

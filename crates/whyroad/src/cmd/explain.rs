@@ -132,7 +132,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let frame = explanation.moment.map(|m| clip.start + m);
         let target = explanation.roles.get(&rule.target_role);
         let title = format!("{}, {}", rule.scenario, args.clip);
-        let page = page::page(&title, &drive, frame, target, chart, global.lang);
+        let page = page::page(&title, &drive, frame, target, &chart, global.lang);
         std::fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))?;
     }
     Ok(output::FINE)

@@ -44,7 +44,7 @@ pub(crate) struct Args {
     target: Option<String>,
     /// Also write what --rule found as a result of the Argoverse 2 scenario-mining challenge: .pkl as its evaluator
     /// loads it, or .jsonl
-    #[arg(long, value_name = "FILE", requires = "rule")]
+    #[arg(long, value_name = "FILE", requires = "rule", conflicts_with = "drives")]
     sequences: Option<PathBuf>,
     /// What --sequences names the question [default: the name of the rule]
     #[arg(long, value_name = "TEXT", requires = "sequences")]

@@ -48,8 +48,9 @@ fn a_stopped_car_is_what_the_challenge_calls_so() {
     let scores: Value = serde_json::from_slice(&scores).unwrap();
     let of = |name: &str| scores["prompts"]["stopped car"][name].as_f64().unwrap();
     println!("HOTA-Temporal {:.3}, HOTA-Track {:.3}", of("hota_temporal"), of("hota_track"));
-    assert!(of("hota_temporal") > 0.9, "{scores}");
-    assert!(of("hota_track") > 0.9, "{scores}");
+    // 0.943: nothing false; three cars that the truth refers to are never slower than 0.5 m/s.
+    assert!(of("hota_temporal") > 0.94, "{scores}");
+    assert!(of("hota_track") > 0.94, "{scores}");
     assert_eq!(of("timestamp_balanced_accuracy"), 1.0);
 
     // The same for the challenge's evaluator: a pickle of NumPy arrays, and nothing that runs code.

@@ -1,6 +1,6 @@
 //! RefAV's functions in plain terms: loops over frames and objects, geometry by hand, written from the text of
-//! `refAV/atomic_functions.py` (arguments as in docs/reference/refav.md) without any code of Whyroad. Lanes are those of
-//! the straight roads in `scene`, so that they can be told from coordinates.
+//! `refAV/atomic_functions.py` (arguments as in docs/reference/refav.md) without any code of Whyroad. Lanes are those
+//! of the straight roads in `scene`, so that they can be told from coordinates.
 
 use std::collections::BTreeMap;
 use whyroad_model::ObjectClass;

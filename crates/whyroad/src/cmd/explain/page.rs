@@ -10,7 +10,7 @@ pub(super) fn page(
     drive: &Drive,
     frame: Option<usize>,
     target: Option<&TrackId>,
-    chart: String,
+    chart: &str,
     lang: Lang,
 ) -> String {
     let mut head = Markup::new();

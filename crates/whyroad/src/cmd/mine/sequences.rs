@@ -1,4 +1,5 @@
-//! `whyroad mine --sequences FILE`: what a custom rule found, as the result of the Argoverse 2 scenario-mining challenge.
+//! `whyroad mine --sequences FILE`: what a custom rule found, as the result of the Argoverse 2 scenario-mining
+//! challenge.
 
 use anyhow::Context as _;
 use std::path::Path;
