@@ -9,7 +9,8 @@ use crate::domain::workflow::{self, Action, Actor, Draw, Position, Role, Stage, 
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::tasks::{self, Entry, LabelView, TaskRow};
-use crate::service::{audits, dashboard, drafts, findings, gold, history, leases, safety, seen};
+use crate::service::texts::{TEXT, is_long};
+use crate::service::{audits, dashboard, drafts, findings, gold, history, leases, safety, seen, texts};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
@@ -17,9 +18,6 @@ use whyroad_label::merge::{self, FieldChange};
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::messages::{Provenance, ProvenanceSource};
 use whyroad_model::{FORMAT_VERSION, Nanos};
-
-/// Maximum length of a comment or reason, characters.
-const TEXT: usize = 4000;
 
 /// A label that is handed in is shown whole.
 const STAGE2: LabelView = LabelView { stage: Stage::Stage2, hides_leaf: false, in_hand: false };
@@ -103,7 +101,7 @@ pub fn act(
 ) -> Answer<TaskRow> {
     let mut t = tasks::get_for_change(tx, id)?;
     let now = app.lease_now(tx)?;
-    let reason = reason(request.reason.as_deref())?;
+    let reason = texts::reason(request.reason.as_deref())?;
     check_texts(&request.comments)?;
     let Some(action) = request.action.in_workflow() else {
         match request.action {
@@ -186,18 +184,6 @@ pub fn comment(tx: &mut dyn Tx, t: &TaskRow, author: &str, comment: &NewComment,
     Ok(id)
 }
 
-/// A reason as it is kept; none where there is only white space.
-pub fn reason(given: Option<&str>) -> Answer<Option<&str>> {
-    let reason = given.map(str::trim).filter(|r| !r.is_empty());
-    if reason.is_some_and(is_long) {
-        return Err(Problem::request(
-            format!("原因至多 {TEXT} 个字符"),
-            format!("a reason may have at most {TEXT} characters"),
-        ));
-    }
-    Ok(reason)
-}
-
 fn check_texts(comments: &[NewComment]) -> Answer<()> {
     let bad = |c: &NewComment| {
         c.text.trim().is_empty() || is_long(&c.text) || c.path.len() > 200 || !is_pointer(&c.path)
@@ -209,10 +195,6 @@ fn check_texts(comments: &[NewComment]) -> Answer<()> {
         ));
     }
     Ok(())
-}
-
-fn is_long(text: &str) -> bool {
-    text.chars().count() > TEXT
 }
 
 fn is_pointer(path: &str) -> bool {

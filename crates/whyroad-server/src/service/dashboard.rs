@@ -5,7 +5,7 @@ use crate::domain::project::{
     Ageing, Agreement, AuditRecord, Coverage, Dashboard, PairAgreement, Project, Settings, Throughput,
 };
 use crate::problem::Answer;
-use crate::service::gold::NOT_GOLD;
+use crate::service::copies::NOT_GOLD;
 use crate::service::projects::parse;
 use crate::service::{drafts, safety, tasks, veil};
 use crate::store::Tx;

@@ -5,7 +5,7 @@ pub mod cache;
 
 use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
-use crate::service::gold::NOT_GOLD;
+use crate::service::copies::NOT_GOLD;
 use crate::service::projects::parse;
 use crate::service::{drafts, tasks};
 use crate::store::{Row, Store, Tx, Value as Cell};

@@ -11,6 +11,7 @@ use crate::domain::project::{HistoryRule, Project, Settings};
 use crate::domain::workflow::{Position, Role, Seen, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
+use crate::service::copies::{MARK, NOT_GOLD, episode_of};
 use crate::service::projects::{self, json, parse};
 use crate::service::tasks::{self, TaskRow};
 use crate::service::{create, people, seen, thumbnail};
@@ -29,20 +30,6 @@ const MOST_PEOPLE: usize = 50;
 const DONORS: i64 = 2000;
 /// Keyframes nearer than this agree, s.
 const KEYFRAME_S: f64 = 0.5;
-/// In the episode id of a copy between that of its episode and a random text.
-const MARK: &str = "~";
-/// SQL that leaves out gold tasks; `tasks` is the table.
-pub const NOT_GOLD: &str = "NOT EXISTS (SELECT 1 FROM gold g WHERE g.task_id = tasks.id)";
-
-/// The id of the episode that a task is about, whether it is a copy or not.
-pub fn episode_of(episode_id: &str) -> &str {
-    episode_id.split_once(MARK).map_or(episode_id, |(episode, _)| episode)
-}
-
-/// What the ids of all copies of an episode begin with.
-pub fn copies_of(episode: &str) -> String {
-    format!("{episode}{MARK}")
-}
 
 /// Makes copies of accepted tasks for annotators.
 pub fn make(app: &App, tx: &mut dyn Tx, project: &Project, request: &NewGold) -> Answer<MadeGold> {

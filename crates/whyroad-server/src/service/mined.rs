@@ -11,7 +11,7 @@ use crate::domain::workflow::{Actor, Role, Seen, State};
 use crate::problem::{Answer, Problem};
 use crate::secret;
 use crate::service::tasks::TaskRow;
-use crate::service::{actions, answer, create, scene, seen};
+use crate::service::{answer, create, scene, seen, texts};
 use crate::store::{Row, Store, Tx};
 use crate::values;
 use std::collections::HashMap;
@@ -204,7 +204,7 @@ pub fn judge(app: &App, project: &str, user: &str, request: &NewVerdict) -> Answ
         episode: &request.episode,
     };
     let e = find(app, name)?;
-    let note = actions::reason(request.note.as_deref())?.map(str::to_owned);
+    let note = texts::reason(request.note.as_deref())?.map(str::to_owned);
     let moved = match (request.verdict, &request.keyframe) {
         (Some(VerdictKind::KeyframeMoved), Some(text)) => Some(Nanos::parse_iso(text).map_err(|_| {
             Problem::request(format!("'{text}' 不是时刻"), format!("'{text}' is not a moment"))

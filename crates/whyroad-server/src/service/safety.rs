@@ -8,7 +8,7 @@ use crate::domain::workflow::{self, Action, Actor, Draw, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::{json as text_of, parse};
 use crate::service::tasks::{self, Entry, TaskRow};
-use crate::service::{actions, history, leases};
+use crate::service::{history, leases, texts};
 use crate::store::Tx;
 use crate::values;
 use serde_json::{Value, json};
@@ -63,7 +63,7 @@ pub fn record(
             "the safety filter is answered in Stage II",
         ));
     }
-    let note = actions::reason(request.note.as_deref())?;
+    let note = texts::reason(request.note.as_deref())?;
     let mut reasons = request.reasons.clone();
     reasons.sort_unstable();
     reasons.dedup();

@@ -5,7 +5,7 @@ use crate::domain::project::HistoryRule;
 use crate::domain::workflow::{Actor, Role, Seen, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::TaskRow;
-use crate::service::{gold, projects};
+use crate::service::{copies, projects};
 use crate::store::Tx;
 use crate::values;
 
@@ -18,8 +18,8 @@ pub fn actor(tx: &mut dyn Tx, t: &TaskRow, user: &str, roles: &[Role], rule: His
 
 fn knows(tx: &mut dyn Tx, t: &TaskRow, user: &str, rule: HistoryRule) -> Answer<bool> {
     // A gold task is a copy of its episode.
-    let episode = gold::episode_of(&t.episode.episode_id);
-    let copies = gold::copies_of(episode);
+    let episode = copies::episode_of(&t.episode.episode_id);
+    let copies = copies::copies_of(episode);
     let row = match rule {
         HistoryRule::Drive => tx.row(
             "SELECT 1 FROM seen WHERE user_id = $1 AND drive_id = $2 AND to_ns > $3 AND from_ns < $4 LIMIT 1",
@@ -62,7 +62,8 @@ pub fn may_be_shown(tx: &mut dyn Tx, t: &TaskRow, state: State, user: &str) -> A
     // Where only the same episode bars, another one may be begun beside it; its whole future may not be opened.
     let rule = projects::get(tx, &t.project)?.settings.history;
     for other in others {
-        let same = gold::episode_of(&other.text("episode_id")?) == gold::episode_of(&t.episode.episode_id);
+        let same =
+            copies::episode_of(&other.text("episode_id")?) == copies::episode_of(&t.episode.episode_id);
         if same || rule == HistoryRule::Drive || state.stage() == Stage::Stage2 {
             return Err(Problem::new(
                 409,

@@ -14,7 +14,7 @@ use crate::service::create::Drafting;
 use crate::service::tasks::TaskRow;
 use crate::service::{
     actions, answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks,
-    thumbnail, work,
+    texts, thumbnail, work,
 };
 use crate::store::Tx;
 use whyroad_model::messages::EpisodeFilter;
@@ -154,7 +154,7 @@ pub fn lease(call: &Call<'_>) -> Answer<Reply> {
                 if holds || !actor.is(Role::Lead) {
                     leases::held(&t, &user.id, request.fence)?;
                 }
-                let reason = actions::reason(request.reason.as_deref())?;
+                let reason = texts::reason(request.reason.as_deref())?;
                 leases::release(tx, &mut t, &actor, reason, now)?;
             }
         }
