@@ -140,8 +140,8 @@ impl<'a> Cutter<'a> {
         Ok((sample, facts))
     }
 
-    /// The descriptor of a moment without a label: what [`Self::cut`] would compare it by. `None` where the drive has no
-    /// pose or frame there.
+    /// The descriptor of a moment without a label: what [`Self::cut`] would compare it by. `None` where the drive has
+    /// no pose or frame there.
     pub fn describe(&self, keyframe: Nanos, named: &BTreeSet<String>) -> Option<Vec<f32>> {
         let drive = self.drive;
         let frame = frame_at(&drive.times, keyframe).min(drive.times.len().checked_sub(1)?);

@@ -46,7 +46,8 @@ pub struct Settings {
     pub place_precision_m: u32,
     /// Gold labels that an annotator hands in before being judged; 0 where no qualification is asked for.
     pub gold_labels: u32,
-    /// Mean agreement with gold answers that qualifies, in percent. Who is not qualified is audited at the maximum rate.
+    /// Mean agreement with gold answers that qualifies, in percent. Who is not qualified is audited at the maximum
+    /// rate.
     pub gold_percent: u32,
     /// Days after which finished tasks are removed with their labels; 0 to keep them.
     pub retention_days: u32,

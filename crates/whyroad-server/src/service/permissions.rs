@@ -6,7 +6,8 @@ use crate::service::tasks::TaskRow;
 use crate::service::{actions, safety};
 use crate::store::Tx;
 
-/// Actions that the workflow allows, and `edit`, `safety`, `uncertainty` (of frozen components), `comment`, `assign`, `adjudicate`.
+/// Actions that the workflow allows, and `edit`, `safety`, `uncertainty` (of frozen components), `comment`, `assign`,
+/// `adjudicate`.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Vec<String>> {
     let mut out: Vec<String> = Action::ALL
         .iter()

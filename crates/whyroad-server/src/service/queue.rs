@@ -170,7 +170,8 @@ fn why_not(
 
 /// What each kind of work looks through, in this order; free tasks by one state at a time, so that the index gives them
 /// in order. `EXPIRED` stands for an expired lease, `$2` is the user, `$3` now, `$4` the worker's languages (`zh,en`),
-/// of which a task's is one or none, and `FOR_ME` for no copy made for somebody else; all are in each, as PostgreSQL wants it.
+/// of which a task's is one or none, and `FOR_ME` for no copy made for somebody else; all are in each, as PostgreSQL
+/// wants it.
 fn queue(kind: WorkKind) -> &'static [&'static str] {
     match kind {
         WorkKind::Label => &[

@@ -102,7 +102,8 @@ pub fn export_to(store: &Store, project: &str, format: &ExportFormat, out: &mut 
     Ok(())
 }
 
-/// The tasks of an export in its order, without the copies that test annotators; ids alone, since a project may have a hundred thousand tasks, each with drafts.
+/// The tasks of an export in its order, without the copies that test annotators; ids alone, since a project may have a
+/// hundred thousand tasks, each with drafts.
 fn exported_ids(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answer<Vec<String>> {
     let rows = tx.rows(
         &format!(

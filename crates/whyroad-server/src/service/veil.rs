@@ -1,6 +1,6 @@
 //! Classes of which Stage I shows only the L2, where a project wants it so. Which ones is decided per L2: where one of
-//! its leaves has a name that tells the outcome (`reveals` in `scenarios/decisions.yaml`), no leaf of it is shown, since
-//! a name that is missing would tell the same.
+//! its leaves has a name that reveals the outcome (`reveals` in `scenarios/decisions.yaml`), no leaf of it is shown, as a
+//! name that is missing would say the same.
 
 use crate::domain::project::{Settings, Stage1Class};
 use crate::problem::Answer;
@@ -48,8 +48,8 @@ pub fn of(tx: &mut dyn Tx, project: &str) -> Answer<Vec<String>> {
     row.map_or(Ok(vec![]), |r| projects::parse(&r.text("veiled")?))
 }
 
-/// SQL for the class of a task as lists may show it: that of [`super::tasks::TaskRow::shown_class`]. `veiled` are ids of
-/// this crate's own.
+/// SQL for the class of a task as lists may show it: that of [`super::tasks::TaskRow::shown_class`]. `veiled` are ids
+/// of this crate's own.
 pub fn shown_class_sql(veiled: &[String]) -> String {
     let plain = |id: &&String| id.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'.'));
     let cases: Vec<String> = veiled

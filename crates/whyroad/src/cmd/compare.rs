@@ -27,8 +27,8 @@ pub(crate) struct Args {
     /// Lake that frameworks are run over
     #[arg(long, value_name = "DIR")]
     lake: Option<PathBuf>,
-    /// Accepted labels that judge the changes: JSON Lines from `tasks export`, verdicts on mined episodes, or the store (labels.db, the folder with
-    /// it, postgres://...)
+    /// Accepted labels that judge the changes: JSON Lines from `tasks export`, verdicts on mined episodes, or the
+    /// store (labels.db, the folder with it, postgres://...)
     #[arg(long, value_name = "FILE|STORE")]
     labels: Option<String>,
     /// Only this class: an L1, L2 or leaf

@@ -13,8 +13,8 @@ use crate::problem::{Answer, Problem};
 use crate::service::create::Drafting;
 use crate::service::tasks::TaskRow;
 use crate::service::{
-    actions, answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks,
-    texts, thumbnail, work,
+    answer, bulk, create, drafting, findings, leases, list as listing, projects, queue, seen, tasks, texts,
+    thumbnail, work,
 };
 use crate::store::Tx;
 use whyroad_model::messages::EpisodeFilter;
