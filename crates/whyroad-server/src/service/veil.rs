@@ -1,6 +1,6 @@
 //! Classes of which Stage I shows only the L2, where a project wants it so. Which ones is decided per L2: where one of
-//! its leaves has a name that reveals the outcome (`reveals` in `scenarios/decisions.yaml`), no leaf of it is shown, as a
-//! name that is missing would say the same.
+//! its leaves has a name that reveals the outcome (`reveals` in `scenarios/decisions.yaml`), no leaf of it is shown, as
+//! a name that is missing would say the same.
 
 use crate::domain::project::{Settings, Stage1Class};
 use crate::problem::Answer;
