@@ -15,6 +15,7 @@ pub struct DraftTexts {
     sides: BTreeMap<String, Pair>,
     openings: Openings,
     traces: Phrasings,
+    kept: Phrasings,
     classes: BTreeMap<String, ClassTexts>,
     decisions: DecisionTexts,
 }
@@ -145,6 +146,11 @@ impl DraftTexts {
     /// How the parts of a trace are joined: `{state}`, `{why}`, `{action}`.
     pub fn traces(&self) -> &Phrasings {
         &self.traces
+    }
+
+    /// The same where the ego keeps its speed.
+    pub fn kept(&self) -> &Phrasings {
+        &self.kept
     }
 
     /// No change of decision.

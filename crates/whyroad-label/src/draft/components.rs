@@ -53,17 +53,24 @@ fn target_in_words(
     let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
     let place = place(number("target.longitudinal")?, number("target.lateral")?);
     let name = class_name(class);
-    let doing = if class.is_vru() && holds("target.on_crosswalk") && !holds("target.standstill") {
+    // Opposite headings within 45 degrees.
+    let oncoming = number("target.heading_difference").is_some_and(|a| a.abs() > 135_f64.to_radians());
+    let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
+    let comes_in =
+        holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
+    let doing = if is_fixed || holds("target.standstill") {
+        Bilingual::new("静止不动", "is standing still")
+    } else if class.is_vru() && holds("target.on_crosswalk") {
         Bilingual::new("正在斑马线上通行", "is on the crosswalk")
     } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {
         Bilingual::new("正在横穿自车前方的道路", "is crossing the road in front of the ego")
-    } else if holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3)
-    {
+    } else if comes_in && class.is_vehicle() {
         Bilingual::new("正在驶入自车车道", "is coming into the ego's lane")
-    } else if holds("target.standstill") {
-        Bilingual::new("静止不动", "is standing still")
+    } else if comes_in {
+        Bilingual::new("正在进入自车车道", "is coming into the ego's lane")
     } else {
         match number("target.accel") {
+            _ if oncoming => Bilingual::new("正对向驶来", "is oncoming"),
             Some(a) if a < -0.5 => Bilingual::new("正在减速", "is slowing"),
             Some(a) if a > 0.5 => Bilingual::new("正在加速", "is speeding up"),
             _ if holds("target.is_lead") => {

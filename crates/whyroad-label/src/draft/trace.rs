@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use whyroad_framework::Framework;
 use whyroad_framework::draft_texts::Phrasings;
 use whyroad_framework::label_words::WordRole;
+use whyroad_model::decision::Lateral;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision};
 use whyroad_model::{Lang, ScenarioId, SignalTable};
 
@@ -88,7 +89,7 @@ fn opening(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -
     Some(all.moving.pick(told.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
 }
 
-impl Told<'_> {
+impl<'a> Told<'a> {
     /// One way to say it. The first component is said last in the state: what follows refers to it.
     fn sentence(&self, opening: Option<&str>, things: usize, choice: Choice) -> String {
         let texts = &self.framework.draft_texts;
@@ -96,7 +97,7 @@ impl Told<'_> {
         let state: Vec<&str> = things.map(|c| c.description.trim_end_matches(['。', '.'])).collect();
         let why = texts.why(self.class).map_or("", |p| p.pick(self.lang, choice.why));
         let action = self.action(choice.action);
-        let joined = texts.traces().pick(self.lang, choice.joined);
+        let joined = self.joints().pick(self.lang, choice.joined);
         let (comma, stop) = if self.lang == Lang::Zh { ("，", "。") } else { ("; ", ".") };
         let state = state.join(comma);
         let core = match (state.is_empty(), why.is_empty()) {
@@ -116,14 +117,29 @@ impl Told<'_> {
         }
     }
 
+    /// How the parts are joined. Where nothing new is decided, what calls for a decision is no reason for what the ego
+    /// does; nor is what others do where it turns as its route has it.
+    fn joints(&self) -> &'a Phrasings {
+        let texts = &self.framework.draft_texts;
+        if self.decides() { texts.traces() } else { texts.kept() }
+    }
+
+    fn decides(&self) -> bool {
+        let own_turn = |l: Lateral| l != Lateral::Turn || self.class.l1 == "proactive";
+        self.decision.longitudinal.is_some() || self.decision.lateral.is_some_and(own_turn)
+    }
+
     /// The decision of both channels.
     fn action(&self, seed: u64) -> String {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
         let along = longitudinal.and_then(|d| texts.longitudinal(d)).map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(d)).map(|p| {
-            let side = lateral_direction.map_or("", |s| texts.side(s, lang));
-            p.pick(lang, seed).replace("{side}", side).replace("  ", " ")
+            let text = p.pick(lang, seed);
+            match lateral_direction {
+                Some(side) => text.replace("{side}", texts.side(*side, lang)),
+                None => without_side(text),
+            }
         });
         match (lang, along, across) {
             (_, None, None) => texts.none().pick(lang, seed).to_owned(),
@@ -144,20 +160,43 @@ impl Told<'_> {
         let across = self.decision.lateral.and_then(|d| texts.lateral(d)).map_or(1, count);
         let action =
             if along * across == 1 { count(texts.none()) } else { along * across / common(along, across) };
-        (why, action, count(texts.traces()))
+        (why, action, count(self.joints()))
     }
 
-    /// The trace has the beginning of a reason of the class in it: cheap, and rare where a person has written it.
+    /// The trace has the beginning of a reason of the class in it, or what is said instead: cheap, and rare where a
+    /// person has written it.
     fn may_be(&self, trace: &str) -> bool {
-        let Some(whys) = self.framework.draft_texts.why(self.class) else { return true };
         // The first letter may be a capital.
-        whys.all(self.lang).iter().any(|w| trace.contains(&w.chars().skip(1).take(6).collect::<String>()))
+        let begins = |text: &str| trace.contains(&text.chars().skip(1).take(6).collect::<String>());
+        if !self.decides() {
+            let mut kept = self.joints().all(self.lang).iter();
+            return kept.any(|joint| {
+                let said =
+                    joint.trim_start_matches("{state}").trim_start_matches(['，', '。', ';', '.', ' ']);
+                begins(said)
+            });
+        }
+        let Some(whys) = self.framework.draft_texts.why(self.class) else { return true };
+        whys.all(self.lang).iter().any(|why| begins(why))
     }
 }
 
 /// Greatest common divisor.
 fn common(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { common(b, a % b) }
+}
+
+/// An action whose side is not known yet: a person states it.
+fn without_side(text: &str) -> String {
+    let parts = [
+        ("向{side}", ""),
+        ("从{side}侧", ""),
+        ("{side}转", "转弯"),
+        (" to the {side} lane", " lanes"),
+        (" to the {side}", ""),
+        (" {side}", ""),
+    ];
+    parts.iter().fold(text.to_owned(), |text, (with, without)| text.replace(with, without))
 }
 
 fn capital(text: &str) -> String {
@@ -225,8 +264,9 @@ pub(super) fn seen(
         });
         any
     };
-    // Where nothing is known of the class, what was found has to do.
-    if found.iter().any(speaks) || (about.is_none() && !found.is_empty()) {
+    // Where nothing is known of the class, what was found has to do; a light alone says little of other classes.
+    let says_more = |c: &CriticalComponent| c.category.as_deref() != Some("traffic_lights");
+    if found.iter().any(speaks) || (about.is_none() && found.iter().any(says_more)) {
         return None;
     }
     let seen = framework.draft_texts.seen(class)?;
