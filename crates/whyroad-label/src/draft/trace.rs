@@ -102,9 +102,7 @@ impl<'a> Told<'a> {
         let state = state.join(comma);
         let core = match (state.is_empty(), why.is_empty()) {
             (false, false) => {
-                // A new sentence begins with a capital letter.
-                let why = if joined.contains(". {why}") { capital(why) } else { why.to_owned() };
-                joined.replace("{state}", &state).replace("{why}", &why).replace("{action}", &action)
+                joined.replace("{state}", &state).replace("{why}", why).replace("{action}", &action)
             }
             (false, true) => format!("{state}{comma}{action}{stop}"),
             (true, false) => format!("{why}{comma}{action}{stop}"),
@@ -171,8 +169,7 @@ impl<'a> Told<'a> {
         if !self.decides() {
             let mut kept = self.joints().all(self.lang).iter();
             return kept.any(|joint| {
-                let said =
-                    joint.trim_start_matches("{state}").trim_start_matches(['，', '。', ';', '.', ' ']);
+                let said = joint.trim_start_matches("{state}").trim_start_matches(['；', ';', ' ']);
                 begins(said)
             });
         }
