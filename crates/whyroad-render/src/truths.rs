@@ -241,7 +241,7 @@ mod tests {
         let row = TruthRow { text: "x".into(), indent: 0, truth: Tri::True, cells, curve: Some(curve) };
         let svg = render(&TruthChart { frames: 4, rows: vec![row], ..TruthChart::default() });
         // 38 px from 10 at y = 52 down to 0 at y = 90, the threshold half way.
-        assert!(svg.contains("points=\"17.5,90.0 20.5,52.0 \""), "{svg}");
-        assert!(svg.contains("points=\"26.5,71.0 \"") && svg.contains("d=\"M16 71.0H28\""), "{svg}");
+        assert!(svg.contains("points=\"17.5,90 20.5,52 \""), "{svg}");
+        assert!(svg.contains("points=\"26.5,71 \"") && svg.contains("d=\"M16 71H28\""), "{svg}");
     }
 }
