@@ -18,6 +18,7 @@ pub mod names;
 mod need;
 pub mod object;
 pub mod pair;
+pub mod random;
 pub mod road_map;
 pub mod scene;
 pub mod signal;

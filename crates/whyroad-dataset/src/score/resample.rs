@@ -2,6 +2,7 @@
 //! samples. Seeded; the same input gives the same interval on every machine.
 
 use serde::Serialize;
+use whyroad_model::random::SplitMix64;
 
 /// A figure with the middle 95 % of its bootstrap distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -16,35 +17,27 @@ pub struct Estimate {
     pub samples: usize,
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): small, and defined by its few lines.
+/// A stream of random numbers.
 #[derive(Clone, Debug)]
-pub struct Random(u64);
+pub struct Random(SplitMix64);
 
 impl Random {
     /// A stream of its own per `name`.
     pub fn new(seed: u64, name: &str) -> Self {
         let hash = blake3::hash(name.as_bytes());
         let first = hash.as_bytes().iter().take(8).fold(0u64, |n, b| n << 8 | u64::from(*b));
-        Self(seed ^ first)
-    }
-
-    /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+        Self(SplitMix64::new(seed ^ first))
     }
 
     /// A number from 0 to `n - 1`; 0 for `n = 0`.
     pub fn below(&mut self, n: usize) -> usize {
         // The high 64 bits of the product: uniform up to 2^-64 * n.
-        ((u128::from(self.bits()) * n as u128) >> 64) as usize
+        ((u128::from(self.0.bits()) * n as u128) >> 64) as usize
     }
 
     /// A number in [0, 1).
     pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+        self.0.unit()
     }
 }
 

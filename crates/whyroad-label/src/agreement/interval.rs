@@ -2,6 +2,7 @@
 //! look at the jackknife", The Annals of Statistics 7, 1979).
 
 use serde::Serialize;
+use whyroad_model::random::SplitMix64;
 
 /// Samples of a bootstrap.
 const SAMPLES: usize = 1000;
@@ -25,12 +26,14 @@ pub fn bootstrap<U: Clone>(units: &[U], seed: u64, value: impl Fn(&[U]) -> Optio
     if units.len() < 2 || own.is_none() {
         return Estimate { value: own, low: None, high: None };
     }
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
+    // The bias of the remainder is below n / 2^64.
+    let mut any = || (random.bits() % units.len() as u64) as usize;
     let mut drawn: Vec<U> = Vec::with_capacity(units.len());
     let mut values: Vec<f64> = (0..SAMPLES)
         .filter_map(|_| {
             drawn.clear();
-            drawn.extend((0..units.len()).map(|_| units[random.below(units.len())].clone()));
+            drawn.extend((0..units.len()).map(|_| units[any()].clone()));
             value(&drawn)
         })
         .collect();
@@ -41,24 +44,6 @@ pub fn bootstrap<U: Clone>(units: &[U], seed: u64, value: impl Fn(&[U]) -> Optio
         (values.len() * 2 > SAMPLES).then(|| values[(share * last as f64).round() as usize])
     };
     Estimate { value: own, low: at(TAIL), high: at(1.0 - TAIL) }
-}
-
-/// SplitMix64 (S. Vigna, public domain): the same numbers on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        // The bias of the remainder is below n / 2^64.
-        (self.next() % n as u64) as usize
-    }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! Annals of Statistics 17 (1989), for the moving blocks.
 
 use serde::Serialize;
+use whyroad_model::random::SplitMix64;
 
 /// Days of the past that are drawn from.
 pub const WINDOW_DAYS: usize = 56;
@@ -54,7 +55,7 @@ pub fn days_left(daily: &[u64], wanted: u64) -> Result<DaysLeft, NoForecast> {
     if window.iter().all(|n| *n == 0) {
         return Err(NoForecast::NoProgress);
     }
-    let mut random = SplitMix(0x5eed);
+    let mut random = SplitMix64::new(0x5eed);
     // The future begins on the weekday after the last day: blocks start on that weekday, so weekends stay weekends.
     let starts: Vec<usize> =
         (0..=window.len() - BLOCK).filter(|i| (window.len() - i).is_multiple_of(BLOCK)).collect();
@@ -67,10 +68,10 @@ pub fn days_left(daily: &[u64], wanted: u64) -> Result<DaysLeft, NoForecast> {
     Ok(DaysLeft { median: at(0.5), low: at(0.1), high: Some(at(0.9)).filter(|d| *d < HORIZON) })
 }
 
-fn run(window: &[u64], starts: &[usize], wanted: u64, random: &mut SplitMix) -> usize {
+fn run(window: &[u64], starts: &[usize], wanted: u64, random: &mut SplitMix64) -> usize {
     let (mut done, mut day) = (0, 0);
     while day < HORIZON {
-        let start = starts[random.below(starts.len())];
+        let start = starts[(random.bits() % starts.len().max(1) as u64) as usize];
         for n in &window[start..start + BLOCK] {
             done += n;
             day += 1;
@@ -80,23 +81,6 @@ fn run(window: &[u64], starts: &[usize], wanted: u64, random: &mut SplitMix) -> 
         }
     }
     HORIZON
-}
-
-/// SplitMix64 (G. L. Steele, D. Lea, C. H. Flood, 2014): small, and the same on every machine.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Truth for the tests of this folder: motion by plain integration in steps of a millisecond, and seeded noise.
 
 use crate::geometry::wrap;
+use whyroad_model::random::SplitMix64;
 
 /// A car as it really moved, at 10 Hz.
 #[derive(Default)]
@@ -47,39 +48,21 @@ impl Truth {
     }
 }
 
-/// A generator of standard normal numbers (splitmix64, Box and Muller).
-struct Normal(u64);
-
-impl Normal {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn next(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
-    }
-}
-
 /// Independent noise.
 pub fn white(seed: u64, n: usize, sd: f64) -> Vec<f64> {
-    let mut normal = Normal(seed);
-    (0..n).map(|_| sd * normal.next()).collect()
+    let mut random = SplitMix64::new(seed);
+    (0..n).map(|_| sd * random.normal()).collect()
 }
 
 /// Noise at 10 Hz that is correlated over one second.
 pub fn correlated(seed: u64, n: usize, sd: f64) -> Vec<f64> {
-    let mut normal = Normal(seed);
+    let mut random = SplitMix64::new(seed);
     let kept = (-0.1f64).exp();
-    let mut value = sd * normal.next();
+    let mut value = sd * random.normal();
     let mut out = Vec::with_capacity(n);
     for _ in 0..n {
         out.push(value);
-        value = kept * value + sd * (1.0 - kept * kept).sqrt() * normal.next();
+        value = kept * value + sd * (1.0 - kept * kept).sqrt() * random.normal();
     }
     out
 }
