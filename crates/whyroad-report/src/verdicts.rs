@@ -5,21 +5,8 @@ use crate::comparison::AcceptedMoment;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
+use whyroad_model::messages::VerdictKind;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Lang, Location, Nanos, ScenarioId};
-
-/// What somebody said of a mined episode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum VerdictKind {
-    /// Class and keyframe are right.
-    Right,
-    /// Something is there, of another class.
-    WrongLeaf,
-    /// Nothing is there.
-    Nothing,
-    /// The class is right, the keyframe is another moment.
-    KeyframeMoved,
-}
 
 /// One line of the export, as far as it is used here; further fields are for people.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -9,6 +9,7 @@ pub mod episode_page;
 pub mod label;
 pub mod mining;
 pub mod query_clause;
+pub mod verdict;
 
 pub use clip::*;
 pub use coverage::*;
@@ -18,3 +19,4 @@ pub use episode_page::*;
 pub use label::*;
 pub use mining::*;
 pub use query_clause::*;
+pub use verdict::*;

@@ -5,6 +5,7 @@ use super::task::Task;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use whyroad_model::Bilingual;
+use whyroad_model::messages::VerdictKind;
 
 /// A mined episode in a list.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -53,39 +54,6 @@ pub struct MinedEpisode {
     pub map: MapView,
     /// The caller's verdict.
     pub verdict: Option<Verdict>,
-}
-
-/// What somebody says of a mined episode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum VerdictKind {
-    /// Class and keyframe are right.
-    Right,
-    /// Something is there, of another class.
-    WrongLeaf,
-    /// Nothing is there.
-    Nothing,
-    /// The class is right, the keyframe is another moment.
-    KeyframeMoved,
-}
-
-impl VerdictKind {
-    /// The word in the store and in exports.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Right => "right",
-            Self::WrongLeaf => "wrong_leaf",
-            Self::Nothing => "nothing",
-            Self::KeyframeMoved => "keyframe_moved",
-        }
-    }
-
-    /// The one with this word.
-    pub fn from_word(word: &str) -> Option<Self> {
-        [Self::Right, Self::WrongLeaf, Self::Nothing, Self::KeyframeMoved]
-            .into_iter()
-            .find(|v| v.word() == word)
-    }
 }
 
 /// Body of `POST /projects/{p}/verdicts`.

@@ -4,7 +4,6 @@
 use crate::app::App;
 use crate::domain::mined::{
     EpisodeCard, EpisodeCards, MinedEpisode, NewVerdict, SimilarEpisode, SimilarEpisodes, Verdict,
-    VerdictKind,
 };
 use crate::domain::project::Project;
 use crate::domain::workflow::{Actor, Role, Seen, State};
@@ -16,7 +15,7 @@ use crate::store::{Row, Store, Tx};
 use crate::values;
 use std::collections::HashMap;
 use std::io::Write;
-use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord};
+use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
 /// Episodes on a page when nothing is said, and at most.
