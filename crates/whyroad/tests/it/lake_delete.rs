@@ -2,7 +2,7 @@
 //! is named. A mined folder afterwards is that of a lake that never had the drive.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::session::{Run, root, whyroad_in};
+use crate::session::{self, Run, files, root, whyroad_in};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -52,28 +52,9 @@ fn good(run: Run) -> Run {
     run
 }
 
-fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let (mut found, mut todo) = (BTreeMap::new(), vec![dir.to_owned()]);
-    while let Some(at) = todo.pop() {
-        for entry in fs::read_dir(at).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                todo.push(path);
-            } else {
-                found.insert(path.strip_prefix(dir).unwrap().to_owned(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
-
 fn copy() -> TempDir {
     let dir = tempfile::tempdir().unwrap();
-    for (path, content) in files(MADE.path()) {
-        let path = dir.path().join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
+    session::copy(MADE.path(), dir.path());
     dir
 }
 

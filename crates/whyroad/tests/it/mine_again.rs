@@ -3,10 +3,10 @@
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::session::{copy, files};
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -44,30 +44,6 @@ fn lake(dir: &Path, drives: usize) {
             "--start-time",
             &day,
         ]));
-    }
-}
-
-/// Every file below a folder, by its path there.
-fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let (mut found, mut todo) = (BTreeMap::new(), vec![dir.to_owned()]);
-    while let Some(at) = todo.pop() {
-        for entry in fs::read_dir(at).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                todo.push(path);
-            } else {
-                found.insert(path.strip_prefix(dir).unwrap().to_owned(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn copy(from: &Path, to: &Path) {
-    for (path, content) in files(from) {
-        let path = to.join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
     }
 }
 

@@ -3,9 +3,9 @@
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::session::{Run, root, whyroad_in};
+use crate::session::{Run, copy, files, root, whyroad_in};
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -38,29 +38,6 @@ fn with_lake() -> TempDir {
 fn good(run: Run) -> Run {
     assert_eq!(run.code, 0, "{}{}", run.out, run.err);
     run
-}
-
-fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let (mut found, mut todo) = (BTreeMap::new(), vec![dir.to_owned()]);
-    while let Some(at) = todo.pop() {
-        for entry in fs::read_dir(at).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                todo.push(path);
-            } else {
-                found.insert(path.strip_prefix(dir).unwrap().to_owned(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn copy(from: &Path, to: &Path) {
-    for (path, content) in files(from) {
-        let path = to.join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
 }
 
 /// The files of two folders are the same, byte for byte.
