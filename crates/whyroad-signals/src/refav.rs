@@ -10,6 +10,7 @@ use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::{Placement, Target};
 use crate::target::rows::Rows;
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_4, PI};
 use whyroad_model::catalogue::{
     id,
@@ -22,13 +23,13 @@ use whyroad_model::{ObjectClass, Tri};
 /// Others within this have a relative direction, box to box, m.
 const DIRECTION_REACH_M: f64 = 50.0;
 /// Following reaches this far ahead of the front, m.
-const FOLLOWING_M: f64 = 25.0;
+pub(crate) const FOLLOWING_M: f64 = 25.0;
 /// ... and this far beside, m.
-const FOLLOWING_BESIDE_M: f64 = 5.0;
+pub(crate) const FOLLOWING_BESIDE_M: f64 = 5.0;
 /// ... within this cosine of directions.
-const FOLLOWING_COS: f64 = 0.5;
+pub(crate) const FOLLOWING_COS: f64 = 0.5;
 /// From this speed on the velocity is the direction, m/s.
-const HEADING_SPEED_MPS: f64 = 0.5;
+pub(crate) const HEADING_SPEED_MPS: f64 = 0.5;
 /// Crossing happens within this ahead of the front, m.
 const CROSSED_AHEAD_M: f64 = 10.0;
 /// ... and goes on to this far beside, m.
@@ -40,7 +41,7 @@ const STATIONARY_M: f64 = 3.0;
 /// This near a junction lane is near an intersection, m.
 const INTERSECTION_M: f64 = 5.0;
 /// From this speed on a motion has a direction, m/s.
-const DIRECTED_MPS: f64 = 1.0;
+pub(crate) const DIRECTED_MPS: f64 = 1.0;
 
 /// A vector of the world in the ego's axes, x forward, y left.
 fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
@@ -85,7 +86,8 @@ fn lanes_of(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, centre: P2
     road.lanes_near(centre, 0.0).into_iter().filter(holds).collect()
 }
 
-fn direction(velocity: P2, heading: f64) -> P2 {
+/// Where an object goes: its velocity where it moves, else its heading.
+pub(crate) fn direction(velocity: P2, heading: f64) -> P2 {
     let speed = velocity.norm();
     if speed > HEADING_SPEED_MPS { velocity * (1.0 / speed) } else { P2::from_heading(heading) }
 }
@@ -111,6 +113,36 @@ fn following(scene: &Interaction<'_>, road: &Road, k: usize, r: usize, p: &Place
     Tri::from((same && at.y.abs() < FOLLOWING_BESIDE_M) || (beside && reaches_in))
 }
 
+/// An object seen from another in one row: where its centre is and how fast it goes across (to the left), in the axes
+/// of the other one, whose half length and half width are `front` and `side`; m, m/s.
+pub(crate) struct Passing {
+    pub row: usize,
+    pub at: P2,
+    pub across: f64,
+    pub front: f64,
+    pub side: f64,
+}
+
+/// The rows in which an object crosses in front of another one, of those in which it is seen, in order.
+pub(crate) fn crossing(seen: &[Passing]) -> BTreeSet<usize> {
+    let mut rows = BTreeSet::new();
+    for (i, pair) in seen.windows(2).enumerate() {
+        let [before, now] = pair else { continue };
+        let (y0, y1) = (before.at.y, now.at.y);
+        // RefAV asks for both sides strictly, and so misses who is exactly on the line in a frame.
+        let over = |line: f64| (y0 < line) != (y1 < line);
+        let ahead = (now.front..=now.front + CROSSED_AHEAD_M).contains(&now.at.x);
+        if !ahead || !(over(now.side) || over(-now.side)) || now.across.abs() <= CROSSED_MPS {
+            continue;
+        }
+        let sign = (y1 - y0).signum();
+        let goes_on = |p: &&Passing| sign * p.at.y < CROSSED_BESIDE_M && sign * p.across > CROSSED_MPS;
+        let back = seen[..=i].iter().rev().take_while(goes_on);
+        rows.extend(back.chain(seen[i + 1..].iter().take_while(goes_on)).map(|p| p.row));
+    }
+    rows
+}
+
 /// By row: the ego is being crossed by the target.
 fn crossed_by(scene: &Interaction<'_>, target: &Target<'_>) -> Vec<Tri> {
     let ego = scene.around.ego;
@@ -118,25 +150,16 @@ fn crossed_by(scene: &Interaction<'_>, target: &Target<'_>) -> Vec<Tri> {
     let known = |p: &&Placement| p.velocity.is_finite();
     let mut flags: Vec<Tri> =
         target.places.iter().map(|p| p.as_ref().filter(known).map_or(Tri::Unknown, |_| Tri::False)).collect();
-    let rows: Vec<usize> = (0..flags.len()).filter(|&r| flags[r] == Tri::False).collect();
-    let seen: Vec<(P2, f64)> = rows
-        .iter()
-        .filter_map(|&r| target.places[r].as_ref())
-        .map(|p| (seen_at(scene, p), in_ego_axes(scene, p.frame, p.velocity).y))
+    let passing: Vec<Passing> = (0..flags.len())
+        .filter(|&row| flags[row] == Tri::False)
+        .filter_map(|row| {
+            let p = target.places[row].as_ref()?;
+            let across = in_ego_axes(scene, p.frame, p.velocity).y;
+            Some(Passing { row, at: seen_at(scene, p), across, front, side })
+        })
         .collect();
-    for i in 1..seen.len() {
-        let (y0, y1) = (seen[i - 1].0.y, seen[i].0.y);
-        // RefAV asks for both sides strictly, and so misses who is exactly on the line in a frame.
-        let over = |line: f64| (y0 < line) != (y1 < line);
-        let ahead = (front..=front + CROSSED_AHEAD_M).contains(&seen[i].0.x);
-        if !ahead || !(over(side) || over(-side)) || seen[i].1.abs() <= CROSSED_MPS {
-            continue;
-        }
-        let sign = (y1 - y0).signum();
-        let goes_on = |j: &usize| sign * seen[*j].0.y < CROSSED_BESIDE_M && sign * seen[*j].1 > CROSSED_MPS;
-        for j in (0..i).rev().take_while(goes_on).chain((i..seen.len()).take_while(goes_on)) {
-            flags[rows[j]] = Tri::True;
-        }
+    for row in crossing(&passing) {
+        flags[row] = Tri::True;
     }
     flags
 }
@@ -169,7 +192,7 @@ fn near_intersection(road: &Road, p: P2) -> Tri {
 }
 
 /// Objects without a driver have no direction of their own.
-fn has_free_will(class: ObjectClass) -> bool {
+pub(crate) fn has_free_will(class: ObjectClass) -> bool {
     use ObjectClass::{Barrier, Bicycle, Cone, StaticObject, Unknown};
     !matches!(class, Bicycle | Cone | Barrier | StaticObject | Unknown)
 }

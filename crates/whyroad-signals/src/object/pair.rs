@@ -4,29 +4,16 @@ use super::body::Body;
 use super::scene::Scene;
 use super::single::category;
 use crate::geometry::{P2, wrap};
+use crate::refav::{
+    self, DIRECTED_MPS, FOLLOWING_BESIDE_M, FOLLOWING_COS, FOLLOWING_M, HEADING_SPEED_MPS, has_free_will,
+};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_4, PI};
 use whyroad_model::catalogue::CategoryValue;
 use whyroad_model::catalogue::value::{PairDirection, PairRoadSide, PairSector};
 use whyroad_model::pair::PairSpan;
-use whyroad_model::{Column, ObjectClass, Tri};
+use whyroad_model::{Column, Tri};
 
-/// Following reaches this far ahead of the front, m.
-const FOLLOWING_M: f64 = 25.0;
-/// ... and this far beside, m.
-const FOLLOWING_BESIDE_M: f64 = 5.0;
-/// ... within this cosine of directions.
-const FOLLOWING_COS: f64 = 0.5;
-/// From this speed on the velocity is the direction, m/s.
-const HEADING_SPEED_MPS: f64 = 0.5;
-/// Crossing happens within this ahead of the front, m.
-const CROSSED_AHEAD_M: f64 = 10.0;
-/// ... and goes on to this far beside, m.
-const CROSSED_BESIDE_M: f64 = 5.0;
-/// ... faster than this across, m/s.
-const CROSSED_MPS: f64 = 0.2;
-/// From this speed on a motion has a direction, m/s.
-const DIRECTED_MPS: f64 = 1.0;
 /// Slower than this an object goes nowhere, m/s.
 const COURSE_MPS: f64 = 0.1;
 
@@ -206,21 +193,15 @@ fn sector(m: &Meeting<'_>) -> Option<PairSector> {
     })
 }
 
-/// Objects without a driver have no direction of their own.
-fn has_free_will(body: &Body) -> bool {
-    use ObjectClass::{Barrier, Bicycle, Cone, StaticObject, Unknown};
-    !matches!(body.class, Bicycle | Cone | Barrier | StaticObject | Unknown)
-}
-
 fn direction(m: &Meeting<'_>) -> Option<PairDirection> {
     let (own, theirs) = (m.a.velocity[m.i], m.b.velocity[m.k]);
     if !own.is_finite() || !theirs.is_finite() {
         return None;
     }
     let (own_speed, their_speed) = (own.norm(), theirs.norm());
-    let (a, b) = if own_speed < DIRECTED_MPS && has_free_will(m.a) && their_speed > DIRECTED_MPS {
+    let (a, b) = if own_speed < DIRECTED_MPS && has_free_will(m.a.class) && their_speed > DIRECTED_MPS {
         (m.a.heading[m.i], theirs.heading())
-    } else if their_speed < DIRECTED_MPS && has_free_will(m.b) && own_speed > HEADING_SPEED_MPS {
+    } else if their_speed < DIRECTED_MPS && has_free_will(m.b.class) && own_speed > HEADING_SPEED_MPS {
         (own.heading(), m.b.heading[m.k])
     } else if own_speed < DIRECTED_MPS || their_speed < DIRECTED_MPS {
         return Some(PairDirection::None);
@@ -241,9 +222,7 @@ fn direction(m: &Meeting<'_>) -> Option<PairDirection> {
 }
 
 fn way(body: &Body, i: usize) -> P2 {
-    let v = body.velocity[i];
-    let speed = v.norm();
-    if speed > HEADING_SPEED_MPS { v * (1.0 / speed) } else { P2::from_heading(body.heading[i]) }
+    refav::direction(body.velocity[i], body.heading[i])
 }
 
 fn follows(scene: &Scene<'_>, m: &Meeting<'_>) -> Tri {
@@ -274,7 +253,7 @@ fn crosses(rows: &Rows<'_>) -> Vec<Tri> {
         let (walker, car) = (&rows.scene.bodies[span.first], &rows.scene.bodies[span.second]);
         let start = flags.len();
         // Rows in which it is known where the first is in the axes of the second, and how fast it goes across.
-        let mut seen: Vec<(usize, P2, f64, f64, f64)> = Vec::new();
+        let mut seen: Vec<refav::Passing> = Vec::new();
         for (row, frame) in (start..).zip(span.frames.start..span.frames.end) {
             let (Some(i), Some(k)) = (walker.at(frame), car.at(frame)) else {
                 flags.push(Tri::Unknown);
@@ -286,23 +265,11 @@ fn crosses(rows: &Rows<'_>) -> Vec<Tri> {
             let known = at.is_finite() && across.is_finite() && front.is_finite() && side.is_finite();
             flags.push(if known { Tri::False } else { Tri::Unknown });
             if known {
-                seen.push((row, at, across, front, side));
+                seen.push(refav::Passing { row, at, across, front, side });
             }
         }
-        for i in 1..seen.len() {
-            let (_, at, across, front, side) = seen[i];
-            let before = seen[i - 1].1;
-            let over = |line: f64| (before.y < line) != (at.y < line);
-            let ahead = (front..=front + CROSSED_AHEAD_M).contains(&at.x);
-            if !ahead || !(over(side) || over(-side)) || across.abs() <= CROSSED_MPS {
-                continue;
-            }
-            let sign = (at.y - before.y).signum();
-            let goes_on =
-                |j: &usize| sign * seen[*j].1.y < CROSSED_BESIDE_M && sign * seen[*j].2 > CROSSED_MPS;
-            for j in (0..i).rev().take_while(goes_on).chain((i..seen.len()).take_while(goes_on)) {
-                flags[seen[j].0] = Tri::True;
-            }
+        for row in refav::crossing(&seen) {
+            flags[row] = Tri::True;
         }
     }
     flags
