@@ -85,7 +85,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         streams.extend(open(source, a.project.as_deref(), global.lang)?);
     }
     let queries = query::Queries::new(&framework);
-    // Blurred images stay beside the release until the build ends well, so that an interrupted one does not begin anew.
+    // Blurred images stay beside the release until the build ends well, so that an interrupted one goes on.
     let blurred = PathBuf::from(format!("{}.blurred", a.out.display()));
     let media = blurring(Media::new(lake.dir(), &a.media), a.blur.as_deref(), &blurred)?;
     let inputs = Inputs {
