@@ -74,7 +74,47 @@ mod tests {
         (0..65).for_each(|_| out.write_all(&zeros).unwrap());
         out.finish().unwrap();
         assert!(path.metadata().unwrap().len() < 100_000);
-        let read = io::copy(&mut open(&path).unwrap(), &mut io::sink());
-        assert!(read.unwrap_err().to_string().contains("unpacks to far more"));
+        refused(&path);
+    }
+
+    /// The file is small, and reading it ends with the reason before it is unpacked.
+    fn refused(path: &Path) {
+        assert!(path.metadata().unwrap().len() < 100_000);
+        let mut unpacked = 0;
+        let mut bytes = open(path).unwrap();
+        let mut buffer = vec![0; 1 << 16];
+        let reason = loop {
+            match bytes.read(&mut buffer) {
+                Ok(0) => panic!("it was read to its end"),
+                Ok(n) => unpacked += n as u64,
+                Err(e) => break e.to_string(),
+            }
+        };
+        assert!(unpacked <= FREE && reason.contains("unpacks to far more"), "{unpacked} {reason}");
+    }
+
+    #[test]
+    fn a_zstandard_file_that_unpacks_to_gigabytes_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("zeros.xml.zst");
+        // RFC 8878 3.1.1: magic number, a frame header with a window of 128 KiB, blocks of one repeated byte.
+        let mut bytes = vec![0x28, 0xb5, 0x2f, 0xfd, 0x00, 0x38];
+        for last in (0..16_384).map(|i| u32::from(i == 16_383)) {
+            let block = (131_072_u32 << 3) | (1 << 1) | last;
+            bytes.extend_from_slice(&block.to_le_bytes()[..3]);
+            bytes.push(0);
+        }
+        std::fs::write(&path, bytes).unwrap();
+        refused(&path);
+    }
+
+    #[test]
+    fn an_xz_file_that_unpacks_to_gigabytes_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("zeros.xml.xz");
+        // A mebibyte of zeros by Python's lzma; streams may follow one another (The .xz File Format, 2).
+        let stream = include_bytes!("../../tests/fixtures/compressed/zeros.xz");
+        std::fs::write(&path, stream.repeat(300)).unwrap();
+        refused(&path);
     }
 }

@@ -58,3 +58,49 @@ fn sound_part(stream: &[u8]) -> &[u8] {
     }
     &stream[..at]
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test says what went wrong by failing")]
+mod tests {
+    use super::*;
+    use arrow_array::{Float64Array, StringArray};
+    use arrow_ipc::CompressionType;
+    use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
+    use std::sync::Arc;
+
+    fn file(compression: Option<CompressionType>) -> Vec<u8> {
+        let numbers = Float64Array::from_iter_values((0..40).map(f64::from));
+        let texts = StringArray::from_iter_values((0..40).map(|n| format!("track {n}")));
+        let batch = RecordBatch::try_from_iter([("x", Arc::new(numbers) as _), ("id", Arc::new(texts) as _)])
+            .unwrap();
+        let options = IpcWriteOptions::default().try_with_compression(compression).unwrap();
+        let mut out = FileWriter::try_new_with_options(Vec::new(), &batch.schema(), options).unwrap();
+        out.write(&batch).unwrap();
+        out.finish().unwrap();
+        out.into_inner().unwrap()
+    }
+
+    /// Every length and offset that the file declares is somewhere in it: whatever is written there, nothing panics and
+    /// nothing is allocated by it. 2^45 bytes would end the process.
+    #[test]
+    fn sizes_that_lie_anywhere_in_a_file_are_refused_before_memory_is_taken() {
+        for compression in [None, Some(CompressionType::LZ4_FRAME)] {
+            let whole = file(compression);
+            assert!(read(&whole).is_ok_and(|f| f.truncated.is_none() && f.columns.0[0].num_rows() == 40));
+            let mut refused = 0;
+            for at in (0..whole.len() - 8).step_by(4) {
+                for lie in
+                    [1_i64 << 45, (1 << 45) + 8, i64::MAX, -1, i64::from(i32::MAX), i64::from(i32::MIN)]
+                {
+                    let mut damaged = whole.clone();
+                    damaged[at..at + 8].copy_from_slice(&lie.to_le_bytes());
+                    let rows = |f: &Feather| f.columns.0.iter().map(RecordBatch::num_rows).sum::<usize>();
+                    let kept = read(&damaged);
+                    assert!(kept.as_ref().map_or(0, rows) <= 40, "{at} {lie}");
+                    refused += usize::from(kept.is_err() || kept.is_ok_and(|f| f.truncated.is_some()));
+                }
+            }
+            assert!(refused > 100, "{refused}");
+        }
+    }
+}

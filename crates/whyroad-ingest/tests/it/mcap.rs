@@ -152,6 +152,39 @@ fn what_a_cut_or_changed_file_still_has_is_kept() {
     );
 }
 
+/// A file may say any size of a record or a chunk: what it does not have is not allocated.
+#[test]
+fn sizes_that_lie_are_refused_before_memory_is_taken() {
+    let bytes = fs::read(fixture("foxglove_zstd.mcap")).unwrap();
+    // The MCAP specification: after 8 bytes of magic each record is an opcode, a length of 8 bytes and its body. A
+    // chunk's body has two times of 8 bytes, then the size that it unpacks to.
+    let mut at = 8;
+    let length = |at: usize| u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+    while bytes[at] != 0x06 {
+        at += 9 + length(at);
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("lies.mcap");
+    for place in [at + 1, at + 9 + 16] {
+        for size in [u64::MAX, 1 << 62, 1 << 45, 1 << 33] {
+            let mut lie = bytes.clone();
+            lie[place..place + 8].copy_from_slice(&size.to_le_bytes());
+            fs::write(&path, lie).unwrap();
+            let (drive, report) = mcap::read(&path, &Options::default());
+            assert!(drive.is_none() && codes(&report)[0] == "mcap.file.broken", "{place} {size}");
+        }
+    }
+    // And a message of the year 1970 makes no frames of all the time since.
+    let text = fs::read(fixture("fleet.mcap")).unwrap();
+    let first = 1_700_000_000_000_000_000_u64.to_le_bytes();
+    let found = text.windows(8).position(|w| w == first).unwrap();
+    let mut old = text.clone();
+    old[found..found + 8].copy_from_slice(&1_u64.to_le_bytes());
+    fs::write(&path, old).unwrap();
+    let (drive, report) = mcap::read(&path, &with_mapping());
+    assert!(drive.is_none_or(|d| d.times.len() <= 21) || codes(&report).contains(&"ingest.time.span"));
+}
+
 #[test]
 fn recordings_are_recognised_and_come_in_once() {
     let (sources, problems) = find_sources(None, &[fixture("")]);

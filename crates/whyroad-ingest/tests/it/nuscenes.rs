@@ -160,6 +160,40 @@ fn pictures_are_named_with_their_times_and_a_missing_table_is_told() {
     assert!(report.diagnostics[0].location.file.as_ref().unwrap().ends_with("category.json"));
 }
 
+/// A copy of the set with the first timestamp of `table` replaced.
+fn with_timestamp(table: &str, value: &str) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir(fixtures().join("v1.0-byhand")).unwrap().map(Result::unwrap) {
+        let mut text = std::fs::read_to_string(entry.path()).unwrap();
+        if entry.file_name() == table {
+            let at = text.find("\"timestamp\":").unwrap() + "\"timestamp\":".len();
+            let end = at + text[at..].find([',', '}']).unwrap();
+            text.replace_range(at..end, value);
+        }
+        std::fs::write(dir.path().join(entry.file_name()), text).unwrap();
+    }
+    dir
+}
+
+/// Frames would be made for the whole time in between: 54 years, 122 GB.
+#[test]
+fn a_timestamp_of_zero_makes_no_millions_of_frames() {
+    let reference = first().0.times.len();
+    for (table, value) in ["sample.json", "ego_pose.json", "sample_data.json"]
+        .into_iter()
+        .flat_map(|t| ["0", "-9000000000000000000", "9000000000000000000"].map(|v| (t, v)))
+    {
+        let dir = with_timestamp(table, value);
+        let (drive, report) = nuscenes::read(dir.path(), 0, &Options::default());
+        let codes: Vec<_> = report.diagnostics.iter().map(|d| d.code).collect();
+        match drive {
+            None => assert!(codes.contains(&"ingest.time.span"), "{table} {value}: {codes:?}"),
+            Some(drive) => assert!(drive.times.len() <= reference, "{table} {value}"),
+        }
+        assert!(table != "sample.json" || codes.contains(&"ingest.time.span"), "{value}: {codes:?}");
+    }
+}
+
 #[test]
 fn timestamps_may_be_integers_floats_or_texts() {
     let reference = first().0;

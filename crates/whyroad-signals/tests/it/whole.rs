@@ -192,6 +192,39 @@ fn step_of(name: &str) -> f64 {
     }
 }
 
+/// A lake may come from elsewhere, so a drive may have positions that `ingest` would have refused: whatever they are,
+/// the work on them is bounded.
+#[test]
+fn a_position_at_a_billion_metres_costs_no_more_than_another() {
+    let one = |d: &mut Drive| d.ego.as_mut().unwrap().motion.x[45] = 1e9;
+    let all = |d: &mut Drive| d.ego.as_mut().unwrap().motion.x.iter_mut().for_each(|x| *x += 1e9);
+    let half = |d: &mut Drive| d.ego.as_mut().unwrap().motion.y[45..].iter_mut().for_each(|y| *y = -1e9);
+    let fast = |d: &mut Drive| {
+        let motion = &mut d.ego.as_mut().unwrap().motion;
+        (0..90).for_each(|i| motion.x[i] = 1e9 * i as f64);
+    };
+    let lead = |d: &mut Drive| d.tracks[0].motion.x[20] = 1e9;
+    let lane = |d: &mut Drive| d.map.as_mut().unwrap().lanes[0].centre[0].x = -1e9;
+    let large = |d: &mut Drive| d.tracks[0].length_m.iter_mut().for_each(|l| *l = 1e9);
+    let changes: [(&str, &dyn Fn(&mut Drive)); 7] = [
+        ("one frame of the ego", &one),
+        ("the whole ego", &all),
+        ("half of the ego", &half),
+        ("a speed of 1e10 m/s", &fast),
+        ("one row of a track", &lead),
+        ("one point of a lane", &lane),
+        ("a length", &large),
+    ];
+    for (what, change) in changes {
+        let mut d = full();
+        change(&mut d);
+        let (done, waits) = std::sync::mpsc::channel();
+        std::thread::spawn(move || done.send(whyroad_signals::derive(&d).frame_columns.len()));
+        let columns = waits.recv_timeout(std::time::Duration::from_secs(20));
+        assert!(columns.is_ok_and(|n| n > 50), "{what}: {columns:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
