@@ -20,6 +20,7 @@ pub const CODES: &[&str] = &[
     "dataset.drive.unreadable",
     "dataset.window.incomplete",
     "dataset.image.missing",
+    "dataset.image.blur",
     "dataset.group.unknown",
     "dataset.split.empty",
     "dataset.split.leak",

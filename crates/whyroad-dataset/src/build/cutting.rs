@@ -144,21 +144,45 @@ fn candidate<'a>(state: &'a State<'_>, item: &Item) -> Result<Candidate<'a>, Dat
     })
 }
 
-/// One line for incomplete windows and one for missing images, however many samples there are.
+/// One line for each of incomplete windows, missing images and images that were not blurred, however many samples
+/// there are.
 fn summary(state: &mut State<'_>) {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut not_blurred = String::new();
     for item in &state.labels.items {
         if let Some(d) = &item.dropped {
             let kind = match &*d.reason {
                 "history" | "future" => "window",
-                "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing"
-                | "image_not_blurred" => "image",
+                "camera_missing" | "image_missing" | "image_in_video" | "image_file_missing" => "image",
+                "image_not_blurred" => {
+                    if not_blurred.is_empty() {
+                        not_blurred = d.detail.as_deref().unwrap_or_default().to_owned();
+                    }
+                    "blur"
+                }
                 _ => continue,
             };
             *counts.entry(kind).or_default() += 1;
         }
     }
-    let (window, image) = (counts.get("window").copied(), counts.get("image").copied());
+    let [window, image, blur] = ["window", "image", "blur"].map(|kind| counts.get(kind).copied());
+    if let Some(n) = blur {
+        state.diagnostics.push(
+            Diagnostic::warning(
+                "dataset.image.blur",
+                Bilingual::new(
+                    format!("{n} 个样本的图像未能脱敏，未收入。首个原因：{not_blurred}"),
+                    format!(
+                        "{n} samples are left out because an image could not be blurred. The first: {not_blurred}"
+                    ),
+                ),
+            )
+            .with_hint(Bilingual::new(
+                "用其中一张图像单独运行 --blur 的程序，查看其输出，然后重新构建",
+                "run the program of --blur on one of the images, see what it prints, and build again",
+            )),
+        );
+    }
     if let Some(n) = window {
         state.diagnostics.push(
             Diagnostic::warning(
