@@ -18,7 +18,7 @@ pub fn page(c: &Comparison, lang: Lang) -> String {
         m.raw("<p>").text(&score.release).raw(" · ").text(score.split.name()).raw(" · ").int(score.samples);
         m.say(" 个样本，", " samples, ").int(score.drives).say(" 个行程", " drives").raw("</p>");
     }
-    m.raw("<h2>").say("总体", "Overall").raw("</h2><table><tr><th></th>");
+    m.raw("<h2>").say("总体", "Overall").raw("</h2><table><tr><th>").say("项目", "measure").raw("</th>");
     for method in c.methods.keys() {
         m.raw("<th>");
         name(&mut m, *method);
@@ -94,7 +94,9 @@ fn by_leaf(m: &mut Markup, c: &Comparison, target: Target) {
     m.raw("<h2>");
     title(m, target);
     m.say("，按 L3 场景", ", by leaf")
-        .raw("</h2><table><tr><th></th><th>")
+        .raw("</h2><table><tr><th>")
+        .say("L3 场景", "leaf")
+        .raw("</th><th>")
         .say("样本", "samples")
         .raw("</th>");
     for method in c.methods.keys() {

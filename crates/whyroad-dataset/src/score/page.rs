@@ -67,7 +67,12 @@ pub(crate) fn start(zh: &'static str, en: &'static str, lang: Lang) -> Markup {
 }
 
 fn table<'a>(m: &mut Markup, rows: impl Iterator<Item = (String, &'a Figures)>) {
-    m.raw("<table><tr><th></th><th>").say("样本", "samples").raw("</th><th>").say("纵向", "longitudinal");
+    m.raw("<table><tr><th>")
+        .say("分组", "group")
+        .raw("</th><th>")
+        .say("样本", "samples")
+        .raw("</th><th>")
+        .say("纵向", "longitudinal");
     m.raw("</th><th>").say("横向", "lateral").raw("</th><th>").say("两者", "both").raw("</th><th>");
     m.say("L3 场景", "leaf").raw("</th><th>L2</th><th>ADE (m)</th><th>FDE (m)</th></tr>");
     for (name, f) in rows {
@@ -115,7 +120,12 @@ fn classes(m: &mut Markup, target: Target, of: &ClassFigures) {
         Target::Lateral => m.say("横向决策", "Lateral decision"),
         Target::Leaf => m.say("L3 场景", "Leaf"),
     };
-    m.raw("</h2><table><tr><th></th><th>").say("样本", "samples").raw("</th><th>").say("预测", "predicted");
+    m.raw("</h2><table><tr><th>")
+        .say("类别", "class")
+        .raw("</th><th>")
+        .say("样本", "samples")
+        .raw("</th><th>")
+        .say("预测", "predicted");
     m.raw("</th><th>")
         .say("精确率", "precision")
         .raw("</th><th>")

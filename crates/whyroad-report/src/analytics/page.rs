@@ -131,6 +131,11 @@ pub(super) fn number(m: &mut Markup, value: Option<f64>, digits: usize) {
 pub(super) fn head(m: &mut Markup, titles: &[(&'static str, &'static str, Align)]) {
     m.raw("<thead><tr>");
     for (zh, en, align) in titles {
+        // A column of bars has no title: the values beside it have.
+        if zh.is_empty() {
+            m.raw("<td class=\"bar\"></td>");
+            continue;
+        }
         m.raw(match align {
             Align::Text => "<th scope=\"col\">",
             Align::Number => "<th scope=\"col\" class=\"n\">",

@@ -35,7 +35,11 @@ pub fn page(of: &Robustness, lang: Lang, floor: f64) -> String {
         "Agreement: 2 x same / (before + after). Same: one class and target, keyframes within 1 s or time ranges that \
          overlap by at least 0.3.",
     );
-    m.raw("</small></p><table><tr><th></th><th>").say("一致率", "agreement").raw("</th><th>");
+    m.raw("</small></p><table><tr><th>")
+        .say("扰动", "perturbation")
+        .raw("</th><th>")
+        .say("一致率", "agreement")
+        .raw("</th><th>");
     m.say("原有", "before").raw("</th><th>").say("扰动后", "after").raw("</th><th>").say("倍数", "ratio");
     m.raw("</th><th>").say("关键帧偏移 (s)", "keyframe shift (s)").raw("</th></tr>");
     for p in &of.perturbations {
@@ -54,8 +58,8 @@ pub fn page(of: &Robustness, lang: Lang, floor: f64) -> String {
         }
         m.raw("</tr>");
     }
-    m.raw("</table><h2>").say("按场景", "By class").raw("</h2><table><tr><th></th><th>");
-    m.say("原有", "before").raw("</th>");
+    m.raw("</table><h2>").say("按场景", "By class").raw("</h2><table><tr><th>").say("场景", "class");
+    m.raw("</th><th>").say("原有", "before").raw("</th>");
     for p in &of.perturbations {
         m.raw("<th>").text(&p.name).raw("</th>");
     }
