@@ -181,7 +181,7 @@ export const labelTexts = {
   "spec.fallback": ["否则：{text}", "Otherwise: {text}"],
   "spec.pack": ["上下文：前 {before} s，后 {after} s", "Context: {before} s before, {after} s after"],
   "spec.conditions": ["规则命中的条件", "Conditions matched by the rule"],
-  "spec.compound": ["组合条件（规则原文）", "Combined conditions (as the rule states them)"],
+  "spec.compound": ["以及 {n} 个组合条件", "and {n} combined {n:condition|conditions}"],
   "spec.reactive": ["一个时刻", "one moment"],
   "spec.proactive": ["一段范围", "a range"],
   "secondary.title": ["次场景（同时成立）", "Secondary scenarios (that also hold)"],

@@ -10,10 +10,35 @@ fn first_clause(text: &str) -> &str {
     text[..end].trim_end_matches(['.', '。'])
 }
 
-/// `target.gap < 5 m` as what is measured and the rest of the condition; `None` where it speaks of no signal of the
-/// catalogue, or of more than one.
+/// Words of the rule language that a sentence cannot keep: a condition with one of them is no single comparison.
+const SYNTAX: [&str; 14] = [
+    "and",
+    "or",
+    "not",
+    "known",
+    "within",
+    "for",
+    "until",
+    "since",
+    "then",
+    "exists",
+    "count",
+    "previously",
+    "max",
+    "min",
+];
+
+/// `target.gap < 5 m` as what is measured and the rest of the condition, `not ego.standstill` as what is not so; `None`
+/// where it speaks of no signal of the catalogue or of more than one, or is more than one comparison.
 pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingual> {
+    if let Some(what) = denied(condition) {
+        let words = in_words(what, catalogue)?;
+        return Some(Bilingual::new(format!("不成立：{}", words.zh), format!("not so: {}", words.en)));
+    }
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+    if condition.split(|c: char| !is_name(c)).any(|word| SYNTAX.contains(&word)) {
+        return None;
+    }
     let mut names = condition.split(|c: char| !is_name(c)).filter(|w| catalogue.get(w).is_some());
     let name = names.next()?;
     if names.any(|other| other != name) {
@@ -29,8 +54,23 @@ pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingu
             |(w, d)| clause.replace(w, first_clause(if zh { &d.meaning.zh } else { &d.meaning.en })),
         )
     };
-    let said = |words: String| condition.replace(name, &words);
+    let absolute = format!("abs({name})");
+    let said = |words: String| {
+        let text = condition.replace(&absolute, &format!("|{words}|"));
+        if text == condition { condition.replace(name, &words) } else { text }
+    };
     Some(Bilingual::new(said(whole(&meaning.zh, true)), said(whole(&meaning.en, false))))
+}
+
+/// What `not X` denies, also where it is written `not ((X is known) and X)`: of what is unknown it says the same.
+fn denied(condition: &str) -> Option<&str> {
+    let inner = condition.strip_prefix("not ")?.trim();
+    let known = inner.strip_prefix("((").and_then(|rest| rest.split_once(" is known) and "));
+    match known {
+        Some((what, again)) if again.strip_suffix(')') == Some(what) => Some(what),
+        Some(_) => None,
+        None => Some(inner),
+    }
 }
 
 #[cfg(test)]
@@ -44,5 +84,24 @@ mod tests {
         assert_eq!(words.zh, "自车对地速度 > 5 m/s");
         assert_eq!(in_words("true", Catalogue::bundled()), None);
         assert_eq!(in_words("ego.speed > lead.speed", Catalogue::bundled()), None);
+        let words = in_words("abs(ego.accel) < 1m/s2", Catalogue::bundled()).unwrap();
+        assert!(words.en.starts_with('|') && words.en.ends_with("| < 1m/s2"), "{}", words.en);
+    }
+
+    #[test]
+    fn what_is_denied_is_said_and_other_syntax_has_no_words() {
+        let catalogue = Catalogue::bundled();
+        let plain = in_words("not map.in_roundabout", catalogue).unwrap();
+        assert!(plain.zh.starts_with("不成立：") && plain.en.starts_with("not so: "), "{plain}");
+        let guarded = in_words("not ((map.in_roundabout is known) and map.in_roundabout)", catalogue);
+        assert_eq!(guarded, Some(plain));
+        for syntax in [
+            "not ((previously(ego.standstill, 5s) is known) and previously(ego.standstill, 5s))",
+            "(map.speed_limit - min(map.speed_limit, 1s)) >= 5km/h",
+            "ego.speed > 2m/s for 3s",
+            "not ((ego.in_junction is known) and ego.standstill)",
+        ] {
+            assert_eq!(in_words(syntax, catalogue), None, "{syntax}");
+        }
     }
 }

@@ -156,7 +156,13 @@ fn conditions(m: &mut Markup, episode: &EpisodeRecord) {
     m.raw("<table class=\"conditions\"><thead><tr><th>").say("命中条件", "condition").raw("</th><th>");
     m.say("关键帧实际值", "at the keyframe").raw("</th></tr></thead><tbody>");
     for c in &episode.conditions_matched {
-        m.raw("<tr><td><code>").text(&c.condition).raw("</code></td><td>");
+        m.raw("<tr><td title=\"").text(&c.condition).raw("\">");
+        match &c.description {
+            Some(words) => m.both(words),
+            // A combination of several: the rule's own text is all there is.
+            None => m.raw("<code>").text(&c.condition).raw("</code>"),
+        };
+        m.raw("</td><td>");
         match &c.actual_value {
             serde_json::Value::Null => m.raw("–"),
             serde_json::Value::Number(n) => m.num(n.as_f64().unwrap_or(f64::NAN), 2),
