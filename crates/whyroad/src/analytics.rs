@@ -5,8 +5,9 @@ mod service;
 
 pub(crate) use service::ServiceReports;
 
+use crate::output::reason::{cannot_read, no_project};
 use crate::store_args::{error as refusal, open_store};
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{Context as _, anyhow};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use whyroad_dataset::Release;
@@ -66,7 +67,7 @@ pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyh
         all.iter().filter(|p| project.is_none_or(|name| p.name == name || p.id == name)).collect();
     if let Some(name) = project.filter(|_| chosen.is_empty()) {
         let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
-        bail!("no project '{name}'; existing: {}", names.join(", "));
+        return Err(no_project(name, &names));
     }
     let mut out = Labelling { tasks: vec![], wanted: BTreeMap::new() };
     for p in chosen {
@@ -98,7 +99,7 @@ pub(crate) fn releases(dirs: &[PathBuf]) -> anyhow::Result<Vec<ReleaseFacts>> {
 }
 
 fn release(dir: &Path) -> anyhow::Result<ReleaseFacts> {
-    let cannot = || format!("cannot read the release {}", dir.display());
+    let cannot = || cannot_read(dir.display());
     let release = Release::open(dir).with_context(cannot)?;
     let name = format!("{} {}", release.manifest.name, release.manifest.version);
     let mut out = ReleaseFacts { name, samples: vec![] };

@@ -1,7 +1,8 @@
 //! The framework in force: the built-in one, or the folder that `--framework` names.
 
 use crate::Global;
-use anyhow::{Context as _, bail};
+use crate::output::reason::{cannot_read, no_framework, stop};
+use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Framework;
@@ -21,7 +22,7 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     }
     match framework {
         Some(framework) => Ok((framework, found)),
-        None => bail!("{} holds no usable framework", dir.display()),
+        None => Err(anyhow::anyhow!(no_framework(dir.display()))),
     }
 }
 
@@ -64,22 +65,24 @@ pub(crate) fn read_folder(dir: &Path) -> anyhow::Result<BTreeMap<String, String>
         }
     }
     if out.is_empty() {
-        bail!("{} has no schema/ or scenarios/ folder with files", dir.display());
+        return Err(stop(
+            format!("{} 中没有含文件的 schema/ 或 scenarios/ 文件夹", dir.display()),
+            format!("{} has no schema/ or scenarios/ folder with files", dir.display()),
+        ));
     }
     Ok(out)
 }
 
 fn collect(folder: &Path, prefix: &str, out: &mut BTreeMap<String, String>) -> anyhow::Result<()> {
-    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let entries = std::fs::read_dir(folder).with_context(|| cannot_read(folder.display()))?;
     for entry in entries {
-        let entry = entry.with_context(|| format!("cannot read {}", folder.display()))?;
+        let entry = entry.with_context(|| cannot_read(folder.display()))?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let (path, inner) = (entry.path(), format!("{prefix}/{name}"));
         if path.is_dir() {
             collect(&path, &inner, out)?;
         } else if name.ends_with(".yaml") || name.ends_with(".json") {
-            let text =
-                std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            let text = std::fs::read_to_string(&path).with_context(|| cannot_read(path.display()))?;
             out.insert(inner, text);
         }
     }

@@ -132,6 +132,7 @@ fn main() -> ExitCode {
     };
     cli.global.color.write_global();
     output::log::set(cli.global.log_format);
+    output::reason::set_lang(cli.global.lang);
     let result = match cli.command {
         Command::Taxonomy(a) => cmd::taxonomy::run(&cli.global, a),
         Command::Validate(a) => cmd::validate::run(&cli.global, a),

@@ -2,6 +2,7 @@
 //! findings or failure, 2 usage (clap's), 3 done but some input was lost.
 
 pub(crate) mod log;
+pub(crate) mod reason;
 
 use serde::Serialize;
 use std::process::ExitCode;

@@ -1,8 +1,9 @@
 //! `whyroad agreement`: how far two annotators, or a judge and people, agree beyond chance, with intervals.
 
 use crate::output::Print;
+use crate::output::reason::{cannot_read, reason, stop};
 use crate::{Global, output, store_args};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -46,7 +47,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
         ([(_, tasks)], _) => pair_tasks(tasks),
         (_, Some(project)) => pair_tasks(&stored(&args, project, lang)?),
-        _ => bail!("name one or two files, or --project"),
+        _ => return Err(stop("请给出一个或两个文件，或 --project", "name one or two files, or --project")),
     };
     if judged.items.is_empty() {
         say!(
@@ -75,9 +76,11 @@ fn name(path: &Path) -> String {
 
 /// JSON Lines, or one document.
 fn documents(path: &Path) -> anyhow::Result<Vec<Value>> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
     let all: Result<Vec<Value>, _> = serde_json::Deserializer::from_str(&text).into_iter().collect();
-    let all = all.with_context(|| format!("{} is not JSON Lines", path.display()))?;
+    let all = all.with_context(|| {
+        reason(format!("{} 不是 JSON Lines", path.display()), format!("{} is not JSON Lines", path.display()))
+    })?;
     Ok(match <[Value; 1]>::try_from(all) {
         Ok([Value::Array(items)]) => items,
         Ok([one]) => vec![one],

@@ -1,8 +1,9 @@
 //! `whyroad backup` and `whyroad restore`: the whole store of the labelling service as one file, from either database
 //! into either.
 
+use crate::output::reason::{cannot_read, exists};
 use crate::{Global, output, store_args};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ pub(crate) struct RestoreArgs {
 pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<ExitCode> {
     let store = args.store.open_existing(global.lang)?;
     if args.out.exists() {
-        bail!("{} already exists", args.out.display());
+        return Err(exists(args.out.display()));
     }
     let rows = backup_to(&store, &args.out).map_err(|p| store_args::error(&p, global.lang))?;
     report_rows(rows, &args.out, global.lang);
@@ -51,7 +52,7 @@ pub(crate) fn run_backup(global: &Global, args: BackupArgs) -> anyhow::Result<Ex
 }
 
 pub(crate) fn run_restore(global: &Global, args: RestoreArgs) -> anyhow::Result<ExitCode> {
-    File::open(&args.from).with_context(|| format!("cannot read {}", args.from.display()))?;
+    File::open(&args.from).with_context(|| cannot_read(args.from.display()))?;
     let store = args.store.open(global.lang)?;
     let from = args.from.clone();
     let rows = restore(&store, move || File::open(&from).map(BufReader::new))

@@ -1,9 +1,10 @@
 //! `whyroad baseline`: a model from the history alone that any other model should beat.
 
 use crate::cmd::dataset::score::{SplitArg, text};
+use crate::output::reason::{cannot_write, stop};
 use crate::output::{self, DataFormat, Print};
 use crate::{Global, framework_folder};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -103,14 +104,17 @@ fn train(global: &Global, a: &Train) -> anyhow::Result<ExitCode> {
         Err(e) => return Ok(failed(global, &e)),
     };
     if train.is_empty() {
-        bail!("{} has no training samples", a.release.display());
+        return Err(stop(
+            format!("{} 没有训练样本", a.release.display()),
+            format!("{} has no training samples", a.release.display()),
+        ));
     }
     let model = Model::train(&named(&release), &train, &val, Settings { rounds: a.rounds, seed: a.seed });
     let text = match model.to_json() {
         Ok(text) => text,
         Err(e) => return Ok(failed(global, &e)),
     };
-    std::fs::write(&a.out, text).with_context(|| format!("cannot write {}", a.out.display()))?;
+    std::fs::write(&a.out, text).with_context(|| cannot_write(a.out.display()))?;
     let (n, m) = (train.len(), val.len());
     match global.lang {
         Lang::Zh => say!("用 {n} 个样本训练，{m} 个样本校准：{}", a.out.display()),
@@ -155,11 +159,10 @@ fn evaluate(global: &Global, a: &Evaluate) -> anyhow::Result<ExitCode> {
         for p in &predictions {
             writeln!(out, "{}", serde_json::to_string(p)?)?;
         }
-        std::fs::write(path, out).with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(path, out).with_context(|| cannot_write(path.display()))?;
     }
     if let Some(path) = &a.page {
-        std::fs::write(path, page::page(&c, global.lang))
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(path, page::page(&c, global.lang)).with_context(|| cannot_write(path.display()))?;
     }
     Ok(output::FINE)
 }

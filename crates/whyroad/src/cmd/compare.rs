@@ -2,9 +2,10 @@
 
 mod sides;
 
+use crate::output::reason::{cannot_make, cannot_read, cannot_write, no_class, stop};
 use crate::output::{self, Print};
 use crate::{Global, analytics, framework_folder};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use sides::{Kind, Side};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -49,13 +50,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let class = match &args.scenario {
         Some(text) => match framework.taxonomy.resolve(text) {
             whyroad_framework::Resolution::Found(id) => Some(id),
-            _ => bail!("class '{text}' not found; `whyroad taxonomy list` shows all classes"),
+            _ => return Err(no_class(text)),
         },
         None => None,
     };
     let kinds = (Kind::of(&args.before)?, Kind::of(&args.after)?);
     if (kinds.0 == Kind::Release) != (kinds.1 == Kind::Release) {
-        bail!("a release can only be compared with a release");
+        return Err(stop("数据集只能与数据集比较", "a release can only be compared with a release"));
     }
     let read = |path: &Path, kind| Side::read(global, path, kind, args.lake.as_deref(), class.as_ref());
     let (before, after) = (read(&args.before, kinds.0)?, read(&args.after, kinds.1)?);
@@ -73,10 +74,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             .collect();
         let head = PageHead { before: &names.0, after: &names.1, taxonomies: &taxonomies, lang: global.lang };
         if let Some(dir) = out.parent().filter(|d| !d.as_os_str().is_empty()) {
-            std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+            std::fs::create_dir_all(dir).with_context(|| cannot_make(dir.display()))?;
         }
-        std::fs::write(out, render_page(&comparison, &head))
-            .with_context(|| format!("cannot write {}", out.display()))?;
+        std::fs::write(out, render_page(&comparison, &head)).with_context(|| cannot_write(out.display()))?;
         say!("{}", out.display());
     }
     args.print.put(&comparison, || render(&comparison, global.lang, args.examples))?;
@@ -104,7 +104,7 @@ fn accepted(
             })
             .collect());
     }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {source}"))?;
+    let text = std::fs::read_to_string(path).with_context(|| cannot_read(&source))?;
     if verdicts::is_export(&text) {
         let (verdicts, problems) = verdicts::read(&text, source);
         for d in &problems {

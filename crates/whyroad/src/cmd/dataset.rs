@@ -8,8 +8,9 @@ pub(crate) mod score;
 mod show;
 mod verify;
 
+use crate::output::reason::{cannot_read, cannot_write, exists, stop};
 use crate::{Global, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
@@ -65,9 +66,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
 fn init(a: &Init) -> anyhow::Result<ExitCode> {
     if a.file.exists() {
-        bail!("{} exists already", a.file.display());
+        return Err(exists(a.file.display()));
     }
-    std::fs::write(&a.file, spec::TEMPLATE).with_context(|| format!("cannot write {}", a.file.display()))?;
+    std::fs::write(&a.file, spec::TEMPLATE).with_context(|| cannot_write(a.file.display()))?;
     say!("{}", a.file.display());
     Ok(output::FINE)
 }
@@ -92,14 +93,13 @@ fn licences(global: &Global) -> anyhow::Result<LicenceTable> {
     let own = global.framework.as_ref().map(|dir| dir.join("schema/licences.yaml")).filter(|p| p.is_file());
     let (text, name) = match &own {
         Some(path) => {
-            let text =
-                std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
             (text, path.display().to_string())
         }
         None => (BUNDLED.to_owned(), "schema/licences.yaml".to_owned()),
     };
     LicenceTable::read(&text, &name).map_err(|found| {
         print(global, &found);
-        anyhow::anyhow!("{name} is not usable")
+        stop(format!("{name} 不可用"), format!("{name} is not usable"))
     })
 }

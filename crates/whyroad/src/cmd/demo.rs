@@ -7,6 +7,7 @@ mod release;
 mod summary;
 
 use crate::cmd::report::{self, Found, MAX_CARDS, write_page};
+use crate::output::reason::{cannot_make, reason};
 use crate::output::render_text;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
@@ -59,9 +60,9 @@ impl Steps {
 /// named.
 pub(crate) fn lake_and_episodes(global: &Global, framework: &Framework, out: &Path) -> anyhow::Result<Lake> {
     let mut steps = Steps { lang: global.lang, lost: false };
-    std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+    std::fs::create_dir_all(out).with_context(|| cannot_make(out.display()))?;
     let lake = ingest(&mut steps, &Args { out: out.to_owned(), av2: None })?;
-    let lake = lake.context("the bundled drives could not be read")?;
+    let lake = lake.context(reason("无法读取内置行程", "the bundled drives could not be read"))?;
     mine(&mut steps, framework, &lake, out)?;
     Ok(lake)
 }
@@ -69,7 +70,7 @@ pub(crate) fn lake_and_episodes(global: &Global, framework: &Framework, out: &Pa
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let mut steps = Steps { lang: global.lang, lost: false };
-    std::fs::create_dir_all(&args.out).with_context(|| format!("cannot make {}", args.out.display()))?;
+    std::fs::create_dir_all(&args.out).with_context(|| cannot_make(args.out.display()))?;
 
     let Some(lake) = ingest(&mut steps, &args)? else { return Ok(output::FINDINGS) };
     let (mined, result) = mine(&mut steps, &framework, &lake, &args.out)?;
@@ -86,7 +87,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
     let page = args.out.join("report.html");
     let chosen = CardChoice::new(MAX_CARDS).choose_all(episodes.iter().cloned());
-    let folder = MinedFolder::open(args.out.join("mined")).context("the mined folder was just written")?;
+    let folder = MinedFolder::open(args.out.join("mined"))
+        .context(reason("刚写入的挖掘结果不见了", "the mined folder was just written"))?;
     let numbers = report::Numbers::default();
     let analytics = match report::analyze(&framework, &folder, &lake, &numbers, global.lang)? {
         Ok((analytics, lost)) => {
@@ -149,7 +151,9 @@ fn ingest(steps: &mut Steps, args: &Args) -> anyhow::Result<Option<Lake>> {
 /// left alone, and refused by the lake.
 fn fresh_lake(dir: &Path) -> anyhow::Result<Lake> {
     if dir.join("whyroad-lake.json").is_file() {
-        std::fs::remove_dir_all(dir).with_context(|| format!("cannot clear {}", dir.display()))?;
+        std::fs::remove_dir_all(dir).with_context(|| {
+            reason(format!("无法清空 {}", dir.display()), format!("cannot clear {}", dir.display()))
+        })?;
     }
     Ok(Lake::create_or_open(dir)?)
 }

@@ -2,8 +2,9 @@
 
 use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
 use crate::output::Print;
+use crate::output::reason::{cannot_read, cannot_write, no_class, stop};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -64,8 +65,7 @@ type Made = Result<(CocLabel, Vec<Diagnostic>), Vec<Diagnostic>>;
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let lake =
-        Lake::open(&args.lake).with_context(|| format!("cannot open the lake {}", args.lake.display()))?;
+    let lake = Lake::open(&args.lake).with_context(|| cannot_read(args.lake.display()))?;
     let episodes = episodes(&args, &framework)?;
     let texts = args.texts.unwrap_or(global.lang);
     let drives = Arc::new(LabelDrives::new(lake.clone(), &framework));
@@ -96,7 +96,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             }
         }
     }
-    std::fs::write(&args.out, &lines).with_context(|| format!("cannot write {}", args.out.display()))?;
+    std::fs::write(&args.out, &lines).with_context(|| cannot_write(args.out.display()))?;
     let spent = client.as_ref().map(Client::spent);
     let by = client.as_ref().map_or("rule", |c| c.model());
     let report = json!({
@@ -126,12 +126,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 /// The primary episodes that are asked for, in the order of drive and keyframe.
 fn episodes(args: &Args, framework: &Framework) -> anyhow::Result<Vec<EpisodeRecord>> {
     let Some(folder) = MinedFolder::open(&args.from) else {
-        bail!("{} holds no mined episodes; `whyroad mine --out DIR` writes them", args.from.display());
+        return Err(stop(
+            format!("{} 中没有挖掘出的事件；用 `whyroad mine --out DIR` 生成", args.from.display()),
+            format!("{} holds no mined episodes; `whyroad mine --out DIR` writes them", args.from.display()),
+        ));
     };
     let scenario = match args.scenario.as_deref().map(|text| (text, framework.taxonomy.resolve(text))) {
         None => None,
         Some((_, Resolution::Found(id))) => Some(id),
-        Some((text, _)) => bail!("'{text}' is not a class; `whyroad taxonomy list` shows all classes"),
+        Some((text, _)) => return Err(no_class(text)),
     };
     let filter = EpisodeFilter { scenario, primary_only: true, ..EpisodeFilter::default() };
     let mut all = folder.index()?.page(&filter, None, args.limit.unwrap_or(usize::MAX))?.episodes;

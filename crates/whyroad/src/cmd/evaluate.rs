@@ -2,6 +2,7 @@
 
 mod scenario_mining;
 
+use crate::output::reason::{cannot_read, no_class, reason, stop};
 use crate::output::{DataFormat, Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
@@ -78,10 +79,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         return calibration(global, &args, file);
     }
     if let Some(predictions) = &args.predictions {
-        anyhow::ensure!(
-            args.metric == Metric::Av2ScenarioMining,
-            "--predictions needs --metric av2-scenario-mining"
-        );
+        if args.metric != Metric::Av2ScenarioMining {
+            return Err(stop(
+                "--predictions 需要 --metric av2-scenario-mining",
+                "--predictions needs --metric av2-scenario-mining",
+            ));
+        }
         return scenario_mining::from_files(global, &args, predictions);
     }
     let (framework, _) = framework_folder::load(global)?;
@@ -93,9 +96,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for path in &args.truth {
         lost.extend(truth.read(&read(path)?, &path.display().to_string(), &is_class));
     }
-    let dir = args.episodes.as_deref().context("--episodes is missing")?;
-    let mined = MinedFolder::open(dir)
-        .with_context(|| format!("cannot read {}", MinedFile::Episodes.path(dir).display()))?;
+    let dir = args.episodes.as_deref().context(reason("缺少 --episodes", "--episodes is missing"))?;
+    let mined =
+        MinedFolder::open(dir).with_context(|| cannot_read(MinedFile::Episodes.path(dir).display()))?;
     let wanted =
         |e: &EpisodeRecord| args.scenario.as_ref().is_none_or(|class| e.scenario_id.is_within(class));
     let mut episodes = Vec::new();
@@ -107,10 +110,9 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     }
     if let Some(class) = &args.scenario {
-        anyhow::ensure!(
-            is_class(class),
-            "class '{class}' not found; `whyroad taxonomy list` shows all classes"
-        );
+        if !is_class(class) {
+            return Err(no_class(class));
+        }
         truth.entries.retain(|e| e.scenario_id.is_within(class));
     }
     if args.metric == Metric::Av2ScenarioMining {
@@ -124,7 +126,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
-    let failures = shortfalls(&evaluation, &args);
+    let failures = shortfalls(&evaluation, &args, global.lang);
     for failure in &failures {
         say!("{failure}");
     }
@@ -152,27 +154,43 @@ fn calibration(global: &Global, args: &Args, file: &Path) -> anyhow::Result<Exit
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))
 }
 
 /// What is worse than was asked for. A figure that has no value does not reach its threshold.
-fn shortfalls(e: &Evaluation, args: &Args) -> Vec<String> {
+fn shortfalls(e: &Evaluation, args: &Args, lang: Lang) -> Vec<String> {
     let mut out = Vec::new();
-    let told = |v: Option<f64>| v.map_or("unknown".to_owned(), |v| format!("{v:.3}"));
+    let zh = lang == Lang::Zh;
+    let told = |v: Option<f64>| {
+        let unknown = if zh { "未知" } else { "unknown" };
+        v.map_or(unknown.to_owned(), |v| format!("{v:.3}"))
+    };
     if let Some(least) = args.min_f1
         && e.macro_f1.is_none_or(|f| f < least)
     {
-        out.push(format!("macro F1 is {}, under {least}", told(e.macro_f1)));
+        let f1 = told(e.macro_f1);
+        out.push(match zh {
+            true => format!("宏平均 F1 为 {f1}，低于 {least}"),
+            false => format!("macro F1 is {f1}, under {least}"),
+        });
     }
     if let Some(least) = args.min_class_f1 {
         for (id, c) in e.classes.iter().filter(|(_, c)| c.truth > 0 && c.f1.is_none_or(|f| f < least)) {
-            out.push(format!("{id}: F1 is {}, under {least}", told(c.f1)));
+            let f1 = told(c.f1);
+            out.push(match zh {
+                true => format!("{id}：F1 为 {f1}，低于 {least}"),
+                false => format!("{id}: F1 is {f1}, under {least}"),
+            });
         }
     }
     if let Some(most) = args.max_keyframe_error
         && e.keyframe_error_median_s.is_none_or(|s| s > most)
     {
-        out.push(format!("median keyframe error is {} s, over {most} s", told(e.keyframe_error_median_s)));
+        let error = told(e.keyframe_error_median_s);
+        out.push(match zh {
+            true => format!("关键帧误差的中位数为 {error} s，超过 {most} s"),
+            false => format!("median keyframe error is {error} s, over {most} s"),
+        });
     }
     out
 }

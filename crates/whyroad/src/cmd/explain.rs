@@ -8,6 +8,7 @@ mod text;
 
 use super::inspect::drive_of;
 use super::mine::plan::CustomRule;
+use crate::output::reason::cannot_write;
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
@@ -125,7 +126,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {
         std::fs::write(file, truths::render(&chart::chart(&shown, global.lang)))
-            .with_context(|| format!("cannot write {}", file.display()))?;
+            .with_context(|| cannot_write(file.display()))?;
     }
     if let Some(file) = &args.html {
         let chart = truths::render(&chart::chart(&shown, global.lang));
@@ -133,7 +134,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let target = explanation.roles.get(&rule.target_role);
         let title = format!("{}, {}", rule.scenario, args.clip);
         let page = page::page(&title, &drive, frame, target, &chart, global.lang);
-        std::fs::write(file, page).with_context(|| format!("cannot write {}", file.display()))?;
+        std::fs::write(file, page).with_context(|| cannot_write(file.display()))?;
     }
     Ok(output::FINE)
 }

@@ -4,6 +4,7 @@ mod arguments;
 mod meta;
 mod report;
 
+use crate::output::reason::stop;
 use crate::output::{DataFormat, render_text};
 use crate::{Global, output};
 pub(crate) use arguments::Args;
@@ -16,7 +17,11 @@ use whyroad_model::{Diagnostic, Severity};
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (sources, problems) = whyroad_ingest::find_sources(args.format, &args.paths);
     if args.options.drive_id.is_some() && sources.len() > 1 {
-        anyhow::bail!("--drive-id names one drive, but there are {} sources", sources.len());
+        let n = sources.len();
+        return Err(stop(
+            format!("--drive-id 只能指定一个行程，而来源有 {n} 个"),
+            format!("--drive-id names one drive, but there are {n} sources"),
+        ));
     }
     print_diagnostics(global, &problems);
     if sources.is_empty() {

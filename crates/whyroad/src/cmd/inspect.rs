@@ -1,5 +1,6 @@
 //! `whyroad inspect`: what a lake holds, drive by drive, or for one clip.
 
+use crate::output::reason::stop;
 use crate::output::{Print, render_text};
 use crate::text_table::wrapped;
 use crate::{Global, output};
@@ -36,9 +37,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         None => lake.drive_ids(),
         Some(clip) => match drive_of(&lake, clip) {
             Some(id) => vec![id],
-            None => anyhow::bail!(
-                "clip '{clip}' not found in the lake; `whyroad inspect --lake DIR` lists the clips"
-            ),
+            None => {
+                return Err(stop(
+                    format!("数据湖中没有片段“{clip}”；`whyroad inspect --lake DIR` 列出所有片段"),
+                    format!(
+                        "clip '{clip}' not found in the lake; `whyroad inspect --lake DIR` lists the clips"
+                    ),
+                ));
+            }
         },
     };
     let (mut lake_summary, mut summaries, mut broken) = (LakeSummary::default(), Vec::new(), false);

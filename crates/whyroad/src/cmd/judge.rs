@@ -3,6 +3,7 @@
 use super::draft::LakeImages;
 use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
 use crate::output::Print;
+use crate::output::reason::{cannot_read, cannot_write};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use rayon::prelude::*;
@@ -67,8 +68,7 @@ fn share(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let lake =
-        Lake::open(&args.lake).with_context(|| format!("cannot open the lake {}", args.lake.display()))?;
+    let lake = Lake::open(&args.lake).with_context(|| cannot_read(args.lake.display()))?;
     let (mut labels, faults) = labels(&args)?;
     tell_all(&faults, global.lang);
     labels.truncate(args.limit.unwrap_or(usize::MAX));
@@ -139,7 +139,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 /// The labels of a file; a line that is none is reported. Lines of tasks hold their label in `draft`.
 fn labels(args: &Args) -> anyhow::Result<(Vec<CocLabel>, Vec<Diagnostic>)> {
     let name = args.labels.display().to_string();
-    let text = std::fs::read_to_string(&args.labels).with_context(|| format!("cannot read {name}"))?;
+    let text = std::fs::read_to_string(&args.labels).with_context(|| cannot_read(&name))?;
     let (mut labels, mut faults) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
         let value: Result<serde_json::Value, _> = serde_json::from_str(line);
@@ -172,7 +172,7 @@ fn write<'j>(path: &std::path::Path, judged: impl Iterator<Item = &'j JudgedLabe
         lines.push_str(&serde_json::to_string(j)?);
         lines.push('\n');
     }
-    std::fs::write(path, lines).with_context(|| format!("cannot write {}", path.display()))
+    std::fs::write(path, lines).with_context(|| cannot_write(path.display()))
 }
 
 /// Counts for the report.

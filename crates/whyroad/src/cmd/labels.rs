@@ -3,8 +3,9 @@
 mod sources;
 
 use crate::output::Print;
+use crate::output::reason::{cannot_read, cannot_write, reason, stop};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
 fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
     let scenario = class(global, a.scenario.as_deref())?;
-    let lake = Lake::open(&a.lake).with_context(|| format!("cannot open the lake {}", a.lake.display()))?;
+    let lake = Lake::open(&a.lake).with_context(|| cannot_read(a.lake.display()))?;
     let drives = a.drives.as_deref().map(drive_names).transpose()?.unwrap_or_default();
     let format = sources::name(a.source);
     let by = a.by.as_deref().unwrap_or(format);
@@ -117,7 +118,7 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
             }
         }
     }
-    std::fs::write(&a.out, &lines).with_context(|| format!("cannot write {}", a.out.display()))?;
+    std::fs::write(&a.out, &lines).with_context(|| cannot_write(a.out.display()))?;
     diagnostics.extend(import::fields(format, &reading.left_out));
     for d in &diagnostics {
         tell!("{}", output::render_text(d, global.lang));
@@ -142,7 +143,12 @@ fn class(global: &Global, text: Option<&str>) -> anyhow::Result<ScenarioLabel> {
         None => ScenarioId { l1: "other".into(), l2: Some("other".into()), l3: None },
         Some(text) => match framework_folder::load(global)?.0.taxonomy.resolve(text) {
             Resolution::Found(id) if id.l2.is_some() => id,
-            _ => bail!("'{text}' is not a leaf or L2 class; `whyroad taxonomy list` shows all classes"),
+            _ => {
+                return Err(stop(
+                    format!("“{text}”不是 L3 或 L2 场景；`whyroad taxonomy list` 列出所有分类"),
+                    format!("'{text}' is not a leaf or L2 class; `whyroad taxonomy list` shows all classes"),
+                ));
+            }
         },
     };
     let full_id = Some(id.to_string());
@@ -151,14 +157,16 @@ fn class(global: &Global, text: Option<&str>) -> anyhow::Result<ScenarioLabel> {
 
 /// Which drive a clip is.
 fn drive_names(file: &Path) -> anyhow::Result<BTreeMap<String, DriveId>> {
-    let cannot = || format!("cannot read {}", file.display());
+    let cannot = || cannot_read(file.display());
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(file).with_context(cannot)?;
     let header = reader.headers().with_context(cannot)?.clone();
     let column = |name: &str| {
-        header
-            .iter()
-            .position(|h| h == name)
-            .with_context(|| format!("{}: no column '{name}'", file.display()))
+        header.iter().position(|h| h == name).with_context(|| {
+            reason(
+                format!("{} 没有列“{name}”", file.display()),
+                format!("{}: no column '{name}'", file.display()),
+            )
+        })
     };
     let (clip, drive) = (column("clip")?, column("drive")?);
     let mut out = BTreeMap::new();

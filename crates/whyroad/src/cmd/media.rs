@@ -1,6 +1,7 @@
 //! `whyroad media add`: camera images beside a log, attached to a drive of a lake.
 
 use crate::output::Print;
+use crate::output::reason::{cannot_write, reason, stop};
 use crate::{Global, output};
 use anyhow::{Context as _, bail};
 use serde_json::json;
@@ -94,7 +95,12 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
         (None, None, _, Some(frames)) => {
             ImageSource::Folder { dir: frames.dir.clone(), start: start(), rate_hz }
         }
-        _ => bail!("--pictures with --rate, --video, or --times"),
+        _ => {
+            return Err(stop(
+                "请给出 --pictures 与 --rate，或 --video，或 --times",
+                "give --pictures with --rate, --video, or --times",
+            ));
+        }
     };
     // What was extracted is only there for this call.
     let copy = a.copy || extracted.is_some();
@@ -152,7 +158,7 @@ impl Extracted {
         }
         let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
         let dir = std::env::temp_dir().join(format!("whyroad-video-{}-{nanos}", std::process::id()));
-        std::fs::create_dir(&dir).with_context(|| format!("cannot write {}", dir.display()))?;
+        std::fs::create_dir(&dir).with_context(|| cannot_write(dir.display()))?;
         let frames = Self { dir };
         let run = Command::new("ffmpeg")
             .args(["-nostdin", "-v", "error", "-i"])
@@ -168,10 +174,11 @@ impl Extracted {
                 Lang::En =>
                     "ffmpeg is not installed: install it, or extract the frames yourself and use --pictures",
             }),
-            other => other.context("cannot run ffmpeg")?,
+            other => other.context(reason("无法运行 ffmpeg", "cannot run ffmpeg"))?,
         };
         if !out.status.success() {
-            bail!("ffmpeg: {}", String::from_utf8_lossy(&out.stderr).trim());
+            let said = String::from_utf8_lossy(&out.stderr);
+            return Err(stop(format!("ffmpeg 失败：{}", said.trim()), format!("ffmpeg: {}", said.trim())));
         }
         Ok(frames)
     }

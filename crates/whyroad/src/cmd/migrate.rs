@@ -1,5 +1,6 @@
 //! `whyroad migrate`: labels of older layouts brought to the current format, or back to 2.0.
 
+use crate::output::reason::{cannot_read, cannot_write, reason};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use serde_json::Value;
@@ -55,9 +56,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     }
     match &args.out {
-        Some(path) => {
-            std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?
-        }
+        Some(path) => std::fs::write(path, text).with_context(|| cannot_write(path.display()))?,
         None => output::put(&text),
     }
     say!(
@@ -75,13 +74,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 fn documents(file: &Path) -> anyhow::Result<Vec<Value>> {
     let mut text = String::new();
     if file == Path::new("-") {
-        std::io::stdin().read_to_string(&mut text).context("cannot read standard input")?;
+        std::io::stdin().read_to_string(&mut text).context(cannot_read("-"))?;
     } else {
-        text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+        text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     }
     let mut out = Vec::new();
     for value in serde_json::Deserializer::from_str(&text).into_iter::<Value>() {
-        match value.with_context(|| format!("{} is not JSON", file.display()))? {
+        match value.with_context(|| {
+            reason(format!("{} 不是 JSON", file.display()), format!("{} is not JSON", file.display()))
+        })? {
             Value::Array(items) => out.extend(items),
             one => out.push(one),
         }

@@ -2,9 +2,10 @@
 //! page; the same numbers as text, JSON and tables.
 
 use crate::cmd::dataset::query::Queries;
+use crate::output::reason::{cannot_make, cannot_write, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, analytics, framework_folder, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -95,11 +96,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Err(e) => return Ok(refuse(&e.diagnostic(), global.lang)),
     };
     let Some(mined) = MinedFolder::open(&args.mined) else {
-        bail!(
-            "{} has no {}; `whyroad mine --out DIR` writes it",
-            args.mined.display(),
-            MinedFile::Episodes.name()
-        );
+        let (dir, file) = (args.mined.display(), MinedFile::Episodes.name());
+        return Err(stop(
+            format!("{dir} 中没有 {file}；用 `whyroad mine --out DIR` 生成"),
+            format!("{dir} has no {file}; `whyroad mine --out DIR` writes it"),
+        ));
     };
     let coverage = match mined.coverage() {
         Ok(coverage) => coverage,
@@ -197,7 +198,7 @@ fn write_tables(analytics: &Analytics, dir: &Path) -> anyhow::Result<()> {
         sheet.write(dir)?;
     }
     let queries = dir.join("queries");
-    std::fs::create_dir_all(&queries).with_context(|| format!("cannot make {}", queries.display()))?;
+    std::fs::create_dir_all(&queries).with_context(|| cannot_make(queries.display()))?;
     for old in
         std::fs::read_dir(&queries)?.flatten().filter(|f| f.path().extension().is_some_and(|e| e == "json"))
     {
@@ -207,7 +208,7 @@ fn write_tables(analytics: &Analytics, dir: &Path) -> anyhow::Result<()> {
         if let Some(query) = &s.query {
             let path = queries.join(format!("{}.json", s.scenario_id));
             let text = serde_json::to_string_pretty(query)?;
-            std::fs::write(&path, text + "\n").with_context(|| format!("cannot write {}", path.display()))?;
+            std::fs::write(&path, text + "\n").with_context(|| cannot_write(path.display()))?;
         }
     }
     Ok(())
@@ -260,8 +261,8 @@ pub(crate) fn write_page(found: &Found<'_>, out: &Path, lang: Lang) -> anyhow::R
         anyhow::Ok(())
     })?;
     if let Some(dir) = out.parent().filter(|d| !d.as_os_str().is_empty()) {
-        std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+        std::fs::create_dir_all(dir).with_context(|| cannot_make(dir.display()))?;
     }
-    std::fs::write(out, page.finish()).with_context(|| format!("cannot write {}", out.display()))?;
+    std::fs::write(out, page.finish()).with_context(|| cannot_write(out.display()))?;
     Ok(lost)
 }

@@ -1,5 +1,6 @@
 //! `whyroad robustness`: how far mining agrees with itself when the log is made worse.
 
+use crate::output::reason::cannot_write;
 use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, bail};
@@ -133,7 +134,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     });
     if let Some(file) = &args.page {
         std::fs::write(file, page(&result, global.lang, floor))
-            .with_context(|| format!("cannot write {}", file.display()))?;
+            .with_context(|| cannot_write(file.display()))?;
         say!("{}", file.display());
     }
     Ok(if unreadable || result.left_out > 0 {

@@ -2,6 +2,7 @@
 
 use super::taxonomy::lint;
 use crate::output::PrintFindings;
+use crate::output::reason::cannot_read;
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use clap::Subcommand;
@@ -64,7 +65,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))
 }
 
 fn tally(name: &str, checked: &Checked, lang: Lang) -> String {

@@ -5,6 +5,7 @@ mod first_run;
 mod oidc;
 
 use crate::analytics::ServiceReports;
+use crate::output::reason::{cannot_listen, cannot_write, reason};
 use crate::recordings::ServiceRecordings;
 use crate::{Global, output, store_args};
 use anyhow::Context as _;
@@ -64,10 +65,9 @@ pub(crate) struct Args {
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let framework = store_args::framework(global)?;
     // Before any work: an address in use is the commonest reason not to start.
-    let listener =
-        TcpListener::bind(args.listen).with_context(|| format!("cannot listen on {}", args.listen))?;
+    let listener = TcpListener::bind(args.listen).with_context(|| cannot_listen(args.listen))?;
     let at = listener.local_addr()?;
-    let bind_ops = |at: SocketAddr| TcpListener::bind(at).with_context(|| format!("cannot listen on {at}"));
+    let bind_ops = |at: SocketAddr| TcpListener::bind(at).with_context(|| cannot_listen(at));
     let ops = args.ops_listen.map(bind_ops).transpose()?;
     // A mistake here is reported before the drives are read.
     let own = Some(at).filter(|at| at.ip().is_loopback() && !args.https);
@@ -84,9 +84,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     app.oidc = oidc;
     if let Some(program) = args.blur {
         let cache = args.store.data.join("blurred");
-        app.blur = Some(
-            Blur::new(program, cache.clone()).with_context(|| format!("cannot write {}", cache.display()))?,
-        );
+        app.blur = Some(Blur::new(program, cache.clone()).with_context(|| cannot_write(cache.display()))?);
     }
     app.reports = Some(Arc::new(reports));
     if args.https {
@@ -113,7 +111,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if let Some(at) = ops.as_ref().and_then(|ops| ops.local_addr().ok()) {
         say!("{}", ops_address(at, global.lang));
     }
-    run_until_stopped(app, listener, ops).context("the service stopped")?;
+    run_until_stopped(app, listener, ops).context(reason("服务已停止", "the service stopped"))?;
     Ok(output::FINE)
 }
 

@@ -1,5 +1,6 @@
 //! `whyroad completions` and `whyroad man`: what a shell and `man` need to know of the command line.
 
+use crate::output::reason::{cannot_make, cannot_write};
 use crate::{command_line, output};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub(crate) fn completions(args: CompletionsArgs) -> anyhow::Result<ExitCode> {
 }
 
 pub(crate) fn man(args: ManArgs) -> anyhow::Result<ExitCode> {
-    std::fs::create_dir_all(&args.out).with_context(|| format!("cannot create {}", args.out.display()))?;
+    std::fs::create_dir_all(&args.out).with_context(|| cannot_make(args.out.display()))?;
     let mut command = command_line().disable_help_subcommand(true);
     command.build();
     let pages = pages(command, "whyroad".to_owned(), &args.out)?;
@@ -48,6 +49,6 @@ fn pages(command: clap::Command, name: String, out: &Path) -> anyhow::Result<usi
     // clap_mangen takes the page's title from the command's name.
     let titled: &'static str = name.leak();
     clap_mangen::Man::new(command.name(titled)).render(&mut page)?;
-    std::fs::write(&path, page).with_context(|| format!("cannot write {}", path.display()))?;
+    std::fs::write(&path, page).with_context(|| cannot_write(path.display()))?;
     Ok(count)
 }

@@ -1,8 +1,9 @@
 //! One side of a comparison as episodes: read from a mined folder, found by a framework's rules in a lake, or made from
 //! the samples of a release.
 
+use crate::output::reason::{cannot_read, no_framework, reason, stop};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{Context as _, anyhow};
 use std::path::Path;
 use whyroad_dataset::{Release, Sample};
 use whyroad_engine::mine::{MineOptions, mine_each};
@@ -39,10 +40,16 @@ impl Kind {
         {
             Ok(Self::Framework)
         } else {
-            bail!(
-                "{} is neither a folder of `whyroad mine --out DIR`, a framework folder nor a release",
-                path.display()
-            )
+            Err(stop(
+                format!(
+                    "{} 既不是 `whyroad mine --out DIR` 的文件夹，也不是框架文件夹或数据集",
+                    path.display()
+                ),
+                format!(
+                    "{} is neither a folder of `whyroad mine --out DIR`, a framework folder nor a release",
+                    path.display()
+                ),
+            ))
         }
     }
 }
@@ -69,10 +76,16 @@ impl Side {
     ) -> anyhow::Result<Self> {
         let wanted = |e: &EpisodeRecord| class.is_none_or(|c| e.scenario_id.is_within(c));
         match kind {
-            Kind::Mined => mined(path, wanted),
+            Kind::Mined => mined(path, global.lang, wanted),
             Kind::Framework => {
                 let dir = lake.with_context(|| {
-                    format!("{} is a framework: name the lake to run it over with --lake", path.display())
+                    reason(
+                        format!("{} 是框架：请用 --lake 指定要运行的数据湖", path.display()),
+                        format!(
+                            "{} is a framework: name the lake to run it over with --lake",
+                            path.display()
+                        ),
+                    )
                 })?;
                 run_rules(global, path, &Lake::open(dir)?, wanted)
             }
@@ -81,12 +94,12 @@ impl Side {
     }
 }
 
-fn mined(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
-    let folder = MinedFolder::open(dir).with_context(|| format!("cannot read {}", dir.display()))?;
-    let text = |d: &whyroad_model::Diagnostic| anyhow!("{}", output::render_text(d, Lang::En));
+fn mined(dir: &Path, lang: Lang, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
+    let folder = MinedFolder::open(dir).with_context(|| cannot_read(dir.display()))?;
+    let text = |d: &whyroad_model::Diagnostic| anyhow!("{}", output::render_text(d, lang));
     let coverage = folder.coverage().map_err(|d| text(&d))?;
     let mut episodes = Vec::new();
-    for episode in folder.episodes().map_err(|e| anyhow!("{e}"))? {
+    for episode in folder.episodes().map_err(|e| text(&e.diagnostic()))? {
         let episode = episode.map_err(|d| text(&d))?;
         if wanted(&episode) {
             episodes.push(episode);
@@ -107,7 +120,7 @@ fn run_rules(
     } else {
         framework_folder::read(path)?
     };
-    let framework = framework.with_context(|| format!("{} holds no usable framework", path.display()))?;
+    let framework = framework.with_context(|| no_framework(path.display()))?;
     let (catalogue, of_signals) = Catalogue::parse(&framework.signals_yaml);
     let (rules, of_rules) = RuleSet::of_framework(&framework, &catalogue);
     let rules = rules.with_decision_moments(&catalogue);
@@ -144,7 +157,7 @@ fn run_rules(
 const COLUMNS: &[&str] = &["sample_id", "scenario_id", "secondary_scenarios", "lineage", "label_json"];
 
 fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Result<Side> {
-    let cannot = || format!("cannot read the release {}", dir.display());
+    let cannot = || cannot_read(dir.display());
     let release = Release::open(dir).with_context(cannot)?;
     let mut out = Side { drives: vec![], episodes: vec![], taxonomy: None, lost: false };
     for batch in release.batches(None, Some(COLUMNS)) {

@@ -2,9 +2,9 @@
 
 use super::{print, refused, score};
 use crate::cmd::tasks::import_lines;
+use crate::output::reason::stop;
 use crate::output::{self, DataFormat};
 use crate::{Global, framework_folder, store_args};
-use anyhow::bail;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -99,7 +99,9 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
         DataFormat::Text => text(&found, all, global.lang),
     });
     if let Some(project) = &a.to_tasks {
-        let Some(lake) = &a.lake else { bail!("--to-tasks needs --lake") };
+        let Some(lake) = &a.lake else {
+            return Err(stop("--to-tasks 需要 --lake", "--to-tasks needs --lake"));
+        };
         return send_back(global, a, &release, &found, (project, lake), lost.is_empty());
     }
     Ok(if lost.is_empty() { output::FINE } else { output::lost_input() })

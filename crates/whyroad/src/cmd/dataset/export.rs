@@ -2,6 +2,7 @@
 
 use super::refused;
 use crate::output::DataFormat;
+use crate::output::reason::stop;
 use crate::{Global, output};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
@@ -38,7 +39,7 @@ fn format_names() -> Vec<&'static str> {
 
 pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     let Some(to) = ExportFormat::from_name(&a.to) else {
-        anyhow::bail!("'{}' is not an export format", a.to);
+        return Err(stop(format!("“{}”不是导出格式", a.to), format!("'{}' is not an export format", a.to)));
     };
     let release = match Release::open(&a.release) {
         Ok(release) => release,

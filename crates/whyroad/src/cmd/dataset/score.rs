@@ -1,6 +1,7 @@
 //! `whyroad dataset score`.
 
 use super::{print, refused};
+use crate::output::reason::{cannot_read, cannot_write};
 use crate::output::{self, DataFormat};
 use crate::{Global, framework_folder};
 use anyhow::Context as _;
@@ -84,10 +85,10 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
 
 /// Predictions of a file, checked against the framework's classes.
 pub(crate) fn read(path: &Path, framework: &Framework) -> anyhow::Result<(Predictions, Vec<Diagnostic>)> {
-    let file = File::open(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file = File::open(path).with_context(|| cannot_read(path.display()))?;
     let name = path.display().to_string();
     Predictions::read(BufReader::new(file), &name, &vocabulary(framework))
-        .with_context(|| format!("cannot read {}", path.display()))
+        .with_context(|| cannot_read(path.display()))
 }
 
 fn vocabulary(framework: &Framework) -> Vocabulary {
@@ -110,7 +111,7 @@ pub(crate) fn show(
     });
     if let Some(file) = file {
         std::fs::write(file, page::page(result, global.lang))
-            .with_context(|| format!("cannot write {}", file.display()))?;
+            .with_context(|| cannot_write(file.display()))?;
     }
     Ok(())
 }

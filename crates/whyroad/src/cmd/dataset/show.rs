@@ -2,6 +2,7 @@
 
 use super::refused;
 use crate::output::DataFormat;
+use crate::output::reason::stop;
 use crate::{Global, output};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -42,7 +43,13 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     let found = Release::open(&a.release).and_then(|release| release.find(&a.sample));
     let mut sample = match found {
         Ok(Some(sample)) => sample,
-        Ok(None) => anyhow::bail!("no sample '{}' in {}", a.sample, a.release.display()),
+        Ok(None) => {
+            let (sample, release) = (&a.sample, a.release.display());
+            return Err(stop(
+                format!("{release} 中没有样本“{sample}”"),
+                format!("no sample '{sample}' in {release}"),
+            ));
+        }
         Err(e) => return Ok(refused(global, &e)),
     };
     match a.format {

@@ -1,6 +1,7 @@
 //! A label skeleton for each primary episode, written and checked by the label checker, so that the demo can
 //! report what is left for people to do.
 
+use crate::output::reason::cannot_write;
 use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -71,7 +72,7 @@ pub(super) fn write(
     }
     let path = out.join("draft_labels.jsonl");
     for (path, text) in [(&path, labels), (&out.join("draft_notes.jsonl"), notes)] {
-        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(path, text).with_context(|| cannot_write(path.display()))?;
     }
     Ok(Drafts { path, count: all.len(), sound, faults, lost })
 }

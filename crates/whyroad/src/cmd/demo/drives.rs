@@ -1,5 +1,6 @@
 //! The drives that are built into the program: `examples/drives`, simulated by us and ours to ship.
 
+use crate::output::reason::{cannot_make, cannot_write};
 use anyhow::Context as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,8 +31,8 @@ pub(super) fn unpack(dir: &Path) -> anyhow::Result<PathBuf> {
     for (name, content) in FILES {
         let path = dir.join(name);
         let folder = path.parent().unwrap_or(dir);
-        fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        fs::write(&path, content).with_context(|| format!("cannot write {}", path.display()))?;
+        fs::create_dir_all(folder).with_context(|| cannot_make(folder.display()))?;
+        fs::write(&path, content).with_context(|| cannot_write(path.display()))?;
     }
     Ok(dir.to_owned())
 }

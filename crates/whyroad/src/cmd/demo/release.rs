@@ -1,6 +1,7 @@
 //! The last steps of the demo: the label drafts as a small release, and the release as files that a trainer reads.
 
 use super::Steps;
+use crate::output::reason::cannot_write;
 use anyhow::Context as _;
 use std::fs::File;
 use std::io::BufReader;
@@ -35,7 +36,7 @@ pub(super) fn write(
 ) -> anyhow::Result<bool> {
     let text = CHANGES.iter().fold(spec::TEMPLATE.to_owned(), |text, (from, to)| text.replace(from, to));
     let file = out.join(SPEC);
-    std::fs::write(&file, &text).with_context(|| format!("cannot write {}", file.display()))?;
+    std::fs::write(&file, &text).with_context(|| cannot_write(file.display()))?;
     let done = frozen(framework, lake, out, text, steps).and_then(|()| exported(out, steps));
     match done {
         Ok(()) => Ok(true),

@@ -2,6 +2,7 @@
 //! the episodes and the lake.
 
 use super::{Args, read};
+use crate::output::reason::{cannot_make, cannot_read, cannot_write, reason};
 use crate::output::render_text;
 use crate::{Global, output};
 use anyhow::Context as _;
@@ -42,7 +43,10 @@ pub(super) fn from_lake(
     episodes: &[EpisodeRecord],
     mut lost: Vec<Diagnostic>,
 ) -> anyhow::Result<ExitCode> {
-    let lake = args.lake.as_ref().context("--metric av2-scenario-mining needs --lake (or --predictions)")?;
+    let lake = args.lake.as_ref().context(reason(
+        "--metric av2-scenario-mining 需要 --lake（或 --predictions）",
+        "--metric av2-scenario-mining needs --lake (or --predictions)",
+    ))?;
     let lake =
         Lake::open(lake).map_err(|e| anyhow::anyhow!("{}", render_text(&e.diagnostic(), global.lang)))?;
     // A class is asked of a drive where the truth is complete for it, or has an entry of it.
@@ -71,11 +75,11 @@ pub(super) fn from_lake(
         }
     }
     if let Some(dir) = &args.write {
-        std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+        std::fs::create_dir_all(dir).with_context(|| cannot_make(dir.display()))?;
         for (name, sequences) in [("truth.jsonl", &there), ("predictions.jsonl", &found)] {
             let path = dir.join(name);
             std::fs::write(&path, sequence::write(sequences)?)
-                .with_context(|| format!("cannot write {}", path.display()))?;
+                .with_context(|| cannot_write(path.display()))?;
         }
     }
     finish(global, args, &there, &found, &lost)
@@ -106,7 +110,7 @@ fn finish(
 /// The region of interest, where one is given. One raster covers one city: evaluate logs of one city at a time.
 fn region(args: &Args) -> anyhow::Result<Option<Region>> {
     let (Some(raster), Some(transform)) = (&args.region, &args.region_transform) else { return Ok(None) };
-    let bytes = std::fs::read(raster).with_context(|| format!("cannot read {}", raster.display()))?;
+    let bytes = std::fs::read(raster).with_context(|| cannot_read(raster.display()))?;
     Ok(Some(Region::read(&bytes, &read(transform)?)?))
 }
 

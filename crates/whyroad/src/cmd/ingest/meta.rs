@@ -1,6 +1,7 @@
 //! `ingest --meta`: facts about drives that their logs do not have.
 
-use anyhow::{Context as _, bail};
+use crate::output::reason::{cannot_read, stop};
+use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use whyroad_lake::{DriveFacts, Lake};
 use whyroad_model::scene::GeoPosition;
@@ -17,14 +18,19 @@ pub(super) struct Facts {
 
 /// Reads the CSV. A line that cannot be used is reported and does not stop the rest.
 pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
-    let mut reader =
-        csv::Reader::from_path(file).with_context(|| format!("cannot read {}", file.display()))?;
-    let headers = reader.headers().with_context(|| format!("cannot read {}", file.display()))?.clone();
+    let mut reader = csv::Reader::from_path(file).with_context(|| cannot_read(file.display()))?;
+    let headers = reader.headers().with_context(|| cannot_read(file.display()))?.clone();
     if let Some(unknown) = headers.iter().find(|h| !COLUMNS.contains(&h.trim())) {
-        bail!("{} has the unknown column '{unknown}'; known: {}", file.display(), COLUMNS.join(", "));
+        return Err(stop(
+            format!("{} 有未知的列“{unknown}”；可用的列：{}", file.display(), COLUMNS.join("、")),
+            format!("{} has the unknown column '{unknown}'; known: {}", file.display(), COLUMNS.join(", ")),
+        ));
     }
     if !headers.iter().any(|h| h.trim() == "drive_id") {
-        bail!("{} has no column 'drive_id'", file.display());
+        return Err(stop(
+            format!("{} 没有列“drive_id”", file.display()),
+            format!("{} has no column 'drive_id'", file.display()),
+        ));
     }
     let mut out = Facts { file: file.to_owned(), drives: Vec::new(), found: Vec::new() };
     for (i, row) in reader.records().enumerate() {

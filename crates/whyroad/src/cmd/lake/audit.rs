@@ -1,6 +1,7 @@
 //! The audit file of deletions: when, on which request, how much. No ids of drives: they can be personal data
 //! themselves, and are what was to be forgotten.
 
+use crate::output::reason::cannot_write;
 use anyhow::Context as _;
 use serde::Serialize;
 use std::fs::OpenOptions;
@@ -54,7 +55,7 @@ pub(super) fn put(file: &Path, state: &str, request: Option<&str>, counts: &Dele
     let entry = Entry { at, state, request, whyroad: env!("CARGO_PKG_VERSION"), counts };
     let mut line = serde_json::to_string(&entry)?;
     line.push('\n');
-    let cannot = || format!("cannot write the audit file {}", file.display());
+    let cannot = || cannot_write(file.display());
     let mut out = OpenOptions::new().create(true).append(true).open(file).with_context(cannot)?;
     out.write_all(line.as_bytes()).and_then(|()| out.sync_all()).with_context(cannot)
 }

@@ -3,6 +3,7 @@
 
 use super::audit::{self, Deleted};
 use super::holders;
+use crate::output::reason::{cannot_read, reason};
 use crate::output::{Print, render_text};
 use crate::{Global, output, store_args};
 use anyhow::{Context as _, anyhow, bail};
@@ -143,7 +144,9 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         empty(&dir.join("blurred"))?;
     }
     for image in &images {
-        std::fs::remove_file(image).with_context(|| format!("cannot remove {}", image.display()))?;
+        std::fs::remove_file(image).with_context(|| {
+            reason(format!("无法删除 {}", image.display()), format!("cannot remove {}", image.display()))
+        })?;
     }
     for id in &drives {
         lake.remove_drive(id)?;
@@ -175,7 +178,7 @@ fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
 fn mined_folders(dirs: &[PathBuf]) -> anyhow::Result<Vec<MinedFolder>> {
     let mut out = Vec::new();
     for dir in dirs {
-        let found = MinedFolder::find(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+        let found = MinedFolder::find(dir).with_context(|| cannot_read(dir.display()))?;
         out.extend(found.into_values());
     }
     Ok(out)
@@ -223,7 +226,9 @@ fn empty(cache: &Path) -> anyhow::Result<()> {
     for entry in std::fs::read_dir(cache).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_file() {
-            std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+            std::fs::remove_file(&path).with_context(|| {
+                reason(format!("无法删除 {}", path.display()), format!("cannot remove {}", path.display()))
+            })?;
         }
     }
     Ok(())

@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use super::{Args, say};
 use crate::output::DataFormat;
+use crate::output::reason::cannot_write;
 use crate::text_table::{Align, aligned};
 use crate::{Global, output};
 use anyhow::{Context as _, anyhow};
@@ -38,7 +39,7 @@ pub(super) fn print_plan(global: &Global, args: &Args, lists: usize) -> anyhow::
         }
         return Ok(output::FINE);
     };
-    std::fs::create_dir_all(out).with_context(|| format!("cannot write {}", out.display()))?;
+    std::fs::create_dir_all(out).with_context(|| cannot_write(out.display()))?;
     let head = match global.lang {
         Lang::Zh => ["清单", "行程", "行数"],
         Lang::En => ["list", "drives", "rows"],
@@ -47,7 +48,7 @@ pub(super) fn print_plan(global: &Global, args: &Args, lists: usize) -> anyhow::
     for list in &lists {
         let path = out.join(format!("list-{}.json", list.list));
         let text = serde_json::to_string(list)? + "\n";
-        std::fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(&path, text).with_context(|| cannot_write(path.display()))?;
         rows.push([path.display().to_string(), list.drives.len().to_string(), list.rows().to_string()]);
     }
     let summary: Vec<_> =

@@ -1,6 +1,7 @@
 //! Which rules a run of `whyroad mine` needs, and what it is to answer.
 
-use anyhow::{Context as _, bail};
+use crate::output::reason::{cannot_read, stop};
+use anyhow::Context as _;
 use std::path::Path;
 use whyroad_engine::output::query::conditions_class;
 use whyroad_engine::output::{Question, Searched};
@@ -120,10 +121,12 @@ impl CustomRule<'_> {
             return Ok(rule.map(|rule| (rule, self.rule.to_owned())).map_err(|d| vec![*d]));
         }
         if self.target.is_some() {
-            bail!("a rule file states its target itself: leave out --target");
+            return Err(stop(
+                "规则文件自带目标，请去掉 --target",
+                "a rule file states its target itself: leave out --target",
+            ));
         }
-        let content =
-            std::fs::read_to_string(self.rule).with_context(|| format!("cannot read {}", self.rule))?;
+        let content = std::fs::read_to_string(self.rule).with_context(|| cannot_read(&self.rule))?;
         let rule = bare_rule(SourceFile { name: self.rule, text: &content }, catalogue);
         Ok(rule.map(|rule| (Rule { scenario, ..rule }, content)))
     }
@@ -152,7 +155,7 @@ pub(in crate::cmd) fn rule_name(text: &str) -> Result<String, String> {
 }
 
 pub(super) fn of_query(file: &Path, framework: &Framework, catalogue: &Catalogue) -> anyhow::Result<Planned> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     let name = file.display().to_string();
     let query = match parse_query(&text, &name, framework) {
         Ok(q) => q,

@@ -1,6 +1,7 @@
 //! `whyroad mine --sequences FILE`: what a custom rule found, as the result of the Argoverse 2 scenario-mining
 //! challenge.
 
+use crate::output::reason::{Reason, cannot_write};
 use anyhow::Context as _;
 use std::path::Path;
 use whyroad_lake::Lake;
@@ -20,7 +21,7 @@ pub(super) fn write(
 ) -> anyhow::Result<()> {
     let mut results: Vec<MiningResult> = Vec::with_capacity(found.len());
     for (id, episodes) in found {
-        let drive = lake.read_drive(id).map_err(|e| anyhow::anyhow!("{}", e.diagnostic().message.en))?;
+        let drive = lake.read_drive(id).map_err(|e| anyhow::anyhow!(Reason::from(e.diagnostic().message)))?;
         let joined = estimated(&drive).joined;
         let result = bridge::result(&drive, prompt, episodes, &joined);
         // A drive without a pose of the ego has no place in the city.
@@ -34,5 +35,5 @@ pub(super) fn write(
         let sequences: Vec<_> = results.iter().map(MiningResult::to_sequence).collect();
         sequence::write(&sequences)?.into_bytes()
     };
-    std::fs::write(file, bytes).with_context(|| format!("cannot write {}", file.display()))
+    std::fs::write(file, bytes).with_context(|| cannot_write(file.display()))
 }

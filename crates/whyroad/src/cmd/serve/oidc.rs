@@ -1,6 +1,7 @@
 //! Options of `whyroad serve` for signing in at an OpenID provider: from a file, the environment and options, the
 //! later over the earlier.
 
+use crate::output::reason::cannot_read;
 use crate::store_args;
 use anyhow::Context as _;
 use std::net::SocketAddr;
@@ -51,7 +52,7 @@ impl OidcArgs {
             written.public_url = Some(format!("http://{at}"));
         }
         let extra = match &written.ca_file {
-            Some(file) => Some(std::fs::read(file).with_context(|| format!("cannot read {file}"))?),
+            Some(file) => Some(std::fs::read(file).with_context(|| cannot_read(&file))?),
             None => None,
         };
         let error = |p| store_args::error(&p, lang);
@@ -93,7 +94,7 @@ impl OidcArgs {
         };
         if let Some(file) = file {
             let secret = std::fs::read_to_string(&file);
-            let secret = secret.with_context(|| format!("cannot read {}", file.display()))?;
+            let secret = secret.with_context(|| cannot_read(file.display()))?;
             written.client_secret = Some(Secret(secret.trim().to_owned()));
         }
         Ok(written)
@@ -102,7 +103,7 @@ impl OidcArgs {
 
 /// Reads a set-up file. Files that it names lie beside it.
 fn read(file: &Path) -> anyhow::Result<Written> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     // The reader's own message would repeat the line, and with it a secret.
     let read = yaml::from_str::<Written>(&text);
     let mut written = read.map_err(|e| {

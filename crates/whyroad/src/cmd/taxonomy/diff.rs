@@ -1,8 +1,9 @@
 //! `whyroad taxonomy diff`.
 
 use crate::output::Print;
+use crate::output::reason::{cannot_read, no_framework, stop};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
@@ -56,20 +57,23 @@ fn side(path: &Path, lang: Lang) -> anyhow::Result<Side> {
     if path.is_dir() {
         let (framework, found) = framework_folder::read(path)?;
         say(&found, lang);
-        let framework = framework.with_context(|| format!("{} holds no usable framework", path.display()))?;
+        let framework = framework.with_context(|| no_framework(path.display()))?;
         return Ok(Side::Framework(Box::new(framework)));
     }
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
     if path.extension().is_some_and(|e| e == "md") {
         let found = read_markdown(&text).to_taxonomy();
         if found.l1.is_empty() {
-            bail!("{} lists no classes", path.display());
+            return Err(stop(
+                format!("{} 没有列出任何分类", path.display()),
+                format!("{} lists no classes", path.display()),
+            ));
         }
         return Ok(Side::Classes(found));
     }
     let (taxonomy, found) = read_taxonomy(&path.display().to_string(), &text);
     say(&found, lang);
-    Ok(Side::Classes(taxonomy.with_context(|| format!("{} holds no taxonomy", path.display()))?))
+    Ok(Side::Classes(taxonomy.with_context(|| no_framework(path.display()))?))
 }
 
 fn say(found: &[Diagnostic], lang: Lang) {

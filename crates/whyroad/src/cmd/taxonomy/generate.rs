@@ -1,6 +1,7 @@
 //! `whyroad taxonomy docs` and `whyroad taxonomy schemas`: files generated from the framework.
 
 use super::reference;
+use crate::output::reason::{cannot_make, cannot_read, cannot_write};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow};
 use std::collections::{BTreeMap, BTreeSet};
@@ -114,7 +115,7 @@ fn by_name(folder: &Path) -> anyhow::Result<BTreeMap<String, String>> {
 fn list(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut out = Vec::new();
     if folder.is_dir() {
-        for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        for entry in std::fs::read_dir(folder).with_context(|| cannot_read(folder.display()))? {
             out.push(entry?.path());
         }
     }
@@ -160,7 +161,7 @@ fn root(global: &Global) -> PathBuf {
 
 /// A text file. Git may check text out with CRLF; that is not staleness.
 fn read(path: &Path) -> anyhow::Result<String> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
     Ok(text.replace("\r\n", "\n"))
 }
 
@@ -179,10 +180,9 @@ fn finish(
         }
         if action == Action::Write {
             if let Some(folder) = path.parent() {
-                std::fs::create_dir_all(folder)
-                    .with_context(|| format!("cannot create {}", folder.display()))?;
+                std::fs::create_dir_all(folder).with_context(|| cannot_make(folder.display()))?;
             }
-            std::fs::write(path, text).with_context(|| format!("cannot write {name}"))?;
+            std::fs::write(path, text).with_context(|| cannot_write(&name))?;
             say!("{name}");
             continue;
         }

@@ -1,8 +1,9 @@
 //! `whyroad taxonomy lint`.
 
 use crate::output::FindingFormat;
+use crate::output::reason::{cannot_read, stop};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use std::path::Path;
 use std::process::ExitCode;
 use whyroad_framework::Framework;
@@ -18,13 +19,17 @@ pub(super) fn run(global: &Global, file: Option<&Path>, format: FindingFormat) -
     let found = match file {
         None => framework(global)?,
         Some(path) => {
-            let text =
-                std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+            let text = std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))?;
             let name = path.display().to_string();
             match path.extension().and_then(|e| e.to_str()) {
                 Some("md") => lint_markdown(&name, &text, Some(&framework_folder::load(global)?.0.taxonomy)),
                 Some("yaml" | "yml") => read_taxonomy(&name, &text).1,
-                _ => bail!("{} is neither .yaml nor .md", path.display()),
+                _ => {
+                    return Err(stop(
+                        format!("{} 既不是 .yaml 也不是 .md", path.display()),
+                        format!("{} is neither .yaml nor .md", path.display()),
+                    ));
+                }
             }
         }
     };

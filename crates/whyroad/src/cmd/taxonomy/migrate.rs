@@ -1,9 +1,10 @@
 //! `whyroad taxonomy migrate`: labels, tasks and releases carried along when classes are renamed, merged or split.
 
+use crate::output::reason::{cannot_make, cannot_read, cannot_write, exists, no_framework, reason, stop};
 use crate::output::{self, Print};
 use crate::store_args::open_store;
 use crate::{Global, framework_folder};
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -77,7 +78,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
     }
     let before = args.from.as_deref().map(taxonomy).transpose()?;
     let name = args.mapping.display().to_string();
-    let text = std::fs::read_to_string(&args.mapping).with_context(|| format!("cannot read {name}"))?;
+    let text = std::fs::read_to_string(&args.mapping).with_context(|| cannot_read(&name))?;
     let mapping = match read_mapping(&name, &text, before.as_ref(), &framework.taxonomy) {
         Ok(mapping) => mapping,
         Err(found) => {
@@ -88,10 +89,16 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         }
     };
     if args.store.is_none() && args.labels.is_empty() && args.release.is_empty() {
-        bail!("name what is to be carried along: --store, --labels or --release");
+        return Err(stop(
+            "请指定要迁移的内容：--store、--labels 或 --release",
+            "name what is to be carried along: --store, --labels or --release",
+        ));
     }
     if args.out.is_none() && !args.dry_run && !(args.labels.is_empty() && args.release.is_empty()) {
-        bail!("name a folder for the new files with --out, or use --dry-run");
+        return Err(stop(
+            "请用 --out 指定新文件的文件夹，或使用 --dry-run",
+            "name a folder for the new files with --out, or use --dry-run",
+        ));
     }
     let mut done = Done::default();
     let target = |path: &Path| -> Option<PathBuf> {
@@ -101,13 +108,17 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         done.files.push((file.clone(), labels(file, &mapping, target(file).as_deref())?));
     }
     for dir in &args.release {
-        let release = Release::open(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+        let release = Release::open(dir).with_context(|| cannot_read(dir.display()))?;
         if let Some(out) = args.out.as_ref().filter(|_| !args.dry_run) {
-            std::fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+            std::fs::create_dir_all(out).with_context(|| cannot_make(out.display()))?;
         }
         let carried = carry_release(&release, &mapping, target(dir).as_deref());
-        done.releases
-            .push((dir.clone(), carried.with_context(|| format!("cannot carry {}", dir.display()))?));
+        done.releases.push((
+            dir.clone(),
+            carried.with_context(|| {
+                reason(format!("无法迁移 {}", dir.display()), format!("cannot carry {}", dir.display()))
+            })?,
+        ));
     }
     if let Some(source) = &args.store {
         let store = open_store(source, global.lang)?;
@@ -124,10 +135,10 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
 
 fn init(path: &Path, version: &str, lang: Lang) -> anyhow::Result<ExitCode> {
     if path.exists() {
-        bail!("{} exists already", path.display());
+        return Err(exists(path.display()));
     }
     std::fs::write(path, TEMPLATE.replace("$VERSION", version))
-        .with_context(|| format!("cannot write {}", path.display()))?;
+        .with_context(|| cannot_write(path.display()))?;
     match lang {
         Lang::Zh => say!("映射模板写入 {}", path.display()),
         Lang::En => say!("a commented mapping is in {}", path.display()),
@@ -140,12 +151,12 @@ fn taxonomy(path: &Path) -> anyhow::Result<Taxonomy> {
         return Ok(whyroad_framework::Framework::bundled().taxonomy.clone());
     }
     let (framework, _) = framework_folder::read(path)?;
-    Ok(framework.with_context(|| format!("{} holds no usable framework", path.display()))?.taxonomy)
+    Ok(framework.with_context(|| no_framework(path.display()))?.taxonomy)
 }
 
 /// Carries a file of JSON lines along. Lines of other kinds, and lines that cannot be read, are written as they are.
 fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Result<CarriedFile> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
     let mut done = CarriedFile::default();
     let mut written = String::with_capacity(text.len());
     for (i, line) in text.lines().enumerate() {
@@ -176,12 +187,15 @@ fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Re
     }
     if let Some(out) = out {
         if let Some(dir) = out.parent() {
-            std::fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+            std::fs::create_dir_all(dir).with_context(|| cannot_make(dir.display()))?;
         }
         if out.canonicalize().ok().is_some_and(|o| file.canonicalize().ok() == Some(o)) {
-            bail!("{} would be overwritten; choose another folder with --out", file.display());
+            return Err(stop(
+                format!("会覆盖 {}；请用 --out 选择其他文件夹", file.display()),
+                format!("{} would be overwritten; choose another folder with --out", file.display()),
+            ));
         }
-        std::fs::write(out, written).with_context(|| format!("cannot write {}", out.display()))?;
+        std::fs::write(out, written).with_context(|| cannot_write(out.display()))?;
     }
     Ok(done)
 }

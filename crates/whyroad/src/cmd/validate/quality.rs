@@ -3,8 +3,8 @@
 use super::input::{Source, Sources, pieces};
 use super::{Args, unreadable};
 use crate::output::FindingFormat;
+use crate::output::reason::stop;
 use crate::{Global, output};
-use anyhow::bail;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -48,7 +48,10 @@ pub(super) fn run(
     lake: &Path,
 ) -> anyhow::Result<ExitCode> {
     if args.print.format == FindingFormat::Sarif {
-        bail!("the quality report has the formats text and json");
+        return Err(stop(
+            "质量报告的格式只有 text 和 json",
+            "the quality report has the formats text and json",
+        ));
     }
     let lake = match Lake::open(lake) {
         Ok(lake) => lake,

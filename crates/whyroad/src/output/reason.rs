@@ -1,0 +1,86 @@
+//! Why a command stopped, and what it was doing then, in both languages: errors of the binary's own that `anyhow` keeps
+//! and `main` prints. Findings about the user's data are diagnostics, not these.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_model::{Bilingual, Lang};
+
+/// Set once, when the command line has been read: `anyhow` displays errors without asking in which language.
+static ENGLISH: AtomicBool = AtomicBool::new(true);
+
+/// Sets the language of reasons for the whole run.
+pub(crate) fn set_lang(lang: Lang) {
+    ENGLISH.store(lang == Lang::En, Ordering::Relaxed);
+}
+
+/// An error, or the context of one, shown in the user's language.
+#[derive(Debug)]
+pub(crate) struct Reason(Bilingual);
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0.get(if ENGLISH.load(Ordering::Relaxed) { Lang::En } else { Lang::Zh }))
+    }
+}
+
+impl From<Bilingual> for Reason {
+    fn from(text: Bilingual) -> Self {
+        Self(text)
+    }
+}
+
+/// A reason, Chinese first.
+pub(crate) fn reason(zh: impl Into<String>, en: impl Into<String>) -> Reason {
+    Reason(Bilingual::new(zh, en))
+}
+
+/// Ends a command with a reason.
+pub(crate) fn stop(zh: impl Into<String>, en: impl Into<String>) -> anyhow::Error {
+    anyhow::anyhow!(reason(zh, en))
+}
+
+/// A file or folder cannot be read.
+pub(crate) fn cannot_read(what: impl fmt::Display) -> Reason {
+    reason(format!("无法读取 {what}"), format!("cannot read {what}"))
+}
+
+/// A file cannot be written.
+pub(crate) fn cannot_write(what: impl fmt::Display) -> Reason {
+    reason(format!("无法写入 {what}"), format!("cannot write {what}"))
+}
+
+/// A folder cannot be made.
+pub(crate) fn cannot_make(what: impl fmt::Display) -> Reason {
+    reason(format!("无法创建 {what}"), format!("cannot make {what}"))
+}
+
+/// A class that the taxonomy does not have.
+pub(crate) fn no_class(text: impl fmt::Display) -> anyhow::Error {
+    stop(
+        format!("没有场景分类“{text}”；`whyroad taxonomy list` 列出所有分类"),
+        format!("class '{text}' not found; `whyroad taxonomy list` shows all classes"),
+    )
+}
+
+/// A file that would be overwritten.
+pub(crate) fn exists(what: impl fmt::Display) -> anyhow::Error {
+    stop(format!("{what} 已存在"), format!("{what} exists already"))
+}
+
+/// A project that the store does not have.
+pub(crate) fn no_project(name: &str, existing: &[&str]) -> anyhow::Error {
+    stop(
+        format!("没有项目“{name}”；现有：{}", existing.join("、")),
+        format!("no project '{name}'; existing: {}", existing.join(", ")),
+    )
+}
+
+/// A folder without a framework that can be used.
+pub(crate) fn no_framework(what: impl fmt::Display) -> Reason {
+    reason(format!("{what} 中没有可用的框架"), format!("{what} holds no usable framework"))
+}
+
+/// An address that cannot be listened on.
+pub(crate) fn cannot_listen(at: impl fmt::Display) -> Reason {
+    reason(format!("无法在 {at} 监听"), format!("cannot listen on {at}"))
+}
