@@ -1,6 +1,6 @@
 // An annotator labels one task in Chinese with the keyboard only, through both stages. The pointer is never pressed.
 import assert from "node:assert/strict";
-import { checkAccessibility, tabTo, typeChinese } from "./people.mjs";
+import { checkAccessibility, settled, tabTo, typeChinese } from "./people.mjs";
 import { PROJECT } from "./begin.mjs";
 import { shot } from "./shots.mjs";
 
@@ -39,7 +39,10 @@ async function history(day) {
     await page.keyboard.press(key);
   }
   // Leaving the ego keeps the view: the same picture, and not the origin of the world.
-  const picture = () => page.locator("canvas").first().evaluate((canvas) => canvas.toDataURL());
+  const picture = async () => {
+    await settled(page);
+    return page.locator("canvas").first().evaluate((canvas) => canvas.toDataURL());
+  };
   await page.keyboard.press("z");
   const before = await picture();
   await page.keyboard.press("f");

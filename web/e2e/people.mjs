@@ -4,6 +4,8 @@ import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 
 const axeSource = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+/** How long a step may take: a machine that does much else is slow, and waiting costs nothing where it is not. */
+export const PATIENCE_MS = 30_000;
 const RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
 
 /** Opens a browser for one person. `faults` fills with what the page says to the console; the test ends on any. */
@@ -20,7 +22,7 @@ export async function person(browser, url, { lang = "zh", theme = "light", fault
     addEventListener("pointerdown", () => window.pointerPresses++, true);
   });
   const watch = (page) => {
-    page.setDefaultTimeout(15_000);
+    page.setDefaultTimeout(PATIENCE_MS);
     page.on("pageerror", (e) => faults.push(`page error: ${e.message}`));
     page.on("console", (m) => {
       // A refusal of the server is the page's to show; the browser's own line on it says nothing new.
@@ -32,6 +34,16 @@ export async function person(browser, url, { lang = "zh", theme = "light", fault
   const page = watch(await context.newPage());
   await page.goto(url);
   return { context, page, url, tab: async (path) => watch(await context.newPage()).goto(url + path) };
+}
+
+/** Waits until the page shows what it knows: answers are here, fonts and images too, and they are drawn. */
+export async function settled(page) {
+  await page.waitForLoadState("networkidle");
+  await page.evaluate(async () => {
+    await document.fonts.ready;
+    await Promise.all([...document.images].map((image) => image.decode().catch(() => {})));
+    for (let n = 0; n < 2; n++) await new Promise((drawn) => requestAnimationFrame(drawn));
+  });
 }
 
 export async function signIn(page, name, password) {

@@ -1,7 +1,7 @@
 // Every screen in both languages, dark and light: axe finds nothing serious, nothing is wider than the window (also at
 // 200 %), and the language changes without a reload. Screenshots are taken on the way.
 import assert from "node:assert/strict";
-import { checkAccessibility, person } from "./people.mjs";
+import { checkAccessibility, person, settled } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const APPEARANCES = [
@@ -48,7 +48,7 @@ async function all(day) {
     for (const [path, name] of screens) {
       await page.goto(day.service.url + path);
       await page.locator("h1").first().waitFor();
-      await page.waitForLoadState("networkidle");
+      await settled(page);
       await page.evaluate(() => (window.sameDocument = true));
       for (const [lang, theme] of APPEARANCES) {
         await setAppearance(page, lang, theme);
@@ -72,7 +72,7 @@ async function enlarged(day) {
   for (const [path, name] of SEEN(day).wang) {
     await page.goto(day.service.url + path);
     await page.locator("h1").first().waitFor();
-    await page.waitForLoadState("networkidle");
+    await settled(page);
     await fits(page, `${name} at 200 %`);
   }
   await page.close();
@@ -104,6 +104,7 @@ async function held(day) {
   if ((await page.locator("[data-component]").count()) === 0) {
     await page.keyboard.press("n");
     await page.keyboard.press("c");
+    await page.waitForFunction(() => document.activeElement?.matches("[data-component] textarea"));
     await page.keyboard.type("An oncoming car is in the junction");
     await page.keyboard.press("Escape");
   }

@@ -4,8 +4,8 @@
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { deflateSync } from "node:zlib";
-import { ask, checkAccessibility, person } from "./people.mjs";
+import { ask, checkAccessibility, person, settled } from "./people.mjs";
+import { picture } from "./png.mjs";
 import { serve, whyroad } from "./service.mjs";
 import { shot } from "./shots.mjs";
 
@@ -15,34 +15,6 @@ const LEAF = "reactive_agent.vehicle_abnormal.cutout_reveal";
 const folder = resolve(import.meta.dirname, "../../examples/truth/agents/seen/seen_avenue_01");
 
 const saved = (page) => page.locator('[data-saving="saved"]').waitFor();
-
-function crc(bytes) {
-  let c = -1;
-  for (const b of bytes) {
-    c ^= b;
-    for (let k = 0; k < 8; k++) c = (c >>> 1) ^ (c & 1 ? 0xedb88320 : 0);
-  }
-  return ~c >>> 0;
-}
-
-/** A PNG image of one color. */
-function picture(width, height, [r, g, b]) {
-  const chunk = (type, data) => {
-    const body = Buffer.concat([Buffer.from(type, "latin1"), data]);
-    const out = Buffer.alloc(body.length + 8);
-    out.writeUInt32BE(data.length, 0);
-    body.copy(out, 4);
-    out.writeUInt32BE(crc(body), body.length + 4);
-    return out;
-  };
-  const head = Buffer.alloc(13);
-  head.writeUInt32BE(width, 0);
-  head.writeUInt32BE(height, 4);
-  head.set([8, 2, 0, 0, 0], 8);
-  const row = Buffer.concat([Buffer.from([0]), Buffer.alloc(width * 3, Buffer.from([r, g, b]))]);
-  const rows = deflateSync(Buffer.concat(Array(height).fill(row)));
-  return Buffer.concat([Buffer.from("89504e470d0a1a0a", "hex"), chunk("IHDR", head), chunk("IDAT", rows), chunk("IEND", Buffer.alloc(0))]);
-}
 
 async function prepare(day) {
   const lake = join(day.scratch, "second-lake");
@@ -246,7 +218,7 @@ async function handedIn(day) {
   assert.deepEqual(saving.findings.filter((f) => f.severity === "error" || f.code.includes("second_keyframe")), []);
   await page.reload();
   await page.locator('[data-action="submit"]').waitFor();
-  await page.waitForLoadState("networkidle");
+  await settled(page);
   // What the draft got right takes one key a field, which leads on to the next, and at last to the findings.
   const atTheEnd = () => page.evaluate(() => Boolean(document.activeElement?.closest("[data-section=findings]")));
   for (let n = 0; n < 6 && !(await atTheEnd()); n++) await page.keyboard.press("Alt+a");

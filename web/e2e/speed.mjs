@@ -8,7 +8,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, person, signIn, tabTo } from "./people.mjs";
+import { ask, person, settled, signIn, tabTo } from "./people.mjs";
 import { chromium, serve } from "./service.mjs";
 
 const WANTED = Number(process.argv[2] ?? 20);
@@ -57,7 +57,7 @@ try {
       if (!next) break;
       await page.goto(`${service.url}/tasks/${next.task.id}`);
       await page.locator('[data-action="lock"]').waitFor();
-      await page.waitForLoadState("networkidle");
+      await settled(page);
       const one = await label(page, next);
       done.push(one);
       seen.add(next.task.scenario_id);

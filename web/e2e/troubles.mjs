@@ -2,7 +2,7 @@
 // each of them everything that was typed is there, and the users were informed.
 import assert from "node:assert/strict";
 import { PROJECT } from "./begin.mjs";
-import { checkAccessibility } from "./people.mjs";
+import { checkAccessibility, PATIENCE_MS } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const description = (page, n) => page.locator(`[data-component="${n}"] textarea`);
@@ -16,7 +16,7 @@ async function stored(page, task) {
 
 async function until(read, wanted, what) {
   let last;
-  for (let n = 0; n < 60; n++) {
+  for (let n = 0; n < PATIENCE_MS / 150; n++) {
     last = await read();
     if (wanted(last)) return last;
     await new Promise((done) => setTimeout(done, 150));
@@ -62,7 +62,7 @@ async function crash(day) {
   await died;
   await page.close();
   const next = await context.newPage();
-  next.setDefaultTimeout(15_000);
+  next.setDefaultTimeout(PATIENCE_MS);
   await next.goto(address);
   await next.getByText("已恢复上次未保存的修改").waitFor();
   assert.equal(await description(next, day.row).inputValue(), "页面崩溃前写下的一句");
@@ -74,7 +74,7 @@ async function crash(day) {
 async function twoTabs(day) {
   const { page, context } = day.people.zhao;
   const other = await context.newPage();
-  other.setDefaultTimeout(15_000);
+  other.setDefaultTimeout(PATIENCE_MS);
   await other.goto(page.url());
   await other.locator('[data-action="lock"]').waitFor();
   for (const tab of [page, other]) await tab.getByText("此任务也在您的另一个标签页中打开").waitFor();
