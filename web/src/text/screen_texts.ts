@@ -143,7 +143,7 @@ export const screenTexts = {
   "tasks.make.bad_line": ["第 {n} 行不是 JSON。", "Line {n} is not JSON."],
   "tasks.make.known": ["{n} 个事件已有任务。", "{n} {n:episode already has a task|episodes already have tasks}."],
   "tasks.make.left_out": ["{n} 个事件超出上限或属于次场景，未采用。", "{n} {n:episode was|episodes were} over a limit or of a secondary scenario."],
-  "tasks.make.lost": ["{n} 个事件的行程不在数据湖中：", "The {n:drive|drives} of {n} {n:episode is|episodes are} not in the lake:"],
+  "tasks.make.lost": ["{n} 个事件没有可用的行程：", "{n} {n:episode has|episodes have} no usable drive:"],
   "tasks.make.limit": ["最大任务数", "Maximum number of tasks"],
   "tasks.make.per_leaf": ["每个 L3 场景的最大任务数", "Maximum per L3 scenario"],
   "tasks.make.overlap": ["独立（背靠背）标注人数", "Annotators per episode (blind)"],
@@ -209,9 +209,11 @@ export const screenTexts = {
   "people.remove": ["移出项目", "Remove"],
   "people.skills": ["可标注场景", "Scenarios"],
   "people.skills.all": ["全部", "all"],
+  "people.skills.add": ["添加…", "Add…"],
+  "people.skills.remove": ["去掉“{name}”", "remove “{name}”"],
   "people.skills.hint": [
-    "可标注场景：场景编号或其前缀，用逗号分隔，例如 reactive_agent, proactive.lane_change；留空表示全部。队列只分配这些场景的任务。",
-    "Scenarios: ids or prefixes of ids, separated by commas, such as reactive_agent, proactive.lane_change; empty means all. The queue hands out only tasks of these.",
+    "可标注场景：队列只分配这些场景的任务；都不选表示全部。",
+    "Scenarios: the queue hands out only tasks of these; without a choice, of all.",
   ],
   "people.languages": ["草稿语言", "Draft languages"],
   "people.languages.hint": [
