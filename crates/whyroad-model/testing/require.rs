@@ -1,6 +1,6 @@
 //! What tests do where a component is missing on the machine (included by path): they say so, and fail when
 //! `WHYROAD_REQUIRE` names it. Components: `recorded` (the recorded drives), `specification`, `postgres`, `chromium`,
-//! `python`, `root`.
+//! `python`, `ffmpeg`, `root`.
 #![allow(dead_code, reason = "each test binary uses its part")]
 
 /// Reports that a test is skipped for lack of `component`.

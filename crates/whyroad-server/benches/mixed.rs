@@ -3,7 +3,8 @@
 //!
 //! `cargo bench -p whyroad-server --bench mixed -- [--seconds 30] [--annotators 200] [--dashboards 20] [--tasks 2000]`.
 //! Prints the times of each kind of call and the memory of the process; with `--limit-ms 100` it fails when a save
-//! takes longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute.
+//! takes longer at p99. For a soak run it for an hour (`.ci/soak`): memory is printed every minute, and with
+//! `--growth-percent 15` it fails when the process has grown by more since the first tenth of the time.
 
 #![allow(clippy::unwrap_used, reason = "a bench says what went wrong by failing")]
 #![allow(clippy::print_stdout, reason = "a bench prints its figures")]
@@ -88,7 +89,9 @@ fn main() {
     let seconds = argument("--seconds", 30);
     let (annotators, dashboards, tasks) =
         (argument("--annotators", 200), argument("--dashboards", 20), argument("--tasks", 2000).max(200));
-    let limit_ms = argument("--limit-ms", 0);
+    let (limit_ms, growth) = (argument("--limit-ms", 0), argument("--growth-percent", 0));
+    // After the first tenth: what is loaded once and kept is there then.
+    let warm = Mutex::new(None);
     let world = World::on_sqlite(Future::Brakes);
     let admin = world.admin();
     let project = world.project(&admin, "town", &json!({ "lease_s": 3600 }));
@@ -154,6 +157,10 @@ fn main() {
             }
         });
         scope.spawn(|| {
+            std::thread::sleep(Duration::from_secs(seconds) / 10);
+            *warm.lock().unwrap() = memory_mb();
+        });
+        scope.spawn(|| {
             let mut minute = 0;
             while !stop.load(Ordering::Relaxed) && Instant::now() < ends {
                 std::thread::sleep(
@@ -169,7 +176,12 @@ fn main() {
         let (n, median, p99, most) = times.figures();
         println!("serve/mixed/{name}: {n} calls, p50 {median:.1} ms, p99 {p99:.1} ms, longest {most:.1} ms");
     }
-    println!("memory at the end: {:?} MB", memory_mb());
+    let (before, after) = (*warm.lock().unwrap(), memory_mb());
+    println!("memory after the first tenth: {before:?} MB, at the end: {after:?} MB");
+    if growth > 0 && before.zip(after).is_some_and(|(b, a)| a * 100 > b * (100 + growth)) {
+        println!("it grew by more than {growth} %");
+        std::process::exit(1);
+    }
     let (_, _, p99, _) = saves.figures();
     if limit_ms > 0 && p99 > limit_ms as f64 {
         println!("p99 of a save is over {limit_ms} ms");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use whyroad_label::check::Recorded;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 
 /// Episodes that resemble one.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +21,7 @@ pub struct Similar {
 /// Recorded drives and what is derived from them.
 pub trait Recordings: Send + Sync {
     /// A drive; an error text when it is unavailable.
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String>;
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual>;
 
     /// Changes when the drive on disk changes; what was made from an older version is then made again. Constant where
     /// drives do not change.
@@ -30,7 +30,7 @@ pub trait Recordings: Send + Sync {
     }
 
     /// Whether the recordings can be read at all; why not, otherwise.
-    fn ready(&self) -> Result<(), String> {
+    fn ready(&self) -> Result<(), Bilingual> {
         Ok(())
     }
 
@@ -60,7 +60,7 @@ pub trait Recordings: Send + Sync {
 
     /// Number of episodes of a mined folder that answer `filter`; `None` for an unknown name, an error in words when
     /// the folder cannot be read. Without a filter the folder's size makes no difference.
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>>;
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>>;
 
     /// At most `limit` episodes of a mined folder that answer `filter`, in the order of drive and keyframe, from
     /// `after` on (`None`: from the first). `None` for an unknown name.
@@ -70,7 +70,7 @@ pub trait Recordings: Send + Sync {
         filter: &EpisodeFilter,
         after: Option<EpisodeCursor>,
         limit: usize,
-    ) -> Option<Result<EpisodePage, String>>;
+    ) -> Option<Result<EpisodePage, Bilingual>>;
 
     /// The `limit` episodes of a mined folder that resemble `episode` most, of its L2, most similar first; itself left
     /// out. `None` for an unknown name, an error in words where descriptors cannot be made.
@@ -79,7 +79,7 @@ pub trait Recordings: Send + Sync {
         _name: &str,
         _episode: &EpisodeRecord,
         _limit: usize,
-    ) -> Option<Result<Similar, String>> {
+    ) -> Option<Result<Similar, Bilingual>> {
         None
     }
 

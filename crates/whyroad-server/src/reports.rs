@@ -3,7 +3,7 @@
 
 use crate::domain::project::Project;
 use whyroad_label::facts::TaskFacts;
-use whyroad_model::Nanos;
+use whyroad_model::{Bilingual, Nanos};
 
 /// Makes reports of a project.
 pub trait Reports: Send + Sync {
@@ -16,5 +16,5 @@ pub trait Reports: Send + Sync {
         tasks: &[TaskFacts],
         now: Nanos,
         utc_offset_h: i8,
-    ) -> Result<String, String>;
+    ) -> Result<String, Bilingual>;
 }

@@ -9,10 +9,10 @@ use whyroad_engine::recordings::{LakeRecordings, MinedFolderError};
 use whyroad_framework::Framework;
 use whyroad_label::check::{Recorded, Recordings as _};
 use whyroad_label::draft;
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, LakeError};
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
 use whyroad_server::recordings::{Recordings, Similar};
 use whyroad_signals::{Catalogue, SignalKind as Kind};
@@ -58,13 +58,15 @@ impl ServiceRecordings {
         episode: &EpisodeRecord,
         others: Vec<EpisodeRecord>,
         limit: usize,
-    ) -> Result<Similar, String> {
+    ) -> Result<Similar, Bilingual> {
         let mut by_drive: BTreeMap<DriveId, Vec<EpisodeRecord>> = BTreeMap::new();
         for e in others.into_iter().filter(|e| e.episode_id != episode.episode_id) {
             by_drive.entry(e.drive_id.clone()).or_default().push(e);
         }
         let own = self.described(&episode.drive_id, std::slice::from_ref(episode))?.remove(0);
-        let own = own.ok_or("the drive has no pose at the keyframe")?;
+        let own = own.ok_or_else(|| {
+            Bilingual::new("行程在关键帧处没有自车位姿", "the drive has no pose at the keyframe")
+        })?;
         let mut out = Similar::default();
         for (drive, episodes) in by_drive {
             // A drive that is not in the lake any more is no reason to show nothing.
@@ -86,10 +88,10 @@ impl ServiceRecordings {
         &self,
         drive: &DriveId,
         episodes: &[EpisodeRecord],
-    ) -> Result<Vec<Option<EpisodeDescriptor>>, String> {
+    ) -> Result<Vec<Option<EpisodeDescriptor>>, Bilingual> {
         let key = |e: &EpisodeRecord| (self.lake.version(drive), e.episode_id.clone());
         let known: Vec<Option<Option<EpisodeDescriptor>>> = {
-            let kept = self.descriptors.lock().map_err(|e| e.to_string())?;
+            let kept = self.descriptors.lock().map_err(|e| Bilingual::same(e.to_string()))?;
             episodes.iter().map(|e| kept.get(&key(e)).cloned()).collect()
         };
         if known.iter().all(Option::is_some) {
@@ -97,7 +99,7 @@ impl ServiceRecordings {
         }
         let recorded = self.estimated(&self.drive(drive)?);
         let made = similar::describe(self.framework, &recorded, episodes);
-        let mut kept = self.descriptors.lock().map_err(|e| e.to_string())?;
+        let mut kept = self.descriptors.lock().map_err(|e| Bilingual::same(e.to_string()))?;
         if kept.len() + made.len() > MOST_KEPT {
             kept.clear();
         }
@@ -106,17 +108,22 @@ impl ServiceRecordings {
     }
 }
 
+/// What is wrong with the lake, for people of either language.
+fn in_words(error: LakeError) -> Bilingual {
+    error.diagnostic().message
+}
+
 impl Recordings for ServiceRecordings {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
-        self.lake.drive(id).map_err(|e| e.to_string())
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
+        self.lake.drive(id).map_err(in_words)
     }
 
     fn version(&self, id: &DriveId) -> String {
         self.lake.version(id)
     }
 
-    fn ready(&self) -> Result<(), String> {
-        self.lake.ready().map_err(|e| e.to_string())
+    fn ready(&self) -> Result<(), Bilingual> {
+        self.lake.ready().map_err(in_words)
     }
 
     fn signals(&self, drive: &Drive) -> SignalTable {
@@ -151,8 +158,8 @@ impl Recordings for ServiceRecordings {
         self.lake.mined()
     }
 
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>> {
-        Some(self.lake.episode_count(name, filter)?.map_err(|e| e.to_string()))
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
+        Some(self.lake.episode_count(name, filter)?.map_err(in_words))
     }
 
     fn episodes(
@@ -161,11 +168,16 @@ impl Recordings for ServiceRecordings {
         filter: &EpisodeFilter,
         after: Option<EpisodeCursor>,
         limit: usize,
-    ) -> Option<Result<EpisodePage, String>> {
-        Some(self.lake.episodes(name, filter, after, limit)?.map_err(|e| e.to_string()))
+    ) -> Option<Result<EpisodePage, Bilingual>> {
+        Some(self.lake.episodes(name, filter, after, limit)?.map_err(in_words))
     }
 
-    fn similar(&self, name: &str, episode: &EpisodeRecord, limit: usize) -> Option<Result<Similar, String>> {
+    fn similar(
+        &self,
+        name: &str,
+        episode: &EpisodeRecord,
+        limit: usize,
+    ) -> Option<Result<Similar, Bilingual>> {
         let l2 = ScenarioId { l3: None, ..episode.scenario_id.clone() };
         let filter = EpisodeFilter { scenario: Some(l2), ..EpisodeFilter::default() };
         let page = match self.episodes(name, &filter, None, MOST_COMPARED)? {

@@ -93,6 +93,10 @@ export const getProjectMinedByMEpisode = (p: string | number, m: string | number
 export const getProjectMinedByMEpisodes = (p: string | number, m: string | number, query: { scenario?: QueryValue; drive?: QueryValue; unjudged?: QueryValue; cursor?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["EpisodeCards"]> =>
   call<T["EpisodeCards"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/episodes${queryString(query)}`, undefined, options);
 
+/** GET /projects/{p}/mined/{m}/media/{camera}/{index} */
+export const getProjectMinedByMMediaByCameraByIndexUrl = (p: string | number, m: string | number, camera: string | number, index: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue } = {}): string =>
+  BASE + `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/media/${encodeURIComponent(camera)}/${encodeURIComponent(index)}${queryString(query)}`;
+
 /** GET /projects/{p}/mined/{m}/similar */
 export const getProjectMinedByMSimilar = (p: string | number, m: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["SimilarEpisodes"]> =>
   call<T["SimilarEpisodes"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/similar${queryString(query)}`, undefined, options);

@@ -148,7 +148,9 @@ export interface components {
             known: number;
             /** Format: uint32 */
             left_out: number;
-            lost: string[];
+            lost: components["schemas"]["LostEpisode"][];
+            /** Format: uint32 */
+            more: number;
             tasks: string[];
         };
         Dashboard: {
@@ -370,6 +372,10 @@ export interface components {
             /** Format: uint */
             t_index: number;
             to_lane_id?: string | null;
+        };
+        LostEpisode: {
+            episode: string;
+            text: components["schemas"]["Bilingual"];
         };
         LostLine: {
             /** Format: uint32 */
@@ -985,6 +991,7 @@ export type Lease = components["schemas"]["Lease"];
 export type LeaseAction = components["schemas"]["LeaseAction"];
 export type LeaseRequest = components["schemas"]["LeaseRequest"];
 export type LightView = components["schemas"]["LightView"];
+export type LostEpisode = components["schemas"]["LostEpisode"];
 export type LostLine = components["schemas"]["LostLine"];
 export type MadeGold = components["schemas"]["MadeGold"];
 export type MapView = components["schemas"]["MapView"];

@@ -209,6 +209,14 @@ pub static ROUTES: &[Route] = &[
         ("limit", "how many; default 12"),
     ])
     .gives::<SimilarEpisodes>(),
+    Route::get(
+        "/projects/{p}/mined/{m}/media/{camera}/{index}",
+        Access::Lead,
+        "A camera frame of a mined episode",
+        scenes::mined_media,
+    )
+    .query(EPISODE)
+    .gives_media("image/*"),
     Route::post(
         "/projects/{p}/verdicts",
         Access::Lead,

@@ -39,8 +39,19 @@ pub struct Created {
     pub known: u32,
     /// Episodes beyond a limit, not primary, or of no class of the taxonomy.
     pub left_out: u32,
-    /// Episodes whose drive is not in the lake, with the reason.
-    pub lost: Vec<String>,
+    /// Episodes without a usable drive, with the reason: the first hundred.
+    pub lost: Vec<LostEpisode>,
+    /// Further episodes without a usable drive.
+    pub more: u32,
+}
+
+/// An episode that no task could be made of.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct LostEpisode {
+    /// Its id.
+    pub episode: String,
+    /// Why.
+    pub text: Bilingual,
 }
 
 /// Folders of mining results that the service was started with.

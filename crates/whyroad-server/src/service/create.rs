@@ -3,9 +3,10 @@
 
 use crate::app::App;
 use crate::domain::project::Project;
-use crate::domain::task::{CreateTasks, Created};
+use crate::domain::task::{CreateTasks, Created, LostEpisode};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
+use crate::service::mined::unreadable;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, projects, thumbnail, veil};
 use crate::store::Tx;
@@ -25,6 +26,8 @@ const MOST_OVERLAP: u32 = 10;
 const MOST_EPISODES: usize = 20_000;
 /// Episodes of a mined folder that are in memory at once.
 const EPISODES_PER_PAGE: usize = 500;
+/// Episodes without a drive that are named, with the reason.
+const MOST_REASONS: usize = 100;
 /// Tasks stored together: few enough that nobody's autosave waits long.
 const AT_ONCE: usize = 50;
 /// Seconds of history that Stage I shows at least, and of future that Stage II does (LABELING.md 4 and 6).
@@ -60,7 +63,7 @@ pub fn create(
     if request.lang.as_deref().is_some_and(|l| l.parse::<Lang>().is_err()) {
         return Err(Problem::request("lang 须为 zh 或 en", "lang must be zh or en"));
     }
-    let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![] };
+    let mut out = Created { tasks: vec![], known: 0, left_out: 0, lost: vec![], more: 0 };
     let mut by_leaf: BTreeMap<String, u32> = BTreeMap::new();
     let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
@@ -105,7 +108,8 @@ pub fn create(
                 *leaf += 1;
                 chosen += 1;
             }
-            Err(why) => out.lost.push(format!("{}: {}", episode.episode_id, why.en)),
+            Err(_) if out.lost.len() >= MOST_REASONS => out.more += 1,
+            Err(text) => out.lost.push(LostEpisode { episode: episode.episode_id.clone(), text }),
         }
         // As they come: people can begin, and what was made stays when the rest fails.
         if rows.len() >= AT_ONCE {
@@ -210,11 +214,6 @@ impl<'a> Episodes<'a> {
     }
 }
 
-/// A mined folder that cannot be read.
-fn unreadable(why: String) -> Problem {
-    Problem::new(422, "mined.unreadable", format!("挖掘结果无法读取：{why}"), why)
-}
-
 fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
     let sql = "SELECT 1 FROM tasks WHERE project_id = $1 AND episode_id = $2 LIMIT 1";
     app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
@@ -237,7 +236,8 @@ impl LastDrive {
             Some(source) => source,
             None => {
                 let drive = app.recordings.drive(&episode.drive_id);
-                let drive = drive.map_err(|why| Bilingual::new(format!("行程不可用：{why}"), why))?;
+                let drive =
+                    drive.map_err(|why| Bilingual { zh: format!("行程不可用：{}", why.zh), ..why })?;
                 Source { drive, signals: OnceCell::new() }
             }
         };

@@ -19,14 +19,14 @@ use std::sync::Arc;
 use whyroad_framework::Framework;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 
 /// Nothing is asked of it here.
 struct NoDrives;
 
 impl Recordings for NoDrives {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
-        Err(format!("no drive {id}"))
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
+        Err(Bilingual::same(format!("no drive {id}")))
     }
     fn signals(&self, _: &Drive) -> SignalTable {
         unreachable!("no drive was given")
@@ -40,7 +40,7 @@ impl Recordings for NoDrives {
     fn mined(&self) -> Vec<String> {
         vec![]
     }
-    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, String>> {
+    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
         None
     }
     fn episodes(
@@ -49,7 +49,7 @@ impl Recordings for NoDrives {
         _: &EpisodeFilter,
         _: Option<EpisodeCursor>,
         _: usize,
-    ) -> Option<Result<EpisodePage, String>> {
+    ) -> Option<Result<EpisodePage, Bilingual>> {
         None
     }
     fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
@@ -89,7 +89,7 @@ pub fn app() -> (App, tempfile::TempDir) {
     let dir = tempfile::tempdir().unwrap();
     let server = SERVER.with_borrow(|s| s.as_ref().map(|s| StoreLocation::parse(&s.database())));
     let place = server.unwrap_or_else(|| StoreLocation::File(dir.path().join("s.db")));
-    let store = Store::open(&place).unwrap();
+    let store = Store::open_keeping(&place, dir.path()).unwrap();
     let app = App::new(store, Framework::bundled(), Arc::new(NoDrives)).unwrap();
     let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)";
     app.store.write(move |tx| tx.run(insert, &[])).unwrap();

@@ -12,11 +12,13 @@ use crate::secret;
 use crate::service::tasks::TaskRow;
 use crate::service::{answer, create, scene, seen, texts};
 use crate::store::{Row, Store, Tx};
+use crate::url::encoded;
 use crate::values;
 use std::collections::HashMap;
 use std::io::Write;
+use std::path::PathBuf;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
-use whyroad_model::{DriveId, Nanos, ScenarioId};
+use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId};
 
 /// Episodes on a page when nothing is said, and at most.
 const USUAL: usize = 50;
@@ -54,8 +56,13 @@ pub struct EpisodeName<'a> {
     pub episode: &'a str,
 }
 
-fn unreadable(why: String) -> Problem {
-    Problem::new(422, "mined.unreadable", format!("挖掘结果无法读取：{why}"), why)
+pub(super) fn unreadable(why: Bilingual) -> Problem {
+    Problem::new(
+        422,
+        "mined.unreadable",
+        format!("挖掘结果无法读取：{}", why.zh),
+        format!("the mined folder cannot be read: {}", why.en),
+    )
 }
 
 fn class(text: &str) -> Answer<ScenarioId> {
@@ -175,8 +182,12 @@ pub fn episode(app: &App, project: &Project, name: EpisodeName<'_>, user: &str) 
     app.store.write(move |tx| seen::show(tx, &row, &who))?;
     let mut view = (*scene::scene(app, &t)?).clone();
     let mut map = scene::map(app, &t)?;
-    // Images have addresses of tasks; an episode without a task has none.
-    view.cameras.clear();
+    // Images of a task have addresses of the task; those of an episode name it.
+    for camera in &mut view.cameras {
+        for frame in &mut camera.frames {
+            frame.url = image_url(&project.id, name, &camera.camera, frame.index);
+        }
+    }
     let precision = f64::from(project.settings.place_precision_m);
     if precision > 0.0 {
         let corner = scene::corner(app, &t, precision)?;
@@ -192,6 +203,31 @@ pub fn episode(app: &App, project: &Project, name: EpisodeName<'_>, user: &str) 
         Ok((task, own(tx, &project.id, &found.episode_id, user)?))
     })?;
     Ok(MinedEpisode { task, keyframe_rule: found.keyframe_rule, scene: view, map, verdict })
+}
+
+fn image_url(project: &str, name: EpisodeName<'_>, camera: &str, index: usize) -> String {
+    let [mined, camera, drive, scenario, episode] =
+        [name.mined, camera, name.drive, name.scenario, name.episode].map(encoded);
+    format!(
+        "/api/v1/projects/{project}/mined/{mined}/media/{camera}/{index}?drive={drive}&scenario={scenario}&episode={episode}"
+    )
+}
+
+/// The file of image `index` of `camera` of an episode. Refused, as the episode is, to who does Stage I of it.
+pub fn image(
+    app: &App,
+    project: &Project,
+    (name, user): (EpisodeName<'_>, &str),
+    camera: &str,
+    index: usize,
+) -> Answer<PathBuf> {
+    let t = as_task(app, project, &find(app, name)?)?;
+    let (row, who) = (t.clone(), user.to_owned());
+    // Images come by the dozen: a write only for who has not opened the episode.
+    if !app.store.read(|tx| seen::was_shown(tx, &t, user))? {
+        app.store.write(move |tx| seen::show(tx, &row, &who))?;
+    }
+    scene::image(app, &t, camera, index)
 }
 
 /// Records a verdict, or takes it back.

@@ -68,13 +68,12 @@ pub fn restore<R: BufRead>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::StoreLocation;
 
     /// A table that is not in [`TABLES`] would be lost by a backup without a word.
     #[test]
     fn every_table_is_in_a_backup() {
         let dir = tempfile::tempdir().unwrap();
-        let store = Store::open(&StoreLocation::File(dir.path().join("s"))).unwrap();
+        let store = Store::open(&dir.path().join("s")).unwrap();
         let sql =
             "SELECT name FROM sqlite_master WHERE type = 'table' AND name <> 'schema_version' ORDER BY name";
         let there = store.read(|tx| tx.rows(sql, &[])).unwrap();

@@ -52,14 +52,14 @@ impl std::fmt::Debug for Store {
 }
 
 impl Store {
-    /// Opens the store and brings its tables up to date, after keeping what is there: a file is copied
-    /// (`<file>.before-<version>`), a server's tables are backed up into the working folder.
-    pub fn open(place: &StoreLocation) -> Answer<Self> {
-        Self::open_keeping(place, Path::new(""))
+    /// Opens the SQLite store `file`; everything that belongs to it lies beside it.
+    pub fn open(file: &Path) -> Answer<Self> {
+        Self::open_keeping(&StoreLocation::File(file.to_owned()), file.parent().unwrap_or(Path::new("")))
     }
 
-    /// The same, with `aside` as the folder for the backup of a server's tables (`store.before-<version>.jsonl`, which
-    /// [`restore`] reads) and for the key file.
+    /// Opens the store and brings its tables up to date, after keeping what is there: a file is copied
+    /// (`<file>.before-<version>`), a server's tables are backed up into the folder `aside`
+    /// (`store.before-<version>.jsonl`, which [`restore`] reads), where its key file lies, too.
     pub fn open_keeping(place: &StoreLocation, aside: &Path) -> Answer<Self> {
         Self::open_with_key(place, aside, &key_file(place, aside))
     }

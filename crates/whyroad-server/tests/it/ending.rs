@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use whyroad_framework::Framework;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
 use whyroad_server::App;
 use whyroad_server::domain::scene::SignalAbout;
 use whyroad_server::recordings::Recordings;
@@ -20,7 +20,7 @@ use whyroad_server::store::{Store, StoreLocation};
 #[test]
 fn what_was_begun_is_finished_when_the_service_ends() {
     let dir = tempfile::tempdir().unwrap();
-    let store = Store::open(&StoreLocation::File(dir.path().join("s"))).unwrap();
+    let store = Store::open(&dir.path().join("s")).unwrap();
     let recordings = Recorded { future: Future::Brakes, pictures: dir.path().to_path_buf() };
     let app = Arc::new(App::new(store, Framework::bundled(), Arc::new(recordings)).unwrap());
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
@@ -94,7 +94,7 @@ fn a_service_on_postgresql_ends_without_a_panic() {
 struct Endless(Recorded);
 
 impl Recordings for Endless {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
         self.0.drive(id)
     }
     fn signals(&self, _: &Drive) -> SignalTable {
@@ -111,7 +111,7 @@ impl Recordings for Endless {
     fn mined(&self) -> Vec<String> {
         self.0.mined()
     }
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>> {
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
         self.0.episode_count(name, filter)
     }
     fn episodes(
@@ -120,7 +120,7 @@ impl Recordings for Endless {
         filter: &EpisodeFilter,
         after: Option<EpisodeCursor>,
         limit: usize,
-    ) -> Option<Result<EpisodePage, String>> {
+    ) -> Option<Result<EpisodePage, Bilingual>> {
         self.0.episodes(name, filter, after, limit)
     }
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {

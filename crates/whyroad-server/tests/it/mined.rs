@@ -36,6 +36,14 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     assert_eq!(shown["keyframe_rule"]["en"], "crosses the line");
     assert!(shown["scene"]["times"].as_array().unwrap().len() > 100, "also what comes after");
     assert!(shown["scene"]["signals"]["target.gap"].is_array());
+    // Its images have addresses of their own, for leads alone.
+    let frames = shown["scene"]["cameras"][0]["frames"].as_array().unwrap();
+    let url = frames.last().unwrap()["url"].as_str().unwrap().strip_prefix("/api/v1").unwrap();
+    let image = lead.get(url);
+    assert_eq!((image.status, image.body.starts_with(b"picture of frame ")), (200, true), "{url}");
+    assert_eq!(chen.get(url).status, 403);
+    let beyond = url.replace(&format!("/{}?", frames.len() - 1), &format!("/{}?", frames.len()));
+    assert_eq!(lead.get(&beyond).status, 404);
     // Who has seen it does no Stage I of it.
     let task = world.tasks(&admin, &project, &["drive1"], 1)[0].clone();
     let take = lead.post(&format!("/tasks/{task}/lease"), &json!({ "action": "take" }));
@@ -88,4 +96,6 @@ pub fn who_is_in_stage_one_is_not_shown_the_episode(world: &World) {
     Work::take(&lead, &task);
     let shown = lead.get(&format!("/projects/{project}/mined/week1/episode?{DRIVE1}"));
     assert_eq!(shown.refusal(), (409, "task.stage1_first".into()));
+    let image = lead.get(&format!("/projects/{project}/mined/week1/media/front%20left/0?{DRIVE1}"));
+    assert_eq!(image.refusal(), (409, "task.stage1_first".into()));
 }

@@ -210,11 +210,11 @@ pub struct Recorded {
 }
 
 impl Recordings for Recorded {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
         if id.as_str().starts_with("drive") {
             Ok(Arc::new(drive(id, self.future)))
         } else {
-            Err("no such drive".to_owned())
+            Err(Bilingual::new("没有这个行程", "no such drive"))
         }
     }
 
@@ -304,7 +304,7 @@ impl Recordings for Recorded {
         vec!["week1".into()]
     }
 
-    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, String>> {
+    fn episode_count(&self, name: &str, filter: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
         self.episodes(name, filter, None, usize::MAX).map(|page| Ok(page?.episodes.len() as u64))
     }
 
@@ -314,7 +314,7 @@ impl Recordings for Recorded {
         filter: &EpisodeFilter,
         after: Option<EpisodeCursor>,
         limit: usize,
-    ) -> Option<Result<EpisodePage, String>> {
+    ) -> Option<Result<EpisodePage, Bilingual>> {
         let all = [episode("drive1", 1, self.future), episode("drive2", 1, self.future)];
         let from = after.map_or(0, |c| c.0 as usize);
         let mut wanted = (0..).zip(all).skip(from).filter(|(_, e)| filter.accepts(e));
@@ -329,7 +329,7 @@ impl Recordings for Recorded {
         name: &str,
         episode: &EpisodeRecord,
         _: usize,
-    ) -> Option<Result<whyroad_server::recordings::Similar, String>> {
+    ) -> Option<Result<whyroad_server::recordings::Similar, Bilingual>> {
         let all = self.episodes(name, &EpisodeFilter::default(), None, 10)?.ok()?.episodes;
         let others = all.into_iter().filter(|e| e.episode_id != episode.episode_id);
         let nearest: Vec<_> = others.map(|e| (e, 0.5)).collect();
@@ -354,9 +354,9 @@ impl whyroad_server::reports::Reports for Counted {
         tasks: &[whyroad_label::facts::TaskFacts],
         _: Nanos,
         utc_offset_h: i8,
-    ) -> Result<String, String> {
+    ) -> Result<String, Bilingual> {
         match project.name.as_str() {
-            "broken" => Err("no mined folder".into()),
+            "broken" => Err(Bilingual::new("没有挖掘结果", "no mined folder")),
             name => Ok(format!("<p>{name} {} {utc_offset_h}</p>", tasks.len())),
         }
     }

@@ -7,10 +7,6 @@ use whyroad_server::problem::Problem;
 use whyroad_server::store::{Store, StoreLocation, backup, restore};
 use whyroad_server::values;
 
-fn file(dir: &Path, name: &str) -> StoreLocation {
-    StoreLocation::File(dir.join(name))
-}
-
 fn put(store: &Store, name: &'static str) {
     store
         .write(move |tx| tx.run("INSERT INTO settings (name, value) VALUES ($1, 'x')", values![name]))
@@ -75,7 +71,7 @@ fn transactions(store: &Store) {
 #[test]
 fn transactions_on_sqlite() {
     let dir = tempfile::tempdir().unwrap();
-    transactions(&Store::open(&file(dir.path(), "s")).unwrap());
+    transactions(&Store::open(&dir.path().join("s")).unwrap());
 }
 
 #[test]
@@ -120,7 +116,7 @@ fn an_older_store_comes_forward_and_is_copied_aside_before() {
     old.execute_batch(FIRST).unwrap();
     old.execute_batch(OF_VERSION_1).unwrap();
     drop(old);
-    let store = Store::open(&StoreLocation::File(path.clone())).unwrap();
+    let store = Store::open(&path).unwrap();
     let counted = store.read(|tx| tx.row("SELECT day, n FROM activity", &[])).unwrap().unwrap();
     assert_eq!((counted.int("day").unwrap(), counted.int("n").unwrap()), (1, 2), "counts of what was before");
     assert_eq!(task(&store), ("t".into(), String::new()));
@@ -128,16 +124,12 @@ fn an_older_store_comes_forward_and_is_copied_aside_before() {
     let version: i64 = aside.query_row("SELECT max(version) FROM schema_version", [], |r| r.get(0)).unwrap();
     let tasks: i64 = aside.query_row("SELECT count(*) FROM tasks", [], |r| r.get(0)).unwrap();
     assert_eq!((version, tasks), (1, 1), "the copy is the store as it was");
-    assert_eq!(
-        Store::open(&StoreLocation::File(path.clone())).unwrap().kept,
-        None,
-        "nothing to bring forward"
-    );
+    assert_eq!(Store::open(&path).unwrap().kept, None, "nothing to bring forward");
 
     // A store of a newer program is not touched.
     store.write(|tx| tx.run("INSERT INTO schema_version (version) VALUES (99)", &[])).unwrap();
     drop(store);
-    assert_eq!(Store::open(&StoreLocation::File(path)).unwrap_err().code, "store.newer");
+    assert_eq!(Store::open(&path).unwrap_err().code, "store.newer");
 }
 
 /// All that a backup of `store` holds.
@@ -168,10 +160,10 @@ fn fill(store: &Store) {
 #[test]
 fn a_backup_restores_into_either_store_and_back() {
     let dir = tempfile::tempdir().unwrap();
-    let first = Store::open(&file(dir.path(), "first")).unwrap();
+    let first = Store::open(&dir.path().join("first")).unwrap();
     fill(&first);
     let bytes = dump(&first);
-    let second = Store::open(&file(dir.path(), "second")).unwrap();
+    let second = Store::open(&dir.path().join("second")).unwrap();
     put(&second, "made on its first start");
     let of = |part: &[u8]| {
         let part = part.to_vec();
@@ -181,7 +173,7 @@ fn a_backup_restores_into_either_store_and_back() {
     assert_eq!(String::from_utf8(dump(&second)).unwrap(), String::from_utf8(bytes.clone()).unwrap());
 
     assert_eq!(restore(&second, of(&bytes)).unwrap_err().code, "restore.not_empty");
-    let third = Store::open(&file(dir.path(), "third")).unwrap();
+    let third = Store::open(&dir.path().join("third")).unwrap();
     let cut = bytes.iter().rposition(|b| *b == b'{').unwrap();
     assert_eq!(restore(&third, of(&bytes[..cut])).unwrap_err().code, "restore.broken");
     assert_eq!(restore(&third, of(b"{}\n{}")).unwrap_err().code, "restore.broken");
@@ -208,7 +200,7 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
     let text = std::fs::read_to_string(&kept).unwrap();
     assert!(text.starts_with(r#"{"schema_version":1,"whyroad_backup":1}"#), "{text}");
     // A backup of an older program goes into a store of this one, of either kind.
-    for place in [file(dir.path(), "fresh"), StoreLocation::parse(&server.database())] {
+    for place in [StoreLocation::File(dir.path().join("fresh")), StoreLocation::parse(&server.database())] {
         let fresh = Store::open_keeping(&place, dir.path()).unwrap();
         let from = kept.clone();
         let rows = restore(&fresh, move || Ok(BufReader::new(std::fs::File::open(&from)?))).unwrap();
@@ -224,7 +216,7 @@ fn an_older_postgresql_store_is_backed_up_before_and_the_backup_restores_into_ei
 #[test]
 fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused() {
     let dir = tempfile::tempdir().unwrap();
-    let store = Store::open(&file(dir.path(), "s")).unwrap();
+    let store = Store::open(&dir.path().join("s")).unwrap();
     store
         .write(|tx| {
             // More than two pages, with keys that only the second column tells apart.
@@ -244,12 +236,12 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
         })
         .unwrap();
     let bytes = dump(&store);
-    let other = Store::open(&file(dir.path(), "other")).unwrap();
+    let other = Store::open(&dir.path().join("other")).unwrap();
     let copy = bytes.clone();
     assert_eq!(restore(&other, move || Ok(Cursor::new(copy.clone()))).unwrap(), 5001);
     assert_eq!(dump(&other), bytes);
 
-    let empty = Store::open(&file(dir.path(), "empty")).unwrap();
+    let empty = Store::open(&dir.path().join("empty")).unwrap();
     for (head, why) in
         [(r#"{"whyroad_backup":1,"schema_version":99}"#, "knows up to"), ("", "empty"), ("[", "EOF")]
     {
@@ -271,7 +263,7 @@ fn a_text_that_only_one_of_the_databases_could_hold_is_refused_by_both() {
         let odd = store.read(|tx| tx.rows("SELECT 1 FROM settings WHERE name = $1", values!["\0"]));
         assert_eq!(odd.unwrap_err().code, "text.nul");
     };
-    check(&Store::open(&file(dir.path(), "s")).unwrap());
+    check(&Store::open(&dir.path().join("s")).unwrap());
     let Some(server) = Server::start() else { return };
     check(&Store::open_keeping(&StoreLocation::parse(&server.database()), dir.path()).unwrap());
 }
@@ -283,7 +275,7 @@ fn what_the_store_keeps_is_for_its_owner_alone() {
     let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode() & 0o777;
     let dir = tempfile::tempdir().unwrap();
     let folder = dir.path().join("whyroad-data");
-    let store = Store::open(&file(&folder, "labels.db")).unwrap();
+    let store = Store::open(&folder.join("labels.db")).unwrap();
     put(&store, "a");
     assert_eq!(mode(&folder), 0o700);
     for name in ["labels.db", "labels.db-wal", "labels.db-shm"] {
@@ -292,7 +284,7 @@ fn what_the_store_keeps_is_for_its_owner_alone() {
     drop(store);
     // A file of an older version is taken from others when it is opened.
     std::fs::set_permissions(folder.join("labels.db"), std::fs::Permissions::from_mode(0o644)).unwrap();
-    let _again = Store::open(&file(&folder, "labels.db")).unwrap();
+    let _again = Store::open(&folder.join("labels.db")).unwrap();
     assert_eq!(mode(&folder.join("labels.db")), 0o600);
 }
 
@@ -316,7 +308,7 @@ fn with_secrets(store: &Store) {
 #[test]
 fn secrets_of_an_older_program_are_sealed_and_go_on_working_under_a_new_key() {
     let dir = tempfile::tempdir().unwrap();
-    let place = file(dir.path(), "s");
+    let place = dir.path().join("s");
     with_secrets(&Store::open(&place).unwrap());
     let store = Store::open(&place).unwrap();
     let secrets = stored_secrets(&store);
@@ -340,16 +332,16 @@ fn secrets_of_an_older_program_are_sealed_and_go_on_working_under_a_new_key() {
 #[test]
 fn a_backup_needs_its_key() {
     let dir = tempfile::tempdir().unwrap();
-    let place = file(dir.path(), "first");
+    let place = dir.path().join("first");
     with_secrets(&Store::open(&place).unwrap());
     let first = Store::open(&place).unwrap();
     let bytes = dump(&first);
     assert!(!String::from_utf8_lossy(&bytes).contains("plain-"), "a backup holds no secret in plain text");
     let taken = bytes.clone();
-    let other = Store::open(&file(dir.path(), "other")).unwrap();
+    let other = Store::open(&dir.path().join("other")).unwrap();
     let refused = restore(&other, move || Ok(Cursor::new(taken.clone()))).unwrap_err();
     assert_eq!(refused.code, "store.key");
-    let second = file(dir.path(), "second");
+    let second = dir.path().join("second");
     std::fs::copy(first.vault.path(), dir.path().join("second.key")).unwrap();
     let second = Store::open(&second).unwrap();
     restore(&second, move || Ok(Cursor::new(bytes.clone()))).unwrap();

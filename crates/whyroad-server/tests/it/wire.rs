@@ -117,7 +117,8 @@ pub fn tasks_come_from_mined_folders_within_limits(world: &World) {
     assert_eq!(create(json!({})).refusal().0, 400);
     let mut lost = serde_json::to_value(crate::recorded::episode("gone", 1, world.future)).unwrap();
     let made = create(json!({ "episodes": [lost.clone()] })).fine();
-    assert_eq!(made["lost"], json!(["gone_e1: no such drive"]));
+    let why = json!({ "zh": "行程不可用：没有这个行程", "en": "no such drive" });
+    assert_eq!(made["lost"], json!([{ "episode": "gone_e1", "text": why }]));
     lost["scenario_id"] = json!("other");
     assert_eq!(create(json!({ "episodes": [lost] })).fine()["left_out"], 1, "no class explains it");
 }

@@ -10,7 +10,7 @@ use whyroad_framework::Framework;
 use whyroad_label::facts::TaskFacts;
 use whyroad_lake::mined::MinedFile;
 use whyroad_lake::{Lake, MinedFolder};
-use whyroad_model::Nanos;
+use whyroad_model::{Bilingual, Nanos};
 use whyroad_report::analytics::{Analytics, AnalyticsInputs, HourlyRate, MinedFacts, page};
 use whyroad_server::domain::project::Project;
 use whyroad_server::reports::Reports;
@@ -33,10 +33,10 @@ impl ServiceReports {
         Self { lake, framework, dirs, queries: Queries::new(framework), held: Mutex::default() }
     }
 
-    fn mined(&self, folder: &MinedFolder) -> Result<Arc<MinedFacts>, String> {
+    fn mined(&self, folder: &MinedFolder) -> Result<Arc<MinedFacts>, Bilingual> {
         let path = folder.path(MinedFile::Coverage);
         let written = std::fs::metadata(&path).and_then(|m| m.modified()).ok();
-        let mut held = self.held.lock().map_err(|e| e.to_string())?;
+        let mut held = self.held.lock().map_err(|e| Bilingual::same(e.to_string()))?;
         if let Some((of, at, facts)) = &*held
             && (of, at) == (&path, &written)
             && written.is_some()
@@ -44,7 +44,7 @@ impl ServiceReports {
             return Ok(Arc::clone(facts));
         }
         // Drives without a readable context stay without weather: the page says "not stated".
-        let (facts, _) = mined(folder, Some(&self.lake)).map_err(|d| d.message.en.clone())?;
+        let (facts, _) = mined(folder, Some(&self.lake)).map_err(|d| d.message)?;
         let facts = Arc::new(facts);
         *held = Some((path, written, Arc::clone(&facts)));
         Ok(facts)
@@ -58,7 +58,7 @@ impl Reports for ServiceReports {
         tasks: &[TaskFacts],
         now: Nanos,
         utc_offset_h: i8,
-    ) -> Result<String, String> {
+    ) -> Result<String, Bilingual> {
         let mined = largest(&self.dirs).map(|folder| self.mined(&folder)).transpose()?;
         let wanted = project.quota.iter().filter_map(|(leaf, n)| Some((leaf.parse().ok()?, u64::from(*n))));
         let rate = project

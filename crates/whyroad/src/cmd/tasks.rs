@@ -2,10 +2,11 @@
 //! the service running (or beside it: the store takes both).
 
 use crate::output::Print;
+use crate::output::reason::{cannot_read, no_project, stop};
 use crate::recordings::ServiceRecordings;
 use crate::store_args::error;
 use crate::{Global, output, store_args};
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::Context as _;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -163,16 +164,16 @@ pub(super) fn find(store: &Store, name: &str, lang: Lang) -> anyhow::Result<Stri
     let all = store.read(projects::all).map_err(|p| error(&p, lang))?;
     let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
     let found = all.iter().find(|p| p.name == name || p.id == name);
-    found.map(|p| p.id.clone()).ok_or_else(|| match lang {
-        Lang::Zh => anyhow!("没有项目 '{name}'；现有：{}", names.join("、")),
-        Lang::En => anyhow!("no project '{name}'; existing: {}", names.join(", ")),
-    })
+    found.map(|p| p.id.clone()).ok_or_else(|| no_project(name, &names))
 }
 
 fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     let beside = a.from.parent().map(|d| d.join("lake"));
     let Some(lake) = a.lake.clone().or(beside.filter(|d| d.is_dir())) else {
-        bail!("no lake beside {}; name it with --lake", a.from.display());
+        return Err(stop(
+            format!("{} 旁没有数据湖；请用 --lake 指定", a.from.display()),
+            format!("no lake beside {}; name it with --lake", a.from.display()),
+        ));
     };
     let (app, project) = service(global, &a.store, &lake, std::slice::from_ref(&a.from), &a.project)?;
     let request = CreateTasks {
@@ -187,8 +188,9 @@ fn create_tasks(global: &Global, a: &Create) -> anyhow::Result<ExitCode> {
     };
     let made =
         create::create(&app, &project, &request, None, Drafting::Now).map_err(|p| error(&p, global.lang))?;
-    made.lost.iter().for_each(|why| say!("{why}"));
-    let (new, known, left_out, lost) = (made.tasks.len(), made.known, made.left_out, made.lost.len());
+    made.lost.iter().for_each(|l| say!("{}: {}", l.episode, l.text.get(global.lang)));
+    let (new, known, left_out) = (made.tasks.len(), made.known, made.left_out);
+    let lost = made.lost.len() + made.more as usize;
     let counts = json!({
         "created": new, "already_present": known, "not_selected": left_out, "without_drive": lost,
     });
@@ -265,8 +267,7 @@ pub(crate) fn import_lines(
 }
 
 fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
-    let text =
-        std::fs::read_to_string(&a.file).with_context(|| format!("cannot read {}", a.file.display()))?;
+    let text = std::fs::read_to_string(&a.file).with_context(|| cannot_read(a.file.display()))?;
     let made = import_lines(global, &a.store, &a.lake, &a.project, &text)?;
     for lost in &made.lost {
         say!("{}:{}: {}", a.file.display(), lost.line, lost.text.get(global.lang));

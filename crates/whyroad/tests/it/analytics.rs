@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::sync::OnceLock;
-use whyroad_server::store::{Store, StoreLocation};
+use whyroad_server::store::Store;
 use whyroad_server::values;
 
 fn fine(dir: &Path, args: &[&str]) -> Run {
@@ -50,7 +50,7 @@ fn project() -> &'static Path {
 
 /// Marks two tasks as accepted, with what their histories would say.
 fn accept_two(store: &Path) {
-    let store = Store::open(&StoreLocation::File(store.to_owned())).unwrap();
+    let store = Store::open(store).unwrap();
     store
         .write(|tx| {
             let rows = tx.rows("SELECT id FROM tasks ORDER BY clip_id, keyframe_ns, scenario_id LIMIT 2", &[])?;

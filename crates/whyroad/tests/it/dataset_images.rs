@@ -9,7 +9,8 @@ use serde_json::Value;
 use std::path::Path;
 use whyroad_dataset::Release;
 
-const RATE_HZ: f64 = 10.0;
+/// Images of [`lake_with_images`] a second.
+pub(crate) const RATE_HZ: f64 = 10.0;
 const SIZE: (u32, u32) = (16, 12);
 
 #[track_caller]
@@ -40,10 +41,8 @@ fn number(bytes: &[u8]) -> usize {
     usize::from(pixels[0]) << 8 | usize::from(pixels[1])
 }
 
-#[test]
-fn camera_images_reach_the_files_of_a_trainer() {
-    let dir = tempfile::tempdir().unwrap();
-    let at = dir.path();
+/// A lake with numbered images of one camera along every drive, and a spec that asks for camera images.
+pub(crate) fn lake_with_images(at: &Path) -> whyroad_lake::Lake {
     copy_folder(&demo().join("lake"), &at.join("lake"));
     let lake = whyroad_lake::Lake::open(at.join("lake")).unwrap();
     std::fs::create_dir(at.join("front")).unwrap();
@@ -68,6 +67,14 @@ fn camera_images_reach_the_files_of_a_trainer() {
     good(at, "dataset init template.yaml", &[0]);
     let spec = std::fs::read_to_string(at.join("template.yaml")).unwrap();
     std::fs::write(at.join("dataset.yaml"), spec.replace("images: none", "images: cameras")).unwrap();
+    lake
+}
+
+#[test]
+fn camera_images_reach_the_files_of_a_trainer() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    let lake = lake_with_images(at);
     let mined = demo().join("mined").display().to_string();
     good(
         at,

@@ -291,8 +291,7 @@ fn a_doubtful_label_goes_back_to_its_own_task() {
     write("stored.jsonl", &all[..11]);
     write("file.jsonl", &all[11..]);
     good(at, "tasks import stored.jsonl --project town --lake DEMO/lake --data data");
-    let store = whyroad_server::store::StoreLocation::File(at.join("data/labels.db"));
-    let store = whyroad_server::store::Store::open(&store).unwrap();
+    let store = whyroad_server::store::Store::open(&at.join("data/labels.db")).unwrap();
     store.write(|tx| tx.run("UPDATE tasks SET state = 'accepted'", &[])).unwrap();
     drop(store);
     good(at, "dataset init template.yaml");

@@ -178,7 +178,8 @@ impl Drop for SmallDisk {
 #[test]
 fn a_database_that_restarts_is_waited_for() {
     let Some(mut server) = crate::postgres::Server::start() else { return };
-    let service = Service::start(&["--store", &server.database()]);
+    let data = tempfile::tempdir().unwrap();
+    let service = Service::start(&["--store", &server.database(), "--data", data.path().to_str().unwrap()]);
     let (mut admin, project, mut crew) = crew(service.at);
     for _ in 0..2 {
         storm(&mut crew, |progress| {
@@ -256,6 +257,25 @@ fn a_service_told_to_stop_finishes_what_it_has_begun() {
     let mut admin = Client::sign_in(again.at, "admin");
     crew.iter_mut().for_each(|a| a.client.move_to(again.at));
     nothing_is_lost(&mut admin, &project, &mut crew);
+}
+
+#[test]
+fn a_service_on_postgresql_ends_well_on_either_signal() {
+    let Some(server) = crate::postgres::Server::start() else { return };
+    for signal in ["-TERM", "-INT"] {
+        let data = tempfile::tempdir().unwrap();
+        let arguments = ["--store", &server.database(), "--data", data.path().to_str().unwrap()];
+        let service = Service::start(&arguments);
+        let mut admin = Client::set_up(service.at, "admin");
+        assert_eq!(admin.get("/projects").status, 200);
+        let begun = Instant::now();
+        let pid = service.pid().to_string();
+        assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
+        // A panic would end it with 101.
+        let ended = service.wait();
+        assert!(ended.success(), "{signal}: {ended}");
+        assert!(begun.elapsed() < Duration::from_secs(20), "{signal}: {:?}", begun.elapsed());
+    }
 }
 
 #[test]

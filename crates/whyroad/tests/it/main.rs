@@ -11,6 +11,7 @@ mod service;
 mod session;
 
 mod analytics;
+mod blur;
 mod dataset;
 mod dataset_images;
 mod dataset_labels;

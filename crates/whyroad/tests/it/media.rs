@@ -5,7 +5,7 @@
 use crate::service::http::Client;
 use crate::service::storm::Annotator;
 use crate::service::{Service, annotators, demo, first_project};
-use crate::session::{Run, whyroad_in};
+use crate::session::{Run, whyroad_in, whyroad_with};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -217,13 +217,21 @@ fn frames_of_a_video_are_attached_where_ffmpeg_is_installed() {
     let drive = drives(at).remove(0);
     let missing = add(at, &format!("--drive {drive} --camera front --video no.mp4"));
     assert!(missing.code == 1 && missing.err.contains("no file no.mp4"), "{}", missing.err);
+    // Without ffmpeg it says what to do, in the user's language.
+    std::fs::write(at.join("a.mp4"), "not looked at").unwrap();
+    let line = format!("media add --lake lake --drive {drive} --camera front --video a.mp4");
+    for (lang, text) in [("en", "ffmpeg is not installed: install it"), ("zh", "没有安装 ffmpeg")] {
+        let arguments: Vec<&str> = ["--lang", lang].into_iter().chain(line.split(' ')).collect();
+        let without = whyroad_with(at, &arguments, &[("PATH", "/no/such/folder")]);
+        assert!(without.code == 1 && without.err.contains(text), "{}", without.err);
+    }
     let video = std::process::Command::new("ffmpeg")
         .args("-v error -f lavfi -i testsrc=duration=2:size=64x36:rate=25 v.mp4".split(' '))
         .current_dir(at)
         .status();
     if !video.is_ok_and(|s| s.success()) {
         let told = add(at, &format!("--drive {drive} --camera front --video {}", file!()));
-        println!("skipped: no ffmpeg");
+        crate::require::skipped("ffmpeg", "no ffmpeg");
         assert_ne!(told.code, 0);
         return;
     }

@@ -3,7 +3,7 @@
 
 use crate::service::http::Client;
 use crate::service::storm::Annotator;
-use crate::service::{Service, annotators, demo, first_project};
+use crate::service::{Service, annotators, demo, first_project, mined_folder};
 use crate::session::{Run, whyroad_in};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -24,6 +24,34 @@ fn good(folder: &Path, line: &str) -> String {
 
 fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|l| serde_json::from_str(l).unwrap()).collect()
+}
+
+/// More episodes than one request may carry: 48 h of sparse traffic have 29,000.
+#[test]
+fn a_mined_folder_of_29_000_episodes_is_served_and_makes_tasks() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    mined_folder(&at.join("large"), 29_000);
+    let data = at.join("data").display().to_string();
+    let service = Service::start_mined(&demo().join("lake"), &at.join("large"), &["--data", &data]);
+    let mut admin = Client::set_up(service.at, "admin");
+    assert_eq!(
+        admin.get("/projects").good()["items"],
+        json!([]),
+        "no project of its own for a lake that was given"
+    );
+    let project =
+        admin.post("/projects", &json!({ "name": "first" })).good()["id"].as_str().unwrap().to_owned();
+    let page = admin.get(&format!("/projects/{project}/mined/large/episodes?limit=10")).good();
+    assert_eq!((page["total"].as_u64(), page["items"].as_array().unwrap().len()), (Some(29_000), 10));
+    let body = json!({ "mined": "large", "limit": 12 });
+    let made = admin.post(&format!("/projects/{project}/tasks:create"), &body).good();
+    assert_eq!(made["tasks"].as_array().unwrap().len(), 12);
+    assert_eq!(made["left_out"], 29_000 - 12);
+    drop(service);
+    let (large, lake) = (at.join("large").display().to_string(), demo().join("lake").display().to_string());
+    let line = format!("tasks create --from {large} --lake {lake} --project p --limit 3 --data other");
+    assert!(good(at, &line).starts_with("3 tasks created; 0 already present, 28997 not selected"));
 }
 
 #[test]

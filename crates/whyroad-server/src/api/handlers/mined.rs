@@ -23,7 +23,8 @@ pub fn list(call: &Call<'_>) -> Answer<Reply> {
     Reply::json(&mined::page(call.app, call.grant.project()?, call.param("m"), &call.user()?.id, &wanted)?)
 }
 
-fn name<'c>(call: &'c Call<'_>) -> Answer<EpisodeName<'c>> {
+/// The episode that the query names.
+pub(super) fn name<'c>(call: &'c Call<'_>) -> Answer<EpisodeName<'c>> {
     let part = |what: &'static str| {
         call.query(what).ok_or_else(|| Problem::request(format!("缺少 {what}"), format!("{what} is missing")))
     };

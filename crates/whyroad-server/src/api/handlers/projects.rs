@@ -169,8 +169,8 @@ pub fn analytics(call: &Call<'_>) -> Answer<Reply> {
         Problem::new(
             422,
             "analytics.unreadable",
-            format!("无法生成数据分析：{why}"),
-            format!("no analytics: {why}"),
+            format!("无法生成数据分析：{}", why.zh),
+            format!("no analytics: {}", why.en),
         )
     })?;
     Reply::json(&AnalyticsPage { html })

@@ -5,7 +5,8 @@ use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::problem::{Answer, Problem};
 use crate::service::tasks::TaskRow;
-use crate::service::{pickers, projects, scene};
+use crate::service::{mined, pickers, projects, scene};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Largest image that is served.
@@ -43,8 +44,22 @@ fn corner(call: &Call<'_>, t: &TaskRow) -> Answer<Option<[f64; 2]>> {
 /// `GET /tasks/{t}/media/{camera}/{index}`
 pub fn media(call: &Call<'_>) -> Answer<Reply> {
     let t = look(call)?;
-    let index = call.param("index").parse().map_err(|_| Problem::missing())?;
-    let file = scene::image(call.app, &t, call.param("camera"), index)?;
+    send(call, scene::image(call.app, &t, call.param("camera"), index(call)?)?)
+}
+
+/// `GET /projects/{p}/mined/{m}/media/{camera}/{index}`
+pub fn mined_media(call: &Call<'_>) -> Answer<Reply> {
+    let project = call.app.store.read(|tx| projects::get(tx, call.grant.project()?))?;
+    let who = (super::mined::name(call)?, call.user()?.id.as_str());
+    send(call, mined::image(call.app, &project, who, call.param("camera"), index(call)?)?)
+}
+
+fn index(call: &Call<'_>) -> Answer<usize> {
+    call.param("index").parse().map_err(|_| Problem::missing())
+}
+
+/// An image as it may be seen: blurred where a program for that is set, or not at all.
+fn send(call: &Call<'_>, file: PathBuf) -> Answer<Reply> {
     // A whole video would show what comes after: only images are served.
     let media = match file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("jpg" | "jpeg") => "image/jpeg",

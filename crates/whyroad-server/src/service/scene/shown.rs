@@ -21,8 +21,8 @@ pub fn shown(app: &App, t: &TaskRow) -> Answer<Shown> {
         Problem::new(
             503,
             "drive.missing",
-            format!("行程不可用：{why}"),
-            format!("the drive is unavailable: {why}"),
+            format!("行程不可用：{}", why.zh),
+            format!("the drive is unavailable: {}", why.en),
         )
     })?;
     let (drive, last) = match t.at.state.stage() {

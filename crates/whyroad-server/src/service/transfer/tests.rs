@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_label::merge::FieldChange;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, Lang, Nanos, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 fn label(trace: &str) -> Value {
     json!({
@@ -112,7 +112,7 @@ struct Counted {
 }
 
 impl Recordings for Counted {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, String> {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
         self.read.fetch_add(1, Ordering::SeqCst);
         let time = |text: &str| Nanos::parse_iso(text).unwrap();
         let times = vec![time("2026-01-01T00:00:00Z"), time("2026-01-01T00:00:09Z")];
@@ -133,7 +133,7 @@ impl Recordings for Counted {
     fn mined(&self) -> Vec<String> {
         vec![]
     }
-    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, String>> {
+    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
         None
     }
     fn episodes(
@@ -142,7 +142,7 @@ impl Recordings for Counted {
         _: &EpisodeFilter,
         _: Option<EpisodeCursor>,
         _: usize,
-    ) -> Option<Result<EpisodePage, String>> {
+    ) -> Option<Result<EpisodePage, Bilingual>> {
         None
     }
     fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {

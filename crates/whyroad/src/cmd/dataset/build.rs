@@ -2,9 +2,10 @@
 
 use super::{licences, print, query, refused};
 use crate::output::Print;
+use crate::output::reason::{cannot_read, cannot_write, no_project, stop};
 use crate::store_args::{error as told, open_store};
 use crate::{Global, framework_folder, output};
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::Context as _;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Cursor};
@@ -58,18 +59,20 @@ pub(crate) struct Args {
 }
 
 /// `media` with camera images that go through `program`; what it makes is kept in `cache`.
-fn blurring(media: Media, program: Option<&Path>, cache: &Path) -> anyhow::Result<Media> {
+fn blurring(media: Media, program: Option<&Path>, cache: &Path, lang: Lang) -> anyhow::Result<Media> {
     let Some(program) = program else { return Ok(media) };
     let blur = Blur::new(program.to_path_buf(), cache.to_path_buf())
-        .with_context(|| format!("cannot write {}", cache.display()))?;
+        .with_context(|| cannot_write(cache.display()))?;
     let name = program.display().to_string();
-    Ok(media.blurred(name, Arc::new(move |image: &Path| blur.image(image).map_err(|p| p.text.en))))
+    Ok(media.blurred(
+        name,
+        Arc::new(move |image: &Path| blur.image(image).map_err(|p| p.text.get(lang).to_owned())),
+    ))
 }
 
 pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
-    let text =
-        std::fs::read_to_string(&a.spec).with_context(|| format!("cannot read {}", a.spec.display()))?;
+    let text = std::fs::read_to_string(&a.spec).with_context(|| cannot_read(a.spec.display()))?;
     let mut spec = match spec::read(&text, &a.spec.display().to_string(), &framework) {
         Ok(spec) => spec,
         Err(found) => {
@@ -87,7 +90,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     let queries = query::Queries::new(&framework);
     // Blurred images stay beside the release until the build ends well, so that an interrupted one goes on.
     let blurred = PathBuf::from(format!("{}.blurred", a.out.display()));
-    let media = blurring(Media::new(lake.dir(), &a.media), a.blur.as_deref(), &blurred)?;
+    let media = blurring(Media::new(lake.dir(), &a.media), a.blur.as_deref(), &blurred, global.lang)?;
     let inputs = Inputs {
         spec,
         spec_text: text,
@@ -116,7 +119,13 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
             print(global, &built.diagnostics);
             a.print.put(&built.manifest, || summary(&built, &a.out, global.lang))?;
             let lost = built.diagnostics.iter().any(|d| {
-                matches!(d.code, "dataset.labels.line" | "dataset.labels.drive" | "dataset.drive.unreadable")
+                matches!(
+                    d.code,
+                    "dataset.labels.line"
+                        | "dataset.labels.drive"
+                        | "dataset.drive.unreadable"
+                        | "dataset.image.blur"
+                )
             });
             Ok(if lost { output::lost_input() } else { output::FINE })
         }
@@ -180,7 +189,7 @@ fn open(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<L
     files
         .into_iter()
         .map(|path| {
-            let file = File::open(&path).with_context(|| format!("cannot read {}", path.display()))?;
+            let file = File::open(&path).with_context(|| cannot_read(path.display()))?;
             Ok(LabelStream { name: path.display().to_string(), lines: Box::new(BufReader::new(file)) })
         })
         .collect()
@@ -192,12 +201,15 @@ fn files_of(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
     if episodes.is_file() {
         return Ok(vec![episodes]);
     }
-    let entries = std::fs::read_dir(dir).with_context(|| format!("cannot read {}", dir.display()))?;
+    let entries = std::fs::read_dir(dir).with_context(|| cannot_read(dir.display()))?;
     let mut files: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
     files.retain(|p| p.extension().is_some_and(|e| e == "jsonl" || e == "ndjson"));
     files.sort();
     if files.is_empty() {
-        bail!("{} has no .jsonl files and no labels.db", dir.display());
+        return Err(stop(
+            format!("{} 中没有 .jsonl 文件，也没有 labels.db", dir.display()),
+            format!("{} has no .jsonl files and no labels.db", dir.display()),
+        ));
     }
     Ok(files)
 }
@@ -213,7 +225,7 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
         .collect();
     if let Some(name) = project.filter(|_| wanted.is_empty()) {
         let names: Vec<&str> = all.iter().map(|p| p.name.as_str()).collect();
-        return Err(anyhow!("no project '{name}'; existing: {}", names.join(", ")));
+        return Err(no_project(name, &names));
     }
     wanted
         .into_iter()

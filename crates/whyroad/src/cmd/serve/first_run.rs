@@ -2,6 +2,7 @@
 //! nobody else's.
 
 use crate::cmd::demo;
+use crate::output::reason::Reason;
 use crate::{Global, store_args};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
@@ -63,7 +64,7 @@ pub(super) fn offer_project(app: &App, lang: Lang) -> anyhow::Result<()> {
         return Ok(());
     }
     let episodes = app.recordings.episode_count(&mined, &EpisodeFilter::default());
-    let episodes = episodes.unwrap_or(Ok(0)).map_err(anyhow::Error::msg)?;
+    let episodes = episodes.unwrap_or(Ok(0)).map_err(|why| anyhow::anyhow!(Reason::from(why)))?;
     if episodes > MAX_OFFERED {
         match lang {
             Lang::Zh => {

@@ -115,6 +115,22 @@ pub fn demo() -> &'static Path {
     AT.get_or_init(|| dir.path().join("demo"))
 }
 
+/// Writes a mined folder of `n` episodes: those of [`demo`] again and again, under other ids.
+pub fn mined_folder(to: &Path, n: usize) {
+    let demo = MinedFolder::open(demo().join("mined")).unwrap();
+    let few: Vec<_> = demo.episodes().unwrap().map(Result::unwrap).collect();
+    let mut out = MinedFolderWriter::create(to, demo.question().unwrap(), Existing::default()).unwrap();
+    // Drive by drive, as mining writes them.
+    let each = n.div_ceil(few.len());
+    for episode in few.iter().flat_map(|e| (0..each).map(move |i| (e, i))).take(n).map(|(e, i)| {
+        let episode_id = format!("{}_{i}", e.episode_id);
+        whyroad_model::messages::EpisodeRecord { episode_id, ..e.clone() }
+    }) {
+        out.episode(&episode).unwrap();
+    }
+    out.finish().unwrap();
+}
+
 /// Signs up annotators of `project` with these numbers under an admin, and gives each an API token.
 pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, numbers: Range<usize>) -> Vec<String> {
     let tokens = |i: usize| {
