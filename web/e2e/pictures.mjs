@@ -5,7 +5,7 @@ import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } fr
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, person, settled, signIn } from "./people.mjs";
+import { ask, PATIENCE_MS, person, settled, signIn } from "./people.mjs";
 import { picture } from "./png.mjs";
 import { chromium, serve, whyroad } from "./service.mjs";
 
@@ -46,14 +46,15 @@ async function shoot(name, page, path, then = async () => {}) {
   for (const [width, height] of SIZES) {
     await page.setViewportSize({ width, height });
     for (const [lang, theme] of LOOKS) {
-      await page.goto(service.url + path);
       await page.evaluate(([lang, theme]) => {
         localStorage.setItem("whyroad.lang", lang);
         localStorage.setItem("whyroad.theme", theme);
       }, [lang, theme]);
-      await page.reload();
+      await page.goto(service.url + path);
       await settled(page);
+      page.setDefaultTimeout(5_000);
       await then(page).catch((e) => console.log(`${name}: ${e.message.split("\n")[0]}`));
+      page.setDefaultTimeout(PATIENCE_MS);
       await settled(page);
       await page.screenshot({ path: join(folder, `${name}-${width}-${lang}-${theme}.png`) });
     }
@@ -82,7 +83,7 @@ try {
   // Otherwise the lead could label, too, and would see no pictures.
   await api("POST", `/projects/${project}/members`, { user: "wang", roles: ["lead"] });
   await shoot("tasks-empty", page, `/projects/${project}/tasks`);
-  await shoot("make-tasks", page, `/projects/${project}/tasks`, (page) => page.locator("button.primary").last().click());
+  await shoot("make-tasks", page, `/projects/${project}/tasks`, (page) => page.locator(".head button").click());
   const mined = (await api("GET", "/mined")).items[0].name;
   await api("POST", `/projects/${project}/tasks:create`, { mined });
   await shoot("tasks-pending", page, `/projects/${project}/tasks`);
@@ -155,10 +156,15 @@ try {
   // Two people label one episode, and the lead compares.
   const blind = (await api("POST", "/projects", { name: "独立标注对比", settings: { history: "episode" } })).id;
   await api("POST", `/projects/${blind}/members`, { user: "wang", roles: ["lead"] });
-  for (const name of ["li", "zhao"]) await api("POST", `/projects/${blind}/members`, { user: name, roles: ["annotator"] });
+  for (const [name, display] of [["zhou", "周敏"], ["wu", "吴昊"]]) {
+    await api("POST", "/users", { name, display, password: PASSWORD });
+    await api("POST", `/projects/${blind}/members`, { user: name, roles: ["annotator"] });
+    people[name] = await person(browser, service.url, { faults });
+    await signIn(people[name].page, name, PASSWORD);
+  }
   await api("POST", `/projects/${blind}/tasks:create`, { mined, limit: 2, overlap: 2 });
   let pair;
-  for (const [name, words] of [["li", trace], ["zhao", "前方左侧轿车正在并入本车道，两车接近，需要留出空间，因此减速让行。"]]) {
+  for (const [name, words] of [["zhou", trace], ["wu", "前方左侧轿车正在并入本车道，两车接近，需要留出空间，因此减速让行。"]]) {
     const task = await as(name)("POST", `/projects/${blind}/tasks:next`, { kind: "label" });
     const id = (pair = task.task.id);
     await as(name)("POST", `/tasks/${id}/actions`, { action: "lock_stage1", fence: task.fence });

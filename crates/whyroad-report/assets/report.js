@@ -76,6 +76,15 @@
     form.addEventListener("submit", (e) => e.preventDefault());
   }
 
+  // The table of all classes opens when something leads into it.
+  const leaves = document.querySelector("#leaves details");
+  const unfold = () => {
+    if (leaves && location.hash.startsWith("#leaf-")) leaves.open = true;
+  };
+  addEventListener("hashchange", unfold);
+  unfold();
+  addEventListener("beforeprint", () => leaves && (leaves.open = true));
+
   const detail = document.getElementById("detail");
   const show = (cell) => {
     const row = document.getElementById(`leaf-${cell.dataset.leaf}`);
@@ -103,7 +112,7 @@
         form.leaf.value = leaf;
         filter();
         document.getElementById("episodes").scrollIntoView();
-      }
+      } else if (leaves) leaves.open = true;
     });
   }
 })();

@@ -52,6 +52,8 @@ const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
 export function describeFinding(sentence: string, words: LabelContext, lang: Lang): string {
   const f = words.framework;
   const named = (id: string): string => {
+    const field = memberNames[id];
+    if (field) return lang === "zh" ? `“${field[0]}”` : `“${field[1]}”`;
     const found = f ? ([...f.longitudinal, ...f.lateral, ...f.categories].find((d) => d.id === id)?.name ?? className(f.leaves, id)) : null;
     return found ? (lang === "zh" ? `“${found.zh}”` : `“${found.en}”`) : id;
   };

@@ -42,6 +42,6 @@ test("a signal is named by the first clause of its meaning", () => {
   assert.equal(signalName("x", "More than 0.1 m inside."), "More than 0.1 m inside");
   assert.equal(signalName("target.x", ""), "target.x");
   const others: Record<string, string> = { "target.ttc": "碰撞时间：沿路径" };
-  assert.equal(signalName("lead.ttc", "前车的 target.ttc；无前车为无穷大。", (id) => others[id]), "前车的 碰撞时间");
+  assert.equal(signalName("lead.ttc", "前车的 target.ttc；无前车为无穷大。", (id) => others[id]), "前车的碰撞时间");
   assert.equal(signalName("lead.gap", "前车的 target.gap；无", (id) => others[id]), "前车的 target.gap");
 });

@@ -91,5 +91,5 @@ const FIRST_CLAUSE = /^(.*?)(?:[，。；：（,;:(]|\.(?=\s|$)|$)/;
  */
 export function signalName(id: string, meaning: string | undefined, meaningOf: (id: string) => string | undefined = () => undefined): string {
   const clause = FIRST_CLAUSE.exec(meaning ?? "")?.[1]?.trim();
-  return clause?.replace(/[a-z]+\.[a-z_0-9]+/g, (other) => FIRST_CLAUSE.exec(meaningOf(other) ?? "")?.[1]?.trim() || other) || id;
+  return clause?.replace(/[a-z]+\.[a-z_0-9]+/g, (other) => FIRST_CLAUSE.exec(meaningOf(other) ?? "")?.[1]?.trim() || other).replace(/(\p{Script=Han}) (?=\p{Script=Han})/gu, "$1") || id;
 }

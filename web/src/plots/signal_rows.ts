@@ -41,12 +41,14 @@ export function signalRows(
   conditions: readonly MatchedCondition[],
   reader: { speeds: SpeedUnit; lang: "zh" | "en" },
 ): SignalRow[] {
-  // What the rule compares with a number decides most: first. Then what else it reads, then the rest.
+  // What the rule compares with a number decides most: first. Then what else it reads, then the rest; of each what has
+  // a value anywhere before what has none.
   const rank = (id: string): number => (noteOf([id], conditions) ? 0 : read.includes(id) ? 1 : 2);
+  const isEmpty = (id: string): number => ((scene.signals[id] ?? []).every((v) => v === null || v === "none") ? 1 : 0);
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
   const meaningOf = (id: string): string | undefined => scene.about[id]?.meaning[reader.lang];
   return Object.keys(scene.signals)
-    .sort((a, b) => rank(a) - rank(b) || (position(a) < position(b) ? -1 : position(a) > position(b) ? 1 : 0))
+    .sort((a, b) => rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || (position(a) < position(b) ? -1 : position(a) > position(b) ? 1 : 0))
     .filter((id) => !SHOWN.has(id))
     .map((id) => {
       const about = scene.about[id];

@@ -111,24 +111,31 @@ fn classes(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
     for (zh, en) in [("之前", "before"), ("之后", "after")] {
         m.raw("</th><th scope=\"col\" class=\"n\">").say(zh, en);
     }
-    for change in Change::ALL {
-        m.raw("</th><th scope=\"col\" class=\"n\">").both(&both(change));
+    // Only what occurs has a column.
+    let shown: Vec<Change> = Change::ALL.into_iter().filter(|ch| c.total(*ch) > 0).collect();
+    for change in &shown {
+        m.raw("</th><th scope=\"col\" class=\"n\">").both(&both(*change));
     }
     m.raw("</th></tr></thead><tbody>");
     // One measure per column: each has its own scale.
     let count = |of: &ClassComparison, change| of.changes.get(&change).copied().unwrap_or(0);
-    let most = Change::ALL.map(|ch| changed.iter().map(|(_, of)| count(of, ch)).max().unwrap_or(0) as f64);
+    let most = |ch| changed.iter().map(|(_, of)| count(of, ch)).max().unwrap_or(0) as f64;
     for (id, of) in &changed {
         m.raw("<tr><th scope=\"row\" title=\"").text(&id.to_string()).raw("\">").both(&head.class(id));
         m.raw("</th><td class=\"n\">").int(of.before).raw("</td><td class=\"n\">").int(of.after);
-        for (change, most) in Change::ALL.into_iter().zip(most) {
+        for change in shown.iter().copied() {
             let n = count(of, change);
-            m.raw("</td><td class=\"n\">").int(n);
+            m.raw("</td><td class=\"n\">");
+            if n == 0 {
+                m.raw("·");
+                continue;
+            }
+            m.int(n);
             let accepted = of.accepted.as_ref().and_then(|a| a.get(&change)).copied().unwrap_or(0);
             if accepted > 0 {
                 m.raw(" <span class=\"faint\">(✓ ").int(accepted).raw(")</span>");
             }
-            m.piece(&charts::bar(n as f64, most));
+            m.piece(&charts::bar(n as f64, most(change)));
         }
         m.raw("</td></tr>");
     }
@@ -149,6 +156,7 @@ fn examples(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
         .say("示例", "Examples")
         .raw("</h2><table><thead><tr><th scope=\"col\">")
         .say("场景", "class");
+    let detailed = c.classes.values().flat_map(|of| &of.examples).any(is_detailed);
     for (zh, en) in [
         ("变化", "change"),
         ("行程", "drive"),
@@ -156,24 +164,43 @@ fn examples(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
         ("说明", "details"),
         ("事件", "episode"),
     ] {
-        m.raw("</th><th scope=\"col\">").say(zh, en);
+        if detailed || en != "details" {
+            m.raw("</th><th scope=\"col\">").say(zh, en);
+        }
     }
     m.raw("</th></tr></thead><tbody>");
     for (id, of) in &c.classes {
         for e in &of.examples {
-            example(m, id, e, head);
+            example(m, id, e, head, detailed);
         }
     }
     m.raw("</tbody></table>");
 }
 
-fn example(m: &mut Markup, id: &ScenarioId, e: &ChangedEpisode, head: &PageHead<'_>) {
+/// There is more to say of it than what changed.
+fn is_detailed(e: &ChangedEpisode) -> bool {
+    e.class_after.is_some()
+        || e.keyframe_shift_s.is_some_and(|s| s.abs() > super::MOVED_S)
+        || e.accepted == Some(true)
+        || e.accepted_after == Some(true)
+}
+
+fn example(m: &mut Markup, id: &ScenarioId, e: &ChangedEpisode, head: &PageHead<'_>, detailed: bool) {
     m.raw("<tr><th scope=\"row\">").both(&head.class(id)).raw("</th><td>").both(&both(e.change));
     m.raw("</td><td><code>")
         .text(e.drive.as_str())
-        .raw("</code></td><td><code>")
+        .raw("</code></td><td class=\"moment\"><code>")
         .text(&e.keyframe.to_string());
     m.raw("</code></td><td>");
+    if detailed {
+        details(m, e, head);
+        m.raw("</td><td>");
+    }
+    m.raw("<code>").text(e.after.as_deref().or(e.before.as_deref()).unwrap_or_default());
+    m.raw("</code></td></tr>");
+}
+
+fn details(m: &mut Markup, e: &ChangedEpisode, head: &PageHead<'_>) {
     if let Some(class) = &e.class_after {
         m.raw("→ ").both(&head.class(class)).raw(" ");
     }
@@ -189,6 +216,4 @@ fn example(m: &mut Markup, id: &ScenarioId, e: &ChangedEpisode, head: &PageHead<
     if e.accepted_after == Some(true) {
         m.say(" ✓ 之后的类别已接受", " ✓ class after accepted");
     }
-    m.raw("</td><td><code>").text(e.after.as_deref().or(e.before.as_deref()).unwrap_or_default());
-    m.raw("</code></td></tr>");
 }

@@ -14,9 +14,9 @@ pub(super) fn render(
 ) -> Markup {
     let [zh, en] = [Lang::Zh, Lang::En].map(|lang| draft(framework, drive, signals, episode, lang));
     let mut m = Markup::new();
-    m.raw("<div class=\"draft\"><h4>")
+    m.raw("<div class=\"draft\"><p class=\"title\">")
         .say("标注草稿（须由标注员确认）", "Label draft (needs a person)")
-        .raw("</h4><p>");
+        .raw("</p><p>");
     let decision = &zh.label.driving_decision;
     let null = Bilingual::new("无变化", "no change");
     let names = &framework.decisions;

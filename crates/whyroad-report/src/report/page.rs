@@ -81,7 +81,7 @@ pub(super) fn render(
     }
     drives_table(&mut m, drives);
     episodes_section(&mut m, context, drives, cards, episodes);
-    m.raw("<section id=\"leaves\"><details open><summary><h2>")
+    m.raw("<section id=\"leaves\"><details><summary><h2>")
         .say("全部场景", "All scenarios")
         .raw("</h2></summary>");
     m.piece(&summary::table(rows, &unresolved)).raw("</details></section>");

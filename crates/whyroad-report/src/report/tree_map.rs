@@ -90,7 +90,7 @@ fn worst_ratio(weights: &[f64], unit: f64, side: f64) -> f64 {
 pub(super) fn render(rows: &[LeafRow<'_>], unresolved: &[UnresolvedRow<'_>]) -> Markup {
     let mut m = Markup::new();
     m.raw("<svg class=\"treemap\" viewBox=\"0 0 ").num(WIDTH, 0).raw(" ").num(HEIGHT, 0);
-    m.raw("\" role=\"img\" aria-label=\"coverage\"><defs>");
+    m.raw("\" role=\"group\" aria-label=\"coverage\"><defs>");
     m.raw(concat!(
         "<pattern id=\"hatch\" width=\"8\" height=\"8\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\">",
         "<rect width=\"8\" height=\"8\" class=\"hatch-ground\"/><rect width=\"2.5\" height=\"8\" class=\"hatch-line\"/></pattern>",

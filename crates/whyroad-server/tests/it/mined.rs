@@ -37,7 +37,9 @@ pub fn mined_episodes_are_browsed_and_judged(world: &World) {
     assert!(shown["scene"]["times"].as_array().unwrap().len() > 100, "also what comes after");
     assert!(shown["scene"]["signals"]["target.gap"].is_array());
     // Its images have addresses of their own, for leads alone.
-    let frames = shown["scene"]["cameras"][0]["frames"].as_array().unwrap();
+    let cameras = shown["scene"]["cameras"].as_array().unwrap();
+    let front = cameras.iter().find(|c| c["camera"] == "front left").unwrap();
+    let frames = front["frames"].as_array().unwrap();
     let url = frames.last().unwrap()["url"].as_str().unwrap().strip_prefix("/api/v1").unwrap();
     let image = lead.get(url);
     assert_eq!((image.status, image.body.starts_with(b"picture of frame ")), (200, true), "{url}");

@@ -104,7 +104,7 @@ fn accepted(
             })
             .collect());
     }
-    let text = std::fs::read_to_string(path).with_context(|| cannot_read(&source))?;
+    let text = std::fs::read_to_string(path).with_context(|| cannot_read(source))?;
     if verdicts::is_export(&text) {
         let (verdicts, problems) = verdicts::read(&text, source);
         for d in &problems {

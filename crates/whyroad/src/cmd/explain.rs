@@ -27,6 +27,7 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::signal::EGO_ID;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_render::truths;
+use whyroad_report::coverage::class_title;
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad explain`.
@@ -62,6 +63,14 @@ struct Shown<'a> {
     class: &'a ScenarioId,
     clip: &'a str,
     explanation: &'a Explanation,
+}
+
+/// A class by name and id; what the taxonomy does not have by its id.
+fn named(framework: &Framework, id: &ScenarioId, lang: Lang) -> String {
+    if !framework.taxonomy.contains(id) {
+        return id.to_string();
+    }
+    format!("{} ({id})", class_title(&framework.taxonomy, id).get(lang))
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
@@ -132,7 +141,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let chart = truths::render(&chart::chart(&shown, global.lang));
         let frame = explanation.moment.map(|m| clip.start + m);
         let target = explanation.roles.get(&rule.target_role);
-        let title = format!("{}, {}", rule.scenario, args.clip);
+        let title = format!("{}, {}", named(&framework, &rule.scenario, global.lang), args.clip);
         let page = page::page(&title, &drive, frame, target, &chart, global.lang);
         std::fs::write(file, page).with_context(|| cannot_write(file.display()))?;
     }

@@ -126,7 +126,7 @@ impl CustomRule<'_> {
                 "a rule file states its target itself: leave out --target",
             ));
         }
-        let content = std::fs::read_to_string(self.rule).with_context(|| cannot_read(&self.rule))?;
+        let content = std::fs::read_to_string(self.rule).with_context(|| cannot_read(self.rule))?;
         let rule = bare_rule(SourceFile { name: self.rule, text: &content }, catalogue);
         Ok(rule.map(|rule| (Rule { scenario, ..rule }, content)))
     }

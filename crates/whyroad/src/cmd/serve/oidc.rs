@@ -52,7 +52,7 @@ impl OidcArgs {
             written.public_url = Some(format!("http://{at}"));
         }
         let extra = match &written.ca_file {
-            Some(file) => Some(std::fs::read(file).with_context(|| cannot_read(&file))?),
+            Some(file) => Some(std::fs::read(file).with_context(|| cannot_read(file))?),
             None => None,
         };
         let error = |p| store_args::error(&p, lang);
