@@ -11,9 +11,10 @@ import { chromium, serve, whyroad } from "./service.mjs";
 
 const [folder, part = ""] = process.argv.slice(2);
 const demo = process.env.WHYROAD_DEMO;
-if (!folder || !demo) throw new Error("usage: WHYROAD_DEMO=DIR node e2e/pictures.mjs FOLDER [PART OF A NAME]");
+if (!folder || !demo) throw new Error("usage: WHYROAD_DEMO=DIR node e2e/pictures.mjs FOLDER [NAMES]");
 mkdirSync(folder, { recursive: true });
 const PASSWORD = "落霞与孤鹜齐飞-2026";
+const wantedNames = new RegExp(part);
 const SIZES = [[1280, 800], [1920, 1080]].filter(([width]) => (process.env.WIDTHS ?? "1280,1920").includes(String(width)));
 const LOOKS = (process.env.LOOKS ?? "zh light,en light,zh dark,en dark").split(",").map((look) => look.split(" "));
 
@@ -42,7 +43,7 @@ function filmed(wanted) {
 
 /** Takes the screen in all sizes, languages and appearances; `then` opens what is not there after a reload. */
 async function shoot(name, page, path, then = async () => {}) {
-  if (part && !name.includes(part)) return;
+  if (!wantedNames.test(name)) return;
   for (const [width, height] of SIZES) {
     await page.setViewportSize({ width, height });
     for (const [lang, theme] of LOOKS) {

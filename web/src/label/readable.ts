@@ -10,6 +10,8 @@ import { signed } from "./times.ts";
 export interface LabelContext {
   framework: Framework | null;
   second(iso: unknown): number | null;
+  /** The name of an object on the screen; without it objects are shown by id. */
+  trackName?(id: string): string;
 }
 
 const MOMENT = /^\d{4}-\d\d-\d\dT/;
@@ -41,9 +43,13 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
   const parts = Object.entries(value)
     .filter(([key]) => !HIDDEN_MEMBERS.has(key))
     .sort(([a], [b]) => order(a) - order(b))
-    .map(([key, v]) => `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${readable(v, words, lang)}`);
+    .map(([key, v]) => `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${readable(key === "linked_objects" ? named(v, words) : v, words, lang)}`);
   return id + parts.join(zh ? "；" : "; ");
 }
+
+/** Ids of objects as the names that the screen has for them. */
+const named = (ids: Json, words: LabelContext): Json =>
+  Array.isArray(ids) ? ids.map((id) => (typeof id === "string" ? (words.trackName?.(id) ?? id) : id)) : ids;
 
 const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
 const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;

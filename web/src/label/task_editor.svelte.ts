@@ -114,6 +114,10 @@ export class TaskEditor {
     return this.clip.second(iso);
   }
 
+  trackName(id: string): string {
+    return this.clip.trackName(id);
+  }
+
   /** The decision of a channel: null is "no change", undefined is "not chosen". */
   decision(channel: Channel): string | null | undefined {
     const value = this.draft.at(pointers.decisionOf(channel));
