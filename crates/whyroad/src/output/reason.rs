@@ -64,7 +64,7 @@ pub(crate) fn no_class(text: impl fmt::Display) -> anyhow::Error {
 
 /// A file that would be overwritten.
 pub(crate) fn exists(what: impl fmt::Display) -> anyhow::Error {
-    stop(format!("{what} 已存在"), format!("{what} exists already"))
+    stop(format!("{what} 已存在"), format!("{what} already exists"))
 }
 
 /// A project that the store does not have.
