@@ -1,11 +1,11 @@
 // Pictures of every screen at 1280 and 1920 px, in both languages, light and dark: `node e2e/pictures.mjs FOLDER
-// [PART]`, with what `whyroad demo --out` wrote in WHYROAD_DEMO. LOOKS and WIDTHS choose some of them. For people to
-// look at; asserts nothing.
+// [NAMES]` (a regular expression), with what `whyroad demo --out` wrote in WHYROAD_DEMO. LOOKS and WIDTHS choose some of
+// them. For people to look at; asserts nothing.
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium as driver } from "playwright-core";
-import { ask, PATIENCE_MS, person, settled, signIn } from "./people.mjs";
+import { ask, person, settled, signIn } from "./people.mjs";
 import { picture } from "./png.mjs";
 import { chromium, serve, whyroad } from "./service.mjs";
 
@@ -53,9 +53,7 @@ async function shoot(name, page, path, then = async () => {}) {
       }, [lang, theme]);
       await page.goto(service.url + path);
       await settled(page);
-      page.setDefaultTimeout(5_000);
       await then(page).catch((e) => console.log(`${name}: ${e.message.split("\n")[0]}`));
-      page.setDefaultTimeout(PATIENCE_MS);
       await settled(page);
       await page.screenshot({ path: join(folder, `${name}-${width}-${lang}-${theme}.png`) });
     }
@@ -179,7 +177,10 @@ try {
   for (const [name, path] of screens) await shoot(name, page, `/projects/${project}${path}`);
   await shoot("dashboard-overlap", page, `/projects/${blind}/dashboard`);
   await shoot("episodes", page, `/projects/${project}/episodes`);
-  await shoot("episodes-camera", page, `/projects/${project}/episodes`, (page) => page.locator("li .card:has-text('multilane')").first().click());
+  await shoot("episodes-camera", page, `/projects/${project}/episodes`, async (page) => {
+    await page.locator("li .card:has-text('multilane')").first().click();
+    await page.locator(".episode .camera img").waitFor();
+  });
   await shoot("episodes-wrong", page, `/projects/${project}/episodes`, async (page) => {
     await page.keyboard.press("2");
     await page.keyboard.press("Escape");
