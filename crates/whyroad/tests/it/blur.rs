@@ -44,7 +44,9 @@ fn a_release_has_blurred_images_only() {
     let episode = mined.episodes().unwrap().next().unwrap().unwrap();
     let start = lake.read_drive(&episode.drive_id).unwrap().times[0];
     let number = ((episode.keyframe.timestamp - start).as_secs_f64() * RATE_HZ + 1e-3).floor() as usize;
-    program(at, &format!("*/{}/*/{number}.png", episode.drive_id));
+    // Copied images are named by their time, ns.
+    let time = start.0 + (number as f64 / RATE_HZ * 1e9).round() as i64;
+    program(at, &format!("*/{}/*/{time}.png", episode.drive_id));
     let run = build(at, "release");
     assert_eq!(run.code, 3, "{}{}", run.out, run.err);
     assert!(run.err.contains("dataset.image.blur") && run.err.contains("exit status: 7"), "{}", run.err);
@@ -118,7 +120,8 @@ fn the_service_shows_blurred_images_only() {
     let dir = tempfile::tempdir().unwrap();
     let at = dir.path();
     lake_with_images(at);
-    let program = program(at, "*0.png").display().to_string();
+    // Two of the ten images of a second, which are named by their time in ns.
+    let program = program(at, "*[05]00000000.png").display().to_string();
     let data = at.join("data").display().to_string();
     let service = Service::start_on(&at.join("lake"), &["--data", &data, "--blur", &program]);
     let mut admin = Client::set_up(service.at, "admin");
