@@ -1,6 +1,6 @@
 // Pictures of every screen at 1280 and 1920 px, in both languages, light and dark: `node e2e/pictures.mjs FOLDER
-// [NAMES]` (a regular expression), with what `whyroad demo --out` wrote in WHYROAD_DEMO. LOOKS and WIDTHS choose some of
-// them. For people to look at; asserts nothing.
+// [NAMES]` (a regular expression), with what `whyroad demo --out` wrote in WHYROAD_DEMO. LOOKS and WIDTHS choose some
+// of them. For people to look at; asserts nothing.
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";

@@ -1,8 +1,8 @@
-//! The labelling service with large mined folders: `cargo bench -p whyroad --bench start [-- EPISODES TASKS]` (1,000,000
-//! and 350). `start/<episodes>`: from the start of the program until it answers, three times. `browse/<episodes>`: the
-//! first page of the episodes, and one of a class. `create/<tasks>`: tasks of as many drives, until they are there, while
-//! somebody saves every 50 ms, and until the last draft is made in the background. `WHYROAD_BIN` names another build of
-//! the program.
+//! The labelling service with large mined folders: `cargo bench -p whyroad --bench start [-- EPISODES TASKS]`
+//! (1,000,000 and 350). `start/<episodes>`: from the start of the program until it answers, three times.
+//! `browse/<episodes>`: the first page of the episodes, and one of a class. `create/<tasks>`: tasks of as many drives,
+//! until they are there, while somebody saves every 50 ms, and until the last draft is made in the background.
+//! `WHYROAD_BIN` names another build of the program.
 #![allow(clippy::print_stdout, clippy::unwrap_used)] // printing is what a bench is for; a panic is its report
 
 #[path = "../tests/it/service/mod.rs"]

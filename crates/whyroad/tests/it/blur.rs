@@ -1,5 +1,5 @@
-//! Faces and plates: `--blur PROGRAM` of `dataset build` and of `serve`. The program of these tests changes the bytes of
-//! each image and fails for some; no byte of an image that it was not given, or that it failed for, may come out.
+//! Faces and plates: `--blur PROGRAM` of `dataset build` and of `serve`. The program of these tests changes the bytes
+//! of each image and fails for some; no byte of an image that it was not given, or that it failed for, may come out.
 #![cfg(unix)]
 
 use crate::dataset_images::{RATE_HZ, lake_with_images};
