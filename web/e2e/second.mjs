@@ -49,7 +49,8 @@ async function prepare(day) {
 async function cameras(day) {
   const { page } = day.people.own;
   await page.getByRole("button", { name: "领取下一个标注任务" }).click();
-  await page.locator('[data-action="lock"]').waitFor({ timeout: 60_000 });
+  // The draft of a task that is taken before its turn is derived now, of a drive of minutes.
+  await page.locator('[data-action="lock"]').waitFor({ timeout: 300_000 });
   const image = page.locator(".camera img");
   await image.waitFor();
   const shown = () => page.getByLabel("相机", { exact: true }).inputValue();
