@@ -77,7 +77,7 @@ impl LakeRecordings {
 
     /// Whether the lake's folder can be read.
     pub fn ready(&self) -> Result<(), LakeError> {
-        Lake::open(self.lake.dir()).map(drop)
+        self.lake.ready()
     }
 
     /// Differs whenever the drive on disk was changed; empty for a drive that cannot be read.

@@ -5,7 +5,8 @@ use arrow_array::builder::{Float64Builder, ListBuilder, StringBuilder, StructBui
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type, UInt32Type};
 use arrow_array::{
-    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt32Array,
+    Array, ArrayRef, BinaryArray, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray,
+    UInt32Array,
 };
 use arrow_schema::{ArrowError, DataType, Field, Fields, Schema};
 use serde::Serialize;
@@ -60,6 +61,10 @@ impl TableBuilder {
         let array: StringArray = values.into_iter().collect();
         self.push(name, true, Arc::new(array))
     }
+    /// Contents of files.
+    pub fn bytes<'a>(self, name: &str, values: impl IntoIterator<Item = &'a [u8]>) -> Self {
+        self.push(name, false, Arc::new(BinaryArray::from_iter_values(values)))
+    }
     /// Truth values that may be unknown.
     pub fn flags(self, name: &str, values: impl IntoIterator<Item = Option<bool>>) -> Self {
         let array: BooleanArray = values.into_iter().collect();
@@ -105,6 +110,7 @@ impl TableBuilder {
 }
 
 /// A table read from disk. Every getter fails with the file's name when the column is not there or not of its type.
+#[derive(Debug)]
 pub(crate) struct Table {
     pub path: PathBuf,
     pub batch: RecordBatch,
@@ -151,6 +157,12 @@ impl Table {
     }
     pub fn texts_or_null(&self, name: &str) -> Result<&StringArray, LakeError> {
         self.column(name)?.as_string_opt::<i32>().ok_or_else(|| self.wrong_type(name))
+    }
+    /// Contents of files, which are always known.
+    pub fn bytes(&self, name: &str) -> Result<Vec<Vec<u8>>, LakeError> {
+        let a = self.column(name)?.as_binary_opt::<i32>().ok_or_else(|| self.wrong_type(name))?;
+        self.no_null(name, a)?;
+        Ok(a.iter().flatten().map(<[u8]>::to_vec).collect())
     }
     pub fn flags(&self, name: &str) -> Result<Vec<Option<bool>>, LakeError> {
         let a = self.column(name)?.as_boolean_opt().ok_or_else(|| self.wrong_type(name))?;

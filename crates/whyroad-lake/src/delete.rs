@@ -1,7 +1,8 @@
 //! Removing a drive from a lake: its tables, stored signals, findings and copied camera images.
 
 use crate::lake::remove_dir;
-use crate::{Lake, LakeError};
+use crate::{Lake, LakeError, packs};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 use whyroad_model::DriveId;
@@ -10,6 +11,20 @@ impl Lake {
     /// True where the lake holds anything of the drive, also what a killed process left.
     pub fn holds(&self, id: &DriveId) -> bool {
         self.folders_of(id).is_ok_and(|folders| !folders.is_empty())
+            || self.last_catalogue().find(id).is_some()
+    }
+
+    /// [`Lake::remove_drive`] of several drives: each pack that holds some of them is written again once.
+    ///
+    /// # Errors
+    /// As [`Lake::remove_drive`].
+    pub fn remove_drives(&self, ids: &BTreeSet<DriveId>) -> Result<(), LakeError> {
+        for id in ids {
+            self.checked_dir(id)?;
+        }
+        // First: without its folder, a replaced drive would be seen as its pack still has it.
+        self.unpack_away(ids)?;
+        ids.iter().try_for_each(|id| self.remove_folders(id))
     }
 
     /// Removes the drive. Readers find all of it or none; a killed removal is finished by the next one.
@@ -17,10 +32,15 @@ impl Lake {
     /// # Errors
     /// Where a folder cannot be removed, or the id is not one that a drive can have.
     pub fn remove_drive(&self, id: &DriveId) -> Result<(), LakeError> {
+        self.remove_drives(&BTreeSet::from([id.clone()]))
+    }
+
+    fn remove_folders(&self, id: &DriveId) -> Result<(), LakeError> {
         let dir = self.checked_dir(id)?;
         if dir.exists() {
             let gone = self.aside(id, "gone");
             remove_dir(&gone)?;
+            let _lock = packs::replacing(self.dir())?;
             fs::rename(&dir, &gone).map_err(LakeError::io(&dir))?;
         }
         for path in self.folders_of(id)? {

@@ -136,8 +136,8 @@ impl LakeError {
                 "an adapter must not produce this; please report it with the message",
             ),
             LakeError::TableBroken { .. } | LakeError::RowOrder { .. } => Bilingual::new(
-                "删除该行程的文件夹后重新导入",
-                "delete the drive's folder and ingest its source again",
+                "重新导入原始数据：无法读取的行程会被替换",
+                "ingest the source again: a drive that cannot be read is replaced",
             ),
             LakeError::MinedVersion { .. } => Bilingual::new(
                 "用 `whyroad mine --out DIR --force` 重新生成该文件夹（信号已保存，很快完成）",

@@ -3,7 +3,7 @@
 
 use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::clips;
-use crate::{LakeError, file};
+use crate::{LakeError, file, packs};
 use std::fs;
 use whyroad_model::DriveId;
 use whyroad_model::scene::{DriveMeta, GeoPosition};
@@ -55,6 +55,7 @@ impl Lake {
         if manifest.meta == before {
             return Ok(false);
         }
+        self.unpack(id)?;
         let outline = self.outline(id)?;
         let mut listed = outline.clips;
         for clip in &mut listed {
@@ -69,6 +70,7 @@ impl Lake {
         file::write_table(&table, clips::to_table(&listed), clips::ROW_ORDER)?;
         let json = self.aside(id, MANIFEST);
         write_json(&json, &manifest)?;
+        let _lock = packs::changing(self.dir())?;
         put("clips.parquet", &table)?;
         put(MANIFEST, &json)?;
         Ok(true)

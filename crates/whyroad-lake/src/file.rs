@@ -2,37 +2,59 @@
 
 use crate::columns::{Table, TableBuilder};
 use crate::{LAKE_VERSION, LakeError};
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+};
 use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
-use parquet::file::properties::WriterProperties;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::statistics::Statistics;
 use std::fs::File;
 use std::path::Path;
+use whyroad_model::Nanos;
 
 /// Order of the rows, as the file's metadata state it.
 pub(crate) const ROW_ORDER_KEY: &str = "whyroad.row_order";
 const VERSION_KEY: &str = "whyroad.lake_version";
 
-/// Writes one table: one row group (so that any engine hands it out whole), Snappy, and the row order in the metadata.
-pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
-    let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
-    let batch = table.finish().map_err(|e| broken(&e))?;
-    let properties = WriterProperties::builder()
+/// How tables are written; `more` is metadata beside the version and the order of the rows.
+pub(crate) fn properties(row_order: &str, more: Vec<KeyValue>) -> WriterPropertiesBuilder {
+    let stated = [
+        KeyValue::new(VERSION_KEY.to_owned(), LAKE_VERSION.to_string()),
+        KeyValue::new(ROW_ORDER_KEY.to_owned(), row_order.to_owned()),
+    ];
+    WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         .set_max_row_group_row_count(None)
         .set_created_by(format!("whyroad {}", env!("CARGO_PKG_VERSION")))
-        .set_key_value_metadata(Some(vec![
-            KeyValue::new(VERSION_KEY.to_owned(), LAKE_VERSION.to_string()),
-            KeyValue::new(ROW_ORDER_KEY.to_owned(), row_order.to_owned()),
-        ]))
-        .build();
-    let file = File::create(path).map_err(LakeError::io(path))?;
-    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).map_err(|e| broken(&e))?;
-    writer.write(&batch).map_err(|e| broken(&e))?;
-    let file = writer.into_inner().map_err(|e| broken(&e))?;
-    file.sync_all().map_err(LakeError::io(path))?;
+        .set_key_value_metadata(Some(stated.into_iter().chain(more).collect()))
+}
+
+/// Writes one table: one row group (so that any engine hands it out whole), Snappy, and the row order in the metadata.
+pub(crate) fn write_table(path: &Path, table: TableBuilder, row_order: &str) -> Result<usize, LakeError> {
+    let batch = table.finish().map_err(|e| LakeError::broken(path, e))?;
+    write_batches(path, &batch.schema(), [&batch], properties(row_order, vec![]).build())?;
     Ok(batch.num_rows())
+}
+
+/// Writes a file that is on the disk when this returns; every batch begins a row group.
+pub(crate) fn write_batches<'a>(
+    path: &Path,
+    schema: &SchemaRef,
+    batches: impl IntoIterator<Item = &'a RecordBatch>,
+    properties: WriterProperties,
+) -> Result<(), LakeError> {
+    let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
+    let file = File::create(path).map_err(LakeError::io(path))?;
+    let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties)).map_err(|e| broken(&e))?;
+    for batch in batches {
+        writer.write(batch).and_then(|()| writer.flush()).map_err(|e| broken(&e))?;
+    }
+    let file = writer.into_inner().map_err(|e| broken(&e))?;
+    file.sync_all().map_err(LakeError::io(path))
 }
 
 /// Refuses metadata of a damaged file on which the Parquet reader would panic: columns that begin before the file or
@@ -48,44 +70,84 @@ pub fn check_columns(metadata: &ParquetMetaData) -> Result<(), &'static str> {
     if damaged { Err("a column has a negative offset or length") } else { Ok(()) }
 }
 
-/// Reads one table whole; `None` when the file does not exist (the log has no such table).
-pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, LakeError> {
+/// The footer of a file, checked; `None` when the file does not exist.
+pub(crate) fn open(path: &Path, row_order: &str) -> Result<Option<(File, ArrowReaderMetadata)>, LakeError> {
     let file = match File::open(path) {
         Ok(f) => f,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(LakeError::io(path)(e)),
     };
     let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
-    check_columns(builder.metadata()).map_err(|e| broken(&e))?;
-    let metadata = builder.metadata().file_metadata();
-    let value = |key: &str| {
-        let found = metadata.key_value_metadata()?.iter().find(|kv| kv.key == key)?;
-        found.value.clone()
-    };
-    match value(VERSION_KEY).and_then(|v| v.parse::<u32>().ok()) {
+    let footer = ArrowReaderMetadata::load(&file, ArrowReaderOptions::new()).map_err(|e| broken(&e))?;
+    check_columns(footer.metadata()).map_err(|e| broken(&e))?;
+    match stated(&footer, VERSION_KEY).and_then(|v| v.parse::<u32>().ok()) {
         Some(LAKE_VERSION) => {}
         Some(found) => return Err(LakeError::version(path, found, Vec::new())),
         None => return Err(broken(&"the file does not state its lake version")),
     }
-    match value(ROW_ORDER_KEY) {
+    match stated(&footer, ROW_ORDER_KEY) {
         Some(order) if order == row_order => {}
         other => return Err(broken(&format!("row order is {other:?}, expected '{row_order}'"))),
     }
-    if builder.metadata().num_row_groups() > 1 {
-        return Err(broken(&"more than one row group: the rows of a drive must be one"));
+    Ok(Some((file, footer)))
+}
+
+/// A value of the file's metadata.
+pub(crate) fn stated(footer: &ArrowReaderMetadata, key: &str) -> Option<String> {
+    let all = footer.metadata().file_metadata().key_value_metadata()?;
+    all.iter().find(|kv| kv.key == key)?.value.clone()
+}
+
+/// Reads one table whole; `None` when the file does not exist (the log has no such table).
+pub(crate) fn read_table(path: &Path, row_order: &str) -> Result<Option<Table>, LakeError> {
+    let Some((file, footer)) = open(path, row_order)? else { return Ok(None) };
+    if footer.metadata().num_row_groups() > 1 {
+        let reason = "more than one row group: the rows of a drive must be one";
+        return Err(LakeError::broken(path, reason));
     }
-    let rows = usize::try_from(metadata.num_rows()).unwrap_or(0);
-    let schema = builder.schema().clone();
+    let groups = (0..footer.metadata().num_row_groups()).collect();
+    read_groups(path, file, footer, groups).map(Some)
+}
+
+/// Reads these row groups of an opened file as one table.
+pub(crate) fn read_groups(
+    path: &Path,
+    file: File,
+    footer: ArrowReaderMetadata,
+    groups: Vec<usize>,
+) -> Result<Table, LakeError> {
+    let broken = |e: &dyn std::fmt::Display| LakeError::broken(path, e);
+    let stated: i64 = groups.iter().map(|g| footer.metadata().row_group(*g).num_rows()).sum();
+    let rows = usize::try_from(stated).unwrap_or(0);
+    let schema = footer.schema().clone();
+    let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
     let mut reader = builder.with_batch_size(rows.max(1)).build().map_err(|e| broken(&e))?;
     let batch = match reader.next() {
         Some(batch) => batch.map_err(|e| broken(&e))?,
-        None => arrow_array::RecordBatch::new_empty(schema),
+        None => RecordBatch::new_empty(schema),
     };
     if batch.num_rows() != rows {
         return Err(broken(&format!("{} of {rows} rows can be read", batch.num_rows())));
     }
-    Ok(Some(Table { path: path.to_owned(), batch }))
+    Ok(Table { path: path.to_owned(), batch })
+}
+
+/// Least and greatest time in a row group of frames, by its statistics.
+pub(crate) fn span(
+    path: &Path,
+    metadata: &ParquetMetaData,
+    group: Option<usize>,
+) -> Result<(Nanos, Nanos), LakeError> {
+    let group = group.and_then(|g| metadata.row_groups().get(g));
+    let times = group.and_then(|g| g.columns().iter().find(|c| c.column_path().parts() == ["time_ns"]));
+    match times.and_then(|t| t.statistics()) {
+        Some(Statistics::Int64(s)) => {
+            let known = s.min_opt().copied().zip(s.max_opt().copied());
+            known.map(|(a, b)| (Nanos(a), Nanos(b)))
+        }
+        _ => None,
+    }
+    .ok_or_else(|| LakeError::broken(path, "the file does not state the range of its times"))
 }
 
 #[cfg(test)]

@@ -1,12 +1,16 @@
 //! A lake folder: which drives it holds, reading one, writing one so that it is there whole or not at all.
 
+use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
+use crate::packs::{self, Packs, Place};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
-use crate::{DriveFacts, LAKE_VERSION, LakeError, clip_metadata, file, leftovers, validity};
+use crate::{DriveFacts, LAKE_VERSION, LAYOUTS, LakeError, PACKED_VERSION};
+use crate::{clip_metadata, file, leftovers, validity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::scene::DriveMeta;
 use whyroad_model::{Drive, DriveId, Nanos};
@@ -18,6 +22,7 @@ pub(crate) const MANIFEST: &str = "drive.json";
 #[derive(Clone, Debug)]
 pub struct Lake {
     dir: PathBuf,
+    pub(crate) packs: Arc<Packs>,
 }
 
 /// What [`Lake::write_drive`] did.
@@ -35,11 +40,23 @@ impl Lake {
     /// Opens an existing lake.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
         let (lake, version) = Self::of_any_version(dir.as_ref())?;
-        if version != LAKE_VERSION {
+        if !LAYOUTS.contains(&version) {
             let formats = lake.outdated_formats();
             return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
         }
+        lake.catalogue()?;
         Ok(lake)
+    }
+
+    /// Whether the lake can be read now.
+    ///
+    /// # Errors
+    /// As [`Lake::open`].
+    pub fn ready(&self) -> Result<(), LakeError> {
+        match Self::of_any_version(&self.dir)? {
+            (_, version) if LAYOUTS.contains(&version) => self.catalogue().map(drop),
+            _ => Self::open(&self.dir).map(drop),
+        }
     }
 
     /// The lake and the version that its marker states.
@@ -53,7 +70,7 @@ impl Lake {
             Err(e) => return Err(LakeError::io(&path)(e)),
         };
         let marker: LakeMarker = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
-        Ok((Self { dir: dir.to_owned() }, marker.version))
+        Ok((Self { dir: dir.to_owned(), packs: Arc::default() }, marker.version))
     }
 
     /// Opens the lake for writing, making an empty one if it does not exist. What a killed process left half written
@@ -65,9 +82,9 @@ impl Lake {
             Err(LakeError::NotALake(_)) => {
                 fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?
             }
-            Ok((lake, LAKE_VERSION)) => {
+            Ok((lake, version)) if LAYOUTS.contains(&version) => {
                 leftovers::remove(&lake.dir.join("drives"));
-                return Ok(lake);
+                return Self::open(dir);
             }
             Ok((lake, older)) if older < LAKE_VERSION => leftovers::remove(&lake.dir.join("drives")),
             Ok(_) => return Self::open(dir),
@@ -75,7 +92,20 @@ impl Lake {
         }
         let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
         write_json(&dir.join(MARKER), &marker)?;
-        Ok(Self { dir: dir.to_owned() })
+        Ok(Self { dir: dir.to_owned(), packs: Arc::default() })
+    }
+
+    /// Makes the folder of packs; from now on, a build that does not know of packs refuses the lake.
+    pub(crate) fn mark_packed(&self) -> Result<(), LakeError> {
+        let packs = self.packs_dir();
+        fs::create_dir_all(&packs).map_err(LakeError::io(&packs))?;
+        if Self::of_any_version(&self.dir)?.1 == PACKED_VERSION {
+            return Ok(());
+        }
+        let (path, fresh) =
+            (self.dir.join(MARKER), self.dir.join(format!(".{MARKER}-{}", std::process::id())));
+        write_json(&fresh, &LakeMarker { format: "whyroad-lake".to_owned(), version: PACKED_VERSION })?;
+        fs::rename(&fresh, &path).map_err(LakeError::io(&path))
     }
 
     /// Formats of the drives that this build does not read, sorted.
@@ -109,25 +139,42 @@ impl Lake {
         Ok(self.drive_dir(id))
     }
 
-    /// Ids of all drives, sorted.
+    /// True for a drive with a folder of its own, which lies over what a pack has of it.
+    pub(crate) fn is_loose(&self, id: &DriveId) -> bool {
+        self.drive_dir(id).join(MANIFEST).is_file()
+    }
+
+    /// Ids of all drives, sorted: those of the catalogue, and those with a folder of their own.
     pub fn drive_ids(&self) -> Vec<DriveId> {
-        let Ok(entries) = fs::read_dir(self.dir.join("drives")) else { return Vec::new() };
-        let mut ids: Vec<DriveId> = entries
-            .flatten()
+        let mut loose = Vec::new();
+        // Folders first: a drive that is being packed is in the catalogue before its folder is gone.
+        for entry in fs::read_dir(self.dir.join("drives")).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
             // A name with a leading dot is a drive being written.
-            .filter(|e| {
-                !e.file_name().to_string_lossy().starts_with('.') && e.path().join(MANIFEST).is_file()
-            })
-            .map(|e| DriveId(e.file_name().to_string_lossy().into_owned()))
-            .collect();
+            if !name.starts_with('.') {
+                loose.push(DriveId(name));
+            }
+        }
+        let catalogue = self.last_catalogue();
+        loose.retain(|id| catalogue.find(id).is_none() && self.drive_dir(id).join(MANIFEST).is_file());
+        let mut ids: Vec<DriveId> = catalogue.ids().map(DriveId::from).collect();
+        ids.append(&mut loose);
         ids.sort();
         ids
     }
 
     pub(crate) fn manifest(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
-        let manifest = self.manifest_of_any_version(id)?;
+        self.at_place(id, |place| self.current(id, place))
+    }
+
+    /// What the drive at this place states about itself, where this build reads it.
+    pub(crate) fn current(&self, id: &DriveId, place: &Place) -> Result<DriveManifest, LakeError> {
+        let path = match place {
+            Place::Loose(dir) => dir.join(MANIFEST),
+            Place::Packed(pack, row) => return Ok(pack.manifests[*row].clone()),
+        };
+        let manifest = DriveManifest::read(&path, id)?;
         if manifest.lake_version != LAKE_VERSION {
-            let path = self.drive_dir(id).join(MANIFEST);
             return Err(LakeError::version(&path, manifest.lake_version, vec![manifest.meta.format]));
         }
         Ok(manifest)
@@ -139,37 +186,48 @@ impl Lake {
     }
 
     fn manifest_of_any_version(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
-        let path = self.checked_dir(id)?.join(MANIFEST);
-        let text = match fs::read_to_string(&path) {
-            Ok(t) => t,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-                return Err(LakeError::DriveMissing(id.clone()));
+        self.manifest_at(id)
+    }
+
+    /// The rows that a drive has of a table; `None` where it does not have the table.
+    pub(crate) fn table(place: &Place, name: &str, order: &str) -> Result<Option<Table>, LakeError> {
+        match place {
+            Place::Loose(dir) => file::read_table(&dir.join(format!("{name}.parquet")), order),
+            Place::Packed(pack, row) if pack.manifests[*row].tables.contains_key(name) => {
+                pack.table(name, order, *row)
             }
-            Err(e) => return Err(LakeError::io(&path)(e)),
-        };
-        serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))
+            Place::Packed(..) => Ok(None),
+        }
+    }
+
+    /// [`Lake::table`] of a table that the drive must have.
+    pub(crate) fn needed_table(place: &Place, name: &str, order: &str) -> Result<Table, LakeError> {
+        Self::table(place, name, order)?.ok_or_else(|| {
+            let path = place.path(&format!("{name}.parquet"));
+            LakeError::broken(&path, "the file is missing, although drive.json names the table")
+        })
     }
 
     /// Reads one drive whole.
     pub fn read_drive(&self, id: &DriveId) -> Result<Drive, LakeError> {
-        let manifest = self.manifest(id)?;
-        let dir = self.drive_dir(id);
+        self.at_place(id, |place| self.read_at(id, place))
+    }
+
+    fn read_at(&self, id: &DriveId, place: &Place) -> Result<Drive, LakeError> {
+        let manifest = self.current(id, place)?;
         let table = |name: &str, order: &str| -> Result<Option<_>, LakeError> {
-            let path = dir.join(format!("{name}.parquet"));
             let Some(&rows) = manifest.tables.get(name) else { return Ok(None) };
-            let Some(t) = file::read_table(&path, order)? else {
-                return Err(LakeError::broken(
-                    &path,
-                    "the file is missing, although drive.json names the table",
-                ));
-            };
+            let t = Self::needed_table(place, name, order)?;
             if t.rows() != rows {
-                return Err(LakeError::broken(&path, format!("{} rows, drive.json states {rows}", t.rows())));
+                return Err(LakeError::broken(
+                    &t.path,
+                    format!("{} rows, drive.json states {rows}", t.rows()),
+                ));
             }
             Ok(Some(t))
         };
         let needed =
-            |name: &str| LakeError::broken(&dir.join(MANIFEST), format!("table '{name}' is not named"));
+            |name: &str| LakeError::broken(&place.path(MANIFEST), format!("table '{name}' is not named"));
 
         let times =
             frames::from_table(&table("frames", frames::ROW_ORDER)?.ok_or_else(|| needed("frames"))?)?;
@@ -194,11 +252,10 @@ impl Lake {
 
     /// Id, start and number of frames of a drive's clips, without reading the drive.
     pub fn clip_summaries(&self, id: &DriveId) -> Result<Vec<(String, Nanos, u32)>, LakeError> {
-        self.manifest(id)?;
-        let path = self.drive_dir(id).join("clips.parquet");
-        let table = file::read_table(&path, clips::ROW_ORDER)?
-            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
-        clips::summaries(&table)
+        self.at_place(id, |place| {
+            self.current(id, place)?;
+            clips::summaries(&Self::needed_table(place, "clips", clips::ROW_ORDER)?)
+        })
     }
 
     /// Clip metadata of a drive.
@@ -259,17 +316,19 @@ impl Lake {
                 let _ = fs::remove_dir_all(&fresh);
             },
         )?;
-        let replaced = target.exists();
-        if replaced {
+        let _lock = packs::changing(&self.dir)?;
+        // Signals and small files over a packed drive go with what they lie over.
+        let (aside, packed) = (target.exists(), self.last_catalogue().find(id).is_some());
+        if aside {
             fs::rename(&target, &old).map_err(LakeError::io(&target))?;
         }
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))?;
         remove_dir(&old)?;
-        Ok(if replaced { WriteOutcome::Replaced } else { WriteOutcome::Written })
+        Ok(if aside || packed { WriteOutcome::Replaced } else { WriteOutcome::Written })
     }
 }
 
-fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeError> {
+pub(crate) fn write_tables(dir: &Path, drive: &Drive, meta: DriveMeta) -> Result<(), LakeError> {
     let mut tables = BTreeMap::new();
     let mut write = |name: &str, table, order: &str| -> Result<(), LakeError> {
         let rows = file::write_table(&dir.join(format!("{name}.parquet")), table, order)?;

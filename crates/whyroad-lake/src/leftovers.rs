@@ -1,4 +1,5 @@
-//! What a killed process left half written (`.new-<pid>-<drive>`) or put away (`.old-<pid>-<drive>`) among the drives.
+//! What a killed process left half written (`.new-<pid>-<drive>`), put away (`.old-<pid>-<drive>`) or had not
+//! yet removed (`.gone-<pid>-<drive>`) among the drives.
 
 use std::fs;
 use std::path::Path;
@@ -24,6 +25,7 @@ pub(crate) fn remove(drives: &Path) {
         }
         let target = drives.join(drive);
         let _ = match kind {
+            // A drive that is in a pack, too, comes back as a loose one, which lies over the pack.
             "old" if !target.exists() => fs::rename(&path, &target),
             _ => fs::remove_dir_all(&path),
         };
@@ -34,7 +36,7 @@ pub(crate) fn remove(drives: &Path) {
 fn parts(name: &str) -> Option<(&str, u32, &str)> {
     let (kind, rest) = name.strip_prefix('.')?.split_once('-')?;
     let (pid, drive) = rest.split_once('-')?;
-    (matches!(kind, "new" | "old") && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
+    (matches!(kind, "new" | "old" | "gone") && !drive.is_empty()).then_some((kind, pid.parse().ok()?, drive))
 }
 
 fn is_quiet(path: &Path) -> bool {

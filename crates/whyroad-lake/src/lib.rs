@@ -2,9 +2,10 @@
 //! plain enough for DuckDB or pandas; `docs/reference/lake.md` lists tables, columns and units), stored signals, mined
 //! folders. This crate knows how these are *stored*; it knows no input format and derives nothing.
 //!
-//! What holds for every drive in a lake: the folder appears whole or not at all (written aside, then renamed);
-//! rows are ordered by clip, then target, then frame, one row group holds the whole drive, and both are
-//! recorded in the file and checked on read; unknown is null on disk and NaN or `None` in memory.
+//! What holds for every drive in a lake: it appears whole or not at all (a folder written aside, then renamed; or many
+//! drives in one pack, which the catalogue names); rows are ordered by clip, then target, then frame, one row group
+//! holds the whole drive, and both are recorded in the file and checked on read; unknown is null on disk and NaN or
+//! `None` in memory.
 
 mod clips;
 mod columns;
@@ -14,10 +15,12 @@ mod facts;
 mod file;
 mod lake;
 mod leftovers;
+mod listing;
 mod manifest;
 mod media;
 pub mod mined;
 mod outline;
+mod packs;
 pub mod sheet;
 pub mod signals;
 mod size;
@@ -32,6 +35,7 @@ pub use file::check_columns;
 pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;
 pub use outline::Outline;
+pub use packs::{Compaction, CompactionOptions, DriveEntry};
 pub use signals::SignalFile;
 pub use size::DriveSize;
 pub use stamp::Stamp;
@@ -39,3 +43,10 @@ pub use stamp::Stamp;
 /// Version of the lake's layout. Raised when a reader of the old one would misread the new one. Version 1 had speeds
 /// and accelerations in it that were derived, which cannot be told from measured ones: such a drive is ingested again.
 pub const LAKE_VERSION: u32 = 2;
+
+/// What `whyroad-lake.json` states once the lake has packs: a build that knows only folders would miss the drives in
+/// them. Tables have [`LAKE_VERSION`] in packs, too.
+pub(crate) const PACKED_VERSION: u32 = 3;
+
+/// Layouts that this build reads.
+pub(crate) const LAYOUTS: [u32; 2] = [LAKE_VERSION, PACKED_VERSION];

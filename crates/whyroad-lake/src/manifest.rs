@@ -1,8 +1,12 @@
 //! `drive.json`: what a drive states about itself that is not a table. Also the lake's own `whyroad-lake.json`.
 
+use crate::{DriveEntry, LakeError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
 use whyroad_model::scene::DriveMeta;
+use whyroad_model::{DriveId, Nanos};
 
 /// `whyroad-lake.json`.
 #[derive(Serialize, Deserialize)]
@@ -12,11 +16,47 @@ pub(crate) struct LakeMarker {
 }
 
 /// `drive.json`.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DriveManifest {
     pub lake_version: u32,
     pub meta: DriveMeta,
     pub frames: usize,
     /// Rows of each table; a table that is not named here is one that the log has not.
     pub tables: BTreeMap<String, usize>,
+}
+
+impl DriveManifest {
+    /// What a listing says about the drive as far as this file knows it: no pack, no bytes.
+    pub fn entry(&self, start: Nanos, end: Nanos) -> DriveEntry {
+        let rows = |n: usize| u64::try_from(n).unwrap_or(u64::MAX);
+        let meta = &self.meta;
+        DriveEntry {
+            drive_id: meta.drive_id.clone(),
+            pack: None,
+            row: 0,
+            content_hash: meta.content_hash.clone(),
+            format: meta.format.clone(),
+            place: meta.place.clone(),
+            licence: meta.licence.clone(),
+            session: meta.session.clone(),
+            vehicle: meta.vehicle.clone(),
+            start,
+            end,
+            frames: rows(self.frames),
+            object_rows: rows(self.tables.get("tracks").copied().unwrap_or(0)),
+            bytes: 0,
+        }
+    }
+
+    /// Reads the file, of whatever version.
+    pub fn read(path: &Path, id: &DriveId) -> Result<Self, LakeError> {
+        let text = match fs::read_to_string(path) {
+            Ok(t) => t,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                return Err(LakeError::DriveMissing(id.clone()));
+            }
+            Err(e) => return Err(LakeError::io(path)(e)),
+        };
+        serde_json::from_str(&text).map_err(|e| LakeError::broken(path, e))
+    }
 }

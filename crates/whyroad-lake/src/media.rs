@@ -3,7 +3,7 @@
 
 use crate::lake::{Lake, MANIFEST, write_json};
 use crate::tables::states;
-use crate::{LakeError, file};
+use crate::{LakeError, file, packs};
 use std::fs;
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{DriveId, Need};
@@ -15,17 +15,19 @@ const TABLE: &str = "media";
 impl Lake {
     /// Camera frames of a drive; none where the table is missing.
     pub fn media(&self, id: &DriveId) -> Result<Vec<MediaFrame>, LakeError> {
-        self.manifest(id)?;
-        // By the file and not by what drive.json names: a replacement that was killed leaves the old frames in the
-        // file.
-        let path = self.drive_dir(id).join("media.parquet");
-        let table = file::read_table(&path, states::MEDIA_ORDER)?;
-        table.map_or(Ok(vec![]), |t| states::media_from_table(&t))
+        self.at_place(id, |place| {
+            self.current(id, place)?;
+            // By the file and not by what drive.json names: a replacement that was killed leaves the old frames in
+            // the file.
+            let table = Self::table(place, TABLE, states::MEDIA_ORDER)?;
+            table.map_or(Ok(vec![]), |t| states::media_from_table(&t))
+        })
     }
 
     /// Puts `frames` in the place of the drive's camera frames; they are sorted by camera, then time. The drive stays
     /// readable if this is killed: for that moment it has no pictures, and the next call has the old ones still.
     pub fn write_media(&self, id: &DriveId, frames: &[MediaFrame]) -> Result<(), LakeError> {
+        self.unpack(id)?;
         let mut manifest = self.manifest(id)?;
         let mut sorted = frames.to_vec();
         sorted.sort_by(|a, b| (&a.camera, a.time).cmp(&(&b.camera, b.time)));
@@ -41,6 +43,7 @@ impl Lake {
             let path = self.drive_dir(id).join(MANIFEST);
             fs::rename(&aside, &path).map_err(LakeError::io(&path))
         };
+        let _lock = packs::changing(self.dir())?;
         // Table and manifest must agree on the number of rows and cannot be renamed as one: in between, no table is
         // named.
         if manifest.tables.remove(TABLE).is_some() {

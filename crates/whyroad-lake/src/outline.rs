@@ -1,9 +1,10 @@
 //! What is known of a drive without reading its tables, and the signals that are stored beside it.
 
 use crate::lake::{Lake, remove_dir};
+use crate::packs::{self, Place};
 use crate::signals::{SignalFile, write_signals};
 use crate::tables::{frames, states};
-use crate::{LakeError, clips, file};
+use crate::{LakeError, clips};
 use std::fs;
 use std::path::PathBuf;
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
@@ -26,11 +27,11 @@ pub struct Outline {
 impl Lake {
     /// Reads the head of a drive.
     pub fn outline(&self, id: &DriveId) -> Result<Outline, LakeError> {
-        let manifest = self.manifest(id)?;
-        let path = self.drive_dir(id).join("frames.parquet");
-        let table = file::read_table(&path, frames::ROW_ORDER)?
-            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
-        let times = frames::from_table(&table)?;
+        let (manifest, times) = self.at_place(id, |place| {
+            let manifest = self.current(id, place)?;
+            let times = frames::from_table(&Self::needed_table(place, "frames", frames::ROW_ORDER)?)?;
+            Ok((manifest, times))
+        })?;
         let meta = manifest.meta;
         let sources = DataSources {
             video: meta.video.clone(),
@@ -45,13 +46,13 @@ impl Lake {
 
     /// What the log states of weather, surface and the like; `None` where it states nothing.
     pub fn stated_context(&self, id: &DriveId) -> Result<Option<Vec<ContextState>>, LakeError> {
-        if !self.manifest(id)?.tables.contains_key("context") {
-            return Ok(None);
-        }
-        let path = self.drive_dir(id).join("context.parquet");
-        let table = file::read_table(&path, states::CONTEXT_ORDER)?
-            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
-        Ok(Some(states::context_from_table(&table)?))
+        self.at_place(id, |place| {
+            if !self.current(id, place)?.tables.contains_key("context") {
+                return Ok(None);
+            }
+            let table = Self::needed_table(place, "context", states::CONTEXT_ORDER)?;
+            states::context_from_table(&table).map(Some)
+        })
     }
 
     fn signals_dir(&self, id: &DriveId) -> PathBuf {
@@ -60,15 +61,22 @@ impl Lake {
 
     /// The stored signals of a drive, when there are any that were derived from its present content by this version.
     pub fn signals(&self, id: &DriveId, version: &str) -> Result<Option<SignalFile>, LakeError> {
-        let hash = self.manifest(id)?.meta.content_hash;
-        // A store that cannot be read is one that has to be made again.
-        let Ok(Some(file)) = SignalFile::open(&self.signals_dir(id)) else { return Ok(None) };
-        let contents = file.contents();
-        let current = contents.version == version
-            && contents.drives.iter().map(|d| (&d.drive_id, &d.content_hash)).eq([(id, &hash)])
-            // Without a hash nobody can say that the content is the same.
-            && !hash.is_empty();
-        Ok(current.then_some(file))
+        self.at_place(id, |place| {
+            let hash = self.current(id, place)?.meta.content_hash;
+            let is_current = |file: &SignalFile| {
+                let contents = file.contents();
+                contents.version == version
+                    && contents.drives.iter().map(|d| (&d.drive_id, &d.content_hash)).eq([(id, &hash)])
+                    // Without a hash nobody can say that the content is the same.
+                    && !hash.is_empty()
+            };
+            // A store that cannot be read is one that has to be made again.
+            let beside = SignalFile::open(&self.signals_dir(id)).ok().flatten().filter(is_current);
+            Ok(match (beside, place) {
+                (None, Place::Packed(pack, _)) => pack.signals(id).filter(is_current),
+                (beside, _) => beside,
+            })
+        })
     }
 
     /// Stores the signals of a drive beside it, whole or not at all; what was stored before is replaced.
@@ -81,13 +89,35 @@ impl Lake {
             // The error that made it fail is the one to report.
             let _ = fs::remove_dir_all(&fresh);
         })?;
+        let _lock = self.lock_folder(id)?;
         remove_dir(&target)?;
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))
     }
 
+    /// Excludes that the drive's folder is moved away, and makes the folder of a drive that has none: what is put in
+    /// it lies over its pack.
+    fn lock_folder(&self, id: &DriveId) -> Result<Option<fs::File>, LakeError> {
+        let lock = packs::changing(self.dir())?;
+        let dir = self.drive_dir(id);
+        if !dir.is_dir() {
+            fs::create_dir_all(&dir).map_err(LakeError::io(&dir))?;
+        }
+        Ok(lock)
+    }
+
     /// A small file kept beside a drive by a command that works on it; `None` without one.
     pub fn note(&self, id: &DriveId, name: &str) -> Option<Vec<u8>> {
-        fs::read(self.drive_dir(id).join(name)).ok()
+        let beside = |id: &DriveId| fs::read(self.drive_dir(id).join(name)).ok();
+        let read = |place: &Place| match place {
+            Place::Loose(_) => Ok(beside(id)),
+            Place::Packed(pack, row) => match beside(id) {
+                Some(content) => Ok(Some(content)),
+                None => {
+                    Ok(pack.notes(*row)?.into_iter().find(|(n, _)| n == name).map(|(_, content)| content))
+                }
+            },
+        };
+        self.at_place(id, read).ok().flatten()
     }
 
     /// Keeps a small file beside a drive, whole or not at all.
@@ -95,6 +125,7 @@ impl Lake {
         self.manifest(id)?;
         let (target, fresh) = (self.drive_dir(id).join(name), self.aside(id, name));
         fs::write(&fresh, content).map_err(LakeError::io(&fresh))?;
+        let _lock = self.lock_folder(id)?;
         fs::rename(&fresh, &target).map_err(LakeError::io(&target))
     }
 

@@ -13,7 +13,7 @@
 mod bitmap;
 mod column;
 mod encodings;
-mod pages;
+pub(crate) mod pages;
 mod read;
 mod steps;
 mod table;
@@ -61,12 +61,23 @@ pub struct StoredDrive {
     pub unavailable: BTreeMap<String, Vec<Need>>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
+    /// Columns that other drives of the same files have and this one has not, although they are not unavailable.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub absent: Vec<String>,
+    /// Version of what derived the signals of this drive, where it is not that of the files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
 }
 
 impl StoredDrive {
     /// Rows of the targets' row group.
     pub fn target_rows(&self) -> usize {
         self.targets.iter().map(|t| t.frames.len()).sum()
+    }
+
+    /// True for a signal that the drive does not have, whatever columns the files have.
+    pub(crate) fn lacks(&self, signal: &str) -> bool {
+        self.unavailable.contains_key(signal) || self.absent.iter().any(|name| name == signal)
     }
 }
 

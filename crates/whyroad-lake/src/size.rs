@@ -1,4 +1,4 @@
-//! How large a drive is, from its `drive.json` alone: what a plan for several workers goes by.
+//! How large a drive is, from the catalogue or its `drive.json` alone: what a plan for several workers goes by.
 
 use crate::{Lake, LakeError};
 use whyroad_model::DriveId;
@@ -17,6 +17,13 @@ pub struct DriveSize {
 impl Lake {
     /// The size of a drive; no table is opened.
     pub fn size(&self, id: &DriveId) -> Result<DriveSize, LakeError> {
+        // For a packed drive the catalogue is enough.
+        self.checked_dir(id)?;
+        if !self.is_loose(id)
+            && let Some((hash, frames, object_rows)) = self.packed_size(id)
+        {
+            return Ok(DriveSize { content_hash: hash, frames, object_rows });
+        }
         let manifest = self.manifest(id)?;
         let rows = |n: usize| u64::try_from(n).unwrap_or(u64::MAX);
         Ok(DriveSize {
@@ -24,5 +31,11 @@ impl Lake {
             object_rows: rows(manifest.tables.get("tracks").copied().unwrap_or(0)),
             content_hash: manifest.meta.content_hash,
         })
+    }
+
+    fn packed_size(&self, id: &DriveId) -> Option<(String, u64, u64)> {
+        let catalogue = self.catalogue().ok()?;
+        let (hash, frames, object_rows) = catalogue.size(catalogue.find(id)?);
+        Some((hash.to_owned(), frames, object_rows))
     }
 }

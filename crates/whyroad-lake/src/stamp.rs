@@ -2,6 +2,7 @@
 
 use crate::LakeError;
 use crate::lake::{Lake, MANIFEST};
+use crate::packs::Place;
 use std::fs;
 use std::time::SystemTime;
 use whyroad_model::DriveId;
@@ -12,17 +13,36 @@ use whyroad_model::DriveId;
 pub struct Stamp {
     modified: Option<SystemTime>,
     length: u64,
+    /// Hash of what a packed drive states about itself; empty for one with a folder.
+    packed: String,
 }
 
 impl Lake {
     /// The stamp of a drive as it is now.
     pub fn stamp(&self, id: &DriveId) -> Result<Stamp, LakeError> {
-        let path = self.checked_dir(id)?.join(MANIFEST);
-        match fs::metadata(&path) {
-            Ok(data) => Ok(Stamp { modified: data.modified().ok(), length: data.len() }),
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Err(LakeError::DriveMissing(id.clone())),
-            Err(e) => Err(LakeError::io(&path)(e)),
-        }
+        self.at_place(id, |place| match place {
+            Place::Loose(dir) => {
+                let path = dir.join(MANIFEST);
+                match fs::metadata(&path) {
+                    Ok(data) => Ok(Stamp {
+                        modified: data.modified().ok(),
+                        length: data.len(),
+                        packed: String::new(),
+                    }),
+                    Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+                        Err(LakeError::DriveMissing(id.clone()))
+                    }
+                    Err(e) => Err(LakeError::io(&path)(e)),
+                }
+            }
+            // Packed again, it is the same drive.
+            Place::Packed(pack, row) => {
+                let text = serde_json::to_vec(&pack.manifests[*row])
+                    .map_err(|e| LakeError::broken(&place.path(MANIFEST), e))?;
+                let packed = blake3::hash(&text).to_hex().to_string();
+                Ok(Stamp { modified: None, length: text.len() as u64, packed })
+            }
+        })
     }
 }
 

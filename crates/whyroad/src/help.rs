@@ -121,6 +121,27 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "lake list",
+        &[
+            (
+                "Drives of a city in 2026",
+                "whyroad lake list --lake lake --place Pittsburgh --since 2026-01-01",
+            ),
+            ("As JSON", "whyroad lake list --lake lake --format json"),
+        ],
+    ),
+    (
+        "lake compact",
+        &[
+            ("Pack all loose drives", "whyroad lake compact --lake lake"),
+            (
+                "Smaller packs, without stored signals",
+                "whyroad lake compact --lake lake --size 100 --drop-signals",
+            ),
+        ],
+    ),
+    ("lake upgrade", &[("Check the layout of a lake", "whyroad lake upgrade --lake lake")]),
+    (
         "lake delete",
         &[
             (

@@ -194,10 +194,12 @@ fn integers(physical: Type, bytes: &[u8], n: usize, to: &mut Vec<i64>) -> Option
     }
 }
 
-/// The bytes of a column, in the place that they have in the file.
-struct Chunk {
-    start: u64,
-    bytes: Bytes,
+/// A part of a file, at the offset that it has in the file.
+pub(crate) struct Chunk {
+    /// Offset of the first byte.
+    pub start: u64,
+    /// The bytes.
+    pub bytes: Bytes,
 }
 
 impl Chunk {

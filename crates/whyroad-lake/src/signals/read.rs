@@ -6,8 +6,9 @@ use super::table::{Table, frames_of_targets};
 use super::{Contents, StoredDrive, TIME};
 use crate::LakeError;
 use parquet::basic::Type;
+use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_model::{Nanos, SignalTable};
 
@@ -50,28 +51,39 @@ impl SignalFile {
     /// Opens the store in a folder. `None` without one; an error where there is one that cannot be what it
     /// says.
     pub fn open(dir: &Path) -> Result<Option<Self>, LakeError> {
-        let Some((frames, contents)) = Table::open(&dir.join("frames.parquet"))? else { return Ok(None) };
+        let Some((mut frames, contents)) = Table::open(&dir.join("frames.parquet"))? else { return Ok(None) };
         let path = dir.join("targets.parquet");
-        let Some((targets, same)) = Table::open(&path)? else { return Ok(None) };
+        let Some((mut targets, same)) = Table::open(&path)? else { return Ok(None) };
         // Both are written with the same text: it is compared as text, and parsed once.
         if contents != same {
             return Err(LakeError::broken(&path, "it is not of the same drives as frames.parquet"));
         }
         let contents: Contents =
             serde_json::from_str(&contents).map_err(|e| LakeError::broken(&frames.path, e))?;
-        for (table, rows) in [
-            (&frames, contents.drives.iter().map(|d| d.frames).collect::<Vec<_>>()),
-            (&targets, contents.drives.iter().map(StoredDrive::target_rows).collect()),
-        ] {
-            let found: Vec<usize> = table.rows().collect();
-            // A drive without objects has no row group of targets where it is alone.
-            let none = rows.iter().all(|n| *n == 0) && found.iter().all(|n| *n == 0);
-            if found != rows && !none {
+        let rows = |of: fn(&StoredDrive) -> usize| contents.drives.iter().map(of).collect::<Vec<_>>();
+        for (table, rows) in
+            [(&mut frames, rows(|d| d.frames)), (&mut targets, rows(StoredDrive::target_rows))]
+        {
+            if !table.divide(&rows) {
                 let reason = "its row groups are not whole drives";
                 return Err(LakeError::broken(&table.path, reason));
             }
         }
         Ok(Some(Self { frames, targets, contents: Arc::new(contents) }))
+    }
+
+    /// The part of the store that is of one drive, which has index 0 in it.
+    pub(crate) fn of_drive(&self, drive: usize) -> Option<Self> {
+        let stored = self.contents.drives.get(drive)?;
+        let version = stored.version.clone().unwrap_or_else(|| self.contents.version.clone());
+        let contents = Arc::new(Contents { version, drives: vec![stored.clone()] });
+        Some(Self { frames: self.frames.of_drive(drive), targets: self.targets.of_drive(drive), contents })
+    }
+
+    /// File, footer and row group of the first drive's rows.
+    pub(crate) fn part(&self, kind: TableKind) -> (PathBuf, Arc<ParquetMetaData>, Option<usize>) {
+        let table = self.table(kind);
+        (table.path.clone(), Arc::clone(&table.metadata), table.group_index(0))
     }
 
     /// What the files say about themselves.
@@ -90,7 +102,7 @@ impl SignalFile {
     pub fn signals(&self, drive: usize) -> Vec<&str> {
         let of = &self.contents.drives[drive];
         let names = self.frames.columns.keys().chain(self.targets.columns.keys());
-        let names = names.filter(|n| n.contains('.') && !of.unavailable.contains_key(*n));
+        let names = names.filter(|n| n.contains('.') && !of.lacks(n));
         names.map(String::as_str).collect()
     }
 
@@ -98,14 +110,17 @@ impl SignalFile {
     pub fn has(&self, drive: usize, signal: &str) -> bool {
         signal.contains('.')
             && self.table(TableKind::of(signal)).columns.contains_key(signal)
-            && !self.contents.drives[drive].unavailable.contains_key(signal)
+            && !self.contents.drives[drive].lacks(signal)
     }
 
     /// What the statistics say about a signal; `None` where there is no such column.
     pub fn range(&self, drive: usize, signal: &str) -> Option<Range> {
         let table = self.table(TableKind::of(signal));
         let column = *table.columns.get(signal)?;
-        let Some(group) = table.metadata.row_groups().get(drive) else {
+        if self.contents.drives.get(drive)?.lacks(signal) {
+            return None;
+        }
+        let Some(group) = table.group(drive) else {
             return Some(Range { bounds: None, known: 0, rows: 0 });
         };
         let rows = usize::try_from(group.num_rows()).ok()?;

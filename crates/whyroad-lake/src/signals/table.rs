@@ -1,11 +1,11 @@
-//! One of the two files of a store: its footer, and columns of one row group.
+//! One of the two files of a store: its footer, and columns of a drive, which is one row group.
 
 use super::pages::{Dense, Values, read};
 use super::{FRAME, KEY, ROW_ORDER, StoredDrive};
 use crate::file::{ROW_ORDER_KEY, check_columns};
 use crate::{LAKE_VERSION, LakeError};
 use parquet::basic::Type;
-use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,9 @@ pub(super) struct Table {
     pub metadata: Arc<ParquetMetaData>,
     /// Columns by name.
     pub columns: Arc<BTreeMap<String, usize>>,
-    /// Of each drive, whether the order of its rows has been checked: once is enough while the store is open.
+    /// Row group of each drive; `None` for a drive without rows.
+    groups: Arc<[Option<usize>]>,
+    /// Of each row group, whether the order of its rows has been checked: once is enough while the store is open.
     in_order: Arc<[AtomicBool]>,
 }
 
@@ -52,12 +54,41 @@ impl Table {
         });
         let columns = Arc::new(named.collect());
         let in_order = metadata.row_groups().iter().map(|_| AtomicBool::new(false)).collect();
-        Ok(Some((Self { path: path.to_owned(), metadata: Arc::new(metadata), columns, in_order }, contents)))
+        let (path, metadata, groups) = (path.to_owned(), Arc::new(metadata), Arc::new([]));
+        Ok(Some((Self { path, metadata, columns, groups, in_order }, contents)))
     }
 
-    /// Rows of each row group.
-    pub fn rows(&self) -> impl Iterator<Item = usize> {
-        self.metadata.row_groups().iter().map(|g| usize::try_from(g.num_rows()).unwrap_or(0))
+    /// Gives each drive its row group: those with rows have one each, in their order. False where the row groups do
+    /// not have these numbers of rows.
+    pub fn divide(&mut self, rows_of_drives: &[usize]) -> bool {
+        let rows = self.metadata.row_groups().iter().map(|g| usize::try_from(g.num_rows()).unwrap_or(0));
+        // Some writers leave an empty row group for a file without rows.
+        let with_rows: Vec<(usize, usize)> = rows.enumerate().filter(|(_, n)| *n > 0).collect();
+        let mut left = with_rows.iter();
+        let mut fits = true;
+        let groups = rows_of_drives.iter().map(|n| {
+            let group = if *n == 0 { None } else { left.next() };
+            fits &= *n == 0 || group.is_some_and(|(_, rows)| rows == n);
+            group.map(|(at, _)| *at)
+        });
+        self.groups = groups.collect();
+        fits && left.next().is_none()
+    }
+
+    /// The same table for one of its drives alone.
+    pub fn of_drive(&self, drive: usize) -> Self {
+        let group = self.group_index(drive);
+        Self { groups: Arc::new([group]), ..self.clone() }
+    }
+
+    /// Metadata of a drive's row group; `None` where the drive has no rows.
+    pub fn group(&self, drive: usize) -> Option<&RowGroupMetaData> {
+        self.metadata.row_groups().get(self.group_index(drive)?)
+    }
+
+    /// Number of a drive's row group; `None` where the drive has no rows.
+    pub fn group_index(&self, drive: usize) -> Option<usize> {
+        self.groups.get(drive).copied().flatten()
     }
 
     pub fn wrong_type(&self, name: &str) -> LakeError {
@@ -70,11 +101,10 @@ impl Table {
         Some(self.metadata.file_metadata().schema_descr().column(column).physical_type())
     }
 
-    /// These columns of one row group; `None` where it has no rows.
-    pub fn read(&self, group: usize, names: &[&str]) -> Result<Option<Vec<Dense>>, LakeError> {
-        let groups = self.metadata.row_groups();
-        let rows = groups.get(group).map_or(0, |g| usize::try_from(g.num_rows()).unwrap_or(0));
-        let (Some(group), 1..) = (groups.get(group), rows) else { return Ok(None) };
+    /// These columns of a drive; `None` where it has no rows.
+    pub fn read(&self, drive: usize, names: &[&str]) -> Result<Option<Vec<Dense>>, LakeError> {
+        let Some(group) = self.group(drive) else { return Ok(None) };
+        let rows = usize::try_from(group.num_rows()).unwrap_or(0);
         // Every thread reads through a file of its own: a position is shared by all clones of a handle.
         let mut file = File::open(&self.path).map_err(LakeError::io(&self.path))?;
         let one = |name: &&str| {
@@ -91,7 +121,8 @@ impl Table {
         drive: usize,
         expected: impl Iterator<Item = std::ops::Range<usize>>,
     ) -> Result<(), LakeError> {
-        let checked = self.in_order.get(drive);
+        let group = self.group_index(drive);
+        let checked = group.and_then(|g| self.in_order.get(g));
         if checked.is_some_and(|c| c.load(Ordering::Relaxed)) {
             return Ok(());
         }

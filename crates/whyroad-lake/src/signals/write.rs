@@ -56,6 +56,7 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
         targets: table.targets.clone(),
         unavailable: table.unavailable.clone(),
         words: words.collect(),
+        ..StoredDrive::default()
     }
 }
 

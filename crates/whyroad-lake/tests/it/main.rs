@@ -3,5 +3,6 @@
 
 mod facts;
 mod media;
+mod packs;
 mod round_trip;
 mod signals;

@@ -246,7 +246,7 @@ fn states(n: usize) -> impl Strategy<Value = States> {
     )
 }
 
-fn drive() -> impl Strategy<Value = Drive> {
+pub(crate) fn drive() -> impl Strategy<Value = Drive> {
     // Up to three clips, so that a track's rows lie apart in the file.
     (1usize..450, 0usize..4).prop_flat_map(|(n, tracks)| {
         let tracks: Vec<_> = (0..tracks).map(|i| track(i, n)).collect();
@@ -295,7 +295,7 @@ fn drive() -> impl Strategy<Value = Drive> {
 
 /// Exact and NaN-proof: Rust's debug form of f64 is the shortest that reads back to the same bits, and NaN prints as
 /// itself.
-fn shown(d: &Drive) -> String {
+pub(crate) fn shown(d: &Drive) -> String {
     format!("{d:#?}")
 }
 
@@ -314,7 +314,7 @@ proptest! {
     }
 }
 
-fn small_drive(hash: &str) -> Drive {
+pub(crate) fn small_drive(hash: &str) -> Drive {
     let n = 250;
     Drive {
         meta: DriveMeta { drive_id: "d".into(), content_hash: hash.into(), ..DriveMeta::default() },

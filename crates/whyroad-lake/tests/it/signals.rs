@@ -28,7 +28,7 @@ fn columns(prefix: &str, rows: &[(f64, Tri, usize)]) -> BTreeMap<String, Column>
     ])
 }
 
-fn table() -> impl Strategy<Value = SignalTable> {
+pub(crate) fn table() -> impl Strategy<Value = SignalTable> {
     let row = || (number(), tri(), 0usize..4);
     let spans = prop::collection::vec((0usize..20, 1usize..20), 0..4);
     (prop::collection::vec(row(), 1..40), prop::collection::vec(row(), 80), spans).prop_map(
@@ -54,7 +54,7 @@ fn table() -> impl Strategy<Value = SignalTable> {
     )
 }
 
-fn same_columns(a: &BTreeMap<String, Column>, b: &BTreeMap<String, Column>) {
+pub(crate) fn same_columns(a: &BTreeMap<String, Column>, b: &BTreeMap<String, Column>) {
     assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
     for (x, y) in a.values().zip(b.values()) {
         match (x, y) {
@@ -106,7 +106,7 @@ proptest! {
     }
 }
 
-fn one() -> SignalTable {
+pub(crate) fn one() -> SignalTable {
     let rows = [(1.0, Tri::True, 0), (2.0, Tri::False, 1), (3.0, Tri::Unknown, 2)];
     SignalTable {
         drive_id: "d".into(),

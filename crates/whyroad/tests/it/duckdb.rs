@@ -13,7 +13,7 @@ for query in sys.stdin.read().split('\\0'):
 ";
 
 /// The interpreter that has the packages: `WHYROAD_PYTHON`, or the one of the machine.
-fn python() -> String {
+pub fn python() -> String {
     std::env::var("WHYROAD_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
 

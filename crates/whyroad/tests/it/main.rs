@@ -32,6 +32,7 @@ mod mine;
 mod mine_again;
 mod model;
 mod ops;
+mod packs;
 mod parts;
 mod recorded;
 mod robustness;

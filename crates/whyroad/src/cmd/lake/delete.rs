@@ -148,9 +148,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             reason(format!("无法删除 {}", image.display()), format!("cannot remove {}", image.display()))
         })?;
     }
-    for id in &drives {
-        lake.remove_drive(id)?;
-    }
+    lake.remove_drives(&drives)?;
     audit::put(&file, "done", args.request.as_deref(), &counts)?;
     args.print.put(&counts, || text(&counts, false, lang))?;
     Ok(outcome(&counts))
@@ -161,13 +159,13 @@ fn selected(lake: &Lake, args: &Args) -> (BTreeSet<DriveId>, Vec<String>) {
     let mut drives: BTreeSet<DriveId> = args.drives.iter().map(|d| DriveId::from(d.as_str())).collect();
     let mut undated = Vec::new();
     if let Some(before) = args.older_than {
-        for id in lake.drive_ids() {
-            match lake.outline(&id).ok().and_then(|o| o.times.last().copied()) {
-                Some(end) if end < before => {
+        for (id, entry) in lake.entries() {
+            match entry.map(|e| e.end) {
+                Ok(end) if end < before => {
                     drives.insert(id);
                 }
-                Some(_) => {}
-                None => undated.push(format!("{id}: end unknown")),
+                Ok(_) => {}
+                Err(_) => undated.push(format!("{id}: end unknown")),
             }
         }
     }
@@ -303,7 +301,7 @@ fn not_found(names: &str, lang: Lang) -> String {
 }
 
 /// A date, a time, or an age in days.
-fn moment(text: &str) -> Result<Nanos, String> {
+pub(super) fn moment(text: &str) -> Result<Nanos, String> {
     if let Some(days) = text.strip_suffix('d').and_then(|n| n.parse::<u32>().ok()) {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_err(|e| e.to_string())?;
         let age = u128::from(days) * 86_400 * 1_000_000_000;

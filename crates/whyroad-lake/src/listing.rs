@@ -1,0 +1,48 @@
+//! The drives of a lake as a list: of packed ones from the catalogue, of the others from their `drive.json` and the
+//! footer of their frames.
+
+use crate::lake::Lake;
+use crate::packs::{DriveEntry, Place};
+use crate::tables::frames;
+use crate::{LakeError, file};
+use whyroad_model::DriveId;
+
+impl Lake {
+    /// A row for each drive, sorted by id; a drive that cannot be read is an error of its own.
+    pub fn entries(&self) -> impl Iterator<Item = (DriveId, Result<DriveEntry, LakeError>)> + '_ {
+        let catalogue = self.last_catalogue();
+        self.drive_ids().into_iter().map(move |id| {
+            let packed = catalogue.find(&id).filter(|_| !self.is_loose(&id));
+            let entry = packed.map_or_else(|| self.entry(&id), |at| Ok(catalogue.entry(at)));
+            (id, entry)
+        })
+    }
+
+    /// The row of one drive.
+    ///
+    /// # Errors
+    /// Where the drive is missing or cannot be read.
+    pub fn entry(&self, id: &DriveId) -> Result<DriveEntry, LakeError> {
+        self.at_place(id, |place| {
+            let Place::Loose(dir) = place else {
+                let catalogue = self.catalogue()?;
+                let at = catalogue.find(id).ok_or_else(|| LakeError::DriveMissing(id.clone()))?;
+                return Ok(catalogue.entry(at));
+            };
+            let manifest = self.current(id, place)?;
+            let path = dir.join("frames.parquet");
+            let (_, footer) = file::open(&path, frames::ROW_ORDER)?
+                .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
+            let (start, end) = file::span(&path, footer.metadata(), Some(0))?;
+            Ok(DriveEntry { bytes: size_of(dir), ..manifest.entry(start, end) })
+        })
+    }
+}
+
+/// Bytes of the files directly in a folder and in its folders.
+fn size_of(dir: &std::path::Path) -> u64 {
+    let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
+    entries
+        .map(|e| if e.path().is_dir() { size_of(&e.path()) } else { e.metadata().map_or(0, |m| m.len()) })
+        .sum()
+}

@@ -1,0 +1,162 @@
+//! Packs: many drives in few files, for lakes that are too large for a folder per drive.
+//!
+//! `packs/<number>/` has one Parquet file per table, with one row group per drive that has rows in it, and the drives'
+//! `drive.json` in `drives.parquet`. `packs/catalogue.parquet` says which drive is where; replacing it by one rename
+//! publishes a compaction or a deletion. Packs are never changed.
+//!
+//! What lies over what: `drives/<id>/` with a `drive.json` is a loose drive, and whatever a pack has of it is outdated.
+//! Without one, the signals and small files in `drives/<id>/` lie over those of the pack. So a drive is ingested,
+//! replaced, mined and changed as if there were no packs, and the next compaction takes that in.
+
+mod catalogue;
+mod compact;
+mod fingerprint;
+mod lock;
+mod member;
+mod open_pack;
+mod splice;
+mod unpack;
+mod write;
+
+pub use catalogue::DriveEntry;
+pub use compact::{Compaction, CompactionOptions};
+
+pub(crate) use lock::{changing, replacing};
+pub(crate) use open_pack::OpenPack;
+
+use crate::lake::MANIFEST;
+use crate::manifest::DriveManifest;
+use crate::{Lake, LakeError};
+use catalogue::Catalogue;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use whyroad_model::DriveId;
+
+pub(crate) const FOLDER: &str = "packs";
+
+/// Packs whose footers are kept in memory.
+const OPEN_PACKS: usize = 8;
+
+/// What is known of a lake's packs, shared by all clones of a [`Lake`].
+#[derive(Debug, Default)]
+pub(crate) struct Packs {
+    catalogue: Mutex<Arc<Catalogue>>,
+    /// The pack used last is first.
+    open: Mutex<Vec<Arc<OpenPack>>>,
+}
+
+/// Where a drive is.
+#[derive(Clone, Debug)]
+pub(crate) enum Place {
+    /// A folder of its own.
+    Loose(PathBuf),
+    /// A pack, and which drive of it.
+    Packed(Arc<OpenPack>, usize),
+}
+
+impl PartialEq for Place {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Loose(a), Self::Loose(b)) => a == b,
+            (Self::Packed(a, i), Self::Packed(b, j)) => a.dir == b.dir && i == j,
+            _ => false,
+        }
+    }
+}
+
+impl Place {
+    /// The file of this name, for messages.
+    pub fn path(&self, name: &str) -> PathBuf {
+        match self {
+            Self::Loose(dir) => dir.join(name),
+            Self::Packed(pack, _) => pack.dir.join(name),
+        }
+    }
+}
+
+fn guard<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Lake {
+    pub(crate) fn packs_dir(&self) -> PathBuf {
+        self.dir().join(FOLDER)
+    }
+
+    /// The catalogue as it is now; read again only when it was replaced.
+    pub(crate) fn catalogue(&self) -> Result<Arc<Catalogue>, LakeError> {
+        let path = self.packs_dir().join(catalogue::FILE);
+        let identity = fingerprint::identity(&path);
+        let mut held = guard(&self.packs.catalogue);
+        if held.identity != identity {
+            *held = Arc::new(Catalogue::read(&path)?);
+        }
+        Ok(Arc::clone(&held))
+    }
+
+    /// The catalogue as it is now, or as it was when it could last be read; opening a lake has read it.
+    pub(crate) fn last_catalogue(&self) -> Arc<Catalogue> {
+        self.catalogue().unwrap_or_else(|_| Arc::clone(&guard(&self.packs.catalogue)))
+    }
+
+    fn open_pack(&self, name: &str) -> Result<Arc<OpenPack>, LakeError> {
+        let dir = self.packs_dir().join(name);
+        let mut open = guard(&self.packs.open);
+        if let Some(at) = open.iter().position(|p| p.dir == dir) {
+            let pack = open.remove(at);
+            open.insert(0, Arc::clone(&pack));
+            return Ok(pack);
+        }
+        let pack = Arc::new(OpenPack::read(dir)?);
+        open.insert(0, Arc::clone(&pack));
+        open.truncate(OPEN_PACKS);
+        Ok(pack)
+    }
+
+    /// Where a drive is now.
+    pub(crate) fn place(&self, id: &DriveId) -> Result<Place, LakeError> {
+        let dir = self.checked_dir(id)?;
+        if dir.join(MANIFEST).is_file() {
+            return Ok(Place::Loose(dir));
+        }
+        let catalogue = self.catalogue()?;
+        let Some(at) = catalogue.find(id) else { return Err(LakeError::DriveMissing(id.clone())) };
+        let (pack, row) = catalogue.location(at);
+        Ok(Place::Packed(self.open_pack(pack)?, row))
+    }
+
+    /// Calls `read` with the drive's place, again when the drive has been moved meanwhile by another process.
+    pub(crate) fn at_place<T>(
+        &self,
+        id: &DriveId,
+        read: impl Fn(&Place) -> Result<T, LakeError>,
+    ) -> Result<T, LakeError> {
+        let mut place = self.place(id);
+        for _ in 0..8 {
+            let result = place.as_ref().map_err(|_| ()).and_then(|p| read(p).map_err(|_| ()));
+            if let Ok(value) = result {
+                return Ok(value);
+            }
+            let now = self.place(id);
+            let moved = match (&place, &now) {
+                (Ok(before), Ok(now)) => before != now,
+                (Err(_), Ok(_)) => true,
+                (_, Err(_)) => false,
+            };
+            if !moved {
+                break;
+            }
+            place = now;
+        }
+        // The error of the place in which the drive is.
+        read(&place?)
+    }
+
+    /// `drive.json` of a drive, wherever it is.
+    pub(crate) fn manifest_at(&self, id: &DriveId) -> Result<DriveManifest, LakeError> {
+        self.at_place(id, |place| match place {
+            Place::Loose(dir) => DriveManifest::read(&dir.join(MANIFEST), id),
+            Place::Packed(pack, row) => Ok(pack.manifests[*row].clone()),
+        })
+    }
+}

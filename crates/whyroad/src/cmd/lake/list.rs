@@ -1,0 +1,71 @@
+//! `whyroad lake list`: the drives, from the catalogue; tables are not opened.
+
+use super::delete::moment;
+use crate::output::{Print, render_text};
+use crate::{Global, output};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use whyroad_lake::DriveEntry;
+use whyroad_model::Nanos;
+
+/// Arguments of `whyroad lake list`.
+#[derive(clap::Args)]
+pub(super) struct Args {
+    /// Lake
+    #[arg(long, value_name = "DIR")]
+    lake: PathBuf,
+    /// Only drives of this place
+    #[arg(long, value_name = "PLACE")]
+    place: Option<String>,
+    /// Only drives from logs of this format
+    #[arg(long, value_name = "FORMAT")]
+    source_format: Option<String>,
+    /// Only drives that end at or after this time (2026-01-01, or an age such as 180d)
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    since: Option<Nanos>,
+    /// Only drives that begin before this time
+    #[arg(long, value_name = "TIME", value_parser = moment)]
+    until: Option<Nanos>,
+    #[command(flatten)]
+    print: Print,
+}
+
+pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
+    let Some(lake) = super::opened(&args.lake, global) else { return Ok(output::FINDINGS) };
+    let (mut found, mut unreadable) = (Vec::new(), false);
+    for (_, entry) in lake.entries() {
+        match entry {
+            Ok(entry) if args.asks_for(&entry) => found.push(entry),
+            Ok(_) => {}
+            Err(e) => {
+                tell!("{}", render_text(&e.diagnostic(), global.lang));
+                unreadable = true;
+            }
+        }
+    }
+    args.print.put(&found, || found.iter().map(line).collect())?;
+    Ok(if unreadable { output::lost_input() } else { output::FINE })
+}
+
+impl Args {
+    fn asks_for(&self, entry: &DriveEntry) -> bool {
+        self.place.as_ref().is_none_or(|p| entry.place.as_ref() == Some(p))
+            && self.source_format.as_ref().is_none_or(|f| entry.format == *f)
+            && self.since.is_none_or(|t| entry.end >= t)
+            && self.until.is_none_or(|t| entry.start < t)
+    }
+}
+
+/// Id, start, seconds, rows of objects, place and pack, separated by tabs.
+fn line(e: &DriveEntry) -> String {
+    let seconds = e.end.seconds_since(e.start);
+    let (place, pack) = (e.place.as_deref().unwrap_or("-"), e.pack.as_deref().unwrap_or("-"));
+    let mut line = String::new();
+    let _ = writeln!(
+        line,
+        "{}\t{}\t{seconds:.1} s\t{}\t{}\t{place}\t{pack}",
+        e.drive_id, e.start, e.object_rows, e.format
+    );
+    line
+}
