@@ -118,6 +118,7 @@ impl App {
         })?;
         store.write(move |tx| veil::set_all(tx, framework))?;
         let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
+        let limits = Limits::of(&store);
         Ok(Self {
             store,
             framework,
@@ -128,7 +129,7 @@ impl App {
             reports: None,
             clock: Arc::new(wall_clock),
             lease_clock: LeaseClock::Store,
-            limits: Limits::default(),
+            limits,
             facts: FactsCache::default(),
             scenes: SceneCache::default(),
             csrf_key,

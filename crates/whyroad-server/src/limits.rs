@@ -1,7 +1,10 @@
-//! Failed sign-ins: after a few, each further one has to wait longer, by name and by address. And passwords are hashed
-//! one at a time: each takes a good part of a second of a core on purpose.
+//! Failed sign-ins: after a few, each further one has to wait longer, by name and by address. Services on one
+//! PostgreSQL count together, in the store, by hashes of name and address; a service on SQLite is alone and counts in
+//! memory. And passwords are hashed one at a time: each takes a good part of a second of a core on purpose.
 
 use crate::problem::{Answer, Problem};
+use crate::store::{Store, Tx};
+use crate::{secret, values};
 use serde_json::json;
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -12,7 +15,7 @@ const FREE_OF_NAME: u32 = 5;
 const FREE_OF_ADDRESS: u32 = 50;
 /// Longest wait, ms.
 const LONGEST: i64 = 300_000;
-/// Entries kept; beyond that those that wait no more are forgotten, then nobody new may fail.
+/// Entries kept; beyond that those that wait no more are forgotten.
 const KEPT: usize = 10_000;
 /// After this the count starts again, ms.
 const DAY: i64 = 24 * 3_600_000;
@@ -20,21 +23,46 @@ const DAY: i64 = 24 * 3_600_000;
 /// Failures so far.
 #[derive(Debug, Default)]
 pub struct Limits {
-    failures: Mutex<HashMap<String, Failures>>,
+    failures: Failures,
     hashing: Mutex<()>,
 }
 
+/// Where they are counted.
+#[derive(Debug)]
+enum Failures {
+    Memory(Mutex<HashMap<String, Failed>>),
+    Shared(Store),
+}
+
+impl Default for Failures {
+    fn default() -> Self {
+        Self::Memory(Mutex::default())
+    }
+}
+
+/// Failures of a name or an address.
 #[derive(Clone, Copy, Debug)]
-struct Failures {
+struct Failed {
     count: u32,
     last: i64,
+}
+
+impl Failed {
+    /// One more.
+    fn again(self, now: i64) -> Self {
+        let count = if self.last + DAY < now { 0 } else { self.count };
+        Self { count: count + 1, last: now }
+    }
 }
 
 fn wait_ms(count: u32, free: u32) -> i64 {
     if count < free { 0 } else { (1000_i64 << (count - free).min(20)).min(LONGEST) }
 }
 
-fn keys(name: &str, address: &str) -> [(String, u32); 2] {
+/// A name or an address, and how many failures of it are free.
+type Key = (String, u32);
+
+fn keys(name: &str, address: &str) -> [Key; 2] {
     // A name is kept short: nobody has one of a megabyte.
     let name: String = name.chars().take(64).collect();
     [(format!("name {name}"), FREE_OF_NAME), (format!("address {address}"), FREE_OF_ADDRESS)]
@@ -57,8 +85,8 @@ fn must_wait(wait: i64) -> Problem {
 }
 
 /// How long `key` has to wait, ms. A clock that was set back must not lock anybody out for longer than the wait itself.
-fn wait(failures: &HashMap<String, Failures>, key: &str, free: u32, now: i64) -> i64 {
-    failures.get(key).map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
+fn wait(failed: Option<Failed>, free: u32, now: i64) -> i64 {
+    failed.map_or(0, |f| (f.last + wait_ms(f.count, free) - now).clamp(0, wait_ms(f.count, free)))
 }
 
 /// A sign-in that is being tried. It counts as a failure from its beginning, so that many at once are counted like one
@@ -72,26 +100,42 @@ pub struct Attempt<'l> {
 impl Attempt<'_> {
     /// Takes it back: the fault was not the caller's.
     pub fn forgiven(self) {
-        let Ok(mut failures) = self.limits.failures.lock() else { return };
-        for key in &self.keys {
-            if let Some(f) = failures.get_mut(key) {
-                f.count = f.count.saturating_sub(1);
-            }
-        }
-        failures.retain(|_, f| f.count > 0);
+        self.take_back(false);
     }
 
     /// Forgets the failures of the name. Those of the address stay: one good password must not free the guessing of
     /// others.
     pub fn succeeded(self) {
-        if let (Ok(mut failures), Some(name)) = (self.limits.failures.lock(), self.keys.first()) {
-            failures.remove(name);
+        self.take_back(true);
+    }
+
+    fn take_back(self, forget_name: bool) {
+        let forgotten = self.keys.first().filter(|_| forget_name).cloned();
+        match &self.limits.failures {
+            Failures::Memory(failures) => {
+                let Ok(mut failures) = failures.lock() else { return };
+                for key in &self.keys {
+                    if let Some(f) = failures.get_mut(key) {
+                        f.count = f.count.saturating_sub(1);
+                    }
+                }
+                failures.retain(|key, f| f.count > 0 && forgotten.as_ref() != Some(key));
+            }
+            // A store that is away: the attempt stays counted, as if it had failed.
+            Failures::Shared(store) => {
+                drop(store.write(move |tx| shared::take_back(tx, &self.keys, forgotten.as_deref())))
+            }
         }
-        self.forgiven();
     }
 }
 
 impl Limits {
+    /// Counts in the store where other services may use it, too.
+    pub fn of(store: &Store) -> Self {
+        let failures = if store.is_shared { Failures::Shared(store.clone()) } else { Failures::default() };
+        Self { failures, hashing: Mutex::default() }
+    }
+
     /// Begins a sign-in, or says how long to wait.
     pub fn begin(&self, name: &str, address: &str, now: i64) -> Answer<Attempt<'_>> {
         self.count(&keys(name, address), now)
@@ -106,25 +150,38 @@ impl Limits {
     /// How long to wait before a sign-in where no name is known; counts nothing.
     pub fn admit_from(&self, address: &str, now: i64) -> Answer<()> {
         let [_, (key, free)] = keys("", address);
-        let Ok(failures) = self.failures.lock() else { return admitted(LONGEST) };
-        admitted(wait(&failures, &key, free, now))
+        let failed = match &self.failures {
+            Failures::Memory(failures) => {
+                let Ok(failures) = failures.lock() else { return admitted(LONGEST) };
+                failures.get(&key).copied()
+            }
+            Failures::Shared(store) => store.read(|tx| shared::failed(tx, &shared::hash(&key), ""))?,
+        };
+        admitted(wait(failed, free, now))
     }
 
     /// Looks and counts in one: two that come together see each other.
-    fn count(&self, keys: &[(String, u32)], now: i64) -> Answer<Attempt<'_>> {
-        let Ok(mut failures) = self.failures.lock() else { return Err(must_wait(LONGEST)) };
-        admitted(keys.iter().map(|(key, free)| wait(&failures, key, *free, now)).max().unwrap_or(0))?;
+    fn count(&self, keys: &[Key], now: i64) -> Answer<Attempt<'_>> {
+        let attempt = Attempt { limits: self, keys: keys.iter().map(|(key, _)| key.clone()).collect() };
+        let failures = match &self.failures {
+            Failures::Memory(failures) => failures,
+            Failures::Shared(store) => {
+                let keys = keys.to_vec();
+                store.write(move |tx| shared::count(tx, &keys, now))?;
+                return Ok(attempt);
+            }
+        };
+        let Ok(mut failures) = failures.lock() else { return Err(must_wait(LONGEST)) };
+        let longest = keys.iter().map(|(key, free)| wait(failures.get(key).copied(), *free, now)).max();
+        admitted(longest.unwrap_or(0))?;
         if failures.len() >= KEPT {
             failures.retain(|_, f| f.last + LONGEST > now);
         }
         for (key, _) in keys {
-            let entry = failures.entry(key.clone()).or_insert(Failures { count: 0, last: now });
-            if entry.last + DAY < now {
-                entry.count = 0;
-            }
-            *entry = Failures { count: entry.count + 1, last: now };
+            let failed = failures.get(key).copied().unwrap_or(Failed { count: 0, last: now });
+            failures.insert(key.clone(), failed.again(now));
         }
-        Ok(Attempt { limits: self, keys: keys.iter().map(|(key, _)| key.clone()).collect() })
+        Ok(attempt)
     }
 
     /// Runs what hashes a password while nobody else does.
@@ -134,9 +191,78 @@ impl Limits {
     }
 }
 
+/// The count in the store. What is stored for somebody who is not signed in is two hashes and two numbers, of a bounded
+/// number of names and addresses.
+mod shared {
+    use super::{Answer, Failed, KEPT, Key, LONGEST, Tx, admitted, secret, values, wait};
+
+    /// A name may be a password that was typed into the wrong field.
+    pub fn hash(key: &str) -> String {
+        secret::hash(key)
+    }
+
+    /// Failures of a key; `lock` as [`Tx::lock`] gives it, or nothing.
+    pub fn failed(tx: &mut dyn Tx, hash: &str, lock: &str) -> Answer<Option<Failed>> {
+        let sql = format!("SELECT failures, last FROM sign_in_failures WHERE who = $1{lock}");
+        let row = tx.row(&sql, values![hash])?;
+        row.map(|r| {
+            Ok(Failed { count: u32::try_from(r.int("failures")?).unwrap_or(0), last: r.int("last")? })
+        })
+        .transpose()
+    }
+
+    /// Always in the order of `keys`, name before address, so that two services never wait for each other.
+    pub fn count(tx: &mut dyn Tx, keys: &[Key], now: i64) -> Answer<()> {
+        let lock = tx.lock();
+        let mut longest = 0;
+        let mut counted = Vec::new();
+        for (key, free) in keys {
+            let who = hash(key);
+            let sql = "INSERT INTO sign_in_failures (who, failures, last) VALUES ($1, 0, $2) ON CONFLICT (who) DO NOTHING";
+            tx.run(sql, values![&who, now])?;
+            let before = failed(tx, &who, lock)?.unwrap_or(Failed { count: 0, last: now });
+            longest = longest.max(wait(Some(before), *free, now));
+            counted.push((who, before));
+        }
+        // A refusal undoes the rows above with the transaction.
+        admitted(longest)?;
+        for (who, before) in counted {
+            let after = before.again(now);
+            let sql = "UPDATE sign_in_failures SET failures = $1, last = $2 WHERE who = $3";
+            tx.run(sql, values![i64::from(after.count), after.last, &who])?;
+        }
+        let rows =
+            tx.row("SELECT count(*) AS n FROM sign_in_failures", &[])?.map_or(Ok(0), |r| r.int("n"))?;
+        if usize::try_from(rows).is_ok_and(|n| n > KEPT) {
+            tx.run("DELETE FROM sign_in_failures WHERE last <= $1", values![now - LONGEST])?;
+        }
+        Ok(())
+    }
+
+    pub fn take_back(tx: &mut dyn Tx, keys: &[String], forgotten: Option<&str>) -> Answer<()> {
+        for key in keys {
+            let who = hash(key);
+            if forgotten == Some(key) {
+                tx.run("DELETE FROM sign_in_failures WHERE who = $1", values![&who])?;
+                continue;
+            }
+            tx.run("UPDATE sign_in_failures SET failures = failures - 1 WHERE who = $1", values![&who])?;
+            tx.run("DELETE FROM sign_in_failures WHERE who = $1 AND failures <= 0", values![&who])?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::store::StoreLocation;
+
+    /// Counting in memory, and in a store as services on PostgreSQL do.
+    fn both(dir: &tempfile::TempDir) -> [Limits; 2] {
+        let store = Store::open(&StoreLocation::File(dir.path().join("store"))).unwrap();
+        [Limits::default(), Limits { failures: Failures::Shared(store), hashing: Mutex::default() }]
+    }
 
     /// Fails to sign in, or says how long to wait, s.
     fn fail(limits: &Limits, name: &str, now: i64) -> i64 {
@@ -151,37 +277,43 @@ mod tests {
 
     #[test]
     fn five_are_free_then_the_wait_doubles() {
-        let limits = Limits::default();
-        for _ in 0..5 {
-            assert_eq!(fail(&limits, "ann", 0), 0);
+        let dir = tempfile::tempdir().unwrap();
+        for limits in both(&dir) {
+            for _ in 0..5 {
+                assert_eq!(fail(&limits, "ann", 0), 0);
+            }
+            assert_eq!(fail(&limits, "ann", 0), 1);
+            assert_eq!(fail(&limits, "bob", 0), 0);
+            assert_eq!(fail(&limits, "ann", 1000), 0, "the wait is over");
+            assert_eq!(fail(&limits, "ann", 1000), 2);
+            assert_eq!(fail(&limits, "ann", -1_000_000), 2, "the clock was set back");
+            limits.begin("ann", "a", 3000).unwrap().succeeded();
+            assert_eq!(fail(&limits, "ann", 3000), 0);
         }
-        assert_eq!(fail(&limits, "ann", 0), 1);
-        assert_eq!(fail(&limits, "bob", 0), 0);
-        assert_eq!(fail(&limits, "ann", 1000), 0, "the wait is over");
-        assert_eq!(fail(&limits, "ann", 1000), 2);
-        assert_eq!(fail(&limits, "ann", -1_000_000), 2, "the clock was set back");
-        limits.begin("ann", "a", 3000).unwrap().succeeded();
-        assert_eq!(fail(&limits, "ann", 3000), 0);
     }
 
     #[test]
     fn what_is_being_tried_counts_already() {
-        let limits = Limits::default();
-        let open: Vec<_> = (0..400).filter_map(|_| limits.begin("ann", "a", 0).ok()).collect();
-        assert_eq!(open.len(), 5);
-        // The fault of a provider is nobody's failure.
-        open.into_iter().for_each(Attempt::forgiven);
-        assert_eq!(fail(&limits, "ann", 0), 0);
+        let dir = tempfile::tempdir().unwrap();
+        for limits in both(&dir) {
+            let open: Vec<_> = (0..400).filter_map(|_| limits.begin("ann", "a", 0).ok()).collect();
+            assert_eq!(open.len(), 5);
+            // The fault of a provider is nobody's failure.
+            open.into_iter().for_each(Attempt::forgiven);
+            assert_eq!(fail(&limits, "ann", 0), 0);
+        }
     }
 
     #[test]
     fn an_address_that_tries_many_names_waits_too() {
-        let limits = Limits::default();
-        for i in 0..50 {
-            assert_eq!(fail(&limits, &format!("user{i}"), 0), 0);
+        let dir = tempfile::tempdir().unwrap();
+        for limits in both(&dir) {
+            for i in 0..50 {
+                assert_eq!(fail(&limits, &format!("user{i}"), 0), 0);
+            }
+            assert!(fail(&limits, "fresh", 0) > 0);
+            assert!(limits.begin("fresh", "b", 0).is_ok());
+            assert_eq!(limits.admit_from("a", 0).unwrap_err().code, "session.wait");
         }
-        assert!(fail(&limits, "fresh", 0) > 0);
-        assert!(limits.begin("fresh", "b", 0).is_ok());
-        assert_eq!(limits.admit_from("a", 0).unwrap_err().code, "session.wait");
     }
 }

@@ -54,14 +54,23 @@ pub fn take(tx: &mut dyn Tx, t: &mut TaskRow, actor: &Actor, settings: &Settings
     tasks::update(tx, t)
 }
 
+/// How much later than `now` a live lease may have been given, ms: of two who take a task at the same moment, one waits
+/// for the other's transaction, and has read the clock before.
+const LONGEST_WAIT_MS: i64 = 60_000;
+
 /// True while a lease lasts. One that would last longer than any lease was given by a clock that has since been set
 /// back: a jump must not lengthen it.
 fn is_live(t: &TaskRow, settings: &Settings, now: i64) -> bool {
-    t.lease_until.is_some_and(|until| until > now && until - now <= lease_ms(settings))
+    t.lease_until.is_some_and(|until| until > now && until - now <= longest_ms(settings))
+}
+
+/// What is left of a live lease at most, ms.
+pub(super) fn longest_ms(settings: &Settings) -> i64 {
+    lease_ms(settings) + LONGEST_WAIT_MS
 }
 
 /// Length of a lease, ms.
-pub(super) fn lease_ms(settings: &Settings) -> i64 {
+fn lease_ms(settings: &Settings) -> i64 {
     i64::from(settings.lease_s) * 1000
 }
 

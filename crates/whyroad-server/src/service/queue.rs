@@ -62,7 +62,7 @@ pub fn next(
 ) -> Answer<Option<TaskRow>> {
     let worker = Worker::of(tx, project, user, roles)?;
     // One that would last longer than any lease is from before a clock was set back.
-    let lease = leases::lease_ms(&project.settings);
+    let lease = leases::longest_ms(&project.settings);
     let expired = format!("(lease_until < $3 OR lease_until - $3 > {lease})");
     for condition in queue(kind) {
         let condition = condition.replace("EXPIRED", &expired).replace("FOR_ME", FOR_ME);

@@ -19,6 +19,7 @@ pub(crate) const TABLES: &[&str] = &[
     "identities",
     "oidc_used",
     "sessions",
+    "sign_in_failures",
     "api_tokens",
     "projects",
     "members",

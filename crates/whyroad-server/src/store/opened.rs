@@ -43,6 +43,8 @@ pub struct Store {
     pub vault: Arc<Vault>,
     /// What was kept of the store before its tables were brought forward, where they were: a file to go back to.
     pub kept: Option<PathBuf>,
+    /// Whether other services may use it at the same time: a database server's.
+    pub is_shared: bool,
 }
 
 impl std::fmt::Debug for Store {
@@ -68,7 +70,7 @@ impl Store {
     pub fn open_with_key(place: &StoreLocation, aside: &Path, key: &Path) -> Answer<Self> {
         let opened = |(backend, kept): (Arc<dyn Backend>, Option<PathBuf>)| -> Answer<Store> {
             let vault = Arc::new(Vault::open(key)?);
-            Ok(Store { backend, vault, kept })
+            Ok(Store { backend, vault, kept, is_shared: matches!(place, StoreLocation::Server(_)) })
         };
         let store = match place {
             StoreLocation::File(path) => {

@@ -25,6 +25,7 @@ mod imports;
 mod ingest;
 mod ingest_again;
 mod inspect;
+mod instances;
 mod labels;
 mod lake_delete;
 mod media;

@@ -84,12 +84,22 @@ impl Client {
         (self.at, self.connection) = (at, None);
     }
 
-    fn enter(&mut self, path: &str, body: &Value) {
+    /// Tries to sign in; the answer.
+    pub fn try_to_sign_in(&mut self, name: &str, password: &str) -> Answer {
+        self.try_to_enter("/session", &serde_json::json!({"name": name, "password": password}))
+    }
+
+    /// The same for any path that begins a session.
+    pub fn try_to_enter(&mut self, path: &str, body: &Value) -> Answer {
         let before = self.get("/session");
         self.take_session(&before);
         let answer = self.send("POST", path, Some(body)).unwrap();
         self.take_session(&answer);
-        answer.good();
+        answer
+    }
+
+    fn enter(&mut self, path: &str, body: &Value) {
+        self.try_to_enter(path, body).good();
     }
 
     fn take_session(&mut self, answer: &Answer) {
