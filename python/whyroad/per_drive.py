@@ -17,6 +17,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from os import PathLike
 from typing import IO, Any, Protocol
 
@@ -29,6 +30,12 @@ FAILURE = "whyroad_failure"
 ROWS = "whyroad_rows"
 #: Columns of the report: one row per drive.
 REPORT = ["drive_id", STATUS, ROWS, FAILURE]
+
+
+@lru_cache(maxsize=2)
+def _opened(path: str) -> whyroad.Lake:
+    """The lake, opened once per process: a catalogue of many drives is read once, and again when it is replaced."""
+    return whyroad.open_lake(path)
 
 
 class Work(Protocol):
@@ -49,7 +56,7 @@ class Signals:
     names: tuple[str, ...]
 
     def run(self, drives: list[str]) -> whyroad.Table:
-        return whyroad.open_lake(self.lake).signals(self.names, drives=drives)
+        return _opened(self.lake).signals(self.names, drives=drives)
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,7 @@ class Mine:
     scenario: str | None = None
 
     def run(self, drives: list[str]) -> whyroad.Table:
-        lake = whyroad.open_lake(self.lake)
+        lake = _opened(self.lake)
         return lake.mine(self.rule, target=self.target, scenario=self.scenario, drives=drives, jobs=1)
 
 
