@@ -3,12 +3,13 @@
 //! it.
 
 use crate::assemble::finish::finish;
+use crate::maps::MapBeside;
 use crate::options::{OptionSpec, Options};
 use crate::report::SourceReport;
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
-use whyroad_model::{Drive, DriveId};
+use whyroad_model::{Diagnostic, Drive, DriveId};
 
 /// What is fixed about a format.
 #[derive(Clone, Copy, Debug)]
@@ -126,6 +127,9 @@ impl Source {
 pub struct DriveSink<'a> {
     holds: &'a dyn Fn(&DriveId, &str) -> bool,
     each: &'a mut dyn FnMut(Option<Drive>, SourceReport),
+    map: Option<&'a MapBeside>,
+    /// To be reported with the first drive.
+    news: Vec<Diagnostic>,
 }
 
 impl<'a> DriveSink<'a> {
@@ -134,17 +138,30 @@ impl<'a> DriveSink<'a> {
         holds: &'a dyn Fn(&DriveId, &str) -> bool,
         each: &'a mut dyn FnMut(Option<Drive>, SourceReport),
     ) -> Self {
-        Self { holds, each }
+        Self { holds, each, map: None, news: Vec::new() }
+    }
+
+    /// The same sink, which gives every drive the map that the options name.
+    pub fn with_map(mut self, options: &'a Options) -> Self {
+        (self.map, self.news) = options.map.get(options);
+        self
     }
 
     /// True when the lake has this drive: it need not be made, [`DriveSink::put`] takes its report alone, with the id.
     pub fn holds(&self, id: &DriveId, content_hash: &str) -> bool {
-        (self.holds)(id, content_hash)
+        match self.map {
+            Some(map) => (self.holds)(id, &map.with(content_hash)),
+            None => (self.holds)(id, content_hash),
+        }
     }
 
     /// Finishes a drive (what is common to all formats) and hands it over, or a report that says why there is none.
     pub fn put(&mut self, (mut drive, mut report): (Option<Drive>, SourceReport)) {
+        report.diagnostics.append(&mut self.news);
         if let Some(drive) = &mut drive {
+            if let Some(map) = self.map {
+                map.attach(drive, &mut report);
+            }
             report.diagnostics.extend(finish(drive));
         }
         (self.each)(drive, report);

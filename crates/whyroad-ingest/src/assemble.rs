@@ -2,6 +2,7 @@
 
 pub mod angles;
 pub(crate) mod checks;
+pub(crate) mod datum;
 pub(crate) mod feature_map;
 pub(crate) mod finish;
 pub(crate) mod frames;
@@ -11,5 +12,6 @@ pub(crate) mod junctions;
 pub(crate) mod lane_lights;
 pub(crate) mod layers;
 pub(crate) mod plausibility;
+pub(crate) mod projection;
 pub(crate) mod resample;
 pub(crate) mod se3;

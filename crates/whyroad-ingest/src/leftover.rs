@@ -21,6 +21,7 @@ const LFS_MAX_BYTES: u64 = 1024;
 const MEDIA: &[&str] = &["jpg", "jpeg", "png", "webp", "bmp", "mp4", "mkv", "avi", "mov", "hevc", "h264"];
 const TEXTS: &[&str] =
     &["md", "txt", "rst", "pdf", "html", "log", "yaml", "yml", "toml", "py", "sh", "ipynb"];
+const MAPS: &[&str] = &["xodr", "osm"];
 const ARCHIVES: &[&str] = &["zip", "tar", "tgz", "7z", "rar"];
 
 /// True for the text that Git LFS leaves in place of a file whose content was not downloaded.
@@ -122,6 +123,8 @@ fn by_extension(file: &Path) -> SkipReason {
         )
     } else if is(ARCHIVES) {
         Bilingual::new("压缩包：请先解压", "an archive: unpack it first")
+    } else if is(MAPS) {
+        Bilingual::new("地图：用 `--map FILE` 给出", "a map: give it to the drives with `--map FILE`")
     } else if extension == "bag" {
         Bilingual::new("ROS 1 bag：请转换为 MCAP", "a ROS 1 bag: convert it to MCAP")
     } else if is(TEXTS) || extension.is_empty() || is_licence(file) {

@@ -1,12 +1,13 @@
 //! Recorded drives into scene tables: `formats/` has one adapter per format, `encodings/` reads file formats,
-//! `assemble/` is what adapters share. Reads files; knows nothing of signals, rules or labels. A log's format ends
-//! here: what leaves this crate is a [`whyroad_model::Drive`].
+//! `assemble/` is what adapters share, `maps/` reads map files beside any log. Reads files; knows nothing of signals,
+//! rules or labels. A log's format ends here: what leaves this crate is a [`whyroad_model::Drive`].
 
 mod adapter;
 mod assemble;
 mod encodings;
 pub mod formats;
 mod leftover;
+mod maps;
 mod options;
 mod origin;
 pub mod report;
@@ -16,8 +17,10 @@ mod source;
 
 pub use adapter::{Adapter, AdapterRef, DriveSink, FormatAbout, Located, SkipReason, Source};
 pub use assemble::angles;
+pub use assemble::datum::Datum;
 pub use encodings::can;
 pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, pai, scenarionet, sumo, table, waymo};
+pub use maps::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS as MAP_OPTIONS};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};
 pub use run::{batches, find_sources, ingest, ingest_each, read};
@@ -30,6 +33,7 @@ pub fn codes() -> Vec<&'static str> {
         .chain(leftover::CODES)
         .chain(origin::CODES)
         .chain(source::CODES)
+        .chain(maps::CODES)
         .chain(assemble::checks::CODES)
         .copied()
         .chain(of_adapters)

@@ -1,6 +1,7 @@
 //! Options of an ingest: those that every format understands, and those that an adapter declares. The command line
 //! builds its arguments from the declarations, so an option exists once, beside the code that reads it.
 
+use crate::maps::MapCache;
 use std::path::{Path, PathBuf};
 use whyroad_model::{DriveId, Nanos};
 
@@ -176,6 +177,8 @@ pub struct Options {
     pub drive_id: Option<DriveId>,
     /// Values of declared options, in the order in which they were given.
     values: Vec<(&'static str, OptionValue)>,
+    /// The map that they name, once it has been read.
+    pub(crate) map: MapCache,
 }
 
 impl Options {
@@ -193,6 +196,7 @@ impl Options {
 
     /// Adds a value of an adapter's option; replaces the last one unless the option is repeatable.
     pub fn set(&mut self, option: &OptionSpec, value: OptionValue) {
+        self.map = MapCache::default();
         if !option.repeatable {
             self.values.retain(|(name, _)| *name != option.name);
         }

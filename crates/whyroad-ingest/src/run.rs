@@ -57,7 +57,8 @@ pub fn read(source: &Source, options: &Options) -> (Option<Drive>, SourceReport)
     let mut each = |drive, report| {
         first.get_or_insert((drive, report));
     };
-    source.adapter.0.read(source, options, &mut DriveSink::new(&|_, _| false, &mut each));
+    let mut sink = DriveSink::new(&|_, _| false, &mut each).with_map(options);
+    source.adapter.0.read(source, options, &mut sink);
     first.unwrap_or_else(|| (None, SourceReport::new(source.path.display().to_string())))
 }
 
@@ -93,7 +94,8 @@ pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut 
     let holds = |id: &DriveId, hash: &str| lake.read_drive(id).is_ok_and(|d| d.meta.content_hash == hash);
     for alike in batches(batch) {
         current.set(alike[0].path.as_path());
-        alike[0].adapter.0.read_batch(alike, options, &mut DriveSink::new(&holds, &mut keep));
+        let mut sink = DriveSink::new(&holds, &mut keep).with_map(options);
+        alike[0].adapter.0.read_batch(alike, options, &mut sink);
     }
 }
 

@@ -6,7 +6,7 @@ use super::{file, unchanged, work_folder};
 use crate::harness::Target;
 use std::fs;
 use std::path::Path;
-use whyroad_ingest::{AdapterRef, Options, batches, comma2k19, find_sources, formats, mcap};
+use whyroad_ingest::{AdapterRef, MAP, MAP_ORIGIN, Options, batches, comma2k19, find_sources, formats, mcap};
 
 /// Name and content of a file.
 type Files = Vec<(String, Vec<u8>)>;
@@ -40,11 +40,12 @@ impl Log {
         }
         let own = self.files.iter().find(|(n, _)| n == name).map(|(_, content)| content.clone());
         let path = folder.path().join(name);
-        let options = (self.options)(folder.path());
+        let options = self.options;
         let format = formats::by_name(self.format).unwrap_or(formats::ALL[0]);
         let run = move |bytes: &[u8]| {
             let _ = fs::write(&path, bytes);
-            read_log(format, folder.path(), &options);
+            // Made again for each run: a map that was read is kept with its options.
+            read_log(format, folder.path(), &options(folder.path()));
         };
         Target {
             name: target.to_owned(),
@@ -68,6 +69,7 @@ pub(super) fn targets() -> Vec<Target> {
     out.extend(av2());
     out.extend(comma());
     out.extend(tables());
+    out.extend(maps());
     out.extend(others());
     out
 }
@@ -170,6 +172,30 @@ fn tables() -> Vec<Target> {
     };
     out.push(parquet.changing("table-parquet", "ego.parquet", vec![]));
     out
+}
+
+/// Maps beside a log on the same ground.
+fn maps() -> Vec<Target> {
+    let log = |name: &'static str, from: &'static str, options: fn(&Path) -> Options| {
+        let list = [("fcd.xml.gz", "maps/town.fcd.xml.gz"), (name, from)];
+        Log { format: "sumo", files: files(&list), options }
+    };
+    vec![
+        log("map.xodr", "maps/town.xodr", |f| Options::default().with(&MAP, f.join("map.xodr"))).changing(
+            "map-opendrive",
+            "map.xodr",
+            vec![],
+        ),
+        log("map.osm", "maps/street.osm", |f| Options::default().with(&MAP, f.join("map.osm"))).changing(
+            "map-lanelet2",
+            "map.osm",
+            vec![],
+        ),
+        log("degrees.osm", "maps/street.osm", |f| {
+            Options::default().with(&MAP, f.join("degrees.osm")).with(&MAP_ORIGIN, "49,8")
+        })
+        .changing("map-lanelet2-degrees", "degrees.osm", vec![]),
+    ]
 }
 
 fn others() -> Vec<Target> {

@@ -36,6 +36,8 @@ const FAR_M: f64 = 1e6;
 const ON_MAP_SHARE: f64 = 0.5;
 const ON_MAP_M: f64 = 15.0;
 const FIRST_FRAMES: usize = 100;
+/// An ego this far outside of its map's extent is in another frame or another place, m.
+const ANOTHER_FRAME_M: f64 = 1000.0;
 /// A lane's heights are headings when they agree with them within this, rad, at this share of its points.
 const SAME_RAD: f64 = 0.02;
 const SAME_SHARE: f64 = 0.9;
@@ -259,6 +261,7 @@ fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
     if on as f64 >= ON_MAP_SHARE * probes.len() as f64 {
         return None;
     }
+    let apart = apart(map, *probes[0]);
     (drive.map, drive.lights, drive.meta.map_ref) = (None, None, None);
     for need in [Need::Map, Need::TrafficLights] {
         if !drive.meta.missing.contains(&need) {
@@ -269,18 +272,45 @@ fn off_the_map(drive: &mut Drive) -> Option<Diagnostic> {
         Diagnostic::error(
             "ingest.map.off",
             Bilingual::new(
-                format!("自车不在该地图上：前 10 s 中 {} 个位置只有 {on} 个在车道 15 m 以内；不使用此地图", probes.len()),
+                format!(
+                    "自车不在该地图上：前 10 s 中 {} 个位置只有 {on} 个在车道 15 m 以内；不使用此地图{}",
+                    probes.len(),
+                    apart.zh
+                ),
                 format!(
                     "the ego is not on this map: of {} positions in its first 10 s, {on} lie within 15 m of a lane; the map \
-                     is not used",
-                    probes.len()
+                     is not used{}",
+                    probes.len(),
+                    apart.en
                 ),
             ),
         )
         .with_hint(Bilingual::new(
-            "请给出该行程自己的地图（SUMO：--net）",
-            "give the map of this drive (SUMO: --net)",
+            "请给出该行程自己的地图（SUMO：--net；其他：--map），坐标系须与位姿一致",
+            "give the map of this drive (SUMO: --net, others: --map) in the frame of its poses",
         )),
+    )
+}
+
+/// Where map and ego are, when the ego is so far outside that both cannot be of one frame.
+fn apart(map: &RoadMap, ego: (f64, f64)) -> Bilingual {
+    let points = map.lanes.iter().flat_map(|l| &l.centre);
+    let [x0, y0, x1, y1] = points.fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |m, p| {
+        [m[0].min(p.x), m[1].min(p.y), m[2].max(p.x), m[3].max(p.y)]
+    });
+    let outside = |v: f64, low: f64, high: f64| (low - v).max(v - high).max(0.0);
+    if outside(ego.0, x0, x1).hypot(outside(ego.1, y0, y1)) < ANOTHER_FRAME_M {
+        return Bilingual::new("", "");
+    }
+    let (x, y) = ego;
+    Bilingual::new(
+        format!(
+            "：地图位于 x {x0:.0} 至 {x1:.0} m、y {y0:.0} 至 {y1:.0} m，自车位于 ({x:.0}, {y:.0})，二者坐标系或地点不同"
+        ),
+        format!(
+            ": it spans x {x0:.0} to {x1:.0} m and y {y0:.0} to {y1:.0} m, the ego is at ({x:.0}, {y:.0}): another frame or \
+             another place"
+        ),
     )
 }
 

@@ -5,6 +5,7 @@ mod av2_motion;
 mod av2_real;
 mod comma2k19;
 mod finding;
+mod maps;
 mod mcap;
 mod nuscenes;
 mod pai;

@@ -115,4 +115,24 @@ fn facts_about_drives_are_read_from_csv() {
     assert_eq!((&meta["meta"]["session"], &meta["meta"]["licence"]), (&"s1".into(), &"MIT".into()));
     assert_eq!(meta["meta"]["position"]["longitude_deg"], 116.3);
     good(at, "inspect --lake lake");
+
+    // The published GCJ-02 pair of Beijing (eviltransform); declared it is converted, any other datum leaves it alone.
+    let position = |datum: &str| {
+        let line =
+            format!("drive_id,latitude,longitude,datum\n{id},39.91334545536069,116.38404722455657,{datum}\n");
+        std::fs::write(at.join("meta.csv"), line).unwrap();
+        let stated = run(at, &format!("ingest sumo {drives} --lake lake --meta meta.csv"));
+        let manifest = std::fs::read_to_string(at.join("lake/drives").join(&id).join("drive.json")).unwrap();
+        let meta: Value = serde_json::from_str(&manifest).unwrap();
+        let degrees = |key: &str| meta["meta"]["position"][key].as_f64().unwrap();
+        (degrees("latitude_deg"), degrees("longitude_deg"), stated.err)
+    };
+    // 1e-6 deg is 0.1 m.
+    let (lat, lon, _) = position("GCJ-02");
+    assert!((lat - 39.911954).abs() < 1e-6 && (lon - 116.377817).abs() < 1e-6, "{lat} {lon}");
+    for (datum, reported) in [("", false), ("wgs84", false), ("bd09", true)] {
+        let (lat, lon, err) = position(datum);
+        assert_eq!((lat, lon), (39.91334545536069, 116.38404722455657), "{datum}");
+        assert_eq!(err.contains("ingest.meta.datum"), reported, "{datum}: {err}");
+    }
 }

@@ -6,7 +6,9 @@ use clap::builder::ValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use std::path::{Path, PathBuf};
-use whyroad_ingest::{AdapterRef, LICENCE, OptionSpec, OptionType, OptionValue, Options, START, formats};
+use whyroad_ingest::{
+    AdapterRef, LICENCE, MAP_OPTIONS, OptionSpec, OptionType, OptionValue, Options, START, formats,
+};
 use whyroad_model::DriveId;
 
 /// What the user asked for.
@@ -25,7 +27,7 @@ const SHARED: &[OptionSpec] = &[START, LICENCE];
 impl clap::Args for Args {
     fn augment_args(command: Command) -> Command {
         let command = with_common(command)
-            .args(SHARED.iter().map(argument))
+            .args(SHARED.iter().chain(MAP_OPTIONS).map(argument))
             .arg(paths().required(true))
             .args_conflicts_with_subcommands(false)
             .subcommand_negates_reqs(true)
@@ -39,7 +41,7 @@ impl clap::Args for Args {
                 .about(adapter.summary)
                 .override_usage(format!("whyroad ingest {} [OPTIONS] --lake <DIR> <PATH>...", adapter.name))
                 .arg(paths().required(true))
-                .args(adapter.options.iter().map(argument))
+                .args(adapter.options.iter().chain(MAP_OPTIONS).map(argument))
                 .after_help(format!("Example:\n  whyroad ingest {}", adapter.example))
         }))
     }
@@ -73,7 +75,7 @@ fn with_common(command: Command) -> Command {
                 .value_name("CSV")
                 .value_parser(value_parser!(PathBuf))
                 .global(true)
-                .help("Facts about drives of the lake: drive_id, and any of session, vehicle, latitude, longitude, place, licence"),
+                .help("Facts about drives of the lake: drive_id, and any of session, vehicle, latitude, longitude, datum, place, licence"),
         )
         .arg(
             Arg::new("print")
@@ -131,7 +133,7 @@ impl clap::FromArgMatches for Args {
         }
         let mut options = Options::default();
         options.drive_id = used.get_one::<String>("drive-id").map(|id| DriveId::from(id.as_str()));
-        for option in format.map_or(SHARED, |f| f.0.about().options) {
+        for option in format.map_or(SHARED, |f| f.0.about().options).iter().chain(MAP_OPTIONS) {
             if option.value == OptionType::Flag {
                 if used.get_flag(option.name) {
                     options.set(option, OptionValue::Flag);

@@ -3,11 +3,13 @@
 use crate::output::reason::{cannot_read, stop};
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
+use whyroad_ingest::Datum;
 use whyroad_lake::{DriveFacts, Lake};
 use whyroad_model::scene::GeoPosition;
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
-const COLUMNS: [&str; 7] = ["drive_id", "session", "vehicle", "latitude", "longitude", "place", "licence"];
+const COLUMNS: [&str; 8] =
+    ["drive_id", "session", "vehicle", "latitude", "longitude", "datum", "place", "licence"];
 
 /// Facts by drive, and what is wrong with the file.
 pub(super) struct Facts {
@@ -60,6 +62,14 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
                 continue;
             }
         };
+        let datum = cell("datum");
+        let known = datum.as_deref().map_or(Some(Datum::Wgs84), Datum::parse);
+        if known.is_none() {
+            let place = format!("{}:{}", file.display(), i + 2);
+            out.found.push(datum_unknown(datum.as_deref().unwrap_or_default()).in_file(place));
+        }
+        // A datum that is not known is not guessed: the position stays as it is given.
+        let position = position.map(|p| known.map_or(p, |datum| in_wgs84(p, datum)));
         let facts = DriveFacts {
             session: cell("session"),
             vehicle: cell("vehicle"),
@@ -70,6 +80,20 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Facts> {
         out.drives.push((DriveId(id), facts));
     }
     Ok(out)
+}
+
+fn in_wgs84(p: GeoPosition, datum: Datum) -> GeoPosition {
+    let (latitude_deg, longitude_deg) = datum.to_wgs84(p.latitude_deg, p.longitude_deg);
+    GeoPosition { latitude_deg, longitude_deg }
+}
+
+fn datum_unknown(name: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("未知的基准 '{name}'；位置按原值保留"),
+        format!("the datum '{name}' is not known; the position stays as it is given"),
+    );
+    Diagnostic::warning("ingest.meta.datum", message)
+        .with_hint(Bilingual::new("可用 wgs84 与 gcj02", "the known ones are wgs84 and gcj02"))
 }
 
 fn position(latitude: Option<String>, longitude: Option<String>) -> Result<Option<GeoPosition>, String> {

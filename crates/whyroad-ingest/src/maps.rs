@@ -1,0 +1,137 @@
+//! Map files beside any log: OpenDRIVE and Lanelet2, given with `--map FILE`. The map takes the place of the log's own;
+//! it has to lie in the frame of the log's poses, which is checked and never guessed.
+
+mod beside;
+mod findings;
+mod lanelet2;
+mod opendrive;
+mod options;
+mod signs;
+
+pub(crate) use beside::MapBeside;
+pub(crate) use findings::CODES;
+pub use options::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
+
+use crate::encodings::compressed;
+use crate::options::Options;
+use crate::report::RowCount;
+use crate::source::{ContentHash, file_label};
+use options::Placement;
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use whyroad_model::{Diagnostic, RoadMap};
+
+/// Raised when a reader makes something else of the same file, so that drives in a lake are replaced.
+const REVISION: u32 = 1;
+/// Bytes in which a file says what it is.
+const HEAD: u64 = 1 << 16;
+/// Larger files are not maps of one region.
+const MAX_FILE_BYTES: u64 = 4 << 30;
+
+/// What a reader made of a file.
+#[derive(Debug, Default)]
+struct MapReading {
+    map: RoadMap,
+    /// Name in the file.
+    name: Option<String>,
+    count: RowCount,
+    /// Objects, signals and the like.
+    features: Option<RowCount>,
+    /// Why reading stopped before the end.
+    broken: Option<String>,
+    /// What could not be used, in words.
+    invalid: Vec<String>,
+    /// Links to what the file does not have.
+    dangling: Vec<String>,
+}
+
+/// Why there is no map.
+#[derive(Debug)]
+enum MapFault {
+    Unreadable(String),
+    /// It is not known where it lies.
+    Unplaced(String),
+}
+
+/// The map of [`MAP`], read once for all drives that get it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MapCache(Arc<OnceLock<Loaded>>);
+
+#[derive(Debug, Default)]
+struct Loaded {
+    map: Option<MapBeside>,
+    diagnostics: Vec<Diagnostic>,
+    reported: AtomicBool,
+}
+
+impl MapCache {
+    /// The map of these options, if they name one, and what is to be reported, the first time only.
+    pub fn get(&self, options: &Options) -> (Option<&MapBeside>, Vec<Diagnostic>) {
+        let loaded =
+            self.0.get_or_init(|| options.file(&MAP).map(|file| load(file, options)).unwrap_or_default());
+        let news = !loaded.reported.swap(true, Ordering::Relaxed);
+        (loaded.map.as_ref(), if news { loaded.diagnostics.clone() } else { Vec::new() })
+    }
+}
+
+/// What a file is, by its first element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MapFormat {
+    OpenDrive,
+    Lanelet2,
+}
+
+fn format_of(path: &Path) -> Result<MapFormat, String> {
+    let size = fs::metadata(path).map_err(|e| e.to_string())?.len();
+    if size > MAX_FILE_BYTES {
+        return Err(format!("it has {size} bytes"));
+    }
+    let mut head = Vec::new();
+    let mut file = compressed::open(path).map_err(|e| e.to_string())?.take(HEAD);
+    file.read_to_end(&mut head).map_err(|e| e.to_string())?;
+    let text = String::from_utf8_lossy(&head);
+    let at = |tag: &str| text.find(tag).unwrap_or(usize::MAX);
+    match (at("<OpenDRIVE"), at("<osm")) {
+        (usize::MAX, usize::MAX) => Err("it is neither OpenDRIVE nor Lanelet2 (OSM XML)".to_owned()),
+        (a, b) if a < b => Ok(MapFormat::OpenDrive),
+        _ => Ok(MapFormat::Lanelet2),
+    }
+}
+
+fn load(file: &Path, options: &Options) -> Loaded {
+    let label = file.display().to_string();
+    let mut out = Loaded::default();
+    let placement = match Placement::of(options) {
+        Ok(placement) => placement,
+        Err(problem) => {
+            out.diagnostics.push(findings::placement(&label, &problem));
+            return out;
+        }
+    };
+    let read = format_of(file).map_err(MapFault::Unreadable).and_then(|format| match format {
+        MapFormat::OpenDrive => opendrive::read(file).map_err(MapFault::Unreadable),
+        MapFormat::Lanelet2 => lanelet2::read(file, &placement),
+    });
+    let reading = match read {
+        Ok(reading) => reading,
+        Err(fault) => {
+            out.diagnostics.push(match fault {
+                MapFault::Unreadable(reason) => findings::unreadable(&label, &reason),
+                MapFault::Unplaced(reason) => findings::placement(&label, &reason),
+            });
+            return out;
+        }
+    };
+    out.diagnostics.extend(findings::of_map(&label, &reading));
+    let mut hash = ContentHash::new("map", REVISION);
+    placement.add_to(&mut hash);
+    hash.add("map", &fs::read(file).unwrap_or_default());
+    let stem = file_label(file);
+    let name = reading.name.unwrap_or_else(|| stem.split('.').next().unwrap_or(&stem).to_owned());
+    let tables = std::iter::once(reading.count).chain(reading.features).collect();
+    out.map = Some(MapBeside { map: reading.map, name, label, hash: hash.finish(), tables });
+    out
+}

@@ -1,0 +1,170 @@
+//! Lanelet2 maps (OSM XML, `.osm`): lanelets with their bounds, regulatory elements, crosswalks, areas.
+//!
+//! Coordinates are the nodes' `local_x`, `local_y` (Autoware), or degrees with the origin that the user states. Not
+//! read: traffic rules that follow from a place (default limits), times and conditions of restrictions, tracks of
+//! rails.
+
+mod document;
+mod lanelets;
+mod regulatory;
+
+use super::options::Placement;
+use super::{MapFault, MapReading};
+use crate::assemble::{junctions, layers};
+use crate::report::RowCount;
+use document::{Document, MemberKind, Node, Relation};
+use lanelets::Lanelets;
+use std::collections::HashMap;
+use std::path::Path;
+use whyroad_model::RoadMap;
+use whyroad_model::road_map::{Area, Facility, Lane, LaneKind, LayerState, MapLayer, Point3};
+
+/// Most points that the features of a file may have.
+const MAX_POINTS: usize = 8_000_000;
+
+/// Reads a map as far as it can be read.
+pub(super) fn read(path: &Path, placement: &Placement) -> Result<MapReading, MapFault> {
+    let document = document::read(path).map_err(MapFault::Unreadable)?;
+    let mut ground = Ground::of(&document, placement)?;
+    let mut out = MapReading { count: RowCount::new("map"), ..MapReading::default() };
+    out.broken.clone_from(&document.broken);
+    let lanelets = Lanelets::of(&document, &mut ground, &mut out);
+    out.map.lanes = lanelets.lanes();
+    out.map.lanes.sort_by(|a, b| a.id.cmp(&b.id));
+    out.map.lanes.dedup_by(|b, a| a.id == b.id);
+    if out.map.lanes.iter().any(|l| l.in_junction) {
+        junctions::add(&mut out.map);
+    }
+    regulatory::add(&document, &lanelets, &mut ground, &mut out);
+    areas(&document, &mut ground, &mut out);
+    let map = &mut out.map;
+    map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
+    map.stop_lines.sort_by(|a, b| a.id.cmp(&b.id));
+    map.signs.sort_by(|a, b| a.id.cmp(&b.id));
+    map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
+    declare(map);
+    Ok(out)
+}
+
+/// Places nodes in the log's frame.
+pub(super) struct Ground {
+    points: HashMap<i64, Point3>,
+    left: usize,
+}
+
+impl Ground {
+    fn of(document: &Document, placement: &Placement) -> Result<Self, MapFault> {
+        let place = |node: &Node| {
+            let z = node.height.unwrap_or(f64::NAN);
+            let [x, y] = match placement.projection {
+                Some(projection) => {
+                    let (lat, lon) =
+                        (node.lat.filter(|v| v.abs() < 89.0)?, node.lon.filter(|v| v.abs() <= 180.0)?);
+                    let (lat, lon) = placement.datum.to_wgs84(lat, lon);
+                    projection.point(lat, lon)
+                }
+                None => [node.local.0?, node.local.1?],
+            };
+            [x, y].iter().all(|v| v.abs() < 1e9).then_some(Point3 { x, y, z })
+        };
+        let points: HashMap<i64, Point3> =
+            document.nodes.iter().filter_map(|(id, node)| Some((*id, place(node)?))).collect();
+        if points.is_empty() && !document.nodes.is_empty() {
+            let why = "its nodes have neither local_x and local_y, nor degrees with a stated origin";
+            return Err(MapFault::Unplaced(why.to_owned()));
+        }
+        Ok(Self { points, left: MAX_POINTS })
+    }
+
+    /// The line of a way; `None` when a node of it is not there, or the file has too many points.
+    pub fn line(&mut self, nodes: &[i64]) -> Option<Vec<Point3>> {
+        self.left = self.left.checked_sub(nodes.len())?;
+        nodes.iter().map(|id| self.points.get(id).copied()).collect()
+    }
+}
+
+/// Parking, buildings and junction areas.
+fn areas(document: &Document, ground: &mut Ground, out: &mut MapReading) {
+    let kind = |tag: &str| match tag {
+        "parking" | "parking_lot" | "parking_space" => Some("parking"),
+        "building" => Some("building"),
+        _ => None,
+    };
+    let ring = |ground: &mut Ground, nodes: &[i64]| {
+        let mut line = ground.line(nodes).filter(|l| l.len() >= 3)?;
+        if line.first() != line.last() {
+            line.extend(line.first().copied());
+        }
+        Some(line)
+    };
+    for (id, way) in &document.ways {
+        if let (Some(kind), "yes") = (kind(way.tag("type")), way.tag("area"))
+            && let Some(boundary) = ring(ground, &way.nodes)
+        {
+            out.map.facilities.push(Facility { id: format!("area_{id}"), kind: kind.into(), boundary });
+        }
+        if way.tag("type") == "intersection_area"
+            && let Some(boundary) = ring(ground, &way.nodes)
+            && out.map.junctions.is_empty()
+        {
+            out.map.junctions.push(Area { id: format!("area_{id}"), boundary });
+        }
+    }
+    for (id, relation) in document.relations.iter().filter(|(_, r)| r.tag("type") == "multipolygon") {
+        let Some(kind) = kind(relation.tag("subtype")) else { continue };
+        let Some(nodes) = outer(document, relation) else {
+            out.invalid.push(format!("multipolygon {id}: its outer ways make no ring"));
+            continue;
+        };
+        if let Some(boundary) = ring(ground, &nodes) {
+            out.map.facilities.push(Facility { id: format!("area_{id}"), kind: kind.into(), boundary });
+        }
+    }
+}
+
+/// The nodes of the outer ways of a multipolygon, in the order in which they follow each other.
+fn outer(document: &Document, relation: &Relation) -> Option<Vec<i64>> {
+    let mut out: Vec<i64> = Vec::new();
+    for id in relation.members(MemberKind::Way, "outer") {
+        let way = document.ways.get(&id)?;
+        let (first, last) = (way.nodes.first()?, way.nodes.last()?);
+        let end = out.last().copied();
+        match end {
+            None => out.extend(&way.nodes),
+            Some(end) if end == *first => out.extend(&way.nodes[1..]),
+            Some(end) if end == *last => out.extend(way.nodes.iter().rev().skip(1)),
+            // The first way may have been taken the wrong way round.
+            Some(_) if out.first() == Some(first) || out.first() == Some(last) => {
+                out.reverse();
+                let forward = out.last() == Some(first);
+                if forward {
+                    out.extend(&way.nodes[1..]);
+                } else {
+                    out.extend(way.nodes.iter().rev().skip(1));
+                }
+            }
+            Some(_) => return None,
+        }
+        if out.len() > MAX_POINTS {
+            return None;
+        }
+    }
+    (out.len() >= 3).then_some(out)
+}
+
+fn declare(map: &mut RoadMap) {
+    let mut stated = Vec::new();
+    // Lanelets that share their end points lead into each other: the format's own rule.
+    if map.lanes.iter().any(|l| l.successors.iter().any(|s| !s.starts_with("beyond:"))) {
+        stated.push((MapLayer::Connections, LayerState::Complete));
+    }
+    let road = |l: &&Lane| l.kind == LaneKind::Vehicle && !l.in_junction;
+    let mut limits = map.lanes.iter().filter(road).map(|l| l.speed_limit_mps.is_some()).peekable();
+    if limits.peek().is_some() && limits.all(|stated| stated) {
+        stated.push((MapLayer::SpeedLimits, LayerState::Complete));
+    }
+    layers::declare(map, &stated);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+//! Regulatory elements: lights, right of way, limits and signs, with the lines at which lanelets stop for them.
+
+use super::Ground;
+use super::document::{Document, MemberKind, Relation};
+use super::lanelets::Lanelets;
+use crate::maps::{MapReading, signs};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use whyroad_model::RoadMap;
+use whyroad_model::road_map::{Facility, Lane, Point3, Sign, StopLine};
+
+/// More pairs of loose stop lines and lanes are not compared.
+const MAX_PAIRS: usize = 100_000_000;
+
+/// Adds what regulatory elements say.
+pub(super) fn add(document: &Document, lanelets: &Lanelets, ground: &mut Ground, out: &mut MapReading) {
+    let lanes = lanelets.by_relation();
+    // Lanes by the elements that hold for them.
+    let mut under: HashMap<i64, Vec<String>> = HashMap::new();
+    for (id, relation) in document.relations.iter().filter(|(_, r)| r.tag("type") == "lanelet") {
+        for element in relation.members(MemberKind::Relation, "regulatory_element") {
+            if !document.relations.contains_key(&element) {
+                out.dangling.push(format!("lanelet {id} -> regulatory element {element}"));
+            }
+            under.entry(element).or_default().extend(lanes.get(id).into_iter().flatten().cloned());
+        }
+    }
+    let mut all = Elements {
+        document,
+        lanes: &lanes,
+        stops: BTreeMap::new(),
+        seen: BTreeSet::new(),
+        ended: BTreeSet::new(),
+    };
+    for (id, element) in document.relations.iter().filter(|(_, r)| r.tag("type") == "regulatory_element") {
+        let concerned = under.get(id).cloned().unwrap_or_default();
+        all.add(*id, element, concerned, ground, out);
+    }
+    // Lines that no element names.
+    let loose =
+        document.ways.iter().filter(|(id, w)| w.tag("type") == "stop_line" && !all.stops.contains_key(id));
+    let loose: Vec<i64> = loose.map(|(id, _)| *id).collect();
+    let compare = loose.len().saturating_mul(out.map.lanes.len()) <= MAX_PAIRS;
+    for (way, of_lanes) in
+        loose.into_iter().map(|w| (w, None)).chain(all.stops.into_iter().map(|(w, l)| (w, Some(l))))
+    {
+        let Some(line) = document.ways.get(&way).and_then(|w| ground.line(&w.nodes)).filter(|l| l.len() >= 2)
+        else {
+            out.invalid.push(format!("stop line {way} has no line"));
+            continue;
+        };
+        let crossed =
+            || out.map.lanes.iter().filter(|l| crosses(&line, &l.centre)).map(|l| l.id.clone()).collect();
+        let lane_ids = match of_lanes {
+            Some(lanes) => lanes.into_iter().collect(),
+            None if compare => crossed(),
+            None => Vec::new(),
+        };
+        out.map.stop_lines.push(StopLine { id: format!("stop_{way}"), line, lane_ids });
+    }
+}
+
+struct Elements<'d> {
+    document: &'d Document,
+    lanes: &'d HashMap<i64, Vec<String>>,
+    /// Lanes that stop at each way.
+    stops: BTreeMap<i64, BTreeSet<String>>,
+    /// Lights and signs that were added.
+    seen: BTreeSet<i64>,
+    /// Lanes that stop at their end.
+    ended: BTreeSet<String>,
+}
+
+impl Elements<'_> {
+    fn add(
+        &mut self,
+        id: i64,
+        element: &Relation,
+        concerned: Vec<String>,
+        ground: &mut Ground,
+        out: &mut MapReading,
+    ) {
+        let of_role = |role: &'static str| -> Vec<String> {
+            let ids = element.members(MemberKind::Relation, role);
+            ids.filter_map(|id| self.lanes.get(&id)).flatten().cloned().collect()
+        };
+        let who_yields = of_role("yield");
+        let (subtype, refers) = (element.tag("subtype"), element.members(MemberKind::Way, "refers"));
+        let refers: Vec<i64> = refers.collect();
+        let stopping = match subtype {
+            "right_of_way" | "all_way_stop" => who_yields,
+            _ => concerned.clone(),
+        };
+        let mut lines = element.members(MemberKind::Way, "ref_line").peekable();
+        let no_line = lines.peek().is_none();
+        for way in lines {
+            self.stops.entry(way).or_default().extend(stopping.iter().cloned());
+        }
+        match subtype {
+            "traffic_light" => {
+                for way in refers {
+                    self.light(way, ground, out);
+                }
+                if no_line {
+                    self.end_lines(&stopping, out);
+                }
+            }
+            "speed_limit" => {
+                let ways = refers.iter().filter_map(|way| self.document.ways.get(way));
+                let named = ways.map(|w| w.tag("subtype").to_owned());
+                let mut names =
+                    named.chain([element.tag("sign_type").to_owned(), element.tag("speed_limit").to_owned()]);
+                if let Some(limit) = names.find_map(|name| limit(&name)) {
+                    for id in &concerned {
+                        if let Some(at) = place_of(&out.map, id) {
+                            out.map.lanes[at].speed_limit_mps.get_or_insert(limit);
+                        }
+                    }
+                }
+                refers.iter().for_each(|way| self.sign(*way, &concerned, None, ground, out));
+            }
+            "all_way_stop" if refers.is_empty() => {
+                let RoadMap { lanes, signs, .. } = &mut out.map;
+                for lane in stopping.iter().filter_map(|id| lane_of(lanes, id)) {
+                    signs.extend(lane.centre.last().map(|p| Sign {
+                        id: format!("sign_{id}_{}", lane.id),
+                        kind: "stop".into(),
+                        position: *p,
+                        lane_ids: vec![lane.id.clone()],
+                        value: None,
+                    }));
+                }
+            }
+            "right_of_way" | "all_way_stop" | "traffic_sign" => {
+                let fallback = (subtype == "all_way_stop").then_some("stop");
+                refers.iter().for_each(|way| self.sign(*way, &stopping, fallback, ground, out));
+            }
+            "speed_bump" => {
+                for way in refers {
+                    let nodes = self.document.ways.get(&way).map(|w| w.nodes.clone()).unwrap_or_default();
+                    if let Some(boundary) = ground.line(&nodes).filter(|l| l.len() >= 2) {
+                        let facility =
+                            Facility { id: format!("bump_{way}"), kind: "speed_bump".into(), boundary };
+                        out.map.facilities.push(facility);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Lanes that stop where they end: Lanelet2's rule where an element has no line.
+    fn end_lines(&mut self, lanes: &[String], out: &mut MapReading) {
+        let RoadMap { lanes: all, stop_lines, .. } = &mut out.map;
+        for lane in lanes.iter().filter_map(|id| lane_of(all, id)) {
+            if let (Some(&a), Some(&b)) = (lane.left.last(), lane.right.last())
+                && self.ended.insert(lane.id.clone())
+            {
+                let (id, lane_ids) = (format!("stop_{}", lane.id), vec![lane.id.clone()]);
+                stop_lines.push(StopLine { id, line: vec![a, b], lane_ids });
+            }
+        }
+    }
+
+    fn light(&mut self, way: i64, ground: &mut Ground, out: &mut MapReading) {
+        let Some(found) = self.document.ways.get(&way) else {
+            return out.dangling.push(format!("traffic light {way}"));
+        };
+        if !self.seen.insert(way) || matches!(found.tag("subtype"), "red_green" | "pedestrian") {
+            return;
+        }
+        if let Some(boundary) = ground.line(&found.nodes).filter(|l| !l.is_empty()) {
+            out.map.facilities.push(Facility {
+                id: format!("light_{way}"),
+                kind: "traffic_light".into(),
+                boundary,
+            });
+        }
+    }
+
+    fn sign(
+        &mut self,
+        way: i64,
+        lanes: &[String],
+        fallback: Option<&'static str>,
+        ground: &mut Ground,
+        out: &mut MapReading,
+    ) {
+        let Some(found) = self.document.ways.get(&way) else {
+            return out.dangling.push(format!("traffic sign {way}"));
+        };
+        let name = found.tag("subtype");
+        let kind = sign_kind(name).or(fallback).filter(|k| *k != "stop_line");
+        let Some((kind, line)) = kind.zip(ground.line(&found.nodes)) else { return };
+        if !self.seen.insert(way) || line.is_empty() {
+            return;
+        }
+        let n = line.len() as f64;
+        let mean = |of: fn(&Point3) -> f64| line.iter().map(of).sum::<f64>() / n;
+        let position = Point3 { x: mean(|p| p.x), y: mean(|p| p.y), z: mean(|p| p.z) };
+        let value = if kind == "speed_limit" { limit(name) } else { None };
+        let (id, lane_ids) = (format!("sign_{way}"), lanes.to_vec());
+        out.map.signs.push(Sign { id, kind: kind.into(), position, lane_ids, value });
+    }
+}
+
+fn lane_of<'l>(lanes: &'l [Lane], id: &str) -> Option<&'l Lane> {
+    lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok().map(|i| &lanes[i])
+}
+
+/// Index of the lane with this id.
+fn place_of(map: &RoadMap, id: &str) -> Option<usize> {
+    map.lanes.binary_search_by(|l| l.id.as_str().cmp(id)).ok()
+}
+
+/// `de206`, `usR1-1`: a country's two letters and the number in its catalogue.
+fn sign_kind(name: &str) -> Option<&'static str> {
+    let (country, number) = name.split_at_checked(2)?;
+    signs::kind(country, number)
+}
+
+/// The speed in the name of a sign: `de274-60`, or plainly `60 km/h`.
+fn limit(name: &str) -> Option<f64> {
+    let number = name.strip_prefix("de274").map(|rest| rest.trim_start_matches(['-', '.']));
+    signs::speed(number.unwrap_or(name))
+}
+
+/// True when two lines cross in the ground plane.
+fn crosses(a: &[Point3], b: &[Point3]) -> bool {
+    let bounds = |line: &[Point3]| {
+        line.iter().fold([f64::MAX, f64::MAX, f64::MIN, f64::MIN], |m, p| {
+            [m[0].min(p.x), m[1].min(p.y), m[2].max(p.x), m[3].max(p.y)]
+        })
+    };
+    let (u, v) = (bounds(a), bounds(b));
+    if u[0] > v[2] || v[0] > u[2] || u[1] > v[3] || v[1] > u[3] {
+        return false;
+    }
+    let side = |p: &Point3, q: &Point3, r: &Point3| (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    a.windows(2).any(|p| {
+        b.windows(2).any(|q| {
+            side(&p[0], &p[1], &q[0]) * side(&p[0], &p[1], &q[1]) <= 0.0
+                && side(&q[0], &q[1], &p[0]) * side(&q[0], &q[1], &p[1]) <= 0.0
+        })
+    })
+}

@@ -1,0 +1,202 @@
+//! A small map written by hand; expected places by hand.
+
+use super::*;
+use crate::maps::options::{MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION};
+use crate::options::Options;
+use whyroad_model::road_map::{LaneMark, TurnKind};
+
+/// Nodes on a grid of 10 m, named by their place: id 100 + 10 * column + row, at (10 column, 4 row).
+fn nodes() -> String {
+    let mut out = String::new();
+    for column in 0..4 {
+        for row in 0..4 {
+            let (id, x, y) = (100 + 10 * column + row, 10 * column, 4 * row);
+            out += &format!(
+                r#"<node id="{id}" lat="{}" lon="{}"><tag k="local_x" v="{x}"/><tag k="local_y" v="{y}"/>
+                <tag k="ele" v="3"/></node>"#,
+                49.0 + f64::from(y) / 111_000.0,
+                8.0 + f64::from(x) / 73_000.0
+            );
+        }
+    }
+    out
+}
+
+fn way(id: i64, nodes: &[i64], tags: &[(&str, &str)]) -> String {
+    let refs: String = nodes.iter().map(|n| format!(r#"<nd ref="{n}"/>"#)).collect();
+    format!(r#"<way id="{id}">{refs}{}</way>"#, tagged(tags))
+}
+
+fn tagged(tags: &[(&str, &str)]) -> String {
+    tags.iter().map(|(k, v)| format!(r#"<tag k="{k}" v="{v}"/>"#)).collect()
+}
+
+fn relation(id: i64, members: &[(&str, i64, &str)], tags: &[(&str, &str)]) -> String {
+    let members: String = members
+        .iter()
+        .map(|(kind, id, role)| format!(r#"<member type="{kind}" ref="{id}" role="{role}"/>"#))
+        .collect();
+    format!(r#"<relation id="{id}">{members}{}</relation>"#, tagged(tags))
+}
+
+fn lanelet(id: i64, left: i64, right: i64, tags: &[(&str, &str)], elements: &[i64]) -> String {
+    let mut members = vec![("way", left, "left"), ("way", right, "right")];
+    members.extend(elements.iter().map(|e| ("relation", *e, "regulatory_element")));
+    let mut all = vec![("type", "lanelet"), ("subtype", "road")];
+    all.retain(|(k, _)| !tags.iter().any(|(own, _)| own == k));
+    all.extend(tags);
+    relation(id, &members, &all)
+}
+
+fn file(content: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.osm");
+    std::fs::write(&path, format!("<?xml version=\"1.0\"?>\n<osm version=\"0.6\">{content}</osm>")).unwrap();
+    (dir, path)
+}
+
+fn reading(content: &str, options: &Options) -> MapReading {
+    let (_dir, path) = file(content);
+    let out = read(&path, &Placement::of(options).unwrap()).unwrap();
+    assert!(out.count.adds_up(), "{:?}", out.count);
+    out
+}
+
+/// Two lanes eastwards from column 0 to 1, the lower of which goes on to column 2; the upper bound is drawn backwards.
+fn street() -> String {
+    [
+        nodes(),
+        way(1, &[112, 102], &[("type", "line_thin"), ("subtype", "solid_dashed")]),
+        way(2, &[101, 111], &[("type", "line_thin"), ("subtype", "dashed")]),
+        way(3, &[100, 110], &[("type", "curbstone")]),
+        way(4, &[111, 121], &[("type", "virtual")]),
+        way(5, &[110, 120], &[("type", "line_thick"), ("subtype", "solid")]),
+        way(6, &[111, 110], &[("type", "stop_line")]),
+        way(7, &[121, 120], &[("type", "traffic_light"), ("subtype", "red_yellow_green")]),
+        way(8, &[130, 131], &[("type", "traffic_sign"), ("subtype", "de274-30")]),
+        way(9, &[120, 130], &[]),
+        way(10, &[121, 131], &[]),
+        lanelet(50, 1, 2, &[("speed_limit", "50 km/h")], &[]),
+        lanelet(51, 2, 3, &[("speed_limit", "50")], &[60]),
+        lanelet(52, 4, 5, &[("turn_direction", "straight")], &[61]),
+        lanelet(53, 10, 9, &[("subtype", "crosswalk")], &[]),
+        lanelet(54, 99, 5, &[], &[]),
+        relation(
+            60,
+            &[("way", 7, "refers"), ("way", 6, "ref_line")],
+            &[("type", "regulatory_element"), ("subtype", "traffic_light")],
+        ),
+        relation(61, &[("way", 8, "refers")], &[("type", "regulatory_element"), ("subtype", "speed_limit")]),
+    ]
+    .concat()
+}
+
+#[test]
+fn lanelets_are_turned_linked_and_marked() {
+    let r = reading(&street(), &Options::default());
+    let ids: Vec<&str> = r.map.lanes.iter().map(|l| l.id.as_str()).collect();
+    assert_eq!(ids, ["50", "51", "52"]);
+    let (upper, lower, next) =
+        (r.map.lane("50").unwrap(), r.map.lane("51").unwrap(), r.map.lane("52").unwrap());
+    // The upper bound runs west in the file; driving east, it is on the left.
+    assert_eq!((upper.left[0].x, upper.left[0].y, upper.left[1].x), (0.0, 8.0, 10.0));
+    assert_eq!((upper.centre[0].y, upper.centre[0].z), (6.0, 3.0));
+    // Solid on the left driving west is solid on the right driving east.
+    assert_eq!((upper.left_mark, upper.right_mark), (LaneMark::DashedSolid, LaneMark::Dashed));
+    assert_eq!((next.left_mark, lower.right_mark), (LaneMark::None, LaneMark::Unknown));
+    assert_eq!(upper.right_neighbour.as_deref(), Some("51"));
+    assert_eq!(lower.left_neighbour.as_deref(), Some("50"));
+    assert_eq!(
+        (&lower.successors[..], &next.predecessors[..]),
+        (&["52".to_owned()][..], &["51".to_owned()][..])
+    );
+    assert_eq!(upper.successors, ["beyond:50"]);
+    assert!((upper.speed_limit_mps.unwrap() - 50.0 / 3.6).abs() < 1e-9);
+    assert!((next.speed_limit_mps.unwrap() - 30.0 / 3.6).abs() < 1e-9, "by the element");
+    assert!(next.in_junction && next.turn == Some(TurnKind::Straight) && r.map.junctions.len() == 1);
+    assert_eq!(r.map.crosswalks[0].id, "53");
+    assert_eq!(
+        (r.map.stop_lines.len(), r.map.stop_lines[0].lane_ids.as_slice()),
+        (1, &["51".to_owned()][..])
+    );
+    assert_eq!(r.map.facilities[0].kind, "traffic_light");
+    assert_eq!(
+        (r.map.signs[0].kind.as_str(), r.map.signs[0].lane_ids.as_slice()),
+        ("speed_limit", &["52".to_owned()][..])
+    );
+    assert_eq!(r.invalid, ["lanelet 54: way 99 is not in the file"]);
+    assert_eq!(r.map.layer(MapLayer::Connections), LayerState::Complete);
+    assert_eq!(r.map.layer(MapLayer::SpeedLimits), LayerState::Complete);
+    assert_eq!(r.map.layer(MapLayer::Lights), LayerState::Partial);
+    assert_eq!(r.map.layer(MapLayer::Ramps), LayerState::Absent);
+}
+
+#[test]
+fn a_lanelet_for_both_directions_is_driven_both_ways() {
+    let content = street().replace(r#"<tag k="speed_limit" v="50 km/h"/>"#, r#"<tag k="one_way" v="no"/>"#);
+    let r = reading(&content, &Options::default());
+    let (there, back) = (r.map.lane("50").unwrap(), r.map.lane("50:back").unwrap());
+    assert_eq!((back.centre[0].x, back.centre.last().unwrap().x), (10.0, 0.0));
+    assert_eq!((back.left[0].y, back.right[0].y), (4.0, 8.0));
+    // The lane beside it runs the other way now.
+    assert_eq!(back.left_neighbour.as_deref(), Some("51"));
+    assert_eq!(there.right_neighbour.as_deref(), Some("51"));
+    assert_eq!(there.speed_limit_mps, None);
+    assert_eq!(r.map.layer(MapLayer::SpeedLimits), LayerState::Partial);
+}
+
+#[test]
+fn degrees_need_an_origin_and_a_declared_datum() {
+    let no_local = street().replace("local_", "other_");
+    let (_dir, path) = file(&no_local);
+    let unplaced = read(&path, &Placement::of(&Options::default()).unwrap());
+    assert!(matches!(unplaced, Err(MapFault::Unplaced(_))));
+    // The map's own origin: 4 m are 4 / 111 000 deg of latitude, 10 m 10 / 73 000 deg of longitude. A degree at 49 deg
+    // is 111 205 m and 73 171 m long.
+    let options = Options::default().with(&MAP_ORIGIN, "49.0,8.0").with(&MAP_PROJECTION, "local");
+    let r = reading(&no_local, &options);
+    let p = r.map.lane("50").unwrap().left[1];
+    assert!(
+        (p.x - 10.0 * 73_171.0 / 73_000.0).abs() < 0.01 && (p.y - 8.0 * 111_205.0 / 111_000.0).abs() < 0.01,
+        "{p:?}"
+    );
+    // Germany is not shifted, whatever is declared; a datum that is not known is refused.
+    let gcj = reading(&no_local, &options.clone().with(&MAP_DATUM, "gcj02"));
+    assert_eq!(gcj.map.lane("50").unwrap().left[1], p);
+    assert!(Placement::of(&options.with(&MAP_DATUM, "bd09")).is_err());
+    assert!(Placement::of(&Options::default().with(&MAP_ORIGIN, "north")).is_err());
+}
+
+#[test]
+fn a_map_in_gcj02_lies_where_it_does_in_wgs84() {
+    // The published pair of Beijing, once as origin and once as map: both are shifted alike.
+    let at = |lat: f64, lon: f64| {
+        let node = |id: i64, dlat: f64, dlon: f64| {
+            format!(r#"<node id="{id}" lat="{}" lon="{}"/>"#, lat + dlat, lon + dlon)
+        };
+        [
+            node(1, 0.0, 0.0),
+            node(2, 0.0, 0.001),
+            node(3, -0.00003, 0.0),
+            node(4, -0.00003, 0.001),
+            way(5, &[1, 2], &[]),
+            way(6, &[3, 4], &[]),
+            lanelet(7, 5, 6, &[], &[]),
+        ]
+        .concat()
+    };
+    let wgs = Options::default().with(&MAP_ORIGIN, "39.911954,116.377817");
+    let gcj = Options::default()
+        .with(&MAP_ORIGIN, "39.91334545536069,116.38404722455657")
+        .with(&MAP_DATUM, "gcj02");
+    let (a, b) = (
+        reading(&at(39.911954, 116.377817), &wgs),
+        reading(&at(39.913_345_455_360_69, 116.384_047_224_556_57), &gcj),
+    );
+    let (p, q) = (a.map.lanes[0].left[0], b.map.lanes[0].left[0]);
+    assert!((p.x - q.x).hypot(p.y - q.y) < 0.1 && p.x.hypot(p.y) < 0.1, "{p:?} {q:?}");
+    // Undeclared, the shift is not guessed: the map lies 570 m away.
+    let wrong = reading(&at(39.913_345_455_360_69, 116.384_047_224_556_57), &wgs);
+    let q = wrong.map.lanes[0].left[0];
+    assert!((q.x.hypot(q.y) - 555.0).abs() < 30.0, "{q:?}");
+}

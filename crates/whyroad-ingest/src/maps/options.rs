@@ -1,0 +1,87 @@
+//! Options of a map beside a log, and what they say of where the map lies.
+
+use crate::assemble::datum::Datum;
+use crate::assemble::projection::{Projection, ProjectionKind};
+use crate::options::{OptionSpec, OptionType, Options};
+use crate::source::ContentHash;
+
+/// The map file.
+pub const MAP: OptionSpec = OptionSpec::new(
+    "map",
+    OptionType::File,
+    "FILE",
+    "map of the drives, in place of the log's own: OpenDRIVE (.xodr) or Lanelet2 (.osm)",
+);
+/// Origin of the log's frame, for maps in degrees.
+pub const MAP_ORIGIN: OptionSpec = OptionSpec::new(
+    "map-origin",
+    OptionType::Text,
+    "LAT,LON",
+    "Lanelet2 map in degrees: latitude and longitude of the origin of the log's frame",
+)
+.requires("map");
+/// How degrees become metres.
+pub const MAP_PROJECTION: OptionSpec = OptionSpec::new(
+    "map-projection",
+    OptionType::Text,
+    "NAME",
+    "projection of the log's frame: utm (Lanelet2's UtmProjector; the default) or local (tangent plane)",
+)
+.requires("map-origin");
+/// Datum of the degrees.
+pub const MAP_DATUM: OptionSpec = OptionSpec::new(
+    "map-datum",
+    OptionType::Text,
+    "NAME",
+    "datum of the map's degrees and of --map-origin: wgs84 (default) or gcj02",
+)
+.requires("map");
+
+/// All of them; every format has them.
+pub const OPTIONS: &[OptionSpec] = &[MAP, MAP_ORIGIN, MAP_PROJECTION, MAP_DATUM];
+
+/// Where a map in degrees lies in the log's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    pub datum: Datum,
+    pub projection: Option<Projection>,
+}
+
+impl Placement {
+    /// From the options; `Err` says which value cannot be used.
+    pub fn of(options: &Options) -> Result<Self, String> {
+        let text = |spec| options.texts(spec).pop();
+        let datum = match text(&MAP_DATUM) {
+            None => Datum::Wgs84,
+            Some(name) => {
+                Datum::parse(&name).ok_or_else(|| format!("--map-datum {name}: expected wgs84 or gcj02"))?
+            }
+        };
+        let kind = match text(&MAP_PROJECTION).as_deref() {
+            None | Some("utm") => ProjectionKind::Utm,
+            Some("local") => ProjectionKind::Local,
+            Some(other) => return Err(format!("--map-projection {other}: expected utm or local")),
+        };
+        let projection = match text(&MAP_ORIGIN) {
+            None => None,
+            Some(text) => {
+                let mut parts =
+                    text.split([',', ' ']).filter(|p| !p.is_empty()).map(|p| p.parse::<f64>().ok());
+                let (lat, lon) = (parts.next().flatten(), parts.next().flatten());
+                let origin = lat
+                    .zip(lon)
+                    .filter(|(a, o)| a.abs() <= 84.0 && o.abs() <= 180.0 && parts.next().is_none());
+                let (lat, lon) = origin
+                    .ok_or_else(|| format!("--map-origin {text}: expected degrees, as in 48.99,8.40"))?;
+                let (lat, lon) = datum.to_wgs84(lat, lon);
+                Some(Projection::new(kind, lat, lon))
+            }
+        };
+        Ok(Self { datum, projection })
+    }
+
+    /// What is stated, for the hash of a drive.
+    pub fn add_to(&self, hash: &mut ContentHash) {
+        hash.add("placement", format!("{self:?}").as_bytes());
+    }
+}
