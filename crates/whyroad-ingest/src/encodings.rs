@@ -1,6 +1,8 @@
 //! File and message encodings, without any meaning of a data set: bytes in, values out. All of them read untrusted
 //! bytes: sizes that a file declares are limited by the bytes it has.
 
+pub(crate) mod bag_records;
+pub(crate) mod bzip2;
 pub mod can;
 pub(crate) mod cdr;
 pub(crate) mod columns;

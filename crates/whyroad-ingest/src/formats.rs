@@ -7,7 +7,9 @@ pub mod av2_motion;
 pub mod comma2k19;
 pub mod mcap;
 pub mod nuscenes;
+pub mod openlabel;
 pub mod pai;
+pub mod rosbag;
 pub mod scenarionet;
 pub mod sumo;
 pub mod table;
@@ -20,7 +22,9 @@ pub const ALL: &[AdapterRef] = &[
     AdapterRef(&comma2k19::Comma2k19),
     AdapterRef(&mcap::Mcap),
     AdapterRef(&nuscenes::NuScenes),
+    AdapterRef(&openlabel::OpenLabel),
     AdapterRef(&pai::PhysicalAiAv),
+    AdapterRef(&rosbag::RosBag),
     AdapterRef(&scenarionet::ScenarioNet),
     AdapterRef(&sumo::Sumo),
     AdapterRef(&table::Table),

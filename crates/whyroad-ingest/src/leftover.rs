@@ -125,8 +125,6 @@ fn by_extension(file: &Path) -> SkipReason {
         Bilingual::new("压缩包：请先解压", "an archive: unpack it first")
     } else if is(MAPS) {
         Bilingual::new("地图：用 `--map FILE` 给出", "a map: give it to the drives with `--map FILE`")
-    } else if extension == "bag" {
-        Bilingual::new("ROS 1 bag：请转换为 MCAP", "a ROS 1 bag: convert it to MCAP")
     } else if is(TEXTS) || extension.is_empty() || is_licence(file) {
         Bilingual::new("不是行程记录", "not a recording")
     } else {

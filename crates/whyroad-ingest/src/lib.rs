@@ -19,7 +19,9 @@ pub use adapter::{Adapter, AdapterRef, DriveSink, FormatAbout, Located, SkipReas
 pub use assemble::angles;
 pub use assemble::datum::Datum;
 pub use encodings::can;
-pub use formats::{av2, av2_motion, comma2k19, mcap, nuscenes, pai, scenarionet, sumo, table, waymo};
+pub use formats::{
+    av2, av2_motion, comma2k19, mcap, nuscenes, openlabel, pai, rosbag, scenarionet, sumo, table, waymo,
+};
 pub use maps::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS as MAP_OPTIONS};
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};

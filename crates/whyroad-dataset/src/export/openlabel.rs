@@ -8,8 +8,10 @@ use crate::sample::{Cause, Sample};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// Coordinate system of every box: the ego's reference point at t0.
+/// Coordinate system of every box: the ego's reference point at t0, fixed to the ground.
 const FRAME: &str = "ego_t0";
+/// Coordinate system of the ego's reference point at each frame.
+const EGO: &str = "ego";
 
 #[derive(Default)]
 pub(super) struct Writer;
@@ -43,6 +45,11 @@ fn document(sample: &Sample) -> Value {
     for (i, t) in times.iter().enumerate() {
         let frame = frames.entry(i.to_string()).or_insert_with(|| json!({ "objects": {} }));
         frame["frame_properties"] = json!({ "timestamp": t });
+        if let Some(pose) = pose(sample, i) {
+            let name = format!("{EGO}_to_{FRAME}");
+            let transform = json!({ "src": EGO, "dst": FRAME, "transform_src_to_dst": pose });
+            frame["frame_properties"]["transforms"] = json!({ name: transform });
+        }
     }
     let (mut actions, mut relations) = (Map::new(), Map::new());
     let decisions = [
@@ -99,7 +106,10 @@ fn document(sample: &Sample) -> Value {
                 "annotator": sample.lineage.label_by,
                 "comment": sample.lineage.drive_id,
             },
-            "coordinate_systems": { FRAME: { "type": "local_cs", "parent": "", "children": [] } },
+            "coordinate_systems": {
+                FRAME: { "type": "scene_cs", "parent": "", "children": [EGO] },
+                EGO: { "type": "local_cs", "parent": FRAME, "children": [] },
+            },
             "frame_intervals": whole,
             "frames": frames,
             "objects": objects,
@@ -114,6 +124,20 @@ fn document(sample: &Sample) -> Value {
             },
         },
     })
+}
+
+/// The ego's pose at a step of history and future; `None` where it is not known.
+fn pose(sample: &Sample, step: usize) -> Option<Value> {
+    let before = sample.history.t_s.len();
+    let (trajectory, row) =
+        if step < before { (&sample.history, step) } else { (&sample.future, step - before) };
+    let at = |column: &[Option<f32>]| column.get(row).copied().flatten();
+    let (x, y, heading) = (at(&trajectory.x)?, at(&trajectory.y)?, at(&trajectory.heading)?);
+    let half = heading / 2.0;
+    Some(json!({
+        "quaternion": [0.0, 0.0, half.sin(), half.cos()],
+        "translation": [x, y, at(&trajectory.z).unwrap_or(0.0)],
+    }))
 }
 
 /// Objects by id, and frames with their boxes.

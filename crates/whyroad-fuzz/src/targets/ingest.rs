@@ -70,6 +70,7 @@ pub(super) fn targets() -> Vec<Target> {
     out.extend(comma());
     out.extend(tables());
     out.extend(maps());
+    out.extend(bags());
     out.extend(others());
     out
 }
@@ -195,6 +196,24 @@ fn maps() -> Vec<Target> {
             Options::default().with(&MAP, f.join("degrees.osm")).with(&MAP_ORIGIN, "49,8")
         })
         .changing("map-lanelet2-degrees", "degrees.osm", vec![]),
+    ]
+}
+
+fn bags() -> Vec<Target> {
+    let log = Log {
+        format: "rosbag",
+        files: files(&[("a.bag", "rosbag/lz4.bag"), ("map.yaml", "rosbag/tracks.yaml")]),
+        options: |folder| Options::default().with(&mcap::MAPPING, folder.join("map.yaml")),
+    };
+    let labels = Log {
+        format: "openlabel",
+        files: files(&[("scene.json", "openlabel/scene.json")]),
+        options: defaults,
+    };
+    vec![
+        log.changing("rosbag-chunks", "a.bag", vec![fixture("rosbag/bz2.bag")]),
+        log.changing("rosbag-plain", "a.bag", vec![fixture("rosbag/plain.bag")]),
+        labels.changing("openlabel", "scene.json", vec![]),
     ]
 }
 

@@ -1,5 +1,6 @@
-//! ROS 2 messages (CDR, little and big endian, as rosbag2 writes them) as JSON values, by the message definition that
-//! an MCAP file carries (`ros2msg`: `.msg` text, the definitions of its parts behind lines of `=`).
+//! ROS messages as JSON values, by the message definition that a recording carries (`.msg` text, the definitions of
+//! its parts behind lines of `=`): ROS 2 (CDR, little and big endian, as rosbag2 writes it) and ROS 1 (little endian,
+//! without gaps).
 
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeMap;
@@ -77,6 +78,8 @@ fn fields(text: &str, package: &str) -> Vec<Field> {
         let kind = match kind {
             _ if is_builtin(kind) => kind.to_owned(),
             "Header" => "std_msgs/Header".to_owned(),
+            // Of ROS 1; in ROS 2 they are messages.
+            "time" | "duration" => format!("ros/{kind}"),
             _ if kind.contains('/') => plain(kind),
             _ => format!("{package}/{kind}"),
         };
@@ -111,14 +114,23 @@ impl MessageType {
         for builtin in ["builtin_interfaces/Time", "builtin_interfaces/Duration"] {
             parts.entry(builtin.to_owned()).or_insert_with(stamp);
         }
+        parts.insert("ros/time".to_owned(), fields("uint32 sec\nuint32 nsec", ""));
+        parts.insert("ros/duration".to_owned(), fields("int32 sec\nint32 nsec", ""));
         Self { root, parts }
     }
 
     /// A message; `None` when its bytes do not fit the definition.
     pub fn decode(&self, message: &[u8]) -> Option<Value> {
         let (&[_, order, _, _], body) = message.split_first_chunk::<4>()?;
-        let mut r = Bytes { body, at: 0, little: order & 1 == 1, values: 0 };
+        let mut r = Bytes { body, at: 0, little: order & 1 == 1, gaps: true, values: 0 };
         self.structure(&self.root, &mut r, 0)
+    }
+
+    /// A message of ROS 1; `None` when its bytes do not fit the definition.
+    pub fn decode_ros1(&self, message: &[u8]) -> Option<Value> {
+        let mut r = Bytes { body: message, at: 0, little: true, gaps: false, values: 0 };
+        let value = self.structure(&self.root, &mut r, 0)?;
+        (r.at == message.len()).then_some(value)
     }
 
     fn structure(&self, fields: &[Field], r: &mut Bytes<'_>, depth: usize) -> Option<Value> {
@@ -183,6 +195,8 @@ struct Bytes<'a> {
     body: &'a [u8],
     at: usize,
     little: bool,
+    /// Whether values lie at multiples of their size.
+    gaps: bool,
     /// Values read so far.
     values: usize,
 }
@@ -194,9 +208,11 @@ impl<'a> Bytes<'a> {
         Some(out)
     }
 
-    /// Values lie at multiples of their size, counted from behind the four bytes of the header.
+    /// In CDR, values lie at multiples of their size, counted from behind the four bytes of the header.
     fn int<const N: usize>(&mut self) -> Option<u64> {
-        self.at = self.at.next_multiple_of(N);
+        if self.gaps {
+            self.at = self.at.next_multiple_of(N);
+        }
         let raw = self.take(N)?;
         let mut wide = [0; 8];
         for (k, slot) in wide.iter_mut().take(N).enumerate() {
@@ -224,6 +240,19 @@ mod tests {
     }
 
     #[test]
+    fn ros1_has_no_gaps_and_its_own_times() {
+        // By hand: uint8 7, uint32 1, string "ab" (length 2, no zero), time 5 s 6 ns, two floats 1.5, three bytes.
+        let t = MessageType::parse("a/B", "uint8 x\nuint32 y\nstring s\ntime t\nfloat64[] z\nuint8[3] b");
+        let bytes = b"\x07\x01\0\0\0\x02\0\0\0ab\x05\0\0\0\x06\0\0\0\x02\0\0\0\0\0\0\0\0\0\xf8\x3f\0\0\0\0\0\0\xf8\x3f\x01\x02\x03";
+        let want = serde_json::json!(
+            {"x": 7, "y": 1, "s": "ab", "t": {"sec": 5, "nsec": 6}, "z": [1.5, 1.5], "b": [1, 2, 3]}
+        );
+        assert_eq!(t.decode_ros1(bytes), Some(want));
+        assert_eq!(t.decode_ros1(&bytes[..bytes.len() - 1]), None, "cut short");
+        assert_eq!(t.decode_ros1(&[bytes.as_slice(), b"x"].concat()), None, "longer than its definition");
+    }
+
+    #[test]
     fn a_list_longer_than_the_message_is_refused_and_a_type_in_itself_ends() {
         let t = MessageType::parse("a/B", "B[] b\nuint8[] c");
         assert_eq!(t.decode(b"\0\x01\0\0\xff\xff\xff\x7f"), None);
@@ -235,7 +264,8 @@ mod tests {
             bytes in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..200),
             text in "(uint8|float64|string|B|C)(\\[\\]|\\[3\\])? [a-c]\n(B|string\\[\\]) d\n={12}\nMSG: a/B\n(a/C|int16) e\n",
         ) {
-            let _ = MessageType::parse("a/msg/A", &text).decode(&bytes);
+            let t = MessageType::parse("a/msg/A", &text);
+            let _ = (t.decode(&bytes), t.decode_ros1(&bytes));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! `geometry_msgs/PoseStamped`, `foxglove.PoseInFrame` as the ego, `vision_msgs/Detection3DArray` and
 //! `foxglove.SceneUpdate` (entities with a cube) as objects. A mapping file says the rest. Frames are every 0.1 s of
 //! the ego's time; messages' own stamps are used, the log's time where they have none. Not read: transforms (`tf`),
-//! maps, lights, pictures, ROS 1.
+//! maps, lights, pictures. ROS 1 bags (`rosbag`) are read by the same code.
 
 mod bus;
 pub(crate) mod findings;
@@ -28,7 +28,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
-use whyroad_model::{Drive, Nanos, Need, ObjectClass};
+use whyroad_model::{Diagnostic, Drive, Nanos, Need, ObjectClass};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
 const REVISION: u32 = 1;
@@ -69,13 +69,47 @@ impl Adapter for Mcap {
 
 /// MCAP files at or below `path`, sorted.
 pub fn find_recordings(path: &Path) -> io::Result<Vec<PathBuf>> {
-    find_files(path, |file| file.extension().is_some_and(|e| e == "mcap"))
+    find_by_ending(path, "mcap")
+}
+
+/// Files with this ending (without a dot) at or below `path`, sorted.
+pub(super) fn find_by_ending(path: &Path, ending: &str) -> io::Result<Vec<PathBuf>> {
+    find_files(path, |file| file.extension().is_some_and(|e| e == ending))
 }
 
 /// Reads one recording. `None` when there is nothing that could be kept; the report says why.
 pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
+    read_container(path, &CONTAINER, options)
+}
+
+const CONTAINER: Container = Container {
+    format: "mcap",
+    revision: REVISION,
+    ending: ".mcap",
+    records: |path, each| mcap_records::read(path, each).iter().map(ToString::to_string).collect(),
+    broken: findings::broken,
+};
+
+/// Calls a function for every message of a file; gives what was lost.
+type ReadRecords = fn(&Path, &mut dyn FnMut(mcap_records::Message<'_>)) -> Vec<String>;
+
+/// A kind of file with messages: how they are taken out of it. What they mean is the same for all.
+pub(super) struct Container {
+    pub format: &'static str,
+    pub revision: u32,
+    pub ending: &'static str,
+    pub records: ReadRecords,
+    pub broken: fn(&str, &str) -> Diagnostic,
+}
+
+/// Reads a file of messages.
+pub(super) fn read_container(
+    path: &Path,
+    container: &Container,
+    options: &Options,
+) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(path.display().to_string());
-    let drive = read_recording(path, options, &mut report);
+    let drive = read_recording(path, container, options, &mut report);
     (drive, report)
 }
 
@@ -92,6 +126,7 @@ struct Topic {
 enum Decoder {
     Json,
     Cdr(cdr::MessageType),
+    Ros1(cdr::MessageType),
     Protobuf(protobuf::messages::MessageTypes),
     /// Why there is none.
     None(String),
@@ -105,6 +140,9 @@ impl Topic {
             ("json", _) => Decoder::Json,
             ("cdr", "ros2msg") => {
                 Decoder::Cdr(cdr::MessageType::parse(&schema.name, &String::from_utf8_lossy(&schema.data)))
+            }
+            ("ros1", "ros1msg") => {
+                Decoder::Ros1(cdr::MessageType::parse(&schema.name, &String::from_utf8_lossy(&schema.data)))
             }
             ("protobuf", "protobuf") => {
                 let types = protobuf::messages::MessageTypes::parse(&schema.data);
@@ -122,6 +160,7 @@ impl Topic {
         match &self.decoder {
             Decoder::Json => serde_json::from_slice(data).ok(),
             Decoder::Cdr(t) => t.decode(data),
+            Decoder::Ros1(t) => t.decode_ros1(data),
             Decoder::Protobuf(t) => t.decode(&self.schema, data),
             Decoder::None(_) => None,
         }
@@ -139,7 +178,13 @@ struct Recording {
 }
 
 impl Recording {
-    fn read(path: &Path, mapping: &Mapping, hash: &mut ContentHash, report: &mut SourceReport) -> Self {
+    fn read(
+        path: &Path,
+        container: &Container,
+        mapping: &Mapping,
+        hash: &mut ContentHash,
+        report: &mut SourceReport,
+    ) -> Self {
         let mut out =
             Self { ego_rows: RowCount::new("ego"), object_rows: RowCount::new("objects"), ..Self::default() };
         let mut each = |m: mcap_records::Message<'_>| {
@@ -168,9 +213,9 @@ impl Recording {
             out.objects.extend(objects);
             out.bus.extend(bus);
         };
-        let errors = mcap_records::read(path, &mut each);
+        let errors = (container.records)(path, &mut each);
         let label = path.display().to_string();
-        report.diagnostics.extend(errors.iter().map(|e| findings::broken(&label, &e.to_string())));
+        report.diagnostics.extend(errors.iter().map(|e| (container.broken)(&label, e)));
         for (name, t) in out.topics.iter().filter(|(_, t)| t.undecodable > 0) {
             let what = match &t.decoder {
                 Decoder::None(reason) => reason.as_str(),
@@ -221,11 +266,16 @@ fn read_mapping(options: &Options, hash: &mut ContentHash, report: &mut SourceRe
     mapping
 }
 
-fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> Option<Drive> {
+fn read_recording(
+    path: &Path,
+    container: &Container,
+    options: &Options,
+    report: &mut SourceReport,
+) -> Option<Drive> {
     let label = path.display().to_string();
-    let mut hash = ContentHash::new("mcap", REVISION);
+    let mut hash = ContentHash::new(container.format, container.revision);
     let mapping = read_mapping(options, &mut hash, report)?;
-    let mut recording = Recording::read(path, &mapping, &mut hash, report);
+    let mut recording = Recording::read(path, container, &mapping, &mut hash, report);
     let poses = recording.take_ego(&label, report);
     let (Some(first), true) = (poses.first().map(|r| r.time), poses.len() >= 2) else {
         let topics: Vec<String> =
@@ -264,9 +314,12 @@ fn read_recording(path: &Path, options: &Options, report: &mut SourceReport) -> 
     let name = file_label(path);
     Some(Drive {
         meta: DriveMeta {
-            drive_id: options.drive_id.clone().unwrap_or_else(|| drive_id(name.trim_end_matches(".mcap"))),
-            format: "mcap".into(),
-            source: "mcap".into(),
+            drive_id: options
+                .drive_id
+                .clone()
+                .unwrap_or_else(|| drive_id(name.trim_end_matches(container.ending))),
+            format: container.format.into(),
+            source: container.format.into(),
             licence: options.licence(),
             content_hash: hash.finish(),
             can,

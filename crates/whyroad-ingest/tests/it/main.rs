@@ -11,6 +11,7 @@ mod nuscenes;
 mod pai;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;
+mod rosbag;
 mod scenarionet;
 mod sumo;
 mod sumo_egos;

@@ -1,0 +1,81 @@
+//! What the OpenLABEL adapter reports, one function per code. Texts only.
+
+use whyroad_model::{Bilingual, Diagnostic};
+
+/// Codes of this adapter; each has a page in `docs/diagnostics/`.
+pub(crate) const CODES: &[&str] = &[
+    "openlabel.file.unreadable",
+    "openlabel.time.missing",
+    "openlabel.system.missing",
+    "openlabel.system.unknown",
+    "openlabel.box.invalid",
+    "openlabel.class",
+];
+
+pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("不是可读取的 OpenLABEL 文件：{reason}"),
+        format!("this is no OpenLABEL document that can be read: {reason}"),
+    );
+    Diagnostic::error("openlabel.file.unreadable", message).in_file(file)
+}
+
+pub(super) fn no_time(file: &str, frames: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{frames} 帧都没有时间，无法得到行程"),
+        format!("none of its {frames} frames has a time; there is no drive without times"),
+    );
+    Diagnostic::error("openlabel.time.missing", message)
+        .with_hint(Bilingual::new(
+            "在 frame_properties.timestamp 中写入每帧的时间",
+            "write each frame's time into frame_properties.timestamp",
+        ))
+        .in_file(file)
+}
+
+pub(super) fn untimed(file: &str, frames: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{frames} 帧没有时间，已忽略"),
+        format!("{frames} frames have no time and are left out"),
+    );
+    Diagnostic::error("openlabel.time.missing", message).in_file(file)
+}
+
+pub(super) fn no_system(file: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        "没有类型为 scene_cs、geo_cs 或 local_cs 的坐标系，位置没有参照",
+        "no coordinate system of type scene_cs, geo_cs or local_cs: positions refer to nothing",
+    );
+    Diagnostic::error("openlabel.system.missing", message).in_file(file)
+}
+
+pub(super) fn system(file: &str, name: &str, boxes: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("坐标系 '{name}' 无法换算到世界（或自车）；丢弃 {boxes} 个框"),
+        format!(
+            "coordinate system '{name}' does not lead to the world's (or the ego's); {boxes} boxes dropped"
+        ),
+    );
+    Diagnostic::warning("openlabel.system.unknown", message)
+        .with_hint(Bilingual::new(
+            "写出 pose_wrt_parent，或在每帧的 transforms 中写出变换",
+            "state its pose_wrt_parent, or a transform in every frame",
+        ))
+        .in_file(file)
+}
+
+pub(super) fn invalid(file: &str, boxes: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("丢弃 {boxes} 个框：应为 9 或 10 个数"),
+        format!("{boxes} boxes dropped: a cuboid has 9 or 10 numbers and a rotation"),
+    );
+    Diagnostic::warning("openlabel.box.invalid", message).in_file(file)
+}
+
+pub(super) fn class(file: &str, names: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("未知类别，记为 unknown：{names}"),
+        format!("unknown types, kept as class unknown: {names}"),
+    );
+    Diagnostic::warning("openlabel.class", message).in_file(file)
+}
