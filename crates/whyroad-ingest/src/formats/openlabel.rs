@@ -117,10 +117,11 @@ fn read_document(path: &Path, options: &Options, report: &mut SourceReport) -> O
     }
     let mut timed: Vec<(f64, &Value)> = steps.iter().filter_map(|s| Some((s.time?, s.frame))).collect();
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    timed.dedup_by(|b, a| a.0 == b.0);
     let first = timed[0].0;
     timed.iter_mut().for_each(|(t, _)| *t -= first);
-    let times: Vec<f64> = timed.iter().map(|(t, _)| *t).collect();
+    let mut times: Vec<f64> = timed.iter().map(|(t, _)| *t).collect();
+    // Boxes of a second frame at a time are counted as duplicates.
+    times.dedup();
     if let Some(d) = implausible_span(&label, 0.0, times[times.len() - 1]) {
         report.diagnostics.push(d);
         return None;
@@ -224,6 +225,9 @@ fn ego(steps: &[(f64, &Value)], systems: &Systems, frames: &[f64], gap: f64) -> 
         let Some(pose) = systems.between(own, world, frame).filter(|p| p.moves).map(|p| p.pose) else {
             continue;
         };
+        if sampled.times.last().is_some_and(|last| last >= time) {
+            continue;
+        }
         poses += 1;
         let heading = se3::heading(pose.q);
         sampled.push(Sample { time: *time, position: pose.t, heading, ..Sample::UNKNOWN });
@@ -284,8 +288,10 @@ impl Rows {
             let sample =
                 Sample { time, position: pose.t, heading: se3::heading(pose.q), size, ..Sample::UNKNOWN };
             let (_, samples) = self.objects.entry(uid.clone()).or_insert_with(|| (class, BTreeMap::new()));
-            samples.insert((time * 1e9).round() as i64, sample);
-            self.count.keep("track", 1);
+            match samples.insert((time * 1e9).round() as i64, sample) {
+                Some(_) => self.count.drop_rows("duplicate", 1),
+                None => self.count.keep("track", 1),
+            }
         }
     }
 

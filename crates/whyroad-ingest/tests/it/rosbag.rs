@@ -68,15 +68,16 @@ fn damage_is_reported_with_its_position_and_the_rest_is_kept() {
         assert!(broken.message.en.contains("at byte"), "{}", broken.message.en);
         assert!(drive.unwrap().times.len() >= 5, "{name}");
     }
-    // A chunk in the middle: its own checksum, or lz4's, tells; the others are read.
+    // A changed bit in the middle of a chunk: that chunk is named, the others are read.
     let mut bytes = fs::read(fixture("bz2.bag")).unwrap();
     let middle = bytes.windows(3).enumerate().filter(|(_, w)| *w == b"BZh").map(|(i, _)| i).nth(3).unwrap();
     bytes[middle + 200] ^= 1;
     fs::write(&path, &bytes).unwrap();
     let (drive, report) = read(&path);
     let said = &report.diagnostics.iter().find(|d| d.code == "rosbag.file.broken").unwrap().message.en;
-    assert!(said.contains("the chunk at byte") && said.contains("checksum"), "{said}");
-    assert!(drive.is_some());
+    assert!(said.contains("the chunk at byte"), "{said}");
+    // About a ninth of the bag is lost.
+    assert!(drive.is_some() && (80..101).contains(&report.tables[0].read), "{:?}", report.tables);
 
     fs::write(&path, b"#ROSBAG V1.2\n").unwrap();
     let (drive, report) = read(&path);

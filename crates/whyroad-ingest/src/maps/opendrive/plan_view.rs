@@ -113,8 +113,7 @@ impl Geometry {
                 }
                 Shape::Parametric { u, v, end } => {
                     let p = if self.length > 0.0 { d / self.length * end } else { 0.0 };
-                    let heading = slope(v, p).atan2(slope(u, p));
-                    (polynomial(u, p), polynomial(v, p), heading)
+                    (polynomial(u, p), polynomial(v, p), direction(u, v, p, end))
                 }
             };
             done = d;
@@ -147,6 +146,16 @@ impl Geometry {
         }
         (x, y)
     }
+}
+
+/// Direction of a parametric curve; where it stands still, that of the point next to it.
+fn direction(u: [f64; 4], v: [f64; 4], p: f64, end: f64) -> f64 {
+    let (du, dv) = (slope(u, p), slope(v, p));
+    if du.hypot(dv) > 1e-9 {
+        return dv.atan2(du);
+    }
+    let beside = if p < end / 2.0 { p + 1e-4 * end } else { p - 1e-4 * end };
+    slope(v, beside).atan2(slope(u, beside))
 }
 
 /// u after `span` m more along v(u): the arc length integrated with the classic Runge-Kutta method.

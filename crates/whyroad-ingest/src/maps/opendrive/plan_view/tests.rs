@@ -62,6 +62,10 @@ fn a_parametric_cubic_in_both_ranges() {
     let (u, v) = ([0.0, 30.0, 0.0, -10.0], [0.0, 0.0, 30.0, -10.0]);
     let end = end_of(Shape::Parametric { u, v, end: 1.0 }, 29.0);
     assert!(near(end.x, 20.0, 1e-9) && near(end.y, 20.0, 1e-9) && near(end.heading, FRAC_PI_2, 1e-9));
+    // u = 0, v = 10 p^2 stands still at its start, and goes north all the same.
+    let still = Shape::Parametric { u: [0.0; 4], v: [0.0, 0.0, 10.0, 0.0], end: 1.0 };
+    let g = Geometry { start: 0.0, x: 0.0, y: 0.0, heading: 0.0, length: 10.0, shape: still };
+    assert!(near(poses(&[g], &[0.0])[0].heading, FRAC_PI_2, 1e-9));
     // A line of 50 m over its own length.
     let end = end_of(Shape::Parametric { u: [0.0, 0.6, 0.0, 0.0], v: [0.0, 0.8, 0.0, 0.0], end: 50.0 }, 50.0);
     assert!(near(end.x, 30.0, 1e-9) && near(end.y, 40.0, 1e-9));
