@@ -210,7 +210,7 @@ fn mark_junctions(map: &mut RoadMap) {
 }
 
 /// The turn that a lane makes, by the heading integrated along it.
-fn turn(centre: &[Point3]) -> Option<TurnKind> {
+pub(crate) fn turn(centre: &[Point3]) -> Option<TurnKind> {
     let headings: Vec<f64> = centre
         .windows(2)
         .filter(|w| distance(w[0], w[1]) > 1e-3)

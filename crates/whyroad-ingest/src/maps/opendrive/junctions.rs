@@ -5,6 +5,7 @@ use super::document::Document;
 use super::lanes::LaneKey;
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{between, distance, union_outlines};
+use crate::assemble::layers;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3};
@@ -29,10 +30,12 @@ struct Arm {
 pub(super) fn mark(document: &Document, lanes: &mut BTreeMap<LaneKey, Lane>) -> Vec<Area> {
     let by_id: HashMap<String, LaneKey> = lanes.iter().map(|(key, l)| (l.id.clone(), *key)).collect();
     let mut inside: BTreeMap<&str, Vec<LaneKey>> = BTreeMap::new();
-    for (key, lane) in lanes.iter() {
+    for (key, lane) in lanes.iter_mut() {
         if let Some(junction) = document.roads[key.road].junction.as_deref()
             && rolls(lane)
         {
+            // Also where a street only turns back at its end, which is no junction.
+            lane.turn = layers::turn(&lane.centre);
             inside.entry(junction).or_default().push(*key);
         }
     }
