@@ -95,8 +95,8 @@ pub(super) fn lights(file: &str, states: usize) -> Diagnostic {
     );
     Diagnostic::warning("map.lights", message)
         .with_hint(Bilingual::new(
-            "docs/reference/formats.zh.md 说明地图车道的编号",
-            "docs/reference/formats.md says how lanes of a map are named",
+            "docs/reference/maps.zh.md 说明地图车道的编号",
+            "docs/reference/maps.md says how lanes of a map are named",
         ))
         .in_file(file)
 }
