@@ -28,9 +28,15 @@ for n in map(int, sys.argv[2:]):
     answered = time.time() - started
     limit = RADIUS * RADIUS * DIMENSIONS
     hit = total = 0
-    for q, ids, ds in zip(asked[:200], labels, squares):
-        truth = set(np.flatnonzero(((data - data[q]) ** 2).sum(axis=1) <= limit))
-        hit += len(truth & set(ids[ds <= limit]))
-        total += len(truth)
+    norms = (data**2).sum(axis=1)
+    for first in range(0, n, 100_000):
+        block = data[first : first + 100_000]
+        for part in range(0, QUERIES, 1_000):
+            queries = data[asked[part : part + 1_000]]
+            distance = norms[first : first + 100_000] - 2 * queries @ block.T + (queries**2).sum(axis=1)[:, None]
+            for row, near in enumerate(distance <= limit):
+                truth = set(np.flatnonzero(near) + first)
+                hit += len(truth & set(labels[part + row][squares[part + row] <= limit]))
+                total += len(truth)
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"hnswlib/{n:<8} index {indexed:.3f} s, queries {answered:.3f} s, recall {hit / total:.4f}, {megabytes:.0f} MB")

@@ -180,8 +180,9 @@ pub fn export(
         return Err(DatasetError::Exists(out.to_owned()));
     }
     fs::create_dir_all(out).map_err(DatasetError::io(out))?;
-    let mut exported = Exported::default();
-    let mut folder = Folder { root: out.to_owned(), lines: BTreeMap::new(), files: 0 };
+    let report = Exported::default();
+    let mut output =
+        Output { root: out.to_owned(), lines: BTreeMap::new(), options: options.clone(), report };
     let mut writer: Box<dyn SampleWriter> = match format {
         ExportFormat::Jsonl => Box::new(jsonl::Writer),
         ExportFormat::MsSwift => Box::new(chat::ChatWriter(ms_swift::MsSwift::default())),
@@ -189,8 +190,8 @@ pub fn export(
         ExportFormat::Qwen => Box::new(chat::ChatWriter(qwen::Qwen)),
         ExportFormat::Lerobot => Box::new(lerobot::Writer::default()),
         ExportFormat::HuggingFace => {
-            huggingface::write(release, options, &mut folder, &mut exported, progress)?;
-            return finish(folder, exported);
+            huggingface::write(release, &mut output, progress)?;
+            return finish(output);
         }
         ExportFormat::WebDataset => Box::new(webdataset::Writer::new(release)),
         ExportFormat::Alpamayo => Box::new(alpamayo::Writer::default()),
@@ -199,56 +200,45 @@ pub fn export(
     for split in options.splits() {
         for sample in release.samples(Some(split)) {
             let sample = sample?;
-            exported.samples += 1;
-            writer.add(&sample, split, options, &mut folder, &mut exported)?;
+            output.report.samples += 1;
+            writer.add(sample, split, &mut output)?;
             progress();
         }
     }
-    writer.finish(options, &mut folder, &mut exported)?;
-    finish(folder, exported)
+    writer.finish(&mut output)?;
+    finish(output)
 }
 
 /// Closes the files and writes the summary.
-fn finish(mut folder: Folder, mut exported: Exported) -> Result<Exported, DatasetError> {
-    folder.finish()?;
-    exported.files = folder.files;
-    let path = folder.root.join("export.json");
-    let summary = serde_json::to_string_pretty(&exported).map_err(|e| DatasetError::broken(&path, e))?;
+fn finish(mut output: Output) -> Result<Exported, DatasetError> {
+    output.finish()?;
+    let path = output.root.join("export.json");
+    let summary = serde_json::to_string_pretty(&output.report).map_err(|e| DatasetError::broken(&path, e))?;
     fs::write(&path, summary + "\n").map_err(DatasetError::io(&path))?;
-    Ok(exported)
+    Ok(output.report)
 }
 
 /// A format: takes the samples one by one.
 trait SampleWriter {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError>;
+    fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError>;
 
     /// Writes what needs all samples.
-    fn finish(
-        &mut self,
-        options: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        let _ = (options, folder, exported);
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        let _ = out;
         Ok(())
     }
 }
 
 /// The folder of an export: files of JSON lines stay open, others are written at once.
-struct Folder {
+struct Output {
     root: PathBuf,
     lines: BTreeMap<String, BufWriter<File>>,
-    files: usize,
+    options: ExportOptions,
+    /// The report, which every format completes.
+    report: Exported,
 }
 
-impl Folder {
+impl Output {
     /// The path of a file of the export; its folder is created.
     fn path(&self, name: &str) -> Result<PathBuf, DatasetError> {
         let path = self.root.join(name);
@@ -261,7 +251,7 @@ impl Folder {
     /// Creates a file that the caller writes.
     fn create(&mut self, name: &str) -> Result<File, DatasetError> {
         let path = self.path(name)?;
-        self.files += 1;
+        self.report.files += 1;
         File::create(&path).map_err(DatasetError::io(&path))
     }
 
@@ -282,7 +272,7 @@ impl Folder {
     /// Writes a whole file.
     fn write(&mut self, name: &str, content: &[u8]) -> Result<(), DatasetError> {
         let path = self.path(name)?;
-        self.files += 1;
+        self.report.files += 1;
         fs::write(&path, content).map_err(DatasetError::io(&path))
     }
 

@@ -4,7 +4,7 @@
 //! have). Samples that the loader would drop are listed in `preflight.json`, with the reason.
 
 use super::parquet_file::{Columns, bytes};
-use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, route_text, traces};
+use super::{NO_TRACE, Output, SampleWriter, route_text, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
@@ -67,35 +67,29 @@ struct Chunk {
 }
 
 impl SampleWriter for Writer {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
+    fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
+        let sample = &sample;
         let Some(egomotion) = egomotion(sample) else {
-            exported.leave_out(sample, "a pose, speed, acceleration or yaw rate of the ego is unknown");
+            out.report.leave_out(sample, "a pose, speed, acceleration or yaw rate of the ego is unknown");
             return Ok(());
         };
-        let texts = traces(sample, options.language);
+        let texts = traces(sample, out.options.language);
         if texts.is_empty() {
-            exported.leave_out(sample, NO_TRACE);
+            out.report.leave_out(sample, NO_TRACE);
             return Ok(());
         }
         for (lang, text) in texts {
             let suffix = if lang == Lang::Zh { "zh" } else { "en" };
             let id = format!("{}-{suffix}", sample.sample_id);
-            let chunk = self.chunk(split.name(), folder)?;
+            let chunk = self.chunk(split.name(), out)?;
             let number = chunk.number;
-            zip_file(&mut chunk.egomotion, &format!("{id}.egomotion.parquet"), &egomotion, folder)?;
-            let cameras = cameras(sample, &id, chunk, options, folder, exported)?;
+            zip_file(&mut chunk.egomotion, &format!("{id}.egomotion.parquet"), &egomotion, out)?;
+            let cameras = cameras(sample, &id, chunk, out)?;
             chunk.count += 1;
             for reason in faults(sample, &cameras) {
                 self.preflight.entry(reason).or_default().push(id.clone());
             }
-            folder.write(&format!("meta_actions/{id}.txt"), meta_actions(sample).as_bytes())?;
+            out.write(&format!("meta_actions/{id}.txt"), meta_actions(sample).as_bytes())?;
             self.clips.push(Clip {
                 id,
                 chunk: number,
@@ -106,32 +100,27 @@ impl SampleWriter for Writer {
                 meta_action: meta_action_at_t0(sample),
                 cameras,
             });
-            exported.records += 1;
+            out.report.records += 1;
         }
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        self.close(folder)?;
-        folder.write("features.csv", features_csv().as_bytes())?;
-        folder.write("clip_index.parquet", &bytes(self.clip_index(), Some("clip_id"))?)?;
-        folder.write("metadata/feature_presence.parquet", &bytes(self.presence(), Some("clip_id"))?)?;
-        folder.write("reasoning/ood_reasoning.parquet", &bytes(self.reasoning(), Some("clip_id"))?)?;
-        folder.json("navigation.json", &self.navigation())?;
-        folder.write("training.yaml", self.training().as_bytes())?;
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        self.close(out)?;
+        out.write("features.csv", features_csv().as_bytes())?;
+        out.write("clip_index.parquet", &bytes(self.clip_index(), Some("clip_id"))?)?;
+        out.write("metadata/feature_presence.parquet", &bytes(self.presence(), Some("clip_id"))?)?;
+        out.write("reasoning/ood_reasoning.parquet", &bytes(self.reasoning(), Some("clip_id"))?)?;
+        out.json("navigation.json", &self.navigation())?;
+        out.write("training.yaml", self.training().as_bytes())?;
         for (reason, clips) in &self.preflight {
-            exported.notes.push(format!(
+            out.report.notes.push(format!(
                 "{} of {} clips: {reason} (preflight.json)",
                 clips.len(),
                 self.clips.len()
             ));
         }
-        folder.json(
+        out.json(
             "preflight.json",
             &json!({ "clips": self.clips.len(), "dropped_by_the_loader": self.preflight }),
         )
@@ -140,26 +129,26 @@ impl SampleWriter for Writer {
 
 impl Writer {
     /// The chunk that takes the next clip. The loader chooses clips by chunk, so none has clips of two splits.
-    fn chunk(&mut self, split: &str, folder: &mut Folder) -> Result<&mut Chunk, DatasetError> {
+    fn chunk(&mut self, split: &str, out: &mut Output) -> Result<&mut Chunk, DatasetError> {
         let other = self.clips.last().is_some_and(|c| c.split != split);
         if other || self.chunk.as_ref().is_some_and(|c| c.count >= PER_CHUNK) {
-            self.close(folder)?;
+            self.close(out)?;
         }
         let number = self.clips.last().map_or(0, |c| c.chunk + usize::from(self.chunk.is_none()));
         match &mut self.chunk {
             Some(chunk) => Ok(chunk),
             none => {
-                let file = folder.create(&format!("labels/egomotion/egomotion.chunk_{number:04}.zip"))?;
+                let file = out.create(&format!("labels/egomotion/egomotion.chunk_{number:04}.zip"))?;
                 let egomotion = ZipWriter::new(file);
                 Ok(none.insert(Chunk { number, count: 0, egomotion, cameras: BTreeMap::new() }))
             }
         }
     }
 
-    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+    fn close(&mut self, out: &Output) -> Result<(), DatasetError> {
         let Some(chunk) = self.chunk.take() else { return Ok(()) };
         for archive in std::iter::once(chunk.egomotion).chain(chunk.cameras.into_values()) {
-            archive.finish().map_err(|e| DatasetError::broken(&folder.root, e))?;
+            archive.finish().map_err(|e| DatasetError::broken(&out.root, e))?;
         }
         Ok(())
     }
@@ -275,12 +264,12 @@ fn zip_file(
     archive: &mut ZipWriter<File>,
     name: &str,
     content: &[u8],
-    folder: &Folder,
+    out: &Output,
 ) -> Result<(), DatasetError> {
     // Stored, without a clock: as the released archives, and equal for equal releases.
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
-    archive.start_file(name, options).map_err(|e| DatasetError::broken(&folder.root, e))?;
-    archive.write_all(content).map_err(DatasetError::io(&folder.root))
+    archive.start_file(name, options).map_err(|e| DatasetError::broken(&out.root, e))?;
+    archive.write_all(content).map_err(DatasetError::io(&out.root))
 }
 
 /// `egomotion.parquet` of a clip: pose in the rig at t0, velocity and acceleration along the same axes.
@@ -344,17 +333,15 @@ fn cameras(
     sample: &Sample,
     id: &str,
     chunk: &mut Chunk,
-    options: &ExportOptions,
-    folder: &mut Folder,
-    exported: &mut Exported,
+    out: &mut Output,
 ) -> Result<Vec<String>, DatasetError> {
     let mut by_camera: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (i, image) in sample.images.iter().enumerate().filter(|(_, i)| i.camera != "bev") {
         by_camera.entry(&image.camera).or_default().push(i);
     }
-    let Some(ffmpeg) = &options.ffmpeg else {
+    let Some(ffmpeg) = &out.options.ffmpeg else {
         if !by_camera.is_empty() {
-            exported.leave_out(sample, "images: ffmpeg is not installed");
+            out.report.leave_out(sample, "images: ffmpeg is not installed");
         }
         return Ok(Vec::new());
     };
@@ -365,20 +352,20 @@ fn cameras(
         else {
             continue;
         };
-        let Some(video) = encode(sample, &images, ffmpeg, &folder.root)? else {
-            exported.leave_out(sample, "images: ffmpeg could not encode them");
+        let Some(video) = encode(sample, &images, ffmpeg, &out.root)? else {
+            out.report.leave_out(sample, "images: ffmpeg could not encode them");
             continue;
         };
         let times = images.iter().map(|i| T0_US + (f64::from(sample.images[*i].t_s) * 1e6).round() as i64);
         let times: Columns =
             vec![("timestamp".to_owned(), Arc::new(Int64Array::from_iter_values(times)) as ArrayRef)];
         if !chunk.cameras.contains_key(name) {
-            let file = folder.create(&format!("camera/{name}/{name}.chunk_{:04}.zip", chunk.number))?;
+            let file = out.create(&format!("camera/{name}/{name}.chunk_{:04}.zip", chunk.number))?;
             chunk.cameras.insert(name.to_owned(), ZipWriter::new(file));
         }
         if let Some(archive) = chunk.cameras.get_mut(name) {
-            zip_file(archive, &format!("{id}.{name}.mp4"), &video, folder)?;
-            zip_file(archive, &format!("{id}.{name}.timestamps.parquet"), &bytes(times, None)?, folder)?;
+            zip_file(archive, &format!("{id}.{name}.mp4"), &video, out)?;
+            zip_file(archive, &format!("{id}.{name}.timestamps.parquet"), &bytes(times, None)?, out)?;
             written.push(name.to_owned());
         }
     }

@@ -2,7 +2,7 @@
 //! what was known at t0, and the answer: the trace, then the decisions. [`ChatWriter`] reads samples and writes their
 //! images; a [`ChatFormat`] turns each conversation into records.
 
-use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, images, traces};
+use super::{NO_TRACE, Output, SampleWriter, images, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Rejected, Sample, Trajectory};
@@ -64,16 +64,11 @@ impl Conversation<'_> {
 /// A format of conversations.
 pub(super) trait ChatFormat {
     /// Writes the records of one conversation.
-    fn add(
-        &mut self,
-        conversation: &Conversation<'_>,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError>;
+    fn add(&mut self, conversation: &Conversation<'_>, out: &mut Output) -> Result<(), DatasetError>;
 
     /// Writes what needs all samples.
-    fn finish(&mut self, folder: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
-        let _ = (folder, exported);
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        let _ = out;
         Ok(())
     }
 }
@@ -82,34 +77,23 @@ pub(super) trait ChatFormat {
 pub(super) struct ChatWriter<F>(pub F);
 
 impl<F: ChatFormat> SampleWriter for ChatWriter<F> {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        let texts = traces(sample, options.language);
+    fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
+        let sample = &sample;
+        let texts = traces(sample, out.options.language);
         if texts.is_empty() {
-            exported.leave_out(sample, NO_TRACE);
+            out.report.leave_out(sample, NO_TRACE);
             return Ok(());
         }
-        let images = images::write(sample, folder)?;
+        let images = images::write(sample, out)?;
         for (lang, trace) in texts {
             let conversation = Conversation { sample, split: split.name(), lang, trace, images: &images };
-            self.0.add(&conversation, folder, exported)?;
+            self.0.add(&conversation, out)?;
         }
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        self.0.finish(folder, exported)
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        self.0.finish(out)
     }
 }
 

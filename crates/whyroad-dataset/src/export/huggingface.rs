@@ -1,7 +1,7 @@
 //! Hugging Face: Parquet files per split whose `images` decode as images, a card with front matter, and Croissant
 //! metadata. The columns are those of the release; an image's camera and time are in `image_cameras` and `image_t_s`.
 
-use super::{ExportOptions, Exported, Folder};
+use super::Output;
 use crate::freeze::croissant::croissant;
 use crate::freeze::manifest::{FileEntry, Manifest};
 use crate::freeze::shards::{ROWS, ROWS_WITH_IMAGES};
@@ -24,28 +24,26 @@ use std::sync::Arc;
 /// shared and no sample is decoded.
 pub(super) fn write(
     release: &Release,
-    options: &ExportOptions,
-    folder: &mut Folder,
-    exported: &mut Exported,
+    out: &mut Output,
     progress: &mut dyn FnMut(),
 ) -> Result<(), DatasetError> {
     let schema = hf_schema();
     let mut files = Vec::new();
-    for split in options.splits() {
+    for split in out.options.splits() {
         for source in release.data_files(Some(split)) {
-            let (name, samples) = file(&source, &schema, release, folder, progress)?;
-            let (bytes, sha256) = checksums::sum(&folder.root.join(&name))?;
-            exported.samples += samples;
-            exported.records += samples;
+            let (name, samples) = file(&source, &schema, release, out, progress)?;
+            let (bytes, sha256) = checksums::sum(&out.root.join(&name))?;
+            out.report.samples += samples;
+            out.report.records += samples;
             files.push(FileEntry { path: name, bytes, sha256, samples: Some(samples) });
         }
     }
     let mut manifest = Manifest { files, ..release.manifest.clone() };
-    let kept: Vec<&str> = options.splits().into_iter().map(SplitName::name).collect();
+    let kept: Vec<&str> = out.options.splits().into_iter().map(SplitName::name).collect();
     manifest.counts.by_split.retain(|split, _| kept.contains(&split.as_str()));
     manifest.counts.samples = manifest.counts.by_split.values().sum();
-    folder.write(CROISSANT, croissant(&manifest).as_bytes())?;
-    folder.write("README.md", card(&manifest).as_bytes())
+    out.write(CROISSANT, croissant(&manifest).as_bytes())?;
+    out.write("README.md", card(&manifest).as_bytes())
 }
 
 /// One file under its name in the release; gives its name in the export and the number of samples.
@@ -53,13 +51,13 @@ fn file(
     source: &Path,
     schema: &SchemaRef,
     release: &Release,
-    folder: &mut Folder,
+    out: &mut Output,
     progress: &mut dyn FnMut(),
 ) -> Result<(String, usize), DatasetError> {
     let broken = |e: &dyn std::fmt::Display| DatasetError::broken(source, e);
     let name = format!("data/{}", source.file_name().unwrap_or_default().to_string_lossy());
     let rows = if release.manifest.counts.images > 0 { ROWS_WITH_IMAGES } else { ROWS };
-    let mut writer = ArrowWriter::try_new(folder.create(&name)?, schema.clone(), Some(properties(rows)))
+    let mut writer = ArrowWriter::try_new(out.create(&name)?, schema.clone(), Some(properties(rows)))
         .map_err(|e| broken(&e))?;
     let mut samples = 0;
     for batch in crate::release::open(source, None)? {

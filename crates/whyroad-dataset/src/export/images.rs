@@ -1,15 +1,15 @@
 //! Images of a sample as files: `images/<sample id>/<camera>_<n>.<type>`, oldest first per camera.
 
-use super::Folder;
+use super::Output;
 use crate::DatasetError;
 use crate::sample::Sample;
 
 /// Writes the images of a sample and gives their paths, relative to the export.
-pub(super) fn write(sample: &Sample, folder: &mut Folder) -> Result<Vec<String>, DatasetError> {
+pub(super) fn write(sample: &Sample, out: &mut Output) -> Result<Vec<String>, DatasetError> {
     let mut paths = Vec::with_capacity(sample.images.len());
     for (name, image) in names(sample).into_iter().zip(&sample.images) {
         let path = format!("images/{}/{name}", sample.sample_id);
-        folder.write(&path, &image.bytes)?;
+        out.write(&path, &image.bytes)?;
         paths.push(path);
     }
     Ok(paths)

@@ -3,7 +3,7 @@
 //! only and are not in this export: a LeRobot episode needs one per frame.
 
 use super::parquet_file::{Columns, bytes};
-use super::{ExportOptions, Exported, Folder, NO_TRACE, SampleWriter, TraceLanguage, traces};
+use super::{NO_TRACE, Output, SampleWriter, TraceLanguage, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Sample, Trajectory};
@@ -72,31 +72,25 @@ struct Statistics {
 }
 
 impl SampleWriter for Writer {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        options: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
+    fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
+        let sample = &sample;
         let Some((times, rows)) = frames_of(sample) else {
-            exported.leave_out(sample, "a frame's pose, speed, acceleration or yaw rate is unknown");
+            out.report.leave_out(sample, "a frame's pose, speed, acceleration or yaw rate is unknown");
             return Ok(());
         };
         let step = f64::from(times[1] - times[0]);
         let rate = (1.0 / step).round();
         if *self.rate_hz.get_or_insert(rate) != rate {
-            exported.leave_out(sample, "another rate than the samples before");
+            out.report.leave_out(sample, "another rate than the samples before");
             return Ok(());
         }
-        let language = Arc::new(language(sample, options.language, times[0]));
+        let language = Arc::new(language(sample, out.options.language, times[0]));
         if language.iter().all(|r| r.style != "plan") {
-            exported.leave_out(sample, NO_TRACE);
+            out.report.leave_out(sample, NO_TRACE);
             return Ok(());
         }
         if self.waiting.episodes >= EPISODES_PER_FILE {
-            self.flush(folder)?;
+            self.flush(out)?;
         }
         let task = task(sample);
         let next = self.tasks.len() as i64;
@@ -127,34 +121,29 @@ impl SampleWriter for Writer {
         self.frames += rows.len();
         let range = self.splits.entry(split.name()).or_insert((episode, episode));
         range.1 = episode + 1;
-        exported.records += 1;
+        out.report.records += 1;
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        self.flush(folder)?;
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        self.flush(out)?;
         let index: Vec<i64> = (0..self.task_order.len() as i64).collect();
         let tasks: Columns = vec![
             ("task_index".to_owned(), Arc::new(Int64Array::from(index)) as ArrayRef),
             ("task".to_owned(), Arc::new(StringArray::from_iter_values(&self.task_order))),
         ];
-        folder.write("meta/tasks.parquet", &bytes(tasks, Some("task"))?)?;
-        folder.write("meta/episodes/chunk-000/file-000.parquet", &bytes(self.episode_columns(), None)?)?;
-        folder.json("meta/stats.json", &self.stats())?;
-        exported
+        out.write("meta/tasks.parquet", &bytes(tasks, Some("task"))?)?;
+        out.write("meta/episodes/chunk-000/file-000.parquet", &bytes(self.episode_columns(), None)?)?;
+        out.json("meta/stats.json", &self.stats())?;
+        out.report
             .notes
             .push("images are not part of this export: a LeRobot episode needs one per frame".to_owned());
-        folder.json("meta/info.json", &self.info())
+        out.json("meta/info.json", &self.info())
     }
 }
 
 impl Writer {
-    fn flush(&mut self, folder: &mut Folder) -> Result<(), DatasetError> {
+    fn flush(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         if self.waiting.episodes == 0 {
             return Ok(());
         }
@@ -173,7 +162,7 @@ impl Writer {
         ];
         let name = format!("data/chunk-{:03}/file-{:03}.parquet", self.file / 1000, self.file % 1000);
         self.file += 1;
-        folder.write(&name, &bytes(columns, None)?)
+        out.write(&name, &bytes(columns, None)?)
     }
 
     fn episode_columns(&self) -> Columns {

@@ -1,7 +1,7 @@
 //! LLaMA-Factory (0.9) in its "sharegpt" form with OpenAI-style messages, and the entries of `dataset_info.json`.
 
+use super::Output;
 use super::chat::{ChatFormat, Conversation};
-use super::{Exported, Folder};
 use crate::{DatasetError, Release};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -19,12 +19,7 @@ impl LlamaFactory {
 }
 
 impl ChatFormat for LlamaFactory {
-    fn add(
-        &mut self,
-        c: &Conversation<'_>,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
+    fn add(&mut self, c: &Conversation<'_>, out: &mut Output) -> Result<(), DatasetError> {
         // One file per column layout: the loader takes the columns of the first record for all.
         let with_images = !c.images.is_empty();
         let suffix = if with_images { "" } else { "_text" };
@@ -33,13 +28,13 @@ impl ChatFormat for LlamaFactory {
             { "role": "user", "content": c.question("<image>") },
             { "role": "assistant", "content": c.answer() },
         ]});
-        folder.line(&file, &c.with_images(record, "images"))?;
+        out.line(&file, &c.with_images(record, "images"))?;
         self.sets.insert(format!("{}_{}{suffix}", self.name, c.split), (file, with_images));
-        exported.records += 1;
+        out.report.records += 1;
         Ok(())
     }
 
-    fn finish(&mut self, folder: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         let mut info = Map::new();
         for (name, (file, with_images)) in &self.sets {
             let mut columns = json!({ "messages": "messages" });
@@ -59,10 +54,10 @@ impl ChatFormat for LlamaFactory {
             });
             info.insert(name.clone(), entry);
         }
-        exported.notes.push(
+        out.report.notes.push(
             "llamafactory-cli train: dataset_dir and media_dir are this folder; dataset is a name of dataset_info.json"
                 .to_owned(),
         );
-        folder.json("dataset_info.json", &info)
+        out.json("dataset_info.json", &info)
     }
 }

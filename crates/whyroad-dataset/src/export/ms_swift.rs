@@ -1,8 +1,8 @@
 //! ms-swift (4.x) JSON Lines: `sft.<split>.jsonl` (messages, images), `dpo.<split>.jsonl` (with `rejected_response`:
 //! versions that a checker returned), `grpo.<split>.jsonl` (question only; further columns reach the reward functions).
 
+use super::Output;
 use super::chat::{ChatFormat, Conversation};
-use super::{Exported, Folder};
 use crate::DatasetError;
 use serde_json::{Value, json};
 
@@ -12,16 +12,11 @@ pub(super) struct MsSwift {
 }
 
 impl ChatFormat for MsSwift {
-    fn add(
-        &mut self,
-        c: &Conversation<'_>,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
+    fn add(&mut self, c: &Conversation<'_>, out: &mut Output) -> Result<(), DatasetError> {
         let (sample, split) = (c.sample, c.split);
         let mut line = |kind: &str, record: Value| {
-            exported.records += 1;
-            folder.line(&format!("{kind}.{split}.jsonl"), &c.with_images(record, "images"))
+            out.report.records += 1;
+            out.line(&format!("{kind}.{split}.jsonl"), &c.with_images(record, "images"))
         };
         // ms-swift replaces the tags in order.
         let user = json!({ "role": "user", "content": c.question("<image>") });
@@ -48,11 +43,11 @@ impl ChatFormat for MsSwift {
         line("grpo", record)
     }
 
-    fn finish(&mut self, _: &mut Folder, exported: &mut Exported) -> Result<(), DatasetError> {
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         if self.rejected == 0 {
-            exported.notes.push("no label was returned by a checker: no DPO file was written".to_owned());
+            out.report.notes.push("no label was returned by a checker: no DPO file was written".to_owned());
         }
-        exported.notes.push(
+        out.report.notes.push(
             "swift sft --dataset sft.train.jsonl --val_dataset sft.val.jsonl (run it inside this folder: image paths are relative)"
                 .to_owned(),
         );

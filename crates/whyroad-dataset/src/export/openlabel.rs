@@ -1,7 +1,7 @@
 //! ASAM OpenLABEL 1.0: one document per sample with the objects' boxes per frame in the ego frame at t0, the ego's
 //! decisions as actions, the critical components as contexts, and their causes as relations.
 
-use super::{ExportOptions, Exported, Folder, SampleWriter};
+use super::{Output, SampleWriter};
 use crate::DatasetError;
 use crate::item::SplitName;
 use crate::sample::{Cause, Sample};
@@ -17,16 +17,9 @@ const EGO: &str = "ego";
 pub(super) struct Writer;
 
 impl SampleWriter for Writer {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        exported.records += 1;
-        folder.json(&format!("{}/{}.json", split.name(), sample.sample_id), &document(sample))
+    fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
+        out.report.records += 1;
+        out.json(&format!("{}/{}.json", split.name(), sample.sample_id), &document(&sample))
     }
 }
 

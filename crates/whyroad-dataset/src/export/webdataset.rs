@@ -1,7 +1,7 @@
 //! WebDataset shards: `<split>-000000.tar`, files of one sample share their basename up to the first dot. Samples are
 //! already shuffled in the release; shards of a split have equal sizes, give or take one.
 
-use super::{ExportOptions, Exported, Folder, SampleWriter, images};
+use super::{Output, SampleWriter, images};
 use crate::freeze::shards::{Shard, shards};
 use crate::item::SplitName;
 use crate::sample::{Image, Sample};
@@ -41,67 +41,54 @@ impl Writer {
     }
 
     /// Counts a sample; gives the number and the size of the shard that begins with it.
-    fn begins(&mut self, split: SplitName, folder: &Folder) -> Result<Option<(usize, usize)>, DatasetError> {
+    fn begins(&mut self, split: SplitName, out: &Output) -> Result<Option<(usize, usize)>, DatasetError> {
         let plan = self.plan.get(split.name()).map_or(&[][..], Vec::as_slice);
         let done = self.done.entry(split.name()).or_default();
         if plan.last().is_none_or(|last| *done >= last.range.end) {
             let fault = "the release has more samples than its manifest says";
-            return Err(DatasetError::broken(&folder.root, fault));
+            return Err(DatasetError::broken(&out.root, fault));
         }
         let number = plan.iter().position(|s| s.range.start == *done);
         *done += 1;
         Ok(number.map(|n| (n, plan[n].range.len())))
     }
 
-    fn close(&mut self, folder: &Folder) -> Result<(), DatasetError> {
+    fn close(&mut self, out: &Output) -> Result<(), DatasetError> {
         let Some(tar) = self.open.take() else { return Ok(()) };
         tar.into_inner()
             .and_then(|file| file.into_inner().map_err(std::io::IntoInnerError::into_error))
             .map(drop)
-            .map_err(DatasetError::io(&folder.root))
+            .map_err(DatasetError::io(&out.root))
     }
 }
 
 impl SampleWriter for Writer {
-    fn add(
-        &mut self,
-        sample: &Sample,
-        split: SplitName,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        exported: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        if let Some((number, samples)) = self.begins(split, folder)? {
-            self.close(folder)?;
-            let file = folder.create(&format!("{}-{number:06}.tar", split.name()))?;
+    fn add(&mut self, mut sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
+        if let Some((number, samples)) = self.begins(split, out)? {
+            self.close(out)?;
+            let file = out.create(&format!("{}-{number:06}.tar", split.name()))?;
             self.open = Some(tar::Builder::new(BufWriter::new(file)));
             self.shards.entry(split.name()).or_default().push(samples);
         }
         let Some(tar) = &mut self.open else { return Ok(()) };
-        let without_bytes = Sample {
-            images: sample.images.iter().map(|i| Image { bytes: vec![], ..i.clone() }).collect(),
-            ..sample.clone()
-        };
-        let text = serde_json::to_vec(&without_bytes).map_err(|e| DatasetError::broken(&folder.root, e))?;
+        let names = images::names(&sample);
+        let contents: Vec<Vec<u8>> =
+            sample.images.iter_mut().map(|image| std::mem::take(&mut image.bytes)).collect();
+        let text = serde_json::to_vec(&sample).map_err(|e| DatasetError::broken(&out.root, e))?;
         let mut write = || -> std::io::Result<()> {
             put(tar, &format!("{}.json", sample.sample_id), &text)?;
-            for (name, image) in images::names(sample).iter().zip(&sample.images) {
-                put(tar, &format!("{}.{name}", sample.sample_id), &image.bytes)?;
+            for (name, content) in names.iter().zip(&contents) {
+                put(tar, &format!("{}.{name}", sample.sample_id), content)?;
             }
             Ok(())
         };
-        write().map_err(DatasetError::io(&folder.root))?;
-        exported.records += 1;
+        write().map_err(DatasetError::io(&out.root))?;
+        out.report.records += 1;
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        _: &ExportOptions,
-        folder: &mut Folder,
-        _: &mut Exported,
-    ) -> Result<(), DatasetError> {
-        self.close(folder)?;
-        folder.json("shards.json", &self.shards)
+    fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
+        self.close(out)?;
+        out.json("shards.json", &self.shards)
     }
 }
