@@ -252,6 +252,22 @@ fn what_was_accepted_is_released(at: &Path, source: &str, environment: &[(&str, 
     assert_eq!(chosen.lines().last(), rejected.lines().last());
     assert_ne!(chosen, rejected);
     good(at, "dataset verify release");
+
+    let mined = demo().join("mined").display().to_string();
+    let report = [
+        "report", "--lake", &lake, "--mined", &mined, "--labels", source, "--release", "release", "--tables", "tables",
+    ];
+    let reported = whyroad_with(at, &report, environment);
+    assert_eq!(reported.code, 0, "{}{}", reported.out, reported.err);
+    let stages = std::fs::read_to_string(at.join("tables/stages.csv")).unwrap();
+    let mut lines = stages.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let of_levels: Vec<Vec<&str>> = lines.filter(|fields| fields[1] == "l1").collect();
+    let total = |column: &str| -> u64 {
+        let at = header.iter().position(|name| *name == column).unwrap();
+        of_levels.iter().filter_map(|fields| fields[at].parse::<u64>().ok()).sum()
+    };
+    assert_eq!((total("tasked"), total("accepted"), total("released")), (3, 2, 2));
 }
 
 #[test]
