@@ -5,6 +5,7 @@ pub(crate) mod bag_records;
 pub(crate) mod bzip2;
 pub mod can;
 pub(crate) mod cdr;
+pub(crate) mod cells;
 pub(crate) mod columns;
 pub(crate) mod compressed;
 pub(crate) mod feather;

@@ -1,12 +1,13 @@
 //! Rows of other people's Parquet files as JSON objects: for tables whose cells are texts and lists, such as causal
 //! texts. Numbers, texts, truth values, lists and structs; any other type is null. Not for recorded signals.
 
+use crate::encodings::cells;
 use crate::encodings::columns::read_parquet;
 use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
-use arrow_array::{Array, ArrayRef};
+use arrow_array::{Array, ArrayRef, OffsetSizeTrait};
 use arrow_schema::DataType;
 use serde_json::{Map, Number, Value};
+use std::ops::Range;
 use std::path::Path;
 
 /// How deep lists and structs may be nested.
@@ -38,7 +39,6 @@ pub fn read_rows(path: &Path, columns: Option<&[&str]>) -> Result<Vec<Map<String
 fn values(array: &ArrayRef, depth: usize) -> Vec<Value> {
     let nulls = || vec![Value::Null; array.len()];
     let Some(depth) = depth.checked_sub(1) else { return nulls() };
-    let as_type = |to: DataType| arrow_cast::cast(array, &to).ok();
     let present = |i: usize, value: Value| if array.is_null(i) { Value::Null } else { value };
     match array.data_type() {
         DataType::Boolean => {
@@ -55,48 +55,43 @@ fn values(array: &ArrayRef, depth: usize) -> Vec<Value> {
             (0..array.len()).map(|i| present(i, Value::Object(row(i)))).collect()
         }
         DataType::List(_) | DataType::LargeList(_) | DataType::FixedSizeList(_, _) => {
-            let item = match array.data_type() {
-                DataType::List(f) | DataType::LargeList(f) | DataType::FixedSizeList(f, _) => f.clone(),
-                _ => return nulls(),
-            };
-            let Some(lists) = as_type(DataType::LargeList(item)) else { return nulls() };
-            let lists = lists.as_list::<i64>();
-            let items = values(lists.values(), depth);
-            let range = |i: usize| {
-                let (from, to) = (lists.value_offsets()[i], lists.value_offsets()[i + 1]);
-                usize::try_from(from).unwrap_or(0)..usize::try_from(to).unwrap_or(0)
-            };
+            let (items, range) = lists(array);
+            let items = values(&items, depth);
             (0..array.len())
-                .map(|i| present(i, Value::Array(items.get(range(i)).unwrap_or_default().to_vec())))
+                .map(|i| present(i, Value::Array(items.get(range[i].clone()).unwrap_or_default().to_vec())))
                 .collect()
         }
-        kind if kind.is_integer() => match as_type(DataType::Int64) {
-            Some(cells) => {
-                let cells = cells.as_primitive::<arrow_array::types::Int64Type>();
-                (0..array.len())
-                    .map(|i| if cells.is_null(i) { Value::Null } else { cells.value(i).into() })
-                    .collect()
-            }
-            None => nulls(),
-        },
-        kind if kind.is_floating() => match as_type(DataType::Float64) {
-            Some(cells) => {
-                let number = |v: Option<f64>| v.and_then(Number::from_f64).map_or(Value::Null, Value::Number);
-                cells.as_primitive::<Float64Type>().iter().map(number).collect()
-            }
-            None => nulls(),
-        },
+        kind if kind.is_integer() => filled(cells::integers(array), Value::from).unwrap_or_else(nulls),
+        kind if kind.is_floating() => {
+            filled(cells::numbers(array), |v| Number::from_f64(v).map_or(Value::Null, Value::Number))
+                .unwrap_or_else(nulls)
+        }
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View | DataType::Dictionary(_, _) => {
-            match as_type(DataType::Utf8) {
-                Some(cells) => {
-                    let cells = cells.as_string::<i32>();
-                    (0..array.len())
-                        .map(|i| if cells.is_null(i) { Value::Null } else { cells.value(i).into() })
-                        .collect()
-                }
-                None => nulls(),
-            }
+            filled(cells::texts(array), Value::from).unwrap_or_else(nulls)
         }
         _ => nulls(),
+    }
+}
+
+/// One value per cell.
+fn filled<T>(cells: Result<Vec<Option<T>>, String>, value: impl Fn(T) -> Value) -> Option<Vec<Value>> {
+    Some(cells.ok()?.into_iter().map(|cell| cell.map_or(Value::Null, &value)).collect())
+}
+
+/// The items of all lists of a list array, and the range of each row in them.
+fn lists(array: &ArrayRef) -> (ArrayRef, Vec<Range<usize>>) {
+    fn offsets<O: OffsetSizeTrait>(array: &ArrayRef) -> (ArrayRef, Vec<Range<usize>>) {
+        let lists = array.as_list::<O>();
+        let range = |pair: &[O]| pair[0].as_usize()..pair[1].as_usize();
+        (lists.values().clone(), lists.value_offsets().windows(2).map(range).collect())
+    }
+    match array.data_type() {
+        DataType::List(_) => offsets::<i32>(array),
+        DataType::LargeList(_) => offsets::<i64>(array),
+        _ => {
+            let lists = array.as_fixed_size_list();
+            let size = usize::try_from(lists.value_length()).unwrap_or(0);
+            (lists.values().clone(), (0..array.len()).map(|row| row * size..(row + 1) * size).collect())
+        }
     }
 }

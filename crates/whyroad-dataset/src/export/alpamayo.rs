@@ -339,7 +339,7 @@ fn cameras(
     for (i, image) in sample.images.iter().enumerate().filter(|(_, i)| i.camera != "bev") {
         by_camera.entry(&image.camera).or_default().push(i);
     }
-    let Some(ffmpeg) = &out.options.ffmpeg else {
+    let Some(ffmpeg) = out.options.ffmpeg.clone() else {
         if !by_camera.is_empty() {
             out.report.leave_out(sample, "images: ffmpeg is not installed");
         }
@@ -352,7 +352,7 @@ fn cameras(
         else {
             continue;
         };
-        let Some(video) = encode(sample, &images, ffmpeg, &out.root)? else {
+        let Some(video) = encode(sample, &images, &ffmpeg, &out.root)? else {
             out.report.leave_out(sample, "images: ffmpeg could not encode them");
             continue;
         };

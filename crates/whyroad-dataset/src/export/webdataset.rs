@@ -4,7 +4,7 @@
 use super::{Output, SampleWriter, images};
 use crate::freeze::shards::{Shard, shards};
 use crate::item::SplitName;
-use crate::sample::{Image, Sample};
+use crate::sample::Sample;
 use crate::{DatasetError, Release};
 use std::collections::BTreeMap;
 use std::fs::File;

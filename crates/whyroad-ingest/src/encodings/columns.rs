@@ -1,10 +1,8 @@
 //! Columns of others' tables (Arrow record batches, from whatever file), read by name and brought to the type that is
 //! asked for.
 
-use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int64Type};
+use super::cells;
 use arrow_array::{Array, RecordBatch};
-use arrow_schema::DataType;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::reader::ChunkReader;
@@ -45,14 +43,18 @@ impl Columns {
         self.0.iter().map(RecordBatch::num_rows).sum()
     }
 
-    fn cast(&self, name: &str, to: &DataType) -> Result<Vec<arrow_array::ArrayRef>, String> {
-        self.0
-            .iter()
-            .map(|b| {
-                let column = b.column_by_name(name).ok_or_else(|| format!("column '{name}' is missing"))?;
-                arrow_cast::cast(column, to).map_err(|e| format!("column '{name}': {e}"))
-            })
-            .collect()
+    /// The cells of a column, batch by batch.
+    fn cells<T>(
+        &self,
+        name: &str,
+        read: impl Fn(&dyn Array) -> Result<Vec<Option<T>>, String>,
+    ) -> Result<Vec<Option<T>>, String> {
+        let mut out = Vec::with_capacity(self.rows());
+        for batch in &self.0 {
+            let column = batch.column_by_name(name).ok_or_else(|| format!("column '{name}' is missing"))?;
+            out.extend(read(column.as_ref()).map_err(|e| format!("column '{name}': {e}"))?);
+        }
+        Ok(out)
     }
 
     /// True when the file has the column.
@@ -62,28 +64,16 @@ impl Columns {
 
     /// A column of numbers; null is NaN.
     pub fn numbers(&self, name: &str) -> Result<Vec<f64>, String> {
-        let arrays = self.cast(name, &DataType::Float64)?;
-        Ok(arrays
-            .iter()
-            .flat_map(|a| a.as_primitive::<Float64Type>().iter().map(|v| v.unwrap_or(f64::NAN)))
-            .collect())
+        Ok(self.cells(name, cells::numbers)?.into_iter().map(|v| v.unwrap_or(f64::NAN)).collect())
     }
 
     /// A column of integers.
     pub fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, String> {
-        let arrays = self.cast(name, &DataType::Int64)?;
-        Ok(arrays.iter().flat_map(|a| a.as_primitive::<Int64Type>().iter()).collect())
+        self.cells(name, cells::integers)
     }
 
     /// A column of texts, whatever their encoding.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<String>>, String> {
-        let arrays = self.cast(name, &DataType::Utf8)?;
-        Ok(arrays
-            .iter()
-            .flat_map(|a| {
-                let a = a.as_string::<i32>();
-                (0..a.len()).map(move |i| (!a.is_null(i)).then(|| a.value(i).to_owned()))
-            })
-            .collect())
+        self.cells(name, cells::texts)
     }
 }

@@ -255,7 +255,17 @@ fn what_was_accepted_is_released(at: &Path, source: &str, environment: &[(&str, 
 
     let mined = demo().join("mined").display().to_string();
     let report = [
-        "report", "--lake", &lake, "--mined", &mined, "--labels", source, "--release", "release", "--tables", "tables",
+        "report",
+        "--lake",
+        &lake,
+        "--mined",
+        &mined,
+        "--labels",
+        source,
+        "--release",
+        "release",
+        "--tables",
+        "tables",
     ];
     let reported = whyroad_with(at, &report, environment);
     assert_eq!(reported.code, 0, "{}{}", reported.out, reported.err);
