@@ -103,7 +103,10 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
             while time(r) - time(first) > SWINGS_WITHIN_S {
                 first += 1;
             }
-            Tri::from(swings(&across[first..=r]) >= SWINGS)
+            // A lane that shifts to the side moves its vehicles across its own direction; who weaves also moves in it.
+            let beside = places[first..=r].iter().flatten().map(|p| p.lateral);
+            let (low, high) = beside.fold((f64::MAX, f64::MIN), |(low, high), l| (low.min(l), high.max(l)));
+            Tri::from(high - low >= SWING_M && swings(&across[first..=r]) >= SWINGS)
         })
         .collect()
 }
