@@ -367,3 +367,54 @@ fn a_type_may_be_an_animal_and_the_ego_may_tell_of_emergency_braking() {
     let class = |id: &str| drive.tracks.iter().find(|t| t.id.as_str() == id).unwrap().class;
     assert_eq!((class("cow"), class("walker")), (ObjectClass::Animal, ObjectClass::Pedestrian));
 }
+
+/// Both carriageways of a fast road use the same nodes; an exit with an ordinary type leaves one of them, and another
+/// road has a side road that is driven both ways. Only the exit is a ramp, and its node is not a junction.
+#[test]
+fn an_exit_of_a_road_with_shared_nodes_is_a_ramp() {
+    let dir = fcd(0.1, 12, |t| vec![car("ego", 10.0 + 10.0 * t, -1.6)]);
+    let edge = |id: &str, from: &str, to: &str, speed: f64, shape: &str| {
+        format!(
+            r#"<edge id="{id}" from="{from}" to="{to}"><lane id="{id}_0" index="0" speed="{speed}" length="9" shape="{shape}"/></edge>"#
+        )
+    };
+    let inside = |id: &str, shape: &str| {
+        format!(
+            r#"<edge id=":{id}" function="internal"><lane id=":{id}_0" index="0" speed="30" length="9" shape="{shape}"/></edge>"#
+        )
+    };
+    let connection = |from: &str, to: &str, via: &str| {
+        format!(r#"<connection from="{from}" to="{to}" fromLane="0" toLane="0" via=":{via}_0" dir="s"/>"#)
+    };
+    let net = [
+        edge("ab", "a", "b", 36.0, "0,-1.6 100,-1.6"),
+        edge("ba", "b", "a", 36.0, "100,1.6 0,1.6"),
+        edge("bc", "b", "c", 27.8, "110,-1.6 300,-1.6"),
+        edge("cb", "c", "b", 36.0, "300,1.6 110,1.6"),
+        edge("exit", "b", "x", 16.7, "110,-5 200,-30"),
+        edge("on", "x", "y", 16.7, "202,-31 300,-80"),
+        edge("cd", "c", "d", 27.8, "310,-1.6 400,-1.6"),
+        edge("dc", "d", "c", 27.8, "400,1.6 310,1.6"),
+        edge("side", "c", "s", 16.7, "310,-5 400,-50"),
+        edge("back", "s", "c", 16.7, "400,-46 310,-1"),
+        inside("b_0", "100,-1.6 110,-1.6"),
+        inside("b_1", "100,-1.6 110,-5"),
+        inside("b_2", "110,1.6 100,1.6"),
+        inside("x_0", "200,-30 202,-31"),
+        connection("ab", "bc", "b_0"),
+        connection("ab", "exit", "b_1"),
+        connection("cb", "ba", "b_2"),
+        connection("exit", "on", "x_0"),
+        r#"<connection from=":x_0" to="on" fromLane="0" toLane="0" dir="s"/>"#.to_owned(),
+        connection("bc", "cd", "c_0"),
+        connection("bc", "side", "c_1"),
+        connection("dc", "cb", "c_2"),
+        connection("back", "cd", "c_3"),
+    ];
+    fs::write(dir.path().join("net.xml"), format!("<net>{}</net>", net.concat())).unwrap();
+    let map = read(&dir).0.unwrap().map.unwrap();
+    let ramps: Vec<_> = map.lanes.iter().filter(|l| l.is_tagged("ramp")).map(|l| l.id.as_str()).collect();
+    assert_eq!(ramps, [":x_0_0", "exit_0", "on_0"]);
+    let junctions: Vec<_> = map.lanes.iter().filter(|l| l.in_junction).map(|l| l.id.as_str()).collect();
+    assert_eq!(junctions, [""; 0], "neither where the exit leaves nor inside the ramp");
+}

@@ -13,7 +13,7 @@ use crate::assemble::geometry::{beside, between, distance};
 use crate::assemble::layers;
 use crate::encodings::xml::{Element, Tag, for_each_tag};
 use crate::report::RowCount;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{
@@ -225,7 +225,11 @@ fn connection(e: &Element) -> Option<Connection> {
 
 fn assemble(raw: Raw, net: &mut Net) {
     let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts: rings } = raw;
-    let junctions = real_junctions(&edges, &lanes);
+    let branches = branches(&edges);
+    let movements: BTreeSet<(&str, &str)> =
+        connections.iter().filter_map(|c| Some((edge_of(&c.from)?, edge_of(&c.to)?))).collect();
+    let meetings = ramps::meetings(&branches, &movements);
+    let junctions = real_junctions(&meetings, &lanes);
 
     for edge in edges.values() {
         // Lanes are numbered from the right; SUMO writes them in that order.
@@ -267,10 +271,10 @@ fn assemble(raw: Raw, net: &mut Net) {
     }
     let outside: Vec<&Vec<String>> =
         edges.values().filter(|e| e.function.is_empty()).map(|e| &e.lanes).collect();
-    let typed_ramps = lanes.values().any(|l| l.is_tagged("ramp") || l.is_tagged("acceleration"));
+    let typed_ramps = lanes.values().any(|l| l.is_tagged("ramp"));
     ramps::tag_feeders(&outside, &mut lanes);
     if !typed_ramps {
-        ramps::tag_branches(&branches(&edges), &mut lanes);
+        ramps::tag_branches(&meetings, &mut lanes);
     }
     ramps::tag_joints(&mut lanes);
     let exits = border.exits();
@@ -326,8 +330,8 @@ fn assemble(raw: Raw, net: &mut Net) {
 
 /// Edges outside junctions as [`ramps::tag_branches`] asks for them.
 fn branches(edges: &BTreeMap<String, Edge>) -> Vec<ramps::Branch<'_>> {
-    let outside = edges.values().filter(|e| e.function.is_empty() && !e.lanes.is_empty());
-    outside.map(|e| ramps::Branch { from: &e.from, to: &e.to, lanes: &e.lanes }).collect()
+    let outside = edges.iter().filter(|(_, e)| e.function.is_empty() && !e.lanes.is_empty());
+    outside.map(|(id, e)| ramps::Branch { id, from: &e.from, to: &e.to, lanes: &e.lanes }).collect()
 }
 
 fn set(lanes: &mut BTreeMap<String, Lane>, id: &str, change: impl FnOnce(&mut Lane)) {
@@ -347,24 +351,27 @@ fn internal_node(edge_id: &str) -> Option<&str> {
     edge_id.strip_prefix(':')?.rsplit_once('_').map(|p| p.0)
 }
 
-/// Nodes that join three or more other nodes by edges that have lanes, but for those at which one-way roads only merge
-/// or part.
+/// The edge of a lane `edge_index`.
+fn edge_of(lane: &str) -> Option<&str> {
+    lane.rsplit_once('_').map(|p| p.0)
+}
+
+/// Nodes that join three or more other nodes by edges that have lanes, but for those at which roads only merge or part,
+/// passing those of the other direction at most.
 fn real_junctions<'e>(
-    edges: &'e BTreeMap<String, Edge>,
+    meetings: &BTreeMap<&'e str, Vec<ramps::Meeting<'e>>>,
     lanes: &BTreeMap<String, Lane>,
 ) -> BTreeSet<&'e str> {
-    let mut flows: HashMap<&str, ramps::Flows> = HashMap::new();
-    let mut others: HashMap<&str, BTreeSet<&str>> = HashMap::new();
-    for e in edges.values().filter(|e| e.function.is_empty() && !e.lanes.is_empty()) {
-        others.entry(&e.from).or_default().insert(&e.to);
-        others.entry(&e.to).or_default().insert(&e.from);
-        if let Some(lane) = e.lanes.first().and_then(|id| lanes.get(id)) {
-            flows.entry(&e.from).or_default().leaves(&e.to, lane);
-            flows.entry(&e.to).or_default().comes(&e.from, lane);
-        }
-    }
-    let only_flows = |node: &str| flows.get(node).is_some_and(ramps::Flows::run_together);
-    others.into_iter().filter(|(node, o)| o.len() >= 3 && !only_flows(node)).map(|(node, _)| node).collect()
+    let is_real = |meetings: &[ramps::Meeting<'_>]| {
+        let ends =
+            meetings.iter().flat_map(|m| m.ins.iter().map(|e| e.from).chain(m.outs.iter().map(|e| e.to)));
+        let opposite =
+            |(i, m): (usize, &ramps::Meeting<'_>)| meetings[..i].iter().all(|o| m.is_opposite(o, lanes));
+        let only_flows =
+            meetings.iter().all(|m| m.runs_together(lanes)) && meetings.iter().enumerate().all(opposite);
+        ends.collect::<BTreeSet<_>>().len() >= 3 && !only_flows
+    };
+    meetings.iter().filter(|(_, here)| is_real(here)).map(|(node, _)| *node).collect()
 }
 
 /// The leftmost lanes of an edge and of the one that runs the other way are neighbours where they touch.

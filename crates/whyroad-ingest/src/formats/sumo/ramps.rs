@@ -3,7 +3,7 @@
 //! (`acceleration="1"`).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::f64::consts::FRAC_PI_3;
+use std::f64::consts::{FRAC_PI_3, PI};
 use whyroad_model::road_map::{Lane, LaneKind, Point3};
 
 /// Roads whose directions at a node differ by less than this run together there, rad: 60 deg.
@@ -14,35 +14,91 @@ fn heading(a: Point3, b: Point3) -> f64 {
     (b.y - a.y).atan2(b.x - a.x)
 }
 
-/// The roads at a node: whence, whither, and their directions there (rad).
-#[derive(Default)]
-pub(super) struct Flows<'e> {
-    from: BTreeSet<&'e str>,
-    to: BTreeSet<&'e str>,
-    headings: Vec<f64>,
+/// An edge outside junctions.
+#[derive(Clone, Copy)]
+pub(super) struct Branch<'e> {
+    pub id: &'e str,
+    pub from: &'e str,
+    pub to: &'e str,
+    pub lanes: &'e [String],
 }
 
-impl<'e> Flows<'e> {
-    /// A road that begins here and leads to node `to`.
-    pub fn leaves(&mut self, to: &'e str, lane: &Lane) {
-        self.to.insert(to);
-        self.headings.extend(lane.centre.windows(2).next().map(|w| heading(w[0], w[1])));
-    }
+/// Edges at a node that its connections join; edges of one node without a connection between them meet apart, such as
+/// the two carriageways of a road. Turning back is not a connection.
+pub(super) struct Meeting<'e> {
+    /// Edges that end at the node.
+    pub ins: Vec<Branch<'e>>,
+    /// Edges that begin there.
+    pub outs: Vec<Branch<'e>>,
+}
 
-    /// A road that comes from node `from` and ends here.
-    pub fn comes(&mut self, from: &'e str, lane: &Lane) {
-        self.from.insert(from);
-        self.headings.extend(lane.centre.windows(2).last().map(|w| heading(w[0], w[1])));
+/// The meetings of every node. `movements` are the pairs of edges that a connection joins.
+pub(super) fn meetings<'e>(
+    edges: &[Branch<'e>],
+    movements: &BTreeSet<(&str, &str)>,
+) -> BTreeMap<&'e str, Vec<Meeting<'e>>> {
+    let mut at = BTreeMap::<&str, Meeting<'e>>::new();
+    for edge in edges {
+        let empty = || Meeting { ins: Vec::new(), outs: Vec::new() };
+        at.entry(edge.to).or_insert_with(empty).ins.push(*edge);
+        at.entry(edge.from).or_insert_with(empty).outs.push(*edge);
+    }
+    let joined = |a: &Branch<'_>, b: &Branch<'_>| a.from != b.to && movements.contains(&(a.id, b.id));
+    at.into_iter()
+        .map(|(node, mut all)| {
+            let mut found = Vec::new();
+            while let Some(first) = all.ins.pop() {
+                let mut one = Meeting { ins: vec![first], outs: Vec::new() };
+                loop {
+                    let (new, rest): (Vec<_>, Vec<_>) =
+                        all.outs.iter().copied().partition(|o| one.ins.iter().any(|i| joined(i, o)));
+                    all.outs = rest;
+                    one.outs.extend(new);
+                    let (new, rest): (Vec<_>, Vec<_>) =
+                        all.ins.iter().copied().partition(|i| one.outs.iter().any(|o| joined(i, o)));
+                    all.ins = rest;
+                    if new.is_empty() {
+                        break;
+                    }
+                    one.ins.extend(new);
+                }
+                found.push(one);
+            }
+            found.extend(all.outs.into_iter().map(|o| Meeting { ins: Vec::new(), outs: vec![o] }));
+            (node, found)
+        })
+        .collect()
+}
+
+impl Meeting<'_> {
+    /// Directions of the roads at the node, rad.
+    fn headings(&self, lanes: &BTreeMap<String, Lane>) -> Vec<f64> {
+        let lane = |e: &Branch<'_>| e.lanes.first().and_then(|id| lanes.get(id));
+        let ends = self.ins.iter().filter_map(lane).filter_map(|l| l.centre.windows(2).last());
+        let begins = self.outs.iter().filter_map(lane).filter_map(|l| l.centre.windows(2).next());
+        ends.chain(begins).map(|w| heading(w[0], w[1])).collect()
     }
 
     /// True where one-way roads merge or part: none leads back where one comes from, one side is a single road, and all
     /// of them go one way.
-    pub fn run_together(&self) -> bool {
-        let apart = |a: f64, b: f64| crate::assemble::angles::wrap_angle(a - b).abs();
-        self.from.is_disjoint(&self.to)
-            && (self.from.len() == 1 || self.to.len() == 1)
-            && self.headings.iter().all(|&a| self.headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))
+    pub fn runs_together(&self, lanes: &BTreeMap<String, Lane>) -> bool {
+        let from: BTreeSet<&str> = self.ins.iter().map(|e| e.from).collect();
+        let to: BTreeSet<&str> = self.outs.iter().map(|e| e.to).collect();
+        let headings = self.headings(lanes);
+        from.is_disjoint(&to)
+            && (from.len() == 1 || to.len() == 1)
+            && headings.iter().all(|&a| headings.iter().all(|&b| apart(a, b) < TOGETHER_RAD))
     }
+
+    /// True where the roads of `other` go the opposite way: they pass each other and do not cross.
+    pub fn is_opposite(&self, other: &Meeting<'_>, lanes: &BTreeMap<String, Lane>) -> bool {
+        let theirs = other.headings(lanes);
+        self.headings(lanes).iter().all(|&a| theirs.iter().all(|&b| apart(a, b) > PI - TOGETHER_RAD))
+    }
+}
+
+fn apart(a: f64, b: f64) -> f64 {
+    crate::assemble::angles::wrap_angle(a - b).abs()
 }
 
 /// True for the type of a ramp's edge: `highway.motorway_link`.
@@ -83,28 +139,27 @@ pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, L
     }
 }
 
-/// An edge outside junctions.
-pub(super) struct Branch<'e> {
-    pub from: &'e str,
-    pub to: &'e str,
-    pub lanes: &'e [String],
-}
-
 /// Speed limit from which on a road is one that has ramps, m/s: 70 km/h.
 const RAMP_ROAD_MPS: f64 = 19.4;
 /// A side road is this much slower than the main road, m/s, or has fewer lanes.
 const SLOWER_MPS: f64 = 2.0;
 
-/// Tags exits and entries of networks that name no ramps: where a fast one-way road parts into two that go the same way
-/// (or two merge into one), the slower one, or the one with fewer lanes, is a ramp, with what leads on from it alone
-/// (or to it alone).
-pub(super) fn tag_branches(edges: &[Branch<'_>], lanes: &mut BTreeMap<String, Lane>) {
-    let mut leaving = BTreeMap::<&str, Vec<&Branch<'_>>>::new();
-    let mut coming = BTreeMap::<&str, Vec<&Branch<'_>>>::new();
-    for edge in edges {
-        leaving.entry(edge.from).or_default().push(edge);
-        coming.entry(edge.to).or_default().push(edge);
-    }
+/// Tags exits and entries of networks that name no ramps: where a fast road parts into two that go the same way (or two
+/// merge into one), the slower one, or the one with fewer lanes, is a ramp, with what leads on from it alone (or to it
+/// alone). A road that can also be driven the other way is not a ramp.
+pub(super) fn tag_branches(meetings: &BTreeMap<&str, Vec<Meeting<'_>>>, lanes: &mut BTreeMap<String, Lane>) {
+    let all = || meetings.values().flatten();
+    let ends: BTreeSet<(&str, &str)> = all().flat_map(|m| &m.outs).map(|e| (e.from, e.to)).collect();
+    let two_way = |e: &Branch<'_>| ends.contains(&(e.to, e.from));
+    // Pairs of roads of which one leads into the other alone.
+    let pairs = || {
+        all().filter_map(|m| match (&m.ins[..], &m.outs[..]) {
+            ([before], [next]) => Some((*before, *next)),
+            _ => None,
+        })
+    };
+    let onward: BTreeMap<&str, Branch<'_>> = pairs().map(|(before, next)| (before.id, next)).collect();
+    let back: BTreeMap<&str, Branch<'_>> = pairs().map(|(before, next)| (next.id, before)).collect();
     let rolling = |e: &Branch<'_>| {
         let of = |id: &&String| lanes.get(*id).is_some_and(|l| l.kind == LaneKind::Vehicle);
         e.lanes.iter().filter(of).count()
@@ -120,36 +175,27 @@ pub(super) fn tag_branches(edges: &[Branch<'_>], lanes: &mut BTreeMap<String, La
         (na != nb).then_some(na < nb)
     };
     let mut ramps: BTreeSet<&str> = BTreeSet::new();
-    let empty = Vec::new();
-    let nodes: BTreeSet<&str> = leaving.keys().chain(coming.keys()).copied().collect();
-    for node in nodes {
-        let (into, out) = (coming.get(node).unwrap_or(&empty), leaving.get(node).unwrap_or(&empty));
-        let (one, two, parts) = match (&into[..], &out[..]) {
-            ([one], [a, b]) => (*one, (*a, *b), true),
-            ([a, b], [one]) => (*one, (*a, *b), false),
+    for meeting in all() {
+        let (one, two, parts) = match (&meeting.ins[..], &meeting.outs[..]) {
+            ([one], [a, b]) => (one, (a, b), true),
+            ([a, b], [one]) => (one, (a, b), false),
             _ => continue,
         };
-        let mut flows = Flows::default();
-        for e in into {
-            e.lanes.first().and_then(|id| lanes.get(id)).into_iter().for_each(|l| flows.comes(e.from, l));
-        }
-        for e in out {
-            e.lanes.first().and_then(|id| lanes.get(id)).into_iter().for_each(|l| flows.leaves(e.to, l));
-        }
-        if !flows.run_together() || speed(one) < RAMP_ROAD_MPS {
+        if !meeting.runs_together(lanes) || speed(one) < RAMP_ROAD_MPS {
             continue;
         }
         let Some(first_is_less) = lesser(two.0, two.1) else { continue };
-        let mut edge: &Branch<'_> = if first_is_less { two.0 } else { two.1 };
+        let mut edge = if first_is_less { *two.0 } else { *two.1 };
         // On along the ramp while it is the only way.
         for _ in 0..32 {
+            if two_way(&edge) {
+                break;
+            }
             ramps.extend(edge.lanes.iter().map(String::as_str));
-            let at = if parts { edge.to } else { edge.from };
-            let (into, out) = (coming.get(at).unwrap_or(&empty), leaving.get(at).unwrap_or(&empty));
-            edge = match (&into[..], &out[..]) {
-                ([_], [next]) if parts => *next,
-                ([before], [_]) if !parts => *before,
-                _ => break,
+            let further = if parts { onward.get(edge.id) } else { back.get(edge.id) };
+            edge = match further {
+                Some(further) => *further,
+                None => break,
             };
         }
     }
