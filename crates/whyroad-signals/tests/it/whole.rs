@@ -205,7 +205,8 @@ fn a_position_at_a_billion_metres_costs_no_more_than_another() {
     };
     let lead = |d: &mut Drive| d.tracks[0].motion.x[20] = 1e9;
     let lane = |d: &mut Drive| d.map.as_mut().unwrap().lanes[0].centre[0].x = -1e9;
-    let changes: [(&str, &dyn Fn(&mut Drive)); 6] = [
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut Drive));
+    let changes: [Change<'_>; 6] = [
         ("one frame of the ego", &one),
         ("the whole ego", &all),
         ("half of the ego", &half),
