@@ -218,7 +218,8 @@ mod shared {
         let mut counted = Vec::new();
         for (key, free) in keys {
             let who = hash(key);
-            let sql = "INSERT INTO sign_in_failures (who, failures, last) VALUES ($1, 0, $2) ON CONFLICT (who) DO NOTHING";
+            let sql = "INSERT INTO sign_in_failures (who, failures, last) VALUES ($1, 0, $2)
+                       ON CONFLICT (who) DO NOTHING";
             tx.run(sql, values![&who, now])?;
             let before = failed(tx, &who, lock)?.unwrap_or(Failed { count: 0, last: now });
             longest = longest.max(wait(Some(before), *free, now));
@@ -256,11 +257,10 @@ mod shared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::store::StoreLocation;
 
     /// Counting in memory, and in a store as services on PostgreSQL do.
     fn both(dir: &tempfile::TempDir) -> [Limits; 2] {
-        let store = Store::open(&StoreLocation::File(dir.path().join("store"))).unwrap();
+        let store = Store::open(&dir.path().join("store")).unwrap();
         [Limits::default(), Limits { failures: Failures::Shared(store), hashing: Mutex::default() }]
     }
 
