@@ -16,6 +16,7 @@ use crate::road::path::{DrivenPath, driven_path};
 use crate::road::way::Ways;
 use crate::road::{self, curvature, junction, lane_change, lights, route, terrain};
 use crate::series::seconds;
+use crate::sizes::with_possible_sizes;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::lanes::TargetLanes;
@@ -33,7 +34,8 @@ use whyroad_model::{Drive, Need, SignalTable};
 ///
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
-    let estimated = estimated(drive);
+    let drive = with_possible_sizes(drive);
+    let estimated = estimated(&drive);
     let drive = &*estimated.drive;
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);

@@ -16,6 +16,7 @@ use crate::estimate::estimate;
 use crate::needs::missing;
 use crate::road::network::Road;
 use crate::series::seconds;
+use crate::sizes::with_possible_sizes;
 use body::Body;
 use lanes::BodyLanes;
 use scene::Scene;
@@ -33,7 +34,8 @@ pub fn derive_objects(
     objects: Objects,
     pairs: WithPairs,
 ) -> SignalTable {
-    let estimated = estimate(drive);
+    let drive = with_possible_sizes(drive);
+    let estimated = estimate(&drive);
     let drive = &*estimated;
     let lacking = missing(drive);
     let times = seconds(drive);

@@ -205,14 +205,16 @@ fn a_position_at_a_billion_metres_costs_no_more_than_another() {
     };
     let lead = |d: &mut Drive| d.tracks[0].motion.x[20] = 1e9;
     let lane = |d: &mut Drive| d.map.as_mut().unwrap().lanes[0].centre[0].x = -1e9;
+    let large = |d: &mut Drive| d.tracks[0].length_m.iter_mut().for_each(|l| *l = 1e9);
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Drive));
-    let changes: [Change<'_>; 6] = [
+    let changes: [Change<'_>; 7] = [
         ("one frame of the ego", &one),
         ("the whole ego", &all),
         ("half of the ego", &half),
         ("a speed of 1e10 m/s", &fast),
         ("one row of a track", &lead),
         ("one point of a lane", &lane),
+        ("a length", &large),
     ];
     for (what, change) in changes {
         let mut d = full();
