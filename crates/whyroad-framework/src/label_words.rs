@@ -9,6 +9,9 @@ use whyroad_model::{Bilingual, Diagnostic, yaml};
 
 use crate::lexicon::trie::Trie;
 
+/// Letters and digits of a placeholder; the list is checked against it.
+const LONGEST_PLACEHOLDER: usize = 32;
+
 /// A set of groups of things, a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GroupSet(pub u64);
@@ -72,6 +75,16 @@ pub enum WordRole {
     Colour(usize),
     /// Only known afterwards.
     Hindsight,
+    /// Says that what it is near is before the ego.
+    Ahead,
+    /// Says that what follows is not there.
+    Absent,
+    /// Says that what follows does not happen.
+    Denied,
+    /// Says that what follows in the clause is only supposed.
+    Supposed,
+    /// Says that the ego goes on as before.
+    Unchanged,
     /// Only hides the words inside it.
     Plain,
 }
@@ -94,6 +107,7 @@ pub struct LabelWords {
     pub objects: Vec<ObjectGroup>,
     /// Unions of groups by name; every group is also its own kind.
     pub kinds: BTreeMap<String, GroupSet>,
+    names: BTreeMap<String, Bilingual>,
     placeholders: HashSet<String>,
     trie: Trie,
     roles: Vec<WordRole>,
@@ -127,14 +141,26 @@ impl LabelWords {
         self.roles.is_empty()
     }
 
+    /// A kind for people; its id where the file has no name.
+    pub fn kind_name(&self, id: &str) -> Bilingual {
+        self.names.get(id).cloned().unwrap_or_else(|| Bilingual::same(id))
+    }
+
     /// True when a text consists of nothing but a placeholder: one of the list, one character repeated, or no letter.
     pub fn is_placeholder(&self, text: &str) -> bool {
-        let bare = compile::bare(text);
-        let mut letters = bare.chars();
+        let mut letters = text.chars().filter(|c| c.is_alphanumeric());
         let Some(first) = letters.next() else { return true };
-        let same = letters.all(|c| c == first) && bare.chars().count() > 1;
-        let digits = bare.chars().all(|c| c.is_ascii_digit());
-        same || digits || self.placeholders.contains(&bare)
+        let (mut same, mut digits, mut count) = (true, first.is_ascii_digit(), 1_usize);
+        for c in letters {
+            same &= c.to_lowercase().eq(first.to_lowercase());
+            digits &= c.is_ascii_digit();
+            count += 1;
+            // A longer text is none of the list; most texts end here.
+            if !same && !digits && count > LONGEST_PLACEHOLDER {
+                return false;
+            }
+        }
+        (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
     }
 
     /// True when `text` says why something could not be observed.
@@ -153,9 +179,15 @@ struct File {
     version: String,
     objects: Vec<RawObject>,
     kinds: BTreeMap<String, Vec<String>>,
+    names: BTreeMap<String, Name>,
     sides: RawSides,
     states: RawStates,
     colours: BTreeMap<String, Words>,
+    ahead: Words,
+    absent: Words,
+    denied: Words,
+    supposed: Words,
+    unchanged: Words,
     hindsight: RawHindsight,
     placeholder: Words,
     plain: Words,
@@ -196,6 +228,13 @@ struct RawStates {
 struct RawHindsight {
     firm: Words,
     plain: Words,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Name {
+    zh: String,
+    en: String,
 }
 
 /// One list in both languages.
@@ -249,6 +288,7 @@ mod tests {
         {
             assert!(words.is_placeholder(text), "{text}");
         }
+        assert!(words.placeholders.iter().all(|p| p.chars().count() <= LONGEST_PLACEHOLDER));
         for text in ["行人", "red light", "无灯路口"] {
             assert!(!words.is_placeholder(text), "{text}");
         }

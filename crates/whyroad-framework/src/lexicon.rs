@@ -63,6 +63,21 @@ pub struct Says {
     /// Decisions that are not taken where this is said not to happen.
     #[serde(skip)]
     pub denies: Vec<Longitudinal>,
+    /// What it says of the ego's speed, whatever the decision.
+    #[serde(skip)]
+    pub speed: Option<SaidSpeed>,
+}
+
+/// What a phrase says of the ego's speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SaidSpeed {
+    /// It becomes higher.
+    Faster,
+    /// It becomes lower.
+    Slower,
+    /// The ego comes to stand.
+    Stops,
 }
 
 /// One list of patterns in both languages.
@@ -133,6 +148,8 @@ struct PhraseWords {
     change: bool,
     #[serde(default)]
     denies: Vec<Longitudinal>,
+    #[serde(default)]
+    speed: Option<SaidSpeed>,
     #[serde(default)]
     zh: Vec<String>,
     #[serde(default)]

@@ -79,7 +79,7 @@ impl<'f> Checker<'f> {
         self.rulebook().check(label, sink);
         let recorded = self.recordings.as_ref().zip(label.clip_id.get()).and_then(|(r, id)| r.of_clip(id));
         if let Some(recorded) = recorded {
-            motion::check(label, &recorded, &self.framework.decisions, &self.framework.label_words, sink);
+            motion::check(label, &recorded, self.framework, &self.classes, sink);
         }
     }
 

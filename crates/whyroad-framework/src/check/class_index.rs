@@ -14,6 +14,8 @@ pub use whyroad_model::ids::OTHER;
 /// What a class prescribes for its labels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prescribed {
+    /// The class in words.
+    pub title: Bilingual,
     /// Type of the keyframe.
     pub kind: Option<KeyframeType>,
     /// At least one component has high uncertainty.
@@ -75,6 +77,7 @@ pub enum Level {
 impl Prescribed {
     fn of(spec: &ResolvedSpec, decisions: Option<&ClassDecisions>) -> Self {
         Self {
+            title: Bilingual::default(),
             kind: Some(spec.keyframe.kind),
             uncertainty_high: spec.uncertainty_high,
             lateral: spec.lateral,
@@ -89,6 +92,7 @@ impl Prescribed {
     /// What two classes both prescribe.
     fn and(self, other: &Prescribed) -> Self {
         Self {
+            title: self.title,
             kind: self.kind.filter(|k| other.kind == Some(*k)),
             uncertainty_high: self.uncertainty_high && other.uncertainty_high,
             lateral: self.lateral.filter(|l| other.lateral == Some(*l)),
@@ -120,6 +124,11 @@ impl ClassIndex {
         self.names.iter().filter(|(id, _)| ends(id)).count() == 1
     }
 
+    /// A class in words.
+    pub fn name(&self, id: &ScenarioId) -> Option<&Bilingual> {
+        self.names.iter().find(|(own, _)| own == id).map(|(_, name)| name)
+    }
+
     /// The classes of a framework with what they prescribe.
     pub fn new(framework: &Framework) -> Self {
         let mut index = Self::default();
@@ -137,11 +146,12 @@ impl ClassIndex {
                 let mut common: Option<Prescribed> = None;
                 for c in &b.l3 {
                     let leaf = id(Some(&b.id), Some(&c.id));
-                    let prescribed = framework
+                    let mut prescribed = framework
                         .specs
                         .get(&leaf)
                         .map(|s| Prescribed::of(s, framework.decision_table.leaves.get(&leaf)))
                         .unwrap_or_default();
+                    prescribed.title = c.name.clone();
                     index.names.push((leaf, c.name.clone()));
                     common = Some(match common {
                         Some(so_far) => so_far.and(&prescribed),
@@ -150,6 +160,7 @@ impl ClassIndex {
                     entry.l3.insert(c.id.clone(), prescribed);
                 }
                 entry.common = common.unwrap_or_default();
+                entry.common.title = b.name.clone();
             }
         }
         index

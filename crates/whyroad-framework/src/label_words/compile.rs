@@ -32,6 +32,11 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         b.all(words.all(), WordRole::Colour(i));
     }
     b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
+    b.all(raw.ahead.all(), WordRole::Ahead);
+    b.all(raw.absent.all(), WordRole::Absent);
+    b.all(raw.denied.all(), WordRole::Denied);
+    b.all(raw.supposed.all(), WordRole::Supposed);
+    b.all(raw.unchanged.all(), WordRole::Unchanged);
     b.all(raw.hindsight.plain.all(), WordRole::Plain);
     b.all(raw.plain.all(), WordRole::Plain);
 
@@ -58,7 +63,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     let reasons = self::trie(reasons.iter().map(String::as_str), &mut problems);
     let placeholders = raw.placeholder.all().map(bare).collect();
     let roles = texts.into_values().collect();
-    (LabelWords { objects, kinds, placeholders, trie, roles, reasons }, problems)
+    let names = raw.names.iter().map(|(id, n)| (id.clone(), Bilingual::new(&n.zh, &n.en))).collect();
+    (LabelWords { objects, kinds, names, placeholders, trie, roles, reasons }, problems)
 }
 
 /// A text without spaces and punctuation, in lower case: how placeholders are compared.

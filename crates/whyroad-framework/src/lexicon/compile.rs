@@ -110,6 +110,7 @@ pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
             supports_only: p.supports_only,
             change: p.change,
             denies: p.denies.clone(),
+            speed: p.speed,
             ..p.says.clone()
         });
         for pattern in p.zh.iter().chain(&p.en) {

@@ -15,7 +15,10 @@ pub(super) fn expand(pattern: &str, sides: &Sides) -> Option<Vec<Plain>> {
     let mut out = Vec::new();
     for text in choices(pattern)? {
         // An empty choice leaves two spaces; a text that is punctuation and a space keeps its space.
-        let text = text.replace("  ", " ");
+        let mut text = text;
+        while text.contains("  ") {
+            text = text.replace("  ", " ");
+        }
         let text = if pattern.starts_with('(') { text.trim_start().to_owned() } else { text };
         if !text.contains("{side}") {
             out.push(Plain { text, side: None });

@@ -7,11 +7,13 @@ const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Debug, Default)]
 pub struct Trie {
-    /// By character: 0, or one more than its place in `nodes`. Characters beyond the table start no word.
+    /// By character: 0, or one more than its place in `entries`. Characters beyond the table start no word.
     starts: Vec<u16>,
     /// The same for two ASCII characters, `first * 128 + second`: every Latin letter starts some word, so this
     /// is where most Latin words of a text are recognized as none of ours.
     pairs: Vec<u16>,
+    /// Nodes to which one character or a pair leads, so that the two tables above stay half as large.
+    entries: Vec<u32>,
     nodes: Vec<Node>,
     /// Edges of all nodes, those of one node side by side and sorted.
     edges: Vec<(char, u32)>,
@@ -55,19 +57,25 @@ impl Trie {
             };
             let to = from + words[from..].iter().take_while(|w| w.first() == Some(&first)).count();
             let node = trie.add(&words, from, to, 1)?;
-            *trie.starts.get_mut(first as usize)? = u16::try_from(node + 1).ok()?;
+            *trie.starts.get_mut(first as usize)? = trie.entry(node)?;
             if first.is_ascii() {
                 let n = trie.nodes[node as usize];
-                for (second, child) in &trie.edges[n.edges as usize..(n.edges + n.count) as usize] {
+                for edge in n.edges..n.edges + n.count {
+                    let (second, child) = trie.edges[edge as usize];
                     if second.is_ascii() {
-                        trie.pairs[first as usize * 128 + *second as usize] =
-                            u16::try_from(child + 1).ok()?;
+                        trie.pairs[first as usize * 128 + second as usize] = trie.entry(child)?;
                     }
                 }
             }
             from = to;
         }
         Some(trie)
+    }
+
+    /// What the tables hold for `node`.
+    fn entry(&mut self, node: u32) -> Option<u16> {
+        self.entries.push(node);
+        u16::try_from(self.entries.len()).ok()
     }
 
     fn add(&mut self, words: &[Vec<char>], from: usize, to: usize, depth: usize) -> Option<u32> {
@@ -103,7 +111,7 @@ impl Trie {
                 None | Some(0) => None,
                 // A Latin word starts where no Latin letter precedes it.
                 Some(_) if after_latin && is_latin(c) => None,
-                Some(&node) => self.longest(usize::from(node - 1), text, at, next),
+                Some(&entry) => self.longest(self.node(entry), text, at, next),
             };
             match found {
                 Some(f) => {
@@ -125,6 +133,11 @@ impl Trie {
         }
     }
 
+    /// The node of an entry other than 0.
+    fn node(&self, entry: u16) -> usize {
+        self.entries[usize::from(entry) - 1] as usize
+    }
+
     /// The longest word from `start` on; `at` is behind its first character, which led to `node`.
     fn longest(&self, mut node: usize, text: &str, start: usize, mut at: usize) -> Option<Found> {
         let mut best = None;
@@ -140,7 +153,7 @@ impl Trie {
             if at == start + 1 && last.is_ascii() && c.is_ascii() {
                 match self.pairs[fold(last) as usize * 128 + fold(c) as usize] {
                     0 => return best,
-                    child => node = usize::from(child - 1),
+                    entry => node = self.node(entry),
                 }
                 at += 1;
                 last = c;

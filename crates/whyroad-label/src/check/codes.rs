@@ -28,6 +28,7 @@ pub const CODES: &[&str] = &[
     "label.secondary.primary",
     "label.second_keyframe.missing",
     "label.decision.impossible",
+    "label.decision.unchanged",
     "label.record.value",
     // Causal (LABELING.md 6).
     "label.cause.missing",
@@ -68,6 +69,7 @@ pub const CODES: &[&str] = &[
     "label.text.placeholder",
     "label.text.unrelated",
     "label.component.duplicate",
+    "label.component.too_short",
     "label.time_range.implausible",
     "label.time_range.start",
     "label.keyframe.range_outside",
@@ -91,4 +93,4 @@ pub const CODES: &[&str] = &[
 ];
 
 /// Codes of the quality report of imported texts (`validate --quality`); each has a page, too.
-pub const QUALITY_CODES: &[&str] = &["label.quality.omission", "label.quality.route"];
+pub const QUALITY_CODES: &[&str] = &["label.quality.motion", "label.quality.omission", "label.quality.route"];

@@ -8,11 +8,14 @@ mod moment;
 mod object;
 mod window;
 
+pub(super) use decision::said_speed;
+
 use super::recording::Recorded;
 use super::texts::Texts;
 use super::view::View;
+use whyroad_framework::Framework;
+use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::time::frame_at;
 use window::Window;
@@ -24,10 +27,11 @@ const FRAME_SLACK_S: f64 = 0.15;
 pub(super) fn check(
     label: &View<'_>,
     recorded: &Recorded,
-    names: &DecisionSets,
-    words: &LabelWords,
+    framework: &Framework,
+    classes: &ClassIndex,
     sink: &mut dyn Sink,
 ) {
+    let (names, words) = (&framework.decisions, &framework.label_words);
     let Some(keyframe) = label.keyframe.timestamp.get() else { return };
     let times = &recorded.drive.times;
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return };
@@ -47,5 +51,5 @@ pub(super) fn check(
     let texts = Texts::of(label, words);
     object::check(label, &texts, words, &window, sink);
     effect::check(label, &texts, words, &window, sink);
-    moment::check(label, recorded, sink);
+    moment::check(label, recorded, classes, sink);
 }

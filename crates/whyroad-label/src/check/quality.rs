@@ -7,10 +7,12 @@
 //! motion only where each of them does.
 
 use super::consistency::trace::{Force, read};
+use super::motion::said_speed;
+use super::view::View;
 use super::{Checker, Recorded};
 use crate::counterfactual::{Removed, counterfactual};
 use serde::Serialize;
-use whyroad_framework::check::Document;
+use whyroad_framework::check::{Document, Slot};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CocLabel, CriticalComponent, DrivingDecision};
@@ -79,7 +81,9 @@ impl QualityKind {
             "label.trace.empty"
             | "label.trace.too_short"
             | "label.trace.too_long"
-            | "label.cause.circular" => Some(Self::Text),
+            | "label.cause.circular"
+            | "label.text.unrelated"
+            | "label.component.too_short" => Some(Self::Text),
             "label.text.placeholder" | "label.trace.decision_id" | "label.trace.numbers" => Some(Self::Text),
             _ => None,
         }
@@ -95,6 +99,12 @@ pub struct Quality {
     pub compared: bool,
     /// By kind.
     pub findings: Vec<(QualityKind, Diagnostic)>,
+}
+
+impl Quality {
+    fn is(&self, kind: QualityKind) -> bool {
+        self.findings.iter().any(|(k, _)| *k == kind)
+    }
 }
 
 /// A decision that a text may mean.
@@ -121,6 +131,10 @@ impl Checker<'_> {
             if let Some(recorded) = &recorded {
                 out.findings.extend(against_command(label, recorded, &phrase));
             }
+        }
+        // Where the decision that it may mean does not contradict the motion, what it says of the speed still can.
+        if let Some(recorded) = recorded.as_ref().filter(|_| !out.is(QualityKind::Motion)) {
+            out.findings.extend(self.against_speed(&bare, recorded));
         }
         if let Some(recorded) = &recorded {
             out.findings.extend(self.omission(&bare, recorded));
@@ -208,6 +222,31 @@ impl Checker<'_> {
         first
     }
 
+    /// What the text says of the ego's speed ("accelerates", "comes to a stop") against what it did.
+    fn against_speed(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
+        let lexicon = &self.framework.lexicon;
+        let text = &label.coc_trace;
+        let reading = read(text, lexicon);
+        let times = &recorded.drive.times;
+        let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
+        let own = reading
+            .mentions
+            .iter()
+            .filter(|m| m.force == Force::Asserted && !m.by_other && m.start >= reading.decision_from);
+        let view = View { end: Slot::Is(label.time_range.end_timestamp), ..View::default() };
+        let (m, shown) = own.into_iter().find_map(|m| {
+            let said = lexicon.phrases[m.phrase].speed?;
+            Some((m, said_speed(said, &view, recorded, keyframe)?))
+        })?;
+        let phrase = &text[m.start..m.end];
+        let message = Bilingual::new(
+            format!("文字说“{phrase}”，但记录显示：{}", shown.zh),
+            format!("the text says '{phrase}', but the recording shows: {}", shown.en),
+        );
+        let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };
+        Some((QualityKind::Motion, Diagnostic::warning("label.quality.motion", message).at(location)))
+    }
+
     /// The thing whose removal changes most, where no word of the text is of its kind.
     fn omission(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
         let times = &recorded.drive.times;
@@ -260,8 +299,13 @@ fn against_command(
     if route == *said {
         return None;
     }
+    let name = |d: LateralDirection| match d {
+        LateralDirection::Left => "左",
+        LateralDirection::Right => "右",
+        LateralDirection::Uturn => "掉头",
+    };
     let message = Bilingual::new(
-        format!("文字说向 {said} 转弯，而关键帧时的导航指令是 {route}"),
+        format!("文字说“{}转”，而关键帧时的导航指令是“{}转”", name(*said), name(route)),
         format!("the text turns {said}, but the route command at the keyframe is {route}"),
     );
     let location = Location { pointer: Some(pointer::COC_TRACE.to_owned()), ..Location::default() };

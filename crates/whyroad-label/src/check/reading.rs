@@ -18,6 +18,8 @@ pub(super) struct Named {
     pub absent: bool,
     /// "If a pedestrian", "a pedestrian may".
     pub supposed: bool,
+    /// "Before the ego".
+    pub ahead: bool,
     /// Number of its clause.
     pub clause: usize,
     /// Bytes of the text.
@@ -37,123 +39,91 @@ pub(super) struct TextFacts {
     pub words: usize,
     /// States said of nothing that is named, in order.
     pub states: Vec<SaidState>,
+    /// Bytes of the last phrase that says that the ego goes on as before.
+    pub unchanged: Option<(usize, usize)>,
 }
 
 /// Ends of clauses.
 const CLAUSE_ENDS: [char; 13] = ['，', '。', '；', '：', '、', '！', '？', ',', '.', ';', ':', '!', '?'];
-/// Under these, what follows in the clause is not said to be there.
-const SUPPOSED: &[&str] = &[
-    "若",
-    "如果",
-    "一旦",
-    "可能",
-    "万一",
-    "是否",
-    "会不会",
-    "随时",
-    "假如",
-    "倘若",
-    "潜在",
-    "任何",
-    "以防",
-    "防止",
-    "if ",
-    "might ",
-    "may ",
-    "could ",
-    "whether ",
-    "any ",
-    "potential",
-    "possible",
-    "in case",
-    "unless",
-    "can ",
-    "would ",
-    "should one",
-    "other than",
-    "in order to let",
-    "should a",
-    // What cannot be seen is not said to be there.
-    "看不到",
-    "看不见",
-    "看不清",
-    "看清",
-    "cannot see",
-    "can't see",
-    "cannot be seen",
-];
-const ABSENT: [&str; 12] = [
-    "无",
-    "没有",
-    "没",
-    "未见",
-    "并无",
-    "no ",
-    "without ",
-    "not any ",
-    "without any ",
-    "clear of ",
-    "free of ",
-    "no other ",
-];
+/// Characters that may stand between a word that denies and what it denies: "no other", "没有任何".
+const BETWEEN_CHINESE: usize = 2;
+const BETWEEN_LATIN: usize = 12;
 
-/// Reads `text` with `words`.
+/// Reads `text` with `words`, in one pass.
 pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
     let mut out = TextFacts::default();
     let mut clause = Clause::default();
     let mut last_end = 0;
     words.hits(text, |hit| {
-        let between = &text[last_end..hit.start];
-        if let Some(end) = between.rfind(CLAUSE_ENDS) {
+        if text[last_end..hit.start].contains(CLAUSE_ENDS) {
             clause.close(&mut out);
-            clause = Clause { number: clause.number + 1, from: last_end + end, ..Clause::default() };
+            let ends = text[last_end..hit.start].contains(['.', ';', '。', '；', '!', '！']);
+            let sentence = if ends { out.named.len() } else { clause.sentence };
+            clause = Clause { number: clause.number + 1, sentence, ..Clause::default() };
         }
         last_end = hit.end;
-        if hit.role != WordRole::Plain {
-            out.words += 1;
-        }
+        let word = &text[hit.start..hit.end];
         match hit.role {
             WordRole::Object(group) => {
-                let before = &text[clause.from..hit.start];
-                let absent = ABSENT.iter().any(|w| ends_with_word(before, w));
+                out.words += 1;
+                let absent = clause.absent.is_some_and(|a| a.reaches(text, hit.start))
+                    || (word.starts_with(['无', '没']) && word.ends_with('车'));
                 out.groups = out.groups.with(words.objects[group].own);
+                let lane_side = lane_side(text, hit.start, hit.end);
+                if let Some(left) = lane_side {
+                    clause.say_side(left, word.is_ascii(), words, &mut out);
+                }
                 out.named.push(Named {
                     group,
-                    side: clause.side,
+                    side: if lane_side.is_some() { None } else { clause.side },
                     colour: clause.colour.take(),
                     state: None,
                     absent,
-                    supposed: is_supposed(before),
+                    supposed: clause.supposed,
+                    ahead: std::mem::take(&mut clause.ahead),
                     clause: clause.number,
                     start: hit.start,
                     end: hit.end,
                 });
                 clause.names += 1;
+                // What cannot be seen is not said to be there.
+                clause.supposed |= ["看", "cannot", "can't"].iter().any(|w| word.starts_with(w));
             }
             WordRole::Side(left) => {
-                // "the car on the left": said behind it.
-                let behind = out.named.last_mut().filter(|n| n.clause == clause.number && n.side.is_none());
-                match behind {
-                    Some(n) if text[hit.start..hit.end].is_ascii() => n.side = Some(left),
-                    _ => clause.side = Some(left),
-                }
+                out.words += 1;
+                clause.say_side(left, word.is_ascii(), words, &mut out);
             }
             WordRole::State(state) => {
-                let denied = ABSENT
-                    .iter()
-                    .chain(&["不", "未", "not ", "n't "])
-                    .any(|w| ends_with_word(&text[clause.from..hit.start], w));
-                if !denied {
+                out.words += 1;
+                if !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
                     match out.named.last_mut().filter(|n| n.clause == clause.number && n.state.is_none()) {
                         Some(n) => n.state = Some(state),
                         None => clause.state = Some(state),
                     }
                 }
             }
-            WordRole::Colour(colour) => clause.colour = Some(colour),
+            WordRole::Colour(colour) => {
+                out.words += 1;
+                clause.colour = Some(colour);
+            }
             WordRole::Hindsight => {
+                out.words += 1;
                 out.hindsight.get_or_insert((hit.start, hit.end));
             }
+            // Behind a name in English, before it in Chinese.
+            WordRole::Ahead if word.is_ascii() => {
+                if let Some(n) = out.named.last_mut().filter(|n| n.clause == clause.number) {
+                    n.ahead = true;
+                }
+            }
+            WordRole::Ahead => clause.ahead = true,
+            WordRole::Absent => {
+                let word = Denial { end: hit.end, is_latin: word.is_ascii() };
+                (clause.absent, clause.denied) = (Some(word), Some(word));
+            }
+            WordRole::Denied => clause.denied = Some(Denial { end: hit.end, is_latin: word.is_ascii() }),
+            WordRole::Supposed => clause.supposed = true,
+            WordRole::Unchanged => out.unchanged = Some((hit.start, hit.end)),
             WordRole::Plain => {}
         }
     });
@@ -161,18 +131,89 @@ pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
     out
 }
 
+/// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that
+/// of a lane to which somebody goes.
+fn lane_side(text: &str, start: usize, end: usize) -> Option<bool> {
+    let word = &text[start..end];
+    if word.is_ascii() {
+        let left = match word.as_bytes().first()? {
+            b'l' | b'L' if word.len() == 9 => true,
+            b'r' | b'R' if word.len() == 10 => false,
+            _ => return None,
+        };
+        let before = text[..start].trim_end();
+        let from = ["from the", "in the", "on the"].iter().any(|w| before.ends_with(w));
+        return (from && word.ends_with("lane")).then_some(left);
+    }
+    let left = match word.chars().next()? {
+        '左' => true,
+        '右' => false,
+        _ => return None,
+    };
+    let goes = text[..start].ends_with(['向', '往', '到', '至', '入', '进']);
+    let of = text[end..].starts_with(['的', '上', '内', '里', '一', '那', '有'])
+        || text[..start].ends_with(['从', '自']);
+    (word.ends_with("车道") && of && !goes).then_some(left)
+}
+
+/// A word that denies what follows.
+#[derive(Clone, Copy)]
+struct Denial {
+    end: usize,
+    is_latin: bool,
+}
+
+impl Denial {
+    /// True when what starts at `at` is close enough to be denied.
+    fn reaches(self, text: &str, at: usize) -> bool {
+        let reach = if self.is_latin { BETWEEN_LATIN } else { BETWEEN_CHINESE };
+        text[self.end..at].chars().nth(reach).is_none()
+    }
+}
+
 /// Since the last end of a clause.
 #[derive(Default)]
 struct Clause {
     number: usize,
-    from: usize,
     side: Option<bool>,
     colour: Option<usize>,
     state: Option<SaidState>,
+    absent: Option<Denial>,
+    denied: Option<Denial>,
+    supposed: bool,
+    ahead: bool,
     names: usize,
+    /// Things named before this sentence.
+    sentence: usize,
 }
 
 impl Clause {
+    /// "The car on the left": said behind it, of whoever acts rather than of a place. In Chinese the side comes first.
+    fn say_side(&mut self, left: bool, is_behind: bool, words: &LabelWords, out: &mut TextFacts) {
+        let number = self.number;
+        let own = out.named.iter_mut().rev().take_while(|n| n.clause == number);
+        let mut open = own.filter(|n| n.side.is_none());
+        let last = open.next();
+        let behind = match last {
+            Some(n) if words.objects[n.group].named => Some(n),
+            Some(n) => Some(open.find(|n| words.objects[n.group].named).unwrap_or(n)),
+            None => None,
+        };
+        match behind {
+            Some(n) if is_behind => n.side = Some(left),
+            // "A woman is on the crosswalk, coming from the left".
+            None if is_behind && self.names == 0 => {
+                let before = out.named.iter_mut().skip(self.sentence).rev();
+                let mut acts = before.filter(|n| words.objects[n.group].named && n.side.is_none());
+                match acts.next() {
+                    Some(n) => n.side = Some(left),
+                    None => self.side = Some(left),
+                }
+            }
+            _ => self.side = Some(left),
+        }
+    }
+
     fn close(&self, out: &mut TextFacts) {
         let Some(state) = self.state else { return };
         match out.named.iter_mut().find(|n| n.clause == self.number && n.state.is_none()) {
@@ -180,20 +221,6 @@ impl Clause {
             _ => out.states.push(state),
         }
     }
-}
-
-/// `word` is at the end of `before`, with at most one short word between: "no other", "没有任何".
-fn ends_with_word(before: &str, word: &str) -> bool {
-    let Some(at) = before.to_ascii_lowercase().rfind(word) else { return false };
-    let rest = &before[at + word.len()..];
-    let is_word =
-        !word.is_ascii() || at == 0 || !before.as_bytes()[at - 1].is_ascii_alphanumeric() || word == "n't ";
-    is_word && rest.chars().count() <= if word.is_ascii() { 12 } else { 2 }
-}
-
-fn is_supposed(before: &str) -> bool {
-    let lower = before.to_ascii_lowercase();
-    SUPPOSED.iter().any(|w| lower.contains(w))
 }
 
 impl TextFacts {
@@ -239,5 +266,12 @@ mod tests {
             ["rider right Crossing", "vehicle_any absent"]
         );
         assert_eq!(said("There is a parked van on the left"), ["parked_vehicle left"]);
+        assert_eq!(
+            said("右侧车道的黑色轿车正在靠近，没有车从左侧来"),
+            ["lane", "car right", "vehicle_any absent"]
+        );
+        assert_eq!(said("自车向左侧车道变道避开事故车"), ["lane", "broken_down"]);
+        assert_eq!(said("A truck enters the junction from the right"), ["truck right", "junction"]);
+        assert_eq!(said("A van from the left lane moves over"), ["car left", "lane"]);
     }
 }

@@ -30,7 +30,7 @@ impl Rulebook<'_> {
             _ => None,
         };
         if let Some(p) = prescribed {
-            class::prescribed(label, p, sink);
+            class::prescribed(label, p, &self.framework.decisions, sink);
         }
         let f = self.framework;
         let mut impossible = false;
@@ -51,11 +51,11 @@ impl Rulebook<'_> {
         if let Some(p) = prescribed {
             plausible::start(label, p, clip, sink);
         }
-        decision::direction(label, sink);
+        decision::direction(label, &f.decisions, sink);
         decision::components(label, sink);
         links::ids(label, sink);
         links::evidence(label, sink);
-        links::causes(label, sink);
+        links::causes(label, &f.decisions, sink);
         links::second_keyframe(label, prescribed, sink);
         links::secondary(label, self.classes, sink);
         self.texts(label, prescribed, impossible, sink);
@@ -67,26 +67,25 @@ impl Rulebook<'_> {
         let (words, lexicon) = (&self.framework.label_words, &self.framework.lexicon);
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
-        text::duplicates(label, &texts, sink);
+        text::duplicates(label, &texts, words, sink);
         cause_text::hindsight(label, &texts, sink);
         cause_text::unobserved(label, words, sink);
-        let another_class = class
-            .and_then(|c| c.decisions.as_ref())
-            .is_some_and(|c| text::class(label, &texts, words, c, sink));
+        let another_class = class.is_some_and(|c| text::class(&texts, words, c, sink));
         cause_text::proximate(label, &texts, words, sink);
         if !another_class && !impossible {
-            cause_text::kind(label, &texts, words, sink);
+            cause_text::kind(label, &texts, words, &self.framework.decisions, sink);
         }
         if placeholder::trace(label, words, sink) || placeholder::draft(label, self.framework, sink) {
             return;
         }
+        text::unchanged(label, &texts, sink);
         if !another_class && text::unrelated(label, &texts, words, sink) {
             return;
         }
         if impossible {
             return;
         }
-        let reading = trace_rules::trace(label, lexicon, sink);
+        let reading = trace_rules::trace(label, lexicon, &self.framework.decisions, sink);
         let decides = |from: usize, to: usize| {
             reading.as_ref().is_some_and(|r| trace_rules::states_decision(r, lexicon, label, from, to))
         };

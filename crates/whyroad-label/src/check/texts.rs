@@ -27,9 +27,13 @@ impl Texts {
         all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
     }
 
-    /// Groups that answer for what the components say is there.
-    pub fn components_there(&self, words: &LabelWords) -> GroupSet {
+    /// Groups that answer for what the components say is there. `beside`: for somebody on one side of the ego, who is
+    /// not the lead.
+    pub fn components_there(&self, words: &LabelWords, beside: bool) -> GroupSet {
+        let kind = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
+        let before = kind("lead").with(kind("queue"));
         let all = self.components.iter().flat_map(TextFacts::there);
+        let all = all.filter(|n| !beside || !words.objects[n.group].own.meets(before));
         all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
     }
 }

@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use whyroad_framework::check::Slot;
 use whyroad_framework::check::scenario::ScenarioView;
 use whyroad_framework::record_types::RecordValue;
-use whyroad_model::Nanos;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::{KeyframeType, ProvenanceSource};
+use whyroad_model::{Nanos, ScenarioId};
 
 /// One label.
 #[derive(Clone, Debug, Default)]
@@ -38,11 +38,15 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
-    /// The class as people write it: `cutin.urgent` with its L1 before it.
-    pub fn class_name(&self) -> String {
+    /// The class, where it can be read.
+    pub fn class_id(&self) -> Option<ScenarioId> {
         let s = &self.scenario;
         let l3 = s.l3.get().filter(|l3| *l3 != whyroad_framework::check::class_index::OTHER);
-        [s.l1.get(), s.l2.get(), l3].into_iter().flatten().collect::<Vec<_>>().join(".")
+        Some(ScenarioId {
+            l1: s.l1.get()?.to_owned(),
+            l2: s.l2.get().map(str::to_owned),
+            l3: l3.map(str::to_owned),
+        })
     }
 }
 

@@ -7,7 +7,7 @@
 mod build;
 mod faults;
 
-use build::{Base, bases, forms};
+use build::{Base, bases, forms, unseen};
 use std::collections::BTreeMap;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
@@ -97,6 +97,58 @@ fn faults_are_found_and_true_labels_pass() {
         assert!(faulty.found as f64 >= FOUND * faulty.all as f64);
         assert!(true_labels.found as f64 <= FALSE_ALARMS * true_labels.all as f64);
         assert!(faulty.findings as f64 <= 1.5 * faulty.all as f64, "one finding for one fault");
+    }
+}
+
+/// What the labels of `unseen_*.yaml` come to, by kind: found, all. Faults of text and of decision only, as they were
+/// written; those of structure are in the other test.
+fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usize, usize)>) {
+    let checker = Checker::new(Framework::bundled());
+    let mut note = |kind: &'static str, hit: bool| {
+        let t = tally.entry(kind).or_default();
+        *t = (t.0 + usize::from(hit), t.1 + 1);
+    };
+    for base in all {
+        for form in forms(base, language).into_iter().step_by(5) {
+            let found = checker.check_text(&form.to_string());
+            note("true label flagged", !found.is_empty());
+            if let Some(d) = found.first() {
+                let text = form["coc_trace"].as_str().unwrap_or_default();
+                println!("FALSE ALARM {}: {} | {text}", d.code, d.message.en);
+            }
+        }
+        for fault in faults::written(base, language) {
+            let found = checker.check_text(&fault.label.to_string());
+            let expected = faults::codes(fault.kind);
+            let hit = found.iter().any(|d| expected.iter().any(|c| d.code.starts_with(c)));
+            note(fault.kind, hit);
+            if !hit {
+                let codes: Vec<_> = found.iter().map(|d| d.code).collect();
+                println!("MISSED {} ({}): {codes:?} | {}", fault.kind, base.class, fault.what);
+            }
+        }
+    }
+}
+
+/// Labels that were unseen when their first figures were taken: see docs/reference/label-checks.md for those. Here they
+/// must not get worse.
+#[test]
+fn labels_that_were_unseen_stay_found() {
+    for (set, (bases, least)) in unseen().iter().zip([(300, 50), (120, 30)]).enumerate() {
+        println!("set {}", set + 1);
+        let mut tally = BTreeMap::new();
+        for (language, all) in bases {
+            written(language, all, &mut tally);
+        }
+        let flagged = tally.remove("true label flagged").unwrap();
+        let (found, all) = tally.values().fold((0, 0), |a, t| (a.0 + t.0, a.1 + t.1));
+        for (kind, (found, all)) in &tally {
+            println!("{kind:<24} {found:>4}/{all}");
+        }
+        println!("found {found}/{all}, true labels flagged {}/{}", flagged.0, flagged.1);
+        assert!(all >= least.0 && flagged.1 >= least.1);
+        assert!(found as f64 >= FOUND * all as f64);
+        assert!(flagged.0 as f64 <= FALSE_ALARMS * flagged.1 as f64);
     }
 }
 

@@ -1,45 +1,49 @@
 //! Rules of the class: what it prescribes (TAXONOMY.md, LABELING.md 4).
 
+use crate::check::consistency::trace_rules::decision_name;
 use crate::check::view::View;
-use whyroad_framework::check::class_index::{OTHER, Prescribed};
+use whyroad_framework::DecisionSets;
+use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
 /// What the class prescribes.
-pub(in crate::check) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &mut dyn Sink) {
-    let s = &label.scenario;
-    let name = || {
-        let l3 = s.l3.get().filter(|l3| *l3 != OTHER);
-        [s.l1.get(), s.l2.get(), l3].into_iter().flatten().collect::<Vec<_>>().join(".")
-    };
+pub(in crate::check) fn prescribed(
+    label: &View<'_>,
+    class: &Prescribed,
+    names: &DecisionSets,
+    sink: &mut dyn Sink,
+) {
+    let name = &class.title;
     if let (Some(wanted), Some(kind)) = (class.kind, label.keyframe.kind.get())
         && kind != wanted
     {
         sink.report(Finding::error("label.keyframe.type", pointer::KEYFRAME_TYPE), &|| {
-            let (zh, en) = match wanted {
-                KeyframeType::Reactive => ("单一时刻", "one moment"),
-                KeyframeType::Proactive => ("一段区间", "a range"),
+            let words = |kind: KeyframeType| match kind {
+                KeyframeType::Reactive => ("单一时刻（reactive）", "one moment (reactive)"),
+                KeyframeType::Proactive => ("一段区间（proactive）", "a range (proactive)"),
             };
+            let (wanted, kind) = (words(wanted), words(kind));
             Words::new(
-                format!("{} 的关键帧类型是 {wanted}（{zh}），此处写作 {kind}", name()),
-                format!("the keyframe of {} is {wanted} ({en}), not {kind}", name()),
+                format!("“{}”的关键帧是{}，此处为{}", name.zh, wanted.0, kind.0),
+                format!("the keyframe of '{}' is {}, not {}", name.en, wanted.1, kind.1),
             )
             .hint(
-                format!("改为 \"{wanted}\"，或检查场景类别"),
-                format!("write \"{wanted}\", or check the scenario class"),
+                format!("改为{}，或检查场景类别", wanted.0),
+                format!("make it {}, or check the scenario class", wanted.1),
             )
         });
     }
     if class.uncertainty_high && label.components.get().is_some_and(|c| c.count > 0 && !c.any_high) {
         sink.report(Finding::error("label.uncertainty.missing", pointer::CRITICAL_COMPONENTS), &|| {
             Words::new(
-                format!("{} 要求至少一个关键要素标记 uncertainty = high", name()),
-                format!("{} needs at least one critical component with uncertainty high", name()),
+                format!("“{}”要求至少一个关键要素的不确定性为“高”", name.zh),
+                format!("'{}' needs at least one critical component of high uncertainty", name.en),
             )
             .hint(
-                "在描述盲区、遮挡或意图不明的要素上写 \"uncertainty\": \"high\"",
-                "write \"uncertainty\": \"high\" at the component that describes the blind spot, occlusion or unclear intention",
+                "把描述盲区、遮挡或意图不明的要素的不确定性设为“高”",
+                "set the uncertainty of the component that describes the blind spot, occlusion or unclear intention to high",
             )
         });
     }
@@ -51,14 +55,21 @@ pub(in crate::check) fn prescribed(label: &View<'_>, class: &Prescribed, sink: &
         };
         if given.is_some_and(|g| g != Some(wanted)) {
             sink.report(Finding::error("label.lateral.mandated", pointer::DRIVING_DECISION_LATERAL), &|| {
-                let found = given.flatten().map_or("null", |l| l.id());
+                let wanted = decision_name(wanted.id(), names);
+                let found = match given.flatten() {
+                    Some(l) => decision_name(l.id(), names),
+                    None => names.null_decision.name.clone(),
+                };
                 Words::new(
-                    format!("{} 规定横向决策为 {wanted}，此处为 {found}", name()),
-                    format!("{} prescribes the lateral decision {wanted}, found {found}", name()),
+                    format!("“{}”规定横向决策为“{}”，此处为“{}”", name.zh, wanted.zh, found.zh),
+                    format!(
+                        "'{}' prescribes the lateral decision '{}', found '{}'",
+                        name.en, wanted.en, found.en
+                    ),
                 )
                 .hint(
-                    format!("改为 \"{wanted}\"，或检查场景类别"),
-                    format!("write \"{wanted}\", or check the scenario class"),
+                    format!("改为“{}”，或检查场景类别", wanted.zh),
+                    format!("choose '{}', or check the scenario class", wanted.en),
                 )
             });
         }

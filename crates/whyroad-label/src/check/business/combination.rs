@@ -32,13 +32,13 @@ pub(in crate::check) fn decisions(
     };
     let impossible = |sink: &mut dyn Sink, at: &'static str, found: &Bilingual, usual: Vec<Bilingual>| {
         sink.report(Finding::error(CODE, at), &|| {
-            let class = label.class_name();
+            let class = &prescribed.title;
             let list = |pick: fn(&Bilingual) -> &String, or: &str| {
                 usual.iter().map(|b| pick(b).as_str()).collect::<Vec<_>>().join(or)
             };
             Words::new(
-                format!("{class} 不可能是“{}”", found.zh),
-                format!("{class} cannot go with '{}'", found.en),
+                format!("“{}”不可能是“{}”", class.zh, found.zh),
+                format!("'{}' cannot go with '{}'", class.en, found.en),
             )
             .hint(
                 format!("通常为：{}；否则检查场景类别", list(|b| &b.zh, "、")),
@@ -86,8 +86,8 @@ pub(in crate::check) fn decisions(
                 format!("'{}' and '{}' do not go together", a.en, b.en),
             )
             .hint(
-                "只填关键帧之后的第一个动作，另一通道填 null",
-                "state the first action after the keyframe; leave the other channel null",
+                "只填关键帧之后的第一个动作，另一个方向上选“无决策变化”",
+                "state the first action after the keyframe; choose 'no change' for the other",
             )
         });
         return true;

@@ -19,14 +19,14 @@ pub(in crate::check) fn missing(label: &View<'_>, class: &Prescribed, sink: &mut
         sink.report(Finding::error("label.record.missing", pointer::records_of(id)), &|| {
             let unit =
                 unit.as_ref().map(|u| (format!("（单位 {u}）"), format!(" in {u}"))).unwrap_or_default();
-            let name = label.class_name();
+            let name = &class.title;
             Words::new(
-                format!("{name} 要求记录“{}”", title.zh),
-                format!("{name} obliges you to record the {}", title.en),
+                format!("“{}”要求记录“{}”", name.zh, title.zh),
+                format!("'{}' obliges you to record the {}", name.en, title.en),
             )
             .hint(
-                format!("在 records 中写 \"{id}\"{}；从片段中看不出时写 \"unknown\"", unit.0),
-                format!("write \"{id}\"{} in records, \"unknown\" where the clip does not show it", unit.1),
+                format!("填写该记录{}；从片段中看不出时填“未知”", unit.0),
+                format!("fill in the record{}, or 'unknown' where the clip does not show it", unit.1),
             )
         });
     }
@@ -60,10 +60,10 @@ pub(in crate::check) fn types(
                     format!("the {en} has a value of the wrong type"),
                 );
                 match unit() {
-                    u if u.is_empty() => words.hint("写文字，或 \"unknown\"", "write text, or \"unknown\""),
+                    u if u.is_empty() => words.hint("写文字，或“未知”", "write text, or 'unknown'"),
                     u => words.hint(
-                        format!("写以 {u} 为单位的数，或 \"unknown\""),
-                        format!("write a number in {u}, or \"unknown\""),
+                        format!("写以 {u} 为单位的数，或“未知”"),
+                        format!("write a number in {u}, or 'unknown'"),
                     ),
                 }
             }),

@@ -1,9 +1,11 @@
 //! Causal rules (LABELING.md 6): each decision has a cause that was there to be seen, or says why not. They speak only
 //! of what a document of format 2.1 may say; one of 2.0 says none of it.
 
+use crate::check::consistency::trace_rules::decision_name;
 use crate::check::view::{CauseView, View};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use whyroad_framework::DecisionSets;
 use whyroad_framework::check::class_index::{ClassIndex, Found, Prescribed};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::taxonomy::did_you_mean;
@@ -79,7 +81,7 @@ const LATERAL: CauseChannel = CauseChannel {
 };
 
 /// Each decision names a component, or is UNOBSERVED with a reason.
-pub(in crate::check) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
+pub(in crate::check) fn causes(label: &View<'_>, names: &DecisionSets, sink: &mut dyn Sink) {
     let Slot::Is(causes) = &label.causes else { return };
     let known: Vec<&str> = label.parts.iter().filter_map(|c| c.id.get()).collect();
     let longitudinal = label.longitudinal.get().map(|d| d.id());
@@ -90,9 +92,9 @@ pub(in crate::check) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     ];
     for (channel, decision, is_null, cause) in channels {
         match (decision, cause) {
-            (Some(decision), Slot::Absent) => missing(channel, decision, sink),
+            (Some(decision), Slot::Absent) => missing(channel, decision, names, sink),
             (Some(decision), Slot::Is(c)) if c.components.is_empty() && c.unobserved.is_absent() => {
-                missing(channel, decision, sink);
+                missing(channel, decision, names, sink);
             }
             (None, Slot::Is(_)) if is_null => without_decision(channel, sink),
             _ => {}
@@ -106,21 +108,23 @@ pub(in crate::check) fn causes(label: &View<'_>, sink: &mut dyn Sink) {
     }
 }
 
-fn missing(channel: &CauseChannel, decision: &'static str, sink: &mut dyn Sink) {
+fn missing(channel: &CauseChannel, decision: &'static str, names: &DecisionSets, sink: &mut dyn Sink) {
     sink.report(Finding::error("label.cause.missing", channel.at), &|| {
-        Words::new(format!("决策 {decision} 没有原因"), format!("the decision {decision} has no cause")).hint(
-            "在 components 中写出引起它的要素 id；看不到原因时写 \"unobserved\": \"理由\"",
-            "name the components that cause it; where none could be observed write \"unobserved\": \"why\"",
+        let name = decision_name(decision, names);
+        Words::new(format!("决策“{}”没有原因", name.zh), format!("the decision '{}' has no cause", name.en)).hint(
+            "选出引起它的关键要素；看不到原因时选“未观测到”并写明理由",
+            "choose the components that cause it; where none could be observed, choose unobserved and say why",
         )
     });
 }
 
 fn without_decision(channel: &CauseChannel, sink: &mut dyn Sink) {
-    let name = channel.name;
+    let (zh, en) =
+        if channel.name == name::LONGITUDINAL { ("纵向", "longitudinal") } else { ("横向", "lateral") };
     sink.report(Finding::warning("label.cause.without_decision", channel.at), &|| {
         Words::new(
-            format!("{name} 没有决策（null），却写了原因"),
-            format!("the {name} decision is null, but a cause is given"),
+            format!("{zh}决策为“无决策变化”，却写了原因"),
+            format!("the {en} decision is 'no change', but a cause is given"),
         )
         .hint("删去该原因，或补上决策", "leave the cause out, or add the decision")
     });
@@ -130,8 +134,8 @@ fn components(channel: &CauseChannel, cause: &CauseView<'_>, known: &[&str], sin
     if let (Some(_), false) = (cause.unobserved.get(), cause.components.is_empty()) {
         sink.report(Finding::error("label.cause.both", channel.unobserved), &|| {
             Words::new(
-                "既写了要素又写了 unobserved：两者只能取一",
-                "components and unobserved exclude one another",
+                "既选了要素又写了“未观测到”：两者只能取一",
+                "a cause is either components or unobserved, not both",
             )
         });
     }
@@ -172,10 +176,7 @@ pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescri
                             "该类别有两个关键帧，此处只有一个",
                             "this class has two keyframes, here is one",
                         )
-                        .hint(
-                            "在 second_keyframe 中写第二个时刻",
-                            "give the second moment in second_keyframe",
-                        )
+                        .hint("补上第二个关键帧的时刻", "give the moment of the second keyframe")
                     },
                 );
             }
@@ -197,7 +198,7 @@ pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescri
     if !inside(label.start.get(), label.end.get()) {
         sink.report(Finding::error("label.keyframe.outside_time_range", at), &|| {
             Words::new(
-                format!("第二关键帧 {time} 不在 time_range 内"),
+                format!("第二关键帧 {time} 不在时间范围内"),
                 format!("the second keyframe {time} is not in the time range"),
             )
         });

@@ -1,12 +1,13 @@
 //! Texts against what could be known (LABELING.md 3, 6 and 7): no hindsight, no circle, a reason for UNOBSERVED, the
 //! proximate cause, and a cause of the kind that the decision has.
 
+use crate::check::consistency::trace_rules::decision_name;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
-use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::label_words::{GroupSet, SaidState};
+use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
@@ -69,17 +70,27 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
         return;
     }
     let group = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
-    let (lead, queue) = (group("lead"), group("queue"));
+    let (lead, queue, vehicle) = (group("lead"), group("queue"), group("vehicle"));
+    let elsewhere = group("oncoming").with(group("parked_vehicle")).with(group("broken_down"));
     let holds = |n: &Named| {
         let own = words.objects[n.group].own;
-        own.meets(queue)
-            || (own.meets(lead) && matches!(n.state, Some(SaidState::Standing | SaidState::Slowing)))
+        let is_lead =
+            own.meets(lead) || (n.ahead && n.side.is_none() && own.meets(vehicle) && !own.meets(elsewhere));
+        own.meets(queue) || (is_lead && matches!(n.state, Some(SaidState::Standing | SaidState::Slowing)))
     };
-    let Some((index, _)) = texts.components.iter().enumerate().find(|(_, f)| f.there().any(holds)) else {
-        return;
+    let component = texts.components.iter().position(|f| f.there().any(holds));
+    let named = texts.trace.there().find(|n| holds(n)).map(|n| (n.start, n.end));
+    let (which, at) = match (component, named) {
+        (Some(i), _) => (label.parts.get(i).and_then(|c| c.description.get()), None),
+        (None, Some(at)) => (label.trace.get().map(|t| &t[at.0..at.1]), Some(at)),
+        (None, None) => return,
     };
-    sink.report(Finding::warning("label.cause.proximate", pointer::DRIVING_DECISION_LONGITUDINAL), &|| {
-        let which = label.parts.get(index).and_then(|c| c.description.get()).unwrap_or_default();
+    let finding = match at {
+        None => Finding::warning("label.cause.proximate", pointer::DRIVING_DECISION_LONGITUDINAL),
+        Some((start, end)) => Finding::warning("label.cause.proximate", pointer::COC_TRACE).part(start, end),
+    };
+    sink.report(finding, &|| {
+        let which = which.unwrap_or_default();
         Words::new(
             format!("近因是前车（“{which}”），不是它前方的信号灯或停止线"),
             format!("the proximate cause is the lead ('{which}'), not the light or line beyond it"),
@@ -105,7 +116,7 @@ pub(in crate::check) fn circular(
     }
     sink.report(Finding::warning("label.cause.circular", pointer::COC_TRACE), &|| {
         Words::new(
-            "coc_trace 没有给出原因：只是把决策又说了一遍",
+            "因果描述没有给出原因：只是把决策又说了一遍",
             "the trace gives no reason: it only states the decision again",
         )
         .hint("写出看到了什么、它为什么要求这个决策", "write what was seen and why it calls for the decision")
@@ -116,6 +127,36 @@ pub(in crate::check) fn circular(
 /// Words after which the reason stands, wherever they are.
 const BECAUSE: [&str; 9] =
     ["因为", "由于", "鉴于", "考虑到", "because", "since ", "due to", "owing to", "given that"];
+
+/// With these a part says what the ego has to do or wants, and no cause of it.
+const OWN_DUTY: [&str; 26] = [
+    "自车要",
+    "自车需",
+    "自车应",
+    "自车必须",
+    "自车得",
+    "自车想",
+    "自车打算",
+    "自车准备",
+    "自车判断",
+    "自车决定",
+    "本车要",
+    "本车需",
+    "本车应",
+    "需要",
+    "应该",
+    "the ego has to",
+    "the ego needs to",
+    "the ego must",
+    "the ego should",
+    "the ego wants to",
+    "the ego is going to",
+    "the ego intends to",
+    "the ego decides to",
+    "we have to",
+    "we need to",
+    "we must",
+];
 
 /// Some part of the text names a cause and is not the decision itself.
 fn gives_cause(
@@ -132,20 +173,35 @@ fn gives_cause(
             bounds.push(at + c.len_utf8());
         }
     }
-    let lower = text.to_ascii_lowercase();
-    for word in BECAUSE.iter().chain(&[" and ", " but ", " while "]) {
-        bounds.extend(lower.match_indices(word).map(|(at, _)| at));
-    }
-    bounds.sort_unstable();
     bounds.push(text.len());
-    bounds.windows(2).any(|w| {
+    let part_gives = |w: &[usize]| {
         let (from, to) = (w[0], w[1]);
         let names = facts
             .named
             .iter()
             .any(|n| (from..to).contains(&n.start) && !words.objects[n.group].own.meets(no_cause));
-        names && !decision_in(from, to)
-    })
+        names && !decision_in(from, to) && !is_own_duty(&text[from..to])
+    };
+    if bounds.windows(2).any(part_gives) {
+        return true;
+    }
+    // Most traces end here. Otherwise the reason may stand in one part with the decision: "slows because of the bend".
+    let lower = text.to_ascii_lowercase();
+    for word in BECAUSE.iter().chain(&[" and ", " but ", " while "]) {
+        bounds.extend(lower.match_indices(word).map(|(at, _)| at));
+    }
+    bounds.sort_unstable();
+    bounds.windows(2).any(part_gives)
+}
+
+/// A part that says what the ego has to do or wants.
+fn is_own_duty(part: &str) -> bool {
+    let begins =
+        |text: &str, word: &str| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
+    let part = part.trim_start_matches(|c: char| !c.is_alphanumeric());
+    let because = BECAUSE.iter().find(|w| begins(part, w));
+    let part = because.map_or(part, |w| part[w.len()..].trim_start());
+    OWN_DUTY.iter().any(|w| begins(part, w))
 }
 
 /// Kinds of things that bring about a longitudinal decision, by the names of schema/label_words.yaml; none where
@@ -189,7 +245,13 @@ fn kinds_of(decision: Longitudinal) -> &'static [&'static str] {
 }
 
 /// The components that are named as the cause of the longitudinal decision speak of something that can cause it.
-pub(in crate::check) fn kind(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+pub(in crate::check) fn kind(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    names: &DecisionSets,
+    sink: &mut dyn Sink,
+) {
     let Some(decision) = label.longitudinal.get() else { return };
     let wanted = kinds_of(decision)
         .iter()
@@ -212,9 +274,10 @@ pub(in crate::check) fn kind(label: &View<'_>, texts: &Texts, words: &LabelWords
     }
     sink.report(Finding::warning("label.cause.kind", pointer::CAUSES_LONGITUDINAL), &|| {
         let which = label.parts[named[0]].description.get().unwrap_or_default();
+        let name = decision_name(decision.id(), names);
         Words::new(
-            format!("“{which}”不会引起 {decision}"),
-            format!("'{which}' does not bring about {decision}"),
+            format!("“{which}”不会引起“{}”", name.zh),
+            format!("'{which}' does not bring about '{}'", name.en),
         )
         .hint(
             "关联真正引起该决策的要素，或检查决策",

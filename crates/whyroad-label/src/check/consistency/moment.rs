@@ -5,7 +5,7 @@ use crate::check::clips::ClipFacts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_model::Nanos;
-use whyroad_model::label_fields::{name, pointer};
+use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::KeyframeType;
 
 /// Frames a second where nothing says otherwise (LABELING.md 4).
@@ -20,8 +20,8 @@ pub(in crate::check) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, s
     {
         sink.report(Finding::error("label.time_range.order", pointer::TIME_RANGE_END_TIMESTAMP), &|| {
             Words::new(
-                format!("time_range 的结束 {end} 不晚于开始 {start}"),
-                format!("time_range ends at {end}, which is not after its start {start}"),
+                format!("时间范围的结束 {end} 不晚于开始 {start}"),
+                format!("the time range ends at {end}, which is not after its start {start}"),
             )
         });
     }
@@ -30,8 +30,8 @@ pub(in crate::check) fn time_range(label: &View<'_>, clip: Option<&ClipFacts>, s
     {
         sink.report(Finding::error("label.time_range.order", pointer::TIME_RANGE_END_FRAME_IDX), &|| {
             Words::new(
-                format!("time_range 的结束帧 {end} 不大于开始帧 {start}"),
-                format!("time_range ends at frame {end}, which is not after its first frame {start}"),
+                format!("时间范围的结束帧 {end} 不大于开始帧 {start}"),
+                format!("the time range ends at frame {end}, which is not after its first frame {start}"),
             )
             .hint("结束帧不含在内：最后一帧加一", "the end frame is not included: the last frame plus one")
         });
@@ -70,9 +70,9 @@ pub(in crate::check) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sin
                 Finding::error("label.keyframe.outside_time_range", pointer::KEYFRAME_TIMESTAMP),
                 &|| {
                     Words::new(
-                        format!("关键帧 {t} 不在 time_range 内（{start} 至 {end}，不含结束时刻）"),
+                        format!("关键帧 {t} 不在时间范围内（{start} 至 {end}，不含结束时刻）"),
                         format!(
-                            "the keyframe {t} is not in time_range ({start} up to, not including, {end})"
+                            "the keyframe {t} is not in the time range ({start} up to, not including, {end})"
                         ),
                     )
                 },
@@ -116,28 +116,31 @@ pub(in crate::check) fn keyframe(label: &View<'_>, clip: Option<&ClipFacts>, sin
 fn keyframe_range(label: &View<'_>, sink: &mut dyn Sink) {
     let k = &label.keyframe;
     let ends = [
-        (pointer::KEYFRAME_RANGE_START, name::RANGE_START, k.range_start),
-        (pointer::KEYFRAME_RANGE_END, name::RANGE_END, k.range_end),
+        (pointer::KEYFRAME_RANGE_START, ("区间起点", "start of the range"), k.range_start),
+        (pointer::KEYFRAME_RANGE_END, ("区间终点", "end of the range"), k.range_end),
     ];
     match k.kind.get() {
         Some(KeyframeType::Proactive) => {
-            for (at, name, _) in ends.iter().filter(|(.., t)| t.is_absent()) {
+            for (at, names, _) in ends.iter().filter(|(.., t)| t.is_absent()) {
                 sink.report(Finding::error("label.keyframe.range_missing", *at), &|| {
                     Words::new(
-                        format!("proactive 关键帧必须有 {name}"),
-                        format!("a proactive keyframe needs {name}"),
+                        format!("区间型（proactive）关键帧必须有{}", names.0),
+                        format!("a proactive keyframe needs its {}", names.1),
                     )
                 });
             }
         }
         Some(KeyframeType::Reactive) => {
-            for (at, name, _) in ends.iter().filter(|(.., t)| matches!(t, Slot::Is(_))) {
+            for (at, names, _) in ends.iter().filter(|(.., t)| matches!(t, Slot::Is(_))) {
                 sink.report(Finding::warning("label.keyframe.range_on_reactive", *at), &|| {
                     Words::new(
-                        format!("reactive 关键帧是单一时刻，{name} 不起作用"),
-                        format!("a reactive keyframe is one moment; {name} has no meaning here"),
+                        format!("单一时刻（reactive）的关键帧没有{}", names.0),
+                        format!("a reactive keyframe is one moment and has no {}", names.1),
                     )
-                    .hint("删去，或把 type 改为 proactive", "leave it out, or make the type proactive")
+                    .hint(
+                        "删去，或把关键帧改为区间型",
+                        "leave it out, or make the keyframe a range (proactive)",
+                    )
                 });
             }
         }

@@ -27,8 +27,8 @@ pub(in crate::check) fn length(label: &View<'_>, sink: &mut dyn Sink) {
     }
     sink.report(Finding::error("label.time_range.implausible", pointer::TIME_RANGE_END_TIMESTAMP), &|| {
         Words::new(
-            format!("time_range 长 {seconds:.1} s，不合理"),
-            format!("time_range is {seconds:.1} s long, which is implausible"),
+            format!("时间范围长 {seconds:.1} s，不合理"),
+            format!("the time range is {seconds:.1} s long, which is implausible"),
         )
         .hint(
             format!("片段长 20 s；标注范围应在 {SHORTEST_S} s 至 {LONGEST_S} s 之间"),
@@ -51,8 +51,8 @@ pub(in crate::check) fn range_inside(label: &View<'_>, sink: &mut dyn Sink) {
     };
     sink.report(Finding::error("label.keyframe.range_outside", at), &|| {
         Words::new(
-            format!("关键帧区间的 {t} 不在 time_range 内（{start} 至 {end}）"),
-            format!("the keyframe range reaches {t}, outside of time_range ({start} to {end})"),
+            format!("关键帧区间的 {t} 不在时间范围内（{start} 至 {end}）"),
+            format!("the keyframe range reaches {t}, outside of the time range ({start} to {end})"),
         )
     });
 }
@@ -101,13 +101,16 @@ pub(in crate::check) fn start(
         return;
     }
     sink.report(Finding::warning("label.time_range.start", pointer::TIME_RANGE_START_TIMESTAMP), &|| {
-        let name = label.class_name();
+        let name = &class.title;
         let due = keyframe.plus_secs(wanted_s);
         Words::new(
-            format!("{name} 的起点应为关键帧前 {:.1} s（{due}），此处为前 {:.1} s", -wanted_s, -found_s),
             format!(
-                "{name} starts {:.1} s before the keyframe ({due}); here it is {:.1} s",
-                -wanted_s, -found_s
+                "“{}”的起点应为关键帧前 {:.1} s（{due}），此处为前 {:.1} s",
+                name.zh, -wanted_s, -found_s
+            ),
+            format!(
+                "'{}' starts {:.1} s before the keyframe ({due}); here it is {:.1} s",
+                name.en, -wanted_s, -found_s
             ),
         )
         .hint("调整起点，或检查场景类别", "move the start, or check the scenario class")

@@ -5,8 +5,11 @@ use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::LabelWords;
+use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::decision_table::ClassDecisions;
+use whyroad_framework::label_words::GroupSet;
+use whyroad_model::Bilingual;
+use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
 /// Components beyond this are not compared with one another: people name two to five.
@@ -14,10 +17,25 @@ const COMPARED: usize = 40;
 /// Share of the shorter text that the longer one holds, in pairs and in words.
 const ALIKE: f64 = 0.8;
 const ALIKE_WORDS: f64 = 0.88;
+/// Fewer words, or characters, may be the same by chance.
+const LEAST_WORDS: usize = 6;
+const LEAST_CHARACTERS: usize = 12;
 
 /// No component is said twice.
-pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     if label.parts.len() < 2 {
+        return;
+    }
+    // Texts that name nothing in common are not taken apart.
+    let near = |f: &TextFacts| {
+        f.named.iter().fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))
+    };
+    let groups: Vec<GroupSet> = texts.components.iter().take(COMPARED).map(near).collect();
+    let may_repeat = groups
+        .iter()
+        .enumerate()
+        .any(|(i, g)| groups[..i].iter().any(|other| other.meets(*g) || other.is_empty() || g.is_empty()));
+    if !may_repeat {
         return;
     }
     let all: Vec<(usize, Pieces)> = label
@@ -48,8 +66,11 @@ struct Pieces {
     pairs: Vec<u64>,
     is_latin: bool,
     /// Groups that it names, with side and colour: texts that differ in these differ.
-    named: Vec<(usize, Option<bool>, Option<usize>)>,
+    named: Vec<Said>,
 }
+
+/// Group, side, color.
+type Said = (usize, Option<bool>, Option<usize>);
 
 fn pieces(text: &str, facts: &TextFacts) -> Pieces {
     let mut units: Vec<u64> = Vec::new();
@@ -87,7 +108,14 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
     if a.units == b.units && a.pairs == b.pairs {
         return !a.units.is_empty();
     }
-    let apart = |n: &(usize, Option<bool>, Option<usize>)| b.named.iter().any(|m| n.0 == m.0 && n != m);
+    // What one text leaves open is no difference.
+    let differ = |n: &Said, m: &Said| {
+        n.1.zip(m.1).is_some_and(|(x, y)| x != y) || n.2.zip(m.2).is_some_and(|(x, y)| x != y)
+    };
+    let apart = |n: &Said| {
+        let same = b.named.iter().filter(|m| n.0 == m.0);
+        same.clone().next().is_some() && same.clone().all(|m| differ(n, m))
+    };
     if a.named.iter().any(apart) {
         return false;
     }
@@ -96,7 +124,9 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
         let common = a.iter().filter(|p| b.binary_search(p).is_ok()).count();
         shorter >= least && common as f64 >= part * shorter as f64
     };
-    share(&a.pairs, &b.pairs, 5, ALIKE) || (a.is_latin && share(&a.units, &b.units, 6, ALIKE_WORDS))
+    // The same words in another order: few words of Latin letters, or many Chinese characters.
+    let least = if a.is_latin { LEAST_WORDS } else { LEAST_CHARACTERS };
+    share(&a.pairs, &b.pairs, 5, ALIKE) || share(&a.units, &b.units, least, ALIKE_WORDS)
 }
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them.
@@ -118,7 +148,7 @@ pub(in crate::check) fn unrelated(
     }
     sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE), &|| {
         Words::new(
-            "coc_trace 与关键要素无关：没有提到其中任何一个",
+            "因果描述与关键要素无关：没有提到其中任何一个",
             "the trace has nothing to do with the components: it names none of them",
         )
         .hint("按要素写出状态、原因、决策", "write state, reason and decision from the components")
@@ -134,10 +164,10 @@ pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWo
     if unread || texts.all_components(words).is_empty() {
         return;
     }
-    let components = texts.components_there(words);
+    let (any, beside) = (texts.components_there(words, false), texts.components_there(words, true));
     let is_new = |n: &&Named| {
         let group = &words.objects[n.group];
-        group.named && !group.own.meets(components)
+        group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
     };
     let Some(n) = texts.trace.there().find(is_new) else { return differs(label, texts, words, sink) };
     sink.report(
@@ -145,10 +175,10 @@ pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWo
         &|| {
             let thing = &text[n.start..n.end];
             Words::new(
-                format!("coc_trace 提到“{thing}”，但没有任何关键要素提到它"),
+                format!("因果描述提到“{thing}”，但没有任何关键要素提到它"),
                 format!("the trace speaks of '{thing}', which no critical component names"),
             )
-            .hint("补上该要素，或从 coc_trace 中删去", "add it as a component, or leave it out of the trace")
+            .hint("补上该要素，或从因果描述中删去", "add it as a component, or leave it out of the trace")
         },
     );
 }
@@ -157,9 +187,15 @@ pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWo
 fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
     let meant = |n: &Named| -> Vec<&Named> {
-        let near = words.objects[n.group].near;
-        let all = texts.components.iter().flat_map(|f| f.there());
-        all.filter(|c| words.objects[c.group].named && words.objects[c.group].own.meets(near)).collect()
+        let group = &words.objects[n.group];
+        let all = || texts.components.iter().flat_map(|f| f.there()).filter(|c| words.objects[c.group].named);
+        // Whoever is called by the same name, otherwise whoever may be meant.
+        let same: Vec<&Named> = all().filter(|c| words.objects[c.group].own == group.own).collect();
+        if same.is_empty() {
+            all().filter(|c| words.objects[c.group].own.meets(group.near)).collect()
+        } else {
+            same
+        }
     };
     let differs = |n: &&Named| {
         if !words.objects[n.group].named {
@@ -178,21 +214,46 @@ fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn S
     sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
         let thing = &text[n.start..n.end];
         Words::new(
-            format!("coc_trace 中的“{thing}”与关键要素所说的方位或颜色不同"),
+            format!("因果描述中的“{thing}”与关键要素所说的方位或颜色不同"),
             format!("the trace puts '{thing}' on another side, or gives it another color, than the component does"),
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
 }
 
+/// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).
+pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+    let stops = matches!(
+        label.longitudinal.get(),
+        Some(Longitudinal::StopForRegulation | Longitudinal::StopForObstacle | Longitudinal::YieldToAgent)
+    );
+    let (Some((start, end)), Some(text), true) = (texts.trace.unchanged, label.trace.get(), stops) else {
+        return;
+    };
+    sink.report(
+        Finding::warning("label.decision.unchanged", pointer::DRIVING_DECISION_LONGITUDINAL),
+        &|| {
+            let phrase = &text[start..end];
+            Words::new(
+                format!("因果描述说“{phrase}”：自车只是保持原状，没有做出新的决策"),
+                format!("the trace says '{phrase}': the ego goes on as before, which is no new decision"),
+            )
+            .hint(
+                "选“无决策变化”；或把关键帧移到自车开始减速之前",
+                "choose 'no change of decision', or move the keyframe to before the ego starts to slow",
+            )
+        },
+    );
+}
+
 /// The texts speak of what the class is about.
 pub(in crate::check) fn class(
-    label: &View<'_>,
     texts: &Texts,
     words: &LabelWords,
-    class: &ClassDecisions,
+    prescribed: &Prescribed,
     sink: &mut dyn Sink,
 ) -> bool {
+    let Some(class) = &prescribed.decisions else { return false };
     if class.about.is_empty() || texts.components.is_empty() || words.is_empty() {
         return false;
     }
@@ -202,10 +263,17 @@ pub(in crate::check) fn class(
         return false;
     }
     sink.report(Finding::warning("label.text.class", pointer::SCENARIO), &|| {
-        let (name, about) = (label.class_name(), class.about_names.join(", "));
+        let about: Vec<Bilingual> = class.about_names.iter().map(|id| words.kind_name(id)).collect();
+        let list = |pick: fn(&Bilingual) -> &String, or: &str| {
+            about.iter().map(|b| pick(b).as_str()).collect::<Vec<_>>().join(or)
+        };
         Words::new(
-            format!("{name} 的文字应提到：{about}；这里没有"),
-            format!("the texts of {name} should speak of: {about}; these do not"),
+            format!("“{}”的文字应提到：{}；这里没有", prescribed.title.zh, list(|b| &b.zh, "、")),
+            format!(
+                "the texts of '{}' should speak of: {}; these do not",
+                prescribed.title.en,
+                list(|b| &b.en, ", ")
+            ),
         )
         .hint(
             "检查场景类别，或补上触发决策的要素",

@@ -2,16 +2,24 @@
 
 use crate::check::consistency::trace::{Reading, TraceVerdict, form, judge, read};
 use crate::check::view::View;
+use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::Lexicon;
+use whyroad_model::Bilingual;
+use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
 
 /// Form of the trace, and what it says against the decisions.
-pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dyn Sink) -> Option<Reading> {
+pub(in crate::check) fn trace(
+    label: &View<'_>,
+    lexicon: &Lexicon,
+    names: &DecisionSets,
+    sink: &mut dyn Sink,
+) -> Option<Reading> {
     let text = label.trace.get()?;
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
-            Words::new("coc_trace 为空", "coc_trace is empty").hint(
+            Words::new("因果描述为空", "the trace is empty").hint(
                 "按“状态、原因、决策”的顺序写 50 至 100 字",
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
             )
@@ -23,9 +31,9 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
     if seen.length < limits.too_short_below {
         sink.report(Finding::error("label.trace.too_short", pointer::COC_TRACE), &|| {
             Words::new(
-                format!("coc_trace 太短（约 {} 字），写不下状态、原因和决策", seen.length),
+                format!("因果描述太短（约 {} 字），写不下状态、原因和决策", seen.length),
                 format!(
-                    "coc_trace is too short to hold state, reason and decision ({} words or so)",
+                    "the trace is too short to hold state, reason and decision ({} words or so)",
                     seen.length / 2
                 ),
             )
@@ -34,8 +42,8 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
     } else if limits.too_long_above > 0 && seen.length > limits.too_long_above {
         sink.report(Finding::warning("label.trace.too_long", pointer::COC_TRACE), &|| {
             Words::new(
-                format!("coc_trace 过长（约 {} 字）", seen.length),
-                format!("coc_trace is long (about {} words)", seen.length / 2),
+                format!("因果描述过长（约 {} 字）", seen.length),
+                format!("the trace is long (about {} words)", seen.length / 2),
             )
             .hint("只留影响决策的内容，50 至 100 字", "keep what bears on the decision, some 30 to 60 words")
         });
@@ -43,8 +51,8 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
     if limits.too_long_above > 0 && seen.numbers > limits.numbers_above {
         sink.report(Finding::warning("label.trace.numbers", pointer::COC_TRACE), &|| {
             Words::new(
-                format!("coc_trace 中数字过多（{} 个）", seen.numbers),
-                format!("coc_trace has too many numbers ({})", seen.numbers),
+                format!("因果描述中数字过多（{} 个）", seen.numbers),
+                format!("the trace has too many numbers ({})", seen.numbers),
             )
             .hint(
                 "先定性描述：“很近”“较快”，数字只留关键的",
@@ -59,8 +67,8 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
             &|| {
                 let id = &text[start..end];
                 Words::new(
-                    format!("coc_trace 中出现决策标识 '{id}'"),
-                    format!("coc_trace contains the decision identifier '{id}'"),
+                    format!("因果描述中出现决策标识 '{id}'"),
+                    format!("the trace contains the decision identifier '{id}'"),
                 )
                 .hint("用自然语言写决策", "name the decision in natural language")
             },
@@ -76,8 +84,8 @@ pub(in crate::check) fn trace(label: &View<'_>, lexicon: &Lexicon, sink: &mut dy
             _ => false,
         };
         if !unreadable {
-            none |= v == TraceVerdict::NoDecision;
-            verdict(&v, text, sink);
+            none |= matches!(v, TraceVerdict::NotStated { .. });
+            verdict(&v, text, names, sink);
         }
     });
     // A trace too short, or without a decision, cannot give a reason for one.
@@ -99,78 +107,109 @@ pub(in crate::check) fn states_decision(
     })
 }
 
-fn verdict(v: &TraceVerdict, text: &str, sink: &mut dyn Sink) {
+/// A decision's name for people, by its id.
+pub(in crate::check) fn decision_name(id: &str, names: &DecisionSets) -> Bilingual {
+    let along = Longitudinal::from_id(id).and_then(|d| names.longitudinal(d));
+    let text = along.or_else(|| Lateral::from_id(id).and_then(|d| names.lateral(d)));
+    text.map_or_else(|| Bilingual::same(id), |t| t.name.clone())
+}
+
+/// A side for people.
+pub(in crate::check) fn direction_name(direction: LateralDirection) -> Bilingual {
+    match direction {
+        LateralDirection::Left => Bilingual::new("左", "left"),
+        LateralDirection::Right => Bilingual::new("右", "right"),
+        LateralDirection::Uturn => Bilingual::new("掉头", "U-turn"),
+    }
+}
+
+fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, sink: &mut dyn Sink) {
+    let name = |id: &str| decision_name(id, names);
+    let check_end = |words: Words| {
+        words.hint("检查决策，或改写因果描述的结尾", "check the decision, or rewrite the end of the trace")
+    };
+    let at = |f: Finding, start: &usize, end: &usize| f.part(*start, *end);
     match v {
         TraceVerdict::OtherDecision { label, says, start, end } => {
-            sink.report(
-                Finding::error("label.trace.contradicts", pointer::COC_TRACE).part(*start, *end),
-                &|| {
-                    let phrase = &text[*start..*end];
-                    Words::new(
-                        format!("标签的决策是 {label}，coc_trace 却说“{phrase}”（{}）", says.join(" 或 ")),
-                        format!(
-                            "the label decides for {label}, but the trace says '{phrase}' ({})",
-                            says.join(" or ")
-                        ),
-                    )
-                    .hint(
-                        "检查决策，或改写 coc_trace 的结尾",
-                        "check the decision, or rewrite the end of the trace",
-                    )
-                },
-            );
+            let finding = Finding::error("label.trace.contradicts", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let (phrase, label) = (&text[*start..*end], name(label));
+                let says: Vec<Bilingual> = says.iter().map(|id| name(id)).collect();
+                let zh: Vec<&str> = says.iter().map(|b| b.zh.as_str()).collect();
+                let en: Vec<&str> = says.iter().map(|b| b.en.as_str()).collect();
+                check_end(Words::new(
+                    format!("决策是“{}”，因果描述却说“{phrase}”（{}）", label.zh, zh.join("或")),
+                    format!(
+                        "the decision is '{}', but the trace says '{phrase}' ({})",
+                        label.en,
+                        en.join(" or ")
+                    ),
+                ))
+            });
         }
         TraceVerdict::Denied { label, start, end } => {
-            sink.report(
-                Finding::error("label.trace.contradicts", pointer::COC_TRACE).part(*start, *end),
-                &|| {
-                    let phrase = &text[*start..*end];
-                    Words::new(
-                        format!("标签的决策是 {label}，coc_trace 却否定了“{phrase}”"),
-                        format!("the label decides for {label}, but the trace says not to '{phrase}'"),
-                    )
-                    .hint(
-                        "检查决策，或改写 coc_trace 的结尾",
-                        "check the decision, or rewrite the end of the trace",
-                    )
-                },
-            );
+            let finding = Finding::error("label.trace.contradicts", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let (phrase, label) = (&text[*start..*end], name(label));
+                check_end(Words::new(
+                    format!("决策是“{}”，因果描述却否定了“{phrase}”", label.zh),
+                    format!("the decision is '{}', but the trace says not to '{phrase}'", label.en),
+                ))
+            });
         }
         TraceVerdict::OtherSide { label, says, start, end } => {
-            sink.report(
-                Finding::error("label.trace.direction", pointer::COC_TRACE).part(*start, *end),
-                &|| {
-                    let phrase = &text[*start..*end];
-                    Words::new(
-                        format!("标签的方向是 {label}，coc_trace 却说“{phrase}”（{says}）"),
-                        format!("the label goes {label}, but the trace says '{phrase}' ({says})"),
-                    )
-                },
-            );
+            let finding = Finding::error("label.trace.direction", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let phrase = &text[*start..*end];
+                let (label, says) = (direction_name(*label), direction_name(*says));
+                Words::new(
+                    format!("决策的方向是“{}”，因果描述却说“{phrase}”（{}）", label.zh, says.zh),
+                    format!("the decision goes {}, but the trace says '{phrase}' ({})", label.en, says.en),
+                )
+                .hint("改正其中有误的一处", "correct the one that is wrong")
+            });
         }
         TraceVerdict::Unlabelled { channel, says, start, end } => {
-            sink.report(
-                Finding::warning("label.trace.unlabelled", pointer::COC_TRACE).part(*start, *end),
-                &|| {
-                    let phrase = &text[*start..*end];
-                    Words::new(
-                        format!("coc_trace 说“{phrase}”（{says}），标签的 {channel} 却为 null"),
-                        format!("the trace says '{phrase}' ({says}), but the label's {channel} is null"),
-                    )
-                    .hint(
-                        "确有新决策时补上，否则改写 coc_trace",
-                        "add the decision if there was one, or rewrite the trace",
-                    )
-                },
-            );
-        }
-        TraceVerdict::NoDecision => {
-            sink.report(Finding::warning("label.trace.decision_missing", pointer::COC_TRACE), &|| {
-                Words::new("coc_trace 没有说出任何决策", "the trace names no decision").hint(
-                    "以决策结尾，例如“因此减速让行”",
-                    "end with the decision, such as \"so the ego slows down to yield\"",
+            let finding = Finding::warning("label.trace.unlabelled", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let (phrase, says) = (&text[*start..*end], name(says));
+                let (zh, en) = match *channel {
+                    name::LONGITUDINAL => ("纵向", "longitudinal"),
+                    _ => ("横向", "lateral"),
+                };
+                Words::new(
+                    format!("因果描述说“{phrase}”（{}），{zh}决策却是“无决策变化”", says.zh),
+                    format!("the trace says '{phrase}' ({}), but the {en} decision is 'no change'", says.en),
+                )
+                .hint(
+                    "确有新决策时补上，否则改写因果描述",
+                    "add the decision if there was one, or rewrite the trace",
                 )
             });
         }
+        TraceVerdict::NotStated { label, start, end } => {
+            let finding = Finding::warning("label.trace.decision_missing", pointer::COC_TRACE);
+            sink.report(at(finding, start, end), &|| {
+                let (label, ending) = (name(label), excerpt(&text[*start..*end]));
+                Words::new(
+                    format!("因果描述写的决策是“{ending}”，没有说出“{}”", label.zh),
+                    format!("the trace decides '{ending}', which does not state '{}'", label.en),
+                )
+                .hint(
+                    "以决策结尾，例如“因此减速让行”；或检查决策",
+                    "end with the decision, such as \"so the ego slows down to yield\"; or check the decision",
+                )
+            });
+        }
+    }
+}
+
+/// The beginning of a text that is quoted.
+fn excerpt(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let text = text.trim().trim_start_matches(['，', ',', ' ']);
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
     }
 }

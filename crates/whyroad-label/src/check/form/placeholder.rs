@@ -29,6 +29,14 @@ pub(in crate::check) fn components(
         let at = pointer::critical_components_item_description(c.index);
         if words.is_placeholder(text) {
             placeholder(at, text, sink);
+        } else if is_one_word(text) {
+            sink.report(Finding::warning("label.component.too_short", at), &|| {
+                Words::new(
+                    format!("“{text}”太短，没有说明看到了什么"),
+                    format!("'{text}' is too short to say what was seen"),
+                )
+                .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
+            });
         } else if facts.words == 0 && !says_something(text, lexicon) {
             sink.report(Finding::warning("label.text.unrelated", at), &|| {
                 Words::new(
@@ -41,11 +49,17 @@ pub(in crate::check) fn components(
     }
 }
 
+/// One Latin word, or at most two Chinese characters: a name, and nothing said of it.
+fn is_one_word(text: &str) -> bool {
+    let mut letters = text.chars().filter(|c| c.is_alphanumeric());
+    if text.is_ascii() { text.split_whitespace().nth(1).is_none() } else { letters.nth(2).is_none() }
+}
+
 fn says_something(text: &str, lexicon: &Lexicon) -> bool {
     let mut any = false;
     lexicon.hits(text, |hit| {
         use whyroad_framework::lexicon::Role;
-        any |= matches!(hit.role, Role::Agent | Role::Phrase(_));
+        any |= matches!(hit.role, Role::Agent | Role::Ego | Role::Phrase(_));
     });
     any
 }

@@ -1,9 +1,11 @@
 //! The longitudinal decision against the ego's speed in the 6 s after the keyframe.
 
 use super::window::{STANDSTILL_MPS, Window, kmh};
+use crate::check::recording::Recorded;
 use crate::check::view::View;
 use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::lexicon::SaidSpeed;
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::{Bilingual, Tri};
@@ -53,7 +55,7 @@ pub(super) fn check(label: &View<'_>, w: &Window<'_>, names: &DecisionSets, sink
                     name.en.to_lowercase()
                 ),
             )
-            .hint("没有新的动作时填 null；否则检查关键帧", "where nothing changes the decision is null; otherwise check the keyframe")
+            .hint("没有新的动作时选“无决策变化”；否则检查关键帧", "where nothing changes choose 'no change of decision'; otherwise check the keyframe")
         });
     };
     let stands = v0 < STANDSTILL_MPS;
@@ -150,6 +152,35 @@ pub(super) fn check(label: &View<'_>, w: &Window<'_>, names: &DecisionSets, sink
     }
 }
 
+/// What a text says of the ego's speed, against its speed in the 6 s after the keyframe. Chinese and English.
+pub(in crate::check) fn said_speed(
+    said: SaidSpeed,
+    label: &View<'_>,
+    recorded: &Recorded,
+    keyframe: usize,
+) -> Option<Bilingual> {
+    let w = Window::new(label, recorded, keyframe);
+    let v0 = w.speed(keyframe)?;
+    let all = w.speeds(keyframe..w.end).filter(|_| w.lasts(2.0))?;
+    let shown = |at: usize, v: f64| {
+        let (from, to, t) = (kmh(v0), kmh(v), w.seconds(at));
+        Bilingual::new(
+            format!("自车车速由 {from:.0} 变为 {to:.0} km/h（关键帧后 {t:.1} s）"),
+            format!("the ego goes from {from:.0} to {to:.0} km/h, {t:.1} s after the keyframe"),
+        )
+    };
+    let (highest, lowest) = (shown(all.max_at, all.max), shown(all.min_at, all.min));
+    match said {
+        SaidSpeed::Faster if all.max < v0 + STEADY_MPS && all.min < v0 - PLAIN_MPS => Some(lowest),
+        SaidSpeed::Slower if all.min > v0 - STEADY_MPS && all.max > v0 + PLAIN_MPS => Some(highest),
+        // Who stops later has begun to slow by then.
+        SaidSpeed::Stops if w.lasts(6.0) && all.min > LARGE_MPS && all.last > NEARLY_STOPPED * v0 => {
+            Some(lowest)
+        }
+        _ => None,
+    }
+}
+
 /// A null decision, although the ego plainly changes its speed at once.
 fn unlabelled(w: &Window<'_>, v0: f64, sink: &mut dyn Sink) {
     let soon = w.keyframe..(w.keyframe + 31).min(w.end);
@@ -167,8 +198,8 @@ fn unlabelled(w: &Window<'_>, v0: f64, sink: &mut dyn Sink) {
     sink.report(Finding::warning("label.motion.unlabelled", pointer::DRIVING_DECISION_LONGITUDINAL), &|| {
         let (from, to) = (kmh(v0), kmh(v0 + change));
         Words::new(
-            format!("纵向决策为 null，但自车在 {t:.1} s 内由 {from:.0} 变为 {to:.0} km/h"),
-            format!("the longitudinal decision is null, but the ego goes from {from:.0} to {to:.0} km/h within {t:.1} s"),
+            format!("纵向决策为“无决策变化”，但自车在 {t:.1} s 内由 {from:.0} 变为 {to:.0} km/h"),
+            format!("the longitudinal decision is 'no change', but the ego goes from {from:.0} to {to:.0} km/h within {t:.1} s"),
         )
         .hint("补上关键帧后的第一个决策", "add the first decision after the keyframe")
     });

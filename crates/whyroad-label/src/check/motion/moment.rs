@@ -3,7 +3,9 @@
 
 use crate::check::recording::Recorded;
 use crate::check::view::View;
+use whyroad_framework::check::class_index::ClassIndex;
 use whyroad_framework::check::{Finding, Sink, Words};
+use whyroad_model::Bilingual;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{EpisodeRecord, KeyframeType};
 
@@ -14,7 +16,7 @@ const MOMENT_S: f64 = 1.2;
 /// Two classes at the same moment, s.
 const SAME_MOMENT_S: f64 = 1.0;
 
-pub(super) fn check(label: &View<'_>, recorded: &Recorded, sink: &mut dyn Sink) {
+pub(super) fn check(label: &View<'_>, recorded: &Recorded, classes: &ClassIndex, sink: &mut dyn Sink) {
     let (Some(keyframe), Some(l1), Some(l2)) =
         (label.keyframe.timestamp.get(), label.scenario.l1.get(), label.scenario.l2.get())
     else {
@@ -60,11 +62,13 @@ pub(super) fn check(label: &View<'_>, recorded: &Recorded, sink: &mut dyn Sink) 
         return;
     }
     sink.report(Finding::warning("label.class.rule", pointer::SCENARIO), &|| {
-        let name = label.class_name();
+        let own = label.class_id();
+        let name = own.as_ref().and_then(|id| classes.name(id)).cloned().unwrap_or_default();
+        let rule = classes.name(&e.scenario_id).cloned().unwrap_or_else(|| Bilingual::same(&id));
         let why: Vec<&str> = e.conditions_matched.iter().take(2).map(|c| c.condition.as_str()).collect();
         Words::new(
-            format!("规则在此时刻找到的是 {id}（{}），而不是 {name}", why.join("；")),
-            format!("the rules find {id} at this moment ({}), not {name}", why.join("; ")),
+            format!("规则在此时刻找到的是“{}”（{}），而不是“{}”", rule.zh, why.join("；"), name.zh),
+            format!("the rules find '{}' at this moment ({}), not '{}'", rule.en, why.join("; "), name.en),
         )
         .hint(
             "检查场景类别；另一触发可列为次场景",

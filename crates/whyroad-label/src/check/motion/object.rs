@@ -65,7 +65,8 @@ fn kind(words: &LabelWords, name: &str) -> GroupSet {
 
 fn is_tracked(words: &LabelWords, n: &Named) -> bool {
     let own = words.objects[n.group].own;
-    own.meets(kind(words, "vehicle").with(kind(words, "vru"))) && !own.meets(kind(words, "queue"))
+    let tracked = kind(words, "vehicle").with(kind(words, "vru")).with(kind(words, "animal"));
+    own.meets(tracked) && !own.meets(kind(words, "queue"))
 }
 
 /// Frames in which the component says that it was seen: its evidence times, or the history of the keyframe.
@@ -174,7 +175,8 @@ fn class_fits(words: &LabelWords, n: &Named, class: ObjectClass) -> bool {
     let (vehicle, vru) = (kind(words, "vehicle"), kind(words, "vru"));
     let motorcycle = own.meets(kind(words, "motorcycle")) || own.meets(kind(words, "rider"));
     match class {
-        ObjectClass::Unknown | ObjectClass::StaticObject | ObjectClass::Cone | ObjectClass::Animal => true,
+        ObjectClass::Unknown | ObjectClass::StaticObject | ObjectClass::Cone => true,
+        ObjectClass::Animal => own.meets(kind(words, "animal")),
         ObjectClass::Motorcycle | ObjectClass::Motorcyclist => motorcycle || own.meets(vehicle),
         c if c.is_vru() => own.meets(vru),
         c if c.is_large_vehicle() => {

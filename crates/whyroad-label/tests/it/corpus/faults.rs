@@ -19,16 +19,17 @@ const KINDS: &[(&str, &[&str])] = &[
     ("circular", &["label.cause.circular", "label.text.unrelated", "label.trace.too_short"]),
     ("unnamed_object", &["label.trace.unnamed_object"]),
     ("object_differs", &["label.trace.object_differs"]),
-    ("negated", &["label.trace.contradicts"]),
-    ("paraphrased", &["label.trace.contradicts", "label.trace.unlabelled"]),
+    ("negated", &["label.trace.contradicts", "label.trace.decision_missing"]),
+    ("paraphrased", &["label.trace.contradicts", "label.trace.unlabelled", "label.trace.decision_missing"]),
     ("action_other", &["label.trace.contradicts", "label.trace.unlabelled"]),
     ("direction", &["label.trace.direction", "label.trace.contradicts"]),
     ("text_direction", &["label.trace.direction", "label.trace.contradicts"]),
     ("unrelated", &["label.text.unrelated", "label.trace.decision_missing"]),
     ("near_duplicate", &["label.component.duplicate"]),
-    ("placeholder", &["label.text.placeholder", "label.text.unrelated"]),
+    ("placeholder", &["label.text.placeholder", "label.text.unrelated", "label.component.too_short"]),
     ("other_class", &["label.text.class", "label.cause.kind", "label.text.unrelated"]),
     ("proximate", &["label.cause.proximate"]),
+    ("minimality", &["label.decision.unchanged"]),
     ("impossible_decision", &["label.decision.impossible"]),
     ("impossible_lateral", &["label.decision.impossible", "label.lateral.mandated"]),
     ("impossible_direction", &["label.decision.impossible"]),
@@ -58,15 +59,25 @@ fn known(kind: &str) -> &'static str {
     KINDS.iter().find(|(k, _)| *k == kind).unwrap_or_else(|| panic!("{kind} is not a kind")).0
 }
 
-/// All faulty labels of a base.
+/// All faulty labels of a base: the written ones and those of structure.
 pub(super) fn of(base: &Base, language: &str) -> Vec<Fault> {
+    let mut out = written(base, language);
+    structure(base, language, &mut |kind, what, change| out.push(fault(base, kind, what, change)));
+    out
+}
+
+fn fault(base: &Base, kind: &str, what: &str, change: &dyn Fn(&mut Value)) -> Fault {
+    let mut label = label(base);
+    change(&mut label);
+    Fault { kind: known(kind), label, what: what.to_owned() }
+}
+
+/// The faulty labels that the corpus states.
+pub(super) fn written(base: &Base, language: &str) -> Vec<Fault> {
     let mut out = Vec::new();
     let ids: Vec<String> = (0..base.parts.len()).map(|i| format!("c{}", i + 1)).collect();
-    let mut add = |kind: &str, what: &str, change: &dyn Fn(&mut Value)| {
-        let mut label = label(base);
-        change(&mut label);
-        out.push(Fault { kind: known(kind), label, what: what.to_owned() });
-    };
+    let mut add =
+        |kind: &str, what: &str, change: &dyn Fn(&mut Value)| out.push(fault(base, kind, what, change));
     for (kind, traces) in &base.faults {
         for trace in traces {
             add(kind, trace, &|l| l["coc_trace"] = json!(trace));
@@ -104,7 +115,6 @@ pub(super) fn of(base: &Base, language: &str) -> Vec<Fault> {
             add(kind, decision, &|l| decide(l, decision, &ids));
         }
     }
-    structure(base, language, &mut add);
     out
 }
 

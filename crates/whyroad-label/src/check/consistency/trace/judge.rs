@@ -16,8 +16,8 @@ pub(in crate::check) enum TraceVerdict {
     OtherSide { label: LateralDirection, says: LateralDirection, start: usize, end: usize },
     /// The trace decides for something in a channel that the label leaves null.
     Unlabelled { channel: &'static str, says: &'static str, start: usize, end: usize },
-    /// The trace names no decision at all.
-    NoDecision,
+    /// What the trace decides says nothing of the label's decision.
+    NotStated { label: &'static str, start: usize, end: usize },
 }
 
 /// One channel of a label, for both kinds of decision.
@@ -38,12 +38,15 @@ pub(in crate::check) fn judge(
     direction: Option<LateralDirection>,
     sink: &mut dyn FnMut(TraceVerdict),
 ) {
-    if reading.mentions.is_empty() {
-        if !lexicon.patterns.is_empty() && (longitudinal.is_some() || lateral.is_some()) {
-            sink(TraceVerdict::NoDecision);
-        }
+    if lexicon.patterns.is_empty() {
         return;
     }
+    let any = std::cell::Cell::new(false);
+    let mut sink = |v: TraceVerdict| {
+        any.set(true);
+        sink(v);
+    };
+    let sink: &mut dyn FnMut(TraceVerdict) = &mut sink;
     let along = Channel {
         name: name::LONGITUDINAL,
         label: longitudinal,
@@ -63,9 +66,50 @@ pub(in crate::check) fn judge(
     if let (true, Some(lateral), Some(direction)) = (agrees, lateral, direction) {
         side(reading, lexicon, lateral, direction, sink);
     }
+    if any.get() {
+        return;
+    }
+    let not_stated = match (along.stated(reading, lexicon), across.stated(reading, lexicon)) {
+        // To keep the lane is what a car does that says nothing of it.
+        (_, Stated::Nowhere) if lateral != Some(Lateral::LaneKeeping) => lateral.map(Lateral::id),
+        (Stated::Nowhere | Stated::Before, Stated::Nowhere | Stated::Before | Stated::Null) => {
+            longitudinal.map(Longitudinal::id)
+        }
+        (Stated::Null, Stated::Nowhere) if reading.mentions.is_empty() => lateral.map(Lateral::id),
+        _ => None,
+    };
+    if let Some(label) = not_stated {
+        sink(TraceVerdict::NotStated { label, start: reading.decision_from, end: reading.end });
+    }
+}
+
+/// Where a trace states the decision of a channel.
+enum Stated {
+    /// The channel has no decision.
+    Null,
+    /// Where the trace decides.
+    Deciding,
+    /// Only in what comes before.
+    Before,
+    Nowhere,
 }
 
 impl<D: Copy + PartialEq> Channel<'_, D> {
+    /// Where the trace says of the ego what the label decides. What is only meant or comes later counts.
+    fn stated(&self, reading: &Reading, lexicon: &Lexicon) -> Stated {
+        let Some(label) = self.label else { return Stated::Null };
+        let says = |m: &&Mention| (self.says)(&lexicon.phrases[m.phrase]).contains(&label);
+        let own = reading.mentions.iter().filter(says).filter(|m| m.force != Force::Negated && !m.by_other);
+        let mut stated = Stated::Nowhere;
+        for m in own {
+            if m.start >= reading.decision_from || !reading.marked {
+                return Stated::Deciding;
+            }
+            stated = Stated::Before;
+        }
+        stated
+    }
+
     /// True when nothing was found.
     fn judge(&self, reading: &Reading, lexicon: &Lexicon, sink: &mut dyn FnMut(TraceVerdict)) -> bool {
         let says = |m: &Mention| (self.says)(&lexicon.phrases[m.phrase]);

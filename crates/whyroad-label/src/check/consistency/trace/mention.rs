@@ -43,6 +43,8 @@ pub(in crate::check) struct Reading {
     pub decision_from: usize,
     /// A word such as "therefore" says so; otherwise it is the last sentence.
     pub marked: bool,
+    /// One past the last byte that was read: final punctuation is left out.
+    pub end: usize,
     /// Bytes of the first decision identifier.
     pub decision_id: Option<(usize, usize)>,
 }
@@ -108,6 +110,7 @@ pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
         governs: false,
     };
     let text_end = text.trim_end().trim_end_matches(['。', '.', '!', '！', ' ']).len();
+    r.out.end = text_end;
     lexicon.hits(&text[..text_end], |hit| r.take(hit));
     r.end_clause();
     // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.

@@ -26,7 +26,7 @@ fn verdicts(lexicon: &Lexicon, decision: &str, text: &str) -> String {
             TraceVerdict::Denied { label, .. } => format!("denied {label}"),
             TraceVerdict::OtherSide { says, .. } => format!("side {says}"),
             TraceVerdict::Unlabelled { says, .. } => format!("unlabelled {says}"),
-            TraceVerdict::NoDecision => "none".to_owned(),
+            TraceVerdict::NotStated { .. } => "none".to_owned(),
         });
     });
     if out.is_empty() { "ok".to_owned() } else { out.join("; ") }
@@ -82,7 +82,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     ("yield_to_agent/-", "骑行者切入，为避免追尾，因此减速让行。", "ok"),
     ("yield_to_agent/-", "行人不断靠近车道，因此提前减速，让行人先通过。", "ok"),
     ("lead_following/-", "右侧变道空间不足，换道条件不满足，因此继续跟车。", "ok"),
-    ("lead_following/lane_change/right", "左侧有空档，但变道不安全，因此继续跟车。", "ok"),
+    ("lead_following/lane_change/right", "左侧有空档，但变道不安全，因此继续跟车。", "none"),
     ("lead_following/lane_change/right", "左侧有空档，因此考虑后认为变道不安全。", "ok"),
     ("lead_following/lane_change/right", "右侧货车并行，因此变道不可行，继续跟车。", "denied lane_change"),
     ("-/turn/left", "对向无车，无保护左转条件满足，因此左转通过路口。", "ok"),
@@ -188,7 +188,7 @@ const SENTENCES: &[(&str, &str, &str)] = &[
     (
         "stop_for_regulation/-",
         "The light is green and the junction is clear, therefore accelerate through.",
-        "other stop_for_regulation: accelerate",
+        "other stop_for_regulation: accelerate through",
     ),
     ("resume/-", "The light turns green and the lead pulls away; therefore the ego starts off.", "ok"),
     (
