@@ -36,8 +36,13 @@ pub struct Openings {
 pub struct ClassTexts {
     /// The component where the recording tells none.
     seen: Option<Seen>,
+    /// What the target of the episode does, where the class says it better than its motion at the keyframe.
+    doing: Option<Pair>,
     /// Why it calls for a decision.
     why: Option<Phrasings>,
+    /// Longitudinal decisions in words of this class.
+    #[serde(default)]
+    decisions: BTreeMap<String, Phrasings>,
 }
 
 /// What a class is about, in words.
@@ -118,6 +123,11 @@ impl DraftTexts {
         self.of(class, |c| c.seen.as_ref())
     }
 
+    /// What the target does, in Chinese and English: of the leaf, or of its L2.
+    pub fn doing(&self, class: &ScenarioId) -> Option<(&str, &str)> {
+        self.of(class, |c| c.doing.as_ref()).map(|p| (p.zh.as_str(), p.en.as_str()))
+    }
+
     /// Why it calls for a decision: of the leaf, or of its L2.
     pub fn why(&self, class: &ScenarioId) -> Option<&Phrasings> {
         self.of(class, |c| c.why.as_ref())
@@ -128,9 +138,9 @@ impl DraftTexts {
         [class, &l2].into_iter().find_map(|id| self.classes.get(&id.to_string()).and_then(&part))
     }
 
-    /// A longitudinal decision as the end of a trace.
-    pub fn longitudinal(&self, d: Longitudinal) -> Option<&Phrasings> {
-        self.decisions.longitudinal.get(d.id())
+    /// A longitudinal decision as the end of a trace: in words of the class, or else in those of all.
+    pub fn longitudinal(&self, class: &ScenarioId, d: Longitudinal) -> Option<&Phrasings> {
+        self.of(class, |c| c.decisions.get(d.id())).or_else(|| self.decisions.longitudinal.get(d.id()))
     }
 
     /// A lateral decision as the end of a trace; `{side}` stands for its direction.
@@ -184,8 +194,9 @@ mod tests {
                 assert!(why.all(lang).len() >= 2, "{leaf}");
             }
         }
+        let leaf = f.specs.keys().next().unwrap().clone();
         for d in Longitudinal::ALL {
-            assert!(f.draft_texts.longitudinal(*d).is_some_and(|p| p.all(Lang::Zh).len() >= 2), "{d}");
+            assert!(f.draft_texts.longitudinal(&leaf, *d).is_some_and(|p| p.all(Lang::Zh).len() >= 2), "{d}");
         }
         for d in Lateral::ALL {
             assert!(f.draft_texts.lateral(*d).is_some_and(|p| p.all(Lang::En).len() >= 2), "{d}");

@@ -68,8 +68,16 @@ pub fn draft_with_seed(
         ));
     }
 
-    let decision = decision::infer(signals, keyframe, &typical, spec.and_then(|s| s.lateral), &mut notes);
-    let components = components::observed(drive, signals, episode, keyframe, lang);
+    let target = episode.target_id.as_ref().and_then(|id| drive.track(id)).map(|t| t.class);
+    let asked = decision::Asked {
+        typical: &typical,
+        allowed: framework.decision_table.leaves.get(class),
+        mandated: spec.and_then(|s| s.lateral),
+        target,
+        is_safety: class.l1 == "safety",
+    };
+    let decision = decision::infer(signals, keyframe, &asked, &mut notes);
+    let components = components::observed(framework, drive, signals, episode, keyframe, lang);
     if components.is_empty() {
         notes.push(Bilingual::new(
             "没有可由信号得出的关键要素，请标注员补充",
@@ -80,8 +88,8 @@ pub fn draft_with_seed(
         && components.iter().all(|c| c.uncertainty != Some(Uncertainty::High))
     {
         notes.push(Bilingual::new(
-            "该场景要求至少一个关键要素标 uncertainty = high",
-            "this class needs uncertainty = high on at least one component",
+            "该场景要求至少一个关键要素的不确定性为“高”",
+            "this class needs at least one component of high uncertainty",
         ));
     }
     let records = spec

@@ -1,11 +1,16 @@
 //! What could be observed at the keyframe, in words: the target, the light, the road, and the route as it was commanded
 //! or signaled by then. Nothing after it is read: the manoeuvre that follows is not the intention that caused it.
 
+use whyroad_framework::Framework;
 use whyroad_model::messages::{CriticalComponent, EpisodeRecord};
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, Drive, Lang, ObjectClass, SignalTable, TrackId};
 
+/// The L2 that is about lights.
+const TRAFFIC_LIGHT: &str = "traffic_light";
+
 pub(super) fn observed(
+    framework: &Framework,
     drive: &Drive,
     signals: &SignalTable,
     episode: &EpisodeRecord,
@@ -15,10 +20,14 @@ pub(super) fn observed(
     let mut found: Vec<(&str, Bilingual)> = Vec::new();
     if let Some(target) = &episode.target_id {
         let class = drive.track(target).map_or(ObjectClass::Unknown, |t| t.class);
-        found
-            .extend(target_in_words(signals, target, class, keyframe).map(|text| ("critical_objects", text)));
+        let doing = framework.draft_texts.doing(&episode.scenario_id);
+        let text = target_in_words(signals, target, class, keyframe, doing);
+        found.extend(text.map(|text| ("critical_objects", text)));
     }
-    found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
+    // What bears on the decision: beside a lead or a crossing pedestrian, the light does not.
+    if episode.scenario_id.l2.as_deref() == Some(TRAFFIC_LIGHT) {
+        found.extend(light(signals, keyframe).map(|text| ("traffic_lights", text)));
+    }
     if episode.signals.iter().any(|s| s.starts_with("map.curvature")) {
         found.extend(bend(signals, keyframe).map(|text| ("road_events", text)));
     }
@@ -47,18 +56,24 @@ fn target_in_words(
     id: &TrackId,
     class: ObjectClass,
     frame: usize,
+    of_class: Option<(&str, &str)>,
 ) -> Option<Bilingual> {
     let row = signals.target(id)?.row(frame)?;
     let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
     let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
     let place = place(number("target.longitudinal")?, number("target.lateral")?);
-    let name = class_name(class);
+    let name = match class {
+        ObjectClass::StaticObject => Bilingual::new("障碍物", "obstacle"),
+        _ => class_name(class),
+    };
     // Opposite headings within 45 degrees.
     let oncoming = number("target.heading_difference").is_some_and(|a| a.abs() > 135_f64.to_radians());
     let is_fixed = matches!(class, ObjectClass::Cone | ObjectClass::Barrier | ObjectClass::StaticObject);
     let comes_in =
         holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
-    let doing = if is_fixed || holds("target.standstill") {
+    let doing = if let Some((zh, en)) = of_class {
+        Bilingual::new(zh, en)
+    } else if is_fixed || holds("target.standstill") {
         Bilingual::new("静止不动", "is standing still")
     } else if class.is_vru() && holds("target.on_crosswalk") {
         Bilingual::new("正在斑马线上通行", "is on the crosswalk")

@@ -1,10 +1,11 @@
 //! The first action after the keyframe, read from the ego's motion. Motion says *that* the ego slows, not why;
 //! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
 
+use whyroad_framework::decision_table::ClassDecisions;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
-use whyroad_model::{Bilingual, Column, SignalTable, Tri};
+use whyroad_model::{Bilingual, Column, ObjectClass, SignalTable, Tri};
 
 /// Frames after the keyframe in which the first action is looked for: the 6 s of a sample's future (LABELING.md 4).
 const HORIZON_FRAMES: usize = 60;
@@ -28,17 +29,46 @@ pub enum LongitudinalMotion {
     Unknown,
 }
 
+/// What the class and the target say of the decision.
+pub(super) struct Asked<'a> {
+    pub typical: &'a TypicalDecisions,
+    /// Which decisions go with the class; `None` where the framework has no table.
+    pub allowed: Option<&'a ClassDecisions>,
+    /// The lateral decision that the labelling spec prescribes.
+    pub mandated: Option<Lateral>,
+    pub target: Option<ObjectClass>,
+    pub is_safety: bool,
+}
+
+impl Asked<'_> {
+    /// The only longitudinal decision that the class can have.
+    fn only_longitudinal(&self) -> Option<Longitudinal> {
+        match self.allowed.map(|a| &a.longitudinal[..]) {
+            Some([(Some(only), _)]) => Some(*only),
+            _ => None,
+        }
+    }
+
+    /// The only lateral decision that the class can have.
+    fn only_lateral(&self) -> Option<Lateral> {
+        let mut all = self.allowed?.lateral.iter().map(|(entry, _)| entry.lateral);
+        let first = all.next()??;
+        all.all(|l| l == Some(first)).then_some(first)
+    }
+}
+
 pub(super) fn infer(
     signals: &SignalTable,
     keyframe: usize,
-    typical: &TypicalDecisions,
-    mandated: Option<Lateral>,
+    asked: &Asked<'_>,
     notes: &mut Vec<Bilingual>,
 ) -> DrivingDecision {
     let (motion, began) = longitudinal_motion(signals, keyframe);
-    let longitudinal = choose(motion, typical);
+    // What the class cannot do without is decided, whatever the motion of 6 s shows.
+    let longitudinal = choose(motion, asked).or_else(|| asked.only_longitudinal());
     note_longitudinal(motion, began, longitudinal, notes);
-    let (lateral, lateral_direction) = lateral(signals, keyframe, typical, mandated, notes);
+    let (lateral, lateral_direction) = lateral(signals, keyframe, asked.typical, asked.mandated, notes);
+    let lateral = lateral.or_else(|| asked.only_lateral());
     DrivingDecision { longitudinal, lateral, lateral_direction }
 }
 
@@ -118,9 +148,13 @@ fn candidates(motion: LongitudinalMotion) -> &'static [Longitudinal] {
     }
 }
 
-fn choose(motion: LongitudinalMotion, typical: &TypicalDecisions) -> Option<Longitudinal> {
+fn choose(motion: LongitudinalMotion, asked: &Asked<'_>) -> Option<Longitudinal> {
     let possible = candidates(motion);
-    typical.longitudinal.iter().find(|d| possible.contains(d)).copied()
+    // Nobody follows a person who crosses, an animal, or whom the emergency brake is for.
+    let follows =
+        !asked.is_safety && asked.target.is_none_or(|t| t.is_vehicle() || t == ObjectClass::Bicycle);
+    let fits = |d: &&Longitudinal| possible.contains(d) && (follows || **d != Longitudinal::LeadFollowing);
+    asked.typical.longitudinal.iter().find(fits).copied()
 }
 
 fn note_longitudinal(

@@ -139,7 +139,7 @@ fn what_is_owed_is_null_in_the_label_and_named_in_the_notes() {
     assert!(overtake.notes.iter().any(|n| n.en.contains(name)));
     // LABELING.md 3: mandatory for blind spots.
     let blind = draft_of("reactive_road.blind_spot_slowdown.gap", |_| ());
-    assert!(blind.notes.iter().any(|n| n.en.contains("uncertainty = high")));
+    assert!(blind.notes.iter().any(|n| n.en.contains("high uncertainty")));
 }
 
 #[test]
@@ -153,9 +153,9 @@ fn causes_are_what_was_seen_at_the_keyframe_and_an_unchanged_trace_is_found() {
         s.target_columns.insert("target.lateral".into(), Column::Number(lateral));
         s.target_columns.insert("target.wheel_over_line".into(), Column::Flag(vec![Tri::True; n]));
     });
-    assert_eq!(d.label.critical_components[0].description, "左前方的轿车正在驶入自车车道");
+    assert_eq!(d.label.critical_components[0].description, "左前方的轿车正越过车道线驶入自车车道");
     let trace = &d.label.coc_trace;
-    assert!(trace.contains("左前方的轿车正在驶入自车车道") && trace.ends_with('。'), "{trace}");
+    assert!(trace.contains("左前方的轿车正越过车道线驶入自车车道") && trace.ends_with('。'), "{trace}");
     assert!((trace.contains("因此") || trace.contains("所以")) && trace.contains('让'), "{trace}");
     // LABELING.md 7: 50 to 100 characters; issue 13: at most one number, no Latin word.
     assert!((50..=100).contains(&trace.chars().count()), "{trace}");
@@ -204,6 +204,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
     let mut traces = std::collections::BTreeSet::new();
     let motions = [&slowing, &starting, &keeping];
     let all = framework.specs.keys().flat_map(|leaf| motions.map(|signals| (leaf, signals)));
+    let mut wrong = Vec::new();
     for (leaf, signals) in all {
         for lang in [Lang::Zh, Lang::En] {
             let mut episode = fixture::episode(&drive);
@@ -226,9 +227,11 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
                 } else {
                     (120..=330).contains(&length)
                 };
-                assert!(fits, "{leaf}: {length} {trace}");
+                if !fits {
+                    wrong.push(format!("{leaf}: {length} characters: {trace}"));
+                }
                 let found = text_findings(&checker, &CocLabel { coc_trace: trace.clone(), ..label.clone() });
-                assert!(found.is_empty(), "{leaf}: {found:#?}\n{trace}");
+                wrong.extend(found.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
                 // Whatever the phrasing, it is known for a draft where a person hands it in.
                 let own =
                     is_draft(framework, leaf, &label.critical_components, &label.driving_decision, &trace);
@@ -237,9 +240,12 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
             }
             // What a person must still do is not what the checks of text find.
             let text = text_findings(&checker, label);
-            assert!(text.is_empty(), "{leaf}: {text:#?}\n{trace}");
+            wrong.extend(text.iter().map(|d| format!("{leaf}: {}: {}: {trace}", d.code, d.message.en)));
         }
     }
+    wrong.sort();
+    wrong.dedup();
+    assert!(wrong.is_empty(), "{} of them\n{}", wrong.len(), wrong.join("\n"));
     // 122 leaves, two languages, at least six phrasings each.
     assert!(traces.len() > 122 * 2 * 6, "{}", traces.len());
 }

@@ -131,7 +131,9 @@ impl<'a> Told<'a> {
     fn action(&self, seed: u64) -> String {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let DrivingDecision { longitudinal, lateral, lateral_direction } = self.decision;
-        let along = longitudinal.and_then(|d| texts.longitudinal(d)).map(|p| p.pick(lang, seed).to_owned());
+        let along = longitudinal
+            .and_then(|d| texts.longitudinal(self.class, d))
+            .map(|p| p.pick(lang, seed).to_owned());
         let across = lateral.and_then(|d| texts.lateral(d)).map(|p| {
             let text = p.pick(lang, seed);
             match lateral_direction {
@@ -154,7 +156,8 @@ impl<'a> Told<'a> {
         let (texts, lang) = (&self.framework.draft_texts, self.lang);
         let count = |p: &Phrasings| p.all(lang).len().max(1) as u64;
         let why = texts.why(self.class).map_or(1, count);
-        let along = self.decision.longitudinal.and_then(|d| texts.longitudinal(d)).map_or(1, count);
+        let along =
+            self.decision.longitudinal.and_then(|d| texts.longitudinal(self.class, d)).map_or(1, count);
         let across = self.decision.lateral.and_then(|d| texts.lateral(d)).map_or(1, count);
         let action =
             if along * across == 1 { count(texts.none()) } else { along * across / common(along, across) };
@@ -254,7 +257,13 @@ pub(super) fn seen(
 ) -> Option<CriticalComponent> {
     let words = &framework.label_words;
     let about = framework.decision_table.leaves.get(class).map(|c| c.about);
+    // A light says what a class is about only where the class is about nothing else.
+    let light = words.kinds.get("light").copied().unwrap_or_default();
+    let only_light = about == Some(light);
     let speaks = |c: &CriticalComponent| {
+        if c.category.as_deref() == Some("traffic_lights") && !only_light {
+            return false;
+        }
         let mut any = false;
         words.hits(&c.description, |hit| {
             any |= matches!(hit.role, WordRole::Object(g) if about.is_some_and(|a| words.objects[g].own.meets(a)));
