@@ -28,7 +28,7 @@ struct Fault {
     label: Value,
 }
 
-fn lake(dir: &Path, folders: &[PathBuf]) -> Lake {
+pub(crate) fn lake(dir: &Path, folders: &[PathBuf]) -> Lake {
     let lake = Lake::create_or_open(dir.join("lake")).unwrap();
     for source in find_sources(None, folders).0 {
         // All of a simulation, not what a sensor sees of it.

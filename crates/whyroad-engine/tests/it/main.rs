@@ -3,5 +3,6 @@
 
 mod incremental;
 mod label_checks;
+mod quality;
 mod refav;
 mod stage_one;
