@@ -69,7 +69,75 @@ fn main() {
             );
         }
     }
+    documents(quick);
     many_faults(quick);
+}
+
+/// 100,000 documents in one go, valid and with one faulty in ten, as ratios to a bare typed parse of the same texts:
+/// what a file of labels costs, findings and their words included. `WHYROAD_BENCH_DOCUMENTS=FOLDER` writes the
+/// documents as JSON Lines, for `peers.py` beside this file.
+fn documents(quick: bool) {
+    let n = if quick { 50 } else { 100_000 };
+    let checker = Checker::new(Framework::bundled());
+    let folder = std::env::var("WHYROAD_BENCH_DOCUMENTS").ok();
+    for (language, prefix) in [("zh", "zh/"), ("en", "en/")] {
+        let labels: Vec<serde_json::Value> = EXAMPLES
+            .iter()
+            .filter(|(name, _)| name.starts_with(prefix))
+            .filter_map(|(_, text)| serde_json::from_str(text).ok())
+            .collect();
+        for (what, faulty) in [("valid", false), ("one in ten faulty", true)] {
+            let texts: Vec<String> = (0..n)
+                .map(|i| {
+                    let mut label = labels[i % labels.len()].clone();
+                    if faulty && i % 10 == 0 {
+                        break_one(&mut label, i / 10);
+                    }
+                    label.to_string()
+                })
+                .collect();
+            if let Some(folder) = &folder {
+                let file = format!("{folder}/{language}-{}.jsonl", if faulty { "faulty" } else { "valid" });
+                if let Err(e) = std::fs::write(&file, texts.join("\n")) {
+                    println!("{file}: {e}");
+                }
+            }
+            let (mut typed, mut check, mut findings) = (Vec::new(), Vec::new(), 0);
+            for _ in 0..if quick { 1 } else { 5 } {
+                let start = Instant::now();
+                for text in &texts {
+                    black_box(serde_json::from_str::<CocLabel>(text).ok());
+                }
+                typed.push(start.elapsed().as_secs_f64());
+                let (start, mut found) = (Instant::now(), Vec::new());
+                for text in &texts {
+                    let document = Document { origin: Origin::start(), bytes: text.as_bytes() };
+                    black_box(checker.check(&document, &mut found));
+                }
+                check.push(start.elapsed().as_secs_f64());
+                findings = found.len();
+            }
+            let (t, c) = (fastest(&typed), fastest(&check));
+            println!(
+                "{:<28} {n:>6} documents {what}: {:.2} us each, {:.2} of a typed parse, {findings} findings",
+                format!("validate/documents/{language}"),
+                c * 1e6 / n as f64,
+                c / t
+            );
+        }
+    }
+}
+
+/// One fault of form, of a value or of a text, by turns.
+fn break_one(label: &mut serde_json::Value, turn: usize) {
+    match turn % 4 {
+        0 => label["keyframe"]["timestamp"] = "yesterday".into(),
+        1 => label["driving_decision"]["longitudinal"] = "fly".into(),
+        2 => label["critical_components"][0]["description"] = "test".into(),
+        _ => {
+            label.as_object_mut().map(|o| o.remove("coc_trace"));
+        }
+    }
 }
 
 /// A document with a fault in each of many components, on one line: time per fault must not grow with their number.
