@@ -234,6 +234,8 @@ mod twins {
             "label.cause.proximate",
             "label.cause.unobserved",
             "label.component.duplicate",
+            "label.component.too_short",
+            "label.decision.unchanged",
             "label.time_range.implausible",
             "label.time_range.start",
             "label.keyframe.range_outside",
