@@ -11,11 +11,11 @@ use whyroad_engine::label_drives::LabelDrives;
 use whyroad_engine::mine::{MineOptions, mine_lake_with};
 use whyroad_framework::Framework;
 use whyroad_ingest::{Options as Ingest, find_sources, read};
-use whyroad_label::check::{Checker, Recordings};
+use whyroad_label::check::{Checker, Recorded, Recordings};
 use whyroad_label::draft::draft;
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
-use whyroad_model::Lang;
+use whyroad_model::{Lang, TrackId};
 use whyroad_signals::Catalogue;
 
 /// Codes of the checks against the recording.
@@ -262,4 +262,90 @@ fn on_recorded_drives() {
     let (hit, all, flagged, labels) = run(&lake(dir.path(), &[logs]));
     assert!(hit as f64 >= 0.9 * all as f64, "{hit} of {all}");
     assert!(flagged as f64 <= 0.1 * labels as f64, "{flagged} of {labels}");
+}
+
+/// One change that makes `label` false for a check, where the recording offers it.
+fn change_for(code: &str, label: &Value, recorded: &Recorded) -> Option<Value> {
+    let mut out = label.clone();
+    let times = &recorded.drive.times;
+    let at = whyroad_model::Nanos::parse_iso(label["keyframe"]["timestamp"].as_str()?).ok()?;
+    let keyframe = whyroad_model::time::frame_at(times, at).min(times.len() - 1);
+    let linked = || label["critical_components"][0]["linked_objects"][0].as_str();
+    let number = |id: &str, name: &str| {
+        let row = recorded.signals.target(&TrackId::from(id))?.row(keyframe)?;
+        recorded.signals.target_columns.get(name)?.number(row)
+    };
+    let speeds: Vec<f64> = (keyframe..(keyframe + 61).min(times.len()))
+        .filter_map(|f| recorded.signals.frame_columns.get("ego.speed")?.number(f))
+        .collect();
+    let (least, most) = speeds.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+    match code {
+        "label.motion.no_change" if speeds.len() > 60 && most - least < 0.3 && least > 1.0 => {
+            out["driving_decision"] = json!({ "longitudinal": "road_speed_adaptation", "lateral": null });
+        }
+        "label.motion.side" if number(linked()?, "target.path_lateral")? > 1.5 => {
+            out["driving_decision"] =
+                json!({ "longitudinal": null, "lateral": "in_lane_nudge", "lateral_direction": "left" });
+        }
+        "label.object.unseen" => {
+            let first = *recorded.drive.track(&TrackId::from(linked()?))?.frames.first()? as usize;
+            let before = first.checked_sub(20)?;
+            out["critical_components"][0]["evidence_times"] = json!([times[before].to_string()]);
+        }
+        "label.object.state" if number(linked()?, "target.speed")? > 3.0 => {
+            let text = label["critical_components"][0]["description"].as_str()?;
+            let (before, _) = text.split_once("轿车")?;
+            out["critical_components"][0]["description"] = json!(format!("{before}轿车停着不动"));
+        }
+        "label.class.rule" => {
+            out["scenario"] = json!({ "l1": "reactive_road", "l2": "weather_adaptation", "l3": "fog" });
+        }
+        "label.cause.no_effect" => {
+            let own = linked()?;
+            let (_, other) = recorded
+                .signals
+                .targets
+                .iter()
+                .filter(|t| t.id.as_str() != own)
+                .filter_map(|t| Some((number(t.id.as_str(), "target.longitudinal")?, &t.id)))
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .filter(|(behind_m, _)| *behind_m < -5.0)?;
+            out["critical_components"][0]["linked_objects"] = json!([other.as_str()]);
+        }
+        _ => return None,
+    }
+    Some(out)
+}
+
+/// Checks that the mutations above do not ask: each speaks of a label that is false for it, and of none of the true.
+#[test]
+fn each_check_against_the_recording_speaks() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/drives");
+    let folders: Vec<PathBuf> =
+        ["back_street", "multilane", "signal_junction"].map(|n| root.join(n)).to_vec();
+    let lake = lake(dir.path(), &folders);
+    let drives = Arc::new(LabelDrives::new(lake.clone(), Framework::bundled()));
+    let checker = Checker::new(Framework::bundled()).with_recordings(drives.clone());
+    let labels = labels(&lake);
+    let says = |label: &Value, code: &str| of_recording(&checker, label).iter().any(|c| c == code);
+    for code in [
+        "label.motion.no_change",
+        "label.motion.side",
+        "label.object.unseen",
+        "label.object.state",
+        "label.class.rule",
+        "label.cause.no_effect",
+    ] {
+        let (mut made, mut found) = (0, 0);
+        for label in &labels {
+            assert!(!says(label, code), "{code}: {label:#}");
+            let recorded = drives.of_clip(label["clip_id"].as_str().unwrap()).unwrap();
+            let Some(changed) = change_for(code, label, &recorded) else { continue };
+            made += 1;
+            found += usize::from(says(&changed, code));
+        }
+        println!("{code:<28} {found:>4} of {made}");
+        assert!(found > 0, "{code}: none of {made}");
+    }
 }
