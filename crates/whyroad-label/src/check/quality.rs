@@ -229,12 +229,12 @@ impl Checker<'_> {
         let reading = read(text, lexicon);
         let times = &recorded.drive.times;
         let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
-        let own = reading
+        let mut own = reading
             .mentions
             .iter()
             .filter(|m| m.force == Force::Asserted && !m.by_other && m.start >= reading.decision_from);
         let view = View { end: Slot::Is(label.time_range.end_timestamp), ..View::default() };
-        let (m, shown) = own.into_iter().find_map(|m| {
+        let (m, shown) = own.find_map(|m| {
             let said = lexicon.phrases[m.phrase].speed?;
             Some((m, said_speed(said, &view, recorded, keyframe)?))
         })?;
