@@ -121,6 +121,11 @@ impl Table {
         self.batch.num_rows()
     }
 
+    /// Columns that lakes of earlier builds lack are asked for first.
+    pub fn has(&self, name: &str) -> bool {
+        self.batch.column_by_name(name).is_some()
+    }
+
     fn column(&self, name: &str) -> Result<&ArrayRef, LakeError> {
         self.batch
             .column_by_name(name)

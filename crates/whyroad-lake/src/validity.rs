@@ -28,6 +28,8 @@ pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
             bus.turn_signal.len(),
             bus.aeb.len(),
             bus.cruise.len(),
+            bus.wipers.len(),
+            bus.vertical_accel.len(),
             bus.route_command.len(),
         ]
         .iter()

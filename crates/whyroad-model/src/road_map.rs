@@ -169,8 +169,11 @@ pub struct Sign {
     pub position: Point3,
     /// Lanes that it concerns.
     pub lane_ids: Vec<String>,
-    /// A number on it (a limit in m/s), where there is one.
+    /// A number on it (a limit in m/s, a height or width in m), where there is one.
     pub value: Option<f64>,
+    /// Where its face points, towards who reads it, rad counter-clockwise from x; `None` where the source does not
+    /// tell.
+    pub facing: Option<f64>,
 }
 
 /// A part of the road or its surroundings with a purpose: a tunnel, a toll booth, a building.

@@ -193,6 +193,11 @@ pub struct EgoBus {
     pub turn_signal: Vec<Option<TurnSignal>>,
     /// Automatic emergency braking active.
     pub aeb: Vec<Option<bool>>,
+    /// Windscreen wipers moving, at any speed.
+    pub wipers: Vec<Option<bool>>,
+    /// Vertical acceleration of the body without gravity, m/s2, up positive: of a frame's samples the one of greatest
+    /// magnitude, since a bump is shorter than a frame.
+    pub vertical_accel: Vec<f64>,
     /// Cruise control active.
     pub cruise: Vec<Option<bool>>,
     /// Next routing command in the source's words reduced to `left`, `right`, `straight`, `uturn`, `exit`; `none`
@@ -319,6 +324,8 @@ pub struct LightState {
     pub time: Nanos,
     /// The state.
     pub colour: LightColour,
+    /// Seconds that its countdown shows at `time`, until the next color; `None` without one.
+    pub countdown_s: Option<f64>,
 }
 
 /// Colour of a traffic light.
@@ -360,6 +367,8 @@ pub struct ContextState {
     pub value: String,
     /// Who says so.
     pub source: String,
+    /// How sure the source is, 0 to 1, where it tells (a perception model).
+    pub confidence: Option<f64>,
 }
 
 /// One camera frame.

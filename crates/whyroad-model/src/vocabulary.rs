@@ -44,6 +44,17 @@ pub const SIGN_KINDS: &[&str] = &[
     "width_limit",
     "weight_limit",
     "warning",
+    "warning_pedestrians",
+    "warning_children",
+    "warning_bend",
+    "warning_slope",
+    "warning_slippery",
+    "warning_narrow",
+    "warning_works",
+    "warning_junction",
+    "warning_bump",
+    "warning_animals",
+    "warning_lights",
 ];
 
 /// Kinds of prohibitions that ask a moving car to slow or to take another way: all but those about parking, overtaking
@@ -57,6 +68,22 @@ pub const PROHIBITIONS: &[&str] = &[
     "no_u_turn",
     "height_limit",
     "width_limit",
+];
+
+/// Kinds of warnings. `warning` itself is one of which nothing more is known.
+pub const WARNINGS: &[&str] = &[
+    "warning",
+    "warning_pedestrians",
+    "warning_children",
+    "warning_bend",
+    "warning_slope",
+    "warning_slippery",
+    "warning_narrow",
+    "warning_works",
+    "warning_junction",
+    "warning_bump",
+    "warning_animals",
+    "warning_lights",
 ];
 
 /// Value of an unknown context state; it ends what was known before.

@@ -99,7 +99,13 @@ pub(crate) fn build(
             }
             Ok(Feature::StopSign { position, lanes }) => {
                 out.count.keep("sign", 1);
-                out.map.signs.push(Sign { id, kind: "stop".into(), position, lane_ids: lanes, value: None });
+                out.map.signs.push(Sign {
+                    id,
+                    kind: "stop".into(),
+                    position,
+                    lane_ids: lanes,
+                    ..Sign::default()
+                });
             }
             Ok(Feature::Facility(kind, boundary)) => {
                 out.count.keep("facility", 1);

@@ -30,7 +30,13 @@ pub(crate) fn changes(
     for (time, colour) in steps {
         let colour = colour.unwrap_or(LightColour::Unknown);
         if out.last().is_none_or(|s| s.colour != colour) {
-            out.push(LightState { lane_id: lane.to_owned(), to_lane_id: None, time, colour });
+            out.push(LightState {
+                lane_id: lane.to_owned(),
+                to_lane_id: None,
+                time,
+                colour,
+                countdown_s: None,
+            });
         }
     }
     out

@@ -65,6 +65,18 @@ pub fn latest(times: &[f64], frames: &[f64], max_age_s: f64) -> Vec<Option<usize
         .collect()
 }
 
+/// Of the samples since the frame before, at most `frame_s` ago, the one of greatest magnitude: for what is shorter than a
+/// frame.
+pub fn greatest(times: &[f64], values: &[f64], frames: &[f64], frame_s: f64) -> Vec<f64> {
+    let within = |t: f64| {
+        let from = times.partition_point(|s| *s <= t - frame_s + SAME_S);
+        let to = times.partition_point(|s| *s <= t + SAME_S);
+        let known = values[from..to.max(from)].iter().copied().filter(|v| v.is_finite());
+        known.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
+    };
+    frames.iter().map(|&t| within(t)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +96,14 @@ mod tests {
         );
         // 3 * 0.1 is not 0.3.
         assert!(lags(&[0.0, 0.3], &[0.0, 3.0 * 0.1]).is_empty());
+    }
+
+    #[test]
+    fn what_is_shorter_than_a_frame_is_kept() {
+        let (times, values) = ([0.0, 0.02, 0.04, 0.1, 0.3], [0.1, -5.0, 4.0, 0.2, f64::NAN]);
+        let v = greatest(&times, &values, &[0.0, 0.1, 0.2, 0.3], 0.1);
+        assert_eq!(v[..2], [0.1, -5.0]);
+        assert!(v[2].is_nan() && v[3].is_nan(), "nothing was measured");
     }
 
     #[test]

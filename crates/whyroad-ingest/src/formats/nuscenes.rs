@@ -25,14 +25,14 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use tables::{Annotation, SceneTables};
 use whyroad_model::road_map::Point3;
-use whyroad_model::scene::{DriveMeta, Ego, EgoBus, MediaFrame, Motion, Track};
+use whyroad_model::scene::{DriveMeta, Ego, EgoBus, GeoPosition, MediaFrame, Motion, Track};
 use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 
 /// Scenes of one set that are read together: the full set has 850; reading 50 at a time goes through its tables 17
 /// times and holds the rows of 50.
 const SCENES_TOGETHER: usize = 50;
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Keyframes are 0.5 s apart; over more nothing is interpolated, s.
 const MAX_GAP_S: f64 = 0.6;
 /// The devkit's limit for a velocity between two keyframes, s; twice that over both neighbours.
@@ -187,6 +187,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
             video: cameras.into_iter().map(str::to_owned).collect(),
             can,
             missing,
+            position: map_origin(&t.log.location),
             ..DriveMeta::default()
         },
         times: frames.iter().map(|&s| Nanos(zero * 1000).plus_secs(s)).collect(),
@@ -366,6 +367,19 @@ fn with_velocities(mut samples: Vec<Sample>) -> Vec<Sample> {
         .collect();
     samples.iter_mut().zip(velocities).for_each(|(s, v)| s.velocity = v);
     samples
+}
+
+/// Where the south-west corner of a city's map lies, from which x runs east and y north (nuscenes-devkit,
+/// `export_poses.py`).
+fn map_origin(location: &str) -> Option<GeoPosition> {
+    let (latitude_deg, longitude_deg) = match location {
+        "boston-seaport" => (42.336_849_169_438_615, -71.057_853_698_730_47),
+        "singapore-onenorth" => (1.288_210_086_874_372_4, 103.784_751_892_089_84),
+        "singapore-hollandvillage" => (1.299_365_232_178_095_7, 103.782_176_971_435_55),
+        "singapore-queenstown" => (1.278_256_224_022_318_8, 103.767_414_093_017_58),
+        _ => return None,
+    };
+    Some(GeoPosition { latitude_deg, longitude_deg })
 }
 
 fn city_map(

@@ -34,6 +34,11 @@ pub(crate) fn to_table(drive: &Drive, ego: &Ego) -> TableBuilder {
         )
         .flags("aeb", (0..n).map(|i| bus.aeb.get(i).copied().flatten()))
         .flags("cruise", (0..n).map(|i| bus.cruise.get(i).copied().flatten()))
+        .flags("wipers", (0..n).map(|i| bus.wipers.get(i).copied().flatten()))
+        .numbers(
+            "vertical_accel_mps2",
+            (0..n).map(|i| bus.vertical_accel.get(i).copied().unwrap_or(f64::NAN)),
+        )
         .texts_or_null("route_command", (0..n).map(|i| bus.route_command.get(i).and_then(Option::as_ref)))
 }
 
@@ -113,6 +118,12 @@ pub(crate) fn from_table(t: &Table, frame_count: usize) -> Result<Ego, LakeError
             gear: empty_if_unknown(gear, Option::is_some),
             turn_signal: empty_if_unknown(t.members("turn_signal")?, Option::is_some),
             aeb: flag("aeb")?,
+            wipers: if t.has("wipers") { flag("wipers")? } else { Vec::new() },
+            vertical_accel: if t.has("vertical_accel_mps2") {
+                number("vertical_accel_mps2")?
+            } else {
+                Vec::new()
+            },
             cruise: flag("cruise")?,
             route_command: empty_if_unknown(route, Option::is_some),
         },

@@ -3,7 +3,7 @@
 
 use crate::LakeError;
 use crate::columns::{Table, TableBuilder, member_name};
-use crate::tables::states::text_at;
+use crate::tables::states::{known_or_none, text_at};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, Sign, StopLine};
 
@@ -20,6 +20,7 @@ struct Row<'a> {
     lane_ids: &'a [String],
     purpose: Option<&'a str>,
     value: Option<f64>,
+    facing: Option<f64>,
     lane: Option<&'a Lane>,
 }
 
@@ -55,6 +56,7 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         lane_ids: &s.lane_ids,
         purpose: Some(&s.kind),
         value: s.value,
+        facing: s.facing,
         ..Row::default()
     }));
     rows.extend(map.facilities.iter().map(|f| Row {
@@ -86,6 +88,7 @@ pub(crate) fn to_table(map: &RoadMap) -> TableBuilder {
         .text_lists("lane_ids", rows.iter().map(|r| r.lane_ids))
         .texts_or_null("purpose", rows.iter().map(|r| r.purpose))
         .numbers("value", rows.iter().map(|r| number(r.value)))
+        .numbers("facing_rad", rows.iter().map(|r| number(r.facing)))
         .points("left", lanes().map(|l| l.map_or(&[][..], |l| &l.left)))
         .points("right", lanes().map(|l| l.map_or(&[][..], |l| &l.right)))
         .points("centre", lanes().map(|l| l.map_or(&[][..], |l| &l.centre)))
@@ -118,6 +121,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
     let junctions = t.texts_or_null("junction_id")?;
     let tags = t.text_lists("tags")?;
     let known = |v: f64| (!v.is_nan()).then_some(v);
+    let facings = known_or_none(t, "facing_rad")?;
 
     let mut map = RoadMap::default();
     for i in 0..t.rows() {
@@ -156,6 +160,7 @@ pub(crate) fn from_table(t: &Table) -> Result<RoadMap, LakeError> {
                 position: boundary.first().copied().unwrap_or_default(),
                 lane_ids: lane_ids[i].clone(),
                 value: known(values[i]),
+                facing: facings[i],
             }),
             "facility" => map.facilities.push(Facility { id, kind: purpose(), boundary }),
             "complete_for" => map.complete_for.push(id),

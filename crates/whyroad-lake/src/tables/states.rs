@@ -18,11 +18,13 @@ pub(crate) fn lights_to_table(lights: &[LightState]) -> TableBuilder {
         .texts_or_null("to_lane_id", lights.iter().map(|l| l.to_lane_id.as_ref()))
         .integers("time_ns", lights.iter().map(|l| l.time.0))
         .texts("colour", lights.iter().map(|l| member_name(&l.colour)))
+        .numbers("countdown_s", lights.iter().map(|l| l.countdown_s.unwrap_or(f64::NAN)))
 }
 
 pub(crate) fn lights_from_table(t: &Table) -> Result<Vec<LightState>, LakeError> {
     let (lanes, to_lanes) = (t.texts("lane_id")?, t.texts_or_null("to_lane_id")?);
     let (times, colours) = (t.integers("time_ns")?, t.texts("colour")?);
+    let countdowns = known_or_none(t, "countdown_s")?;
     (0..t.rows())
         .map(|i| {
             Ok(LightState {
@@ -30,6 +32,7 @@ pub(crate) fn lights_from_table(t: &Table) -> Result<Vec<LightState>, LakeError>
                 to_lane_id: text_at(to_lanes, i),
                 time: Nanos(times[i]),
                 colour: t.member("colour", colours.value(i))?,
+                countdown_s: countdowns[i],
             })
         })
         .collect()
@@ -41,17 +44,20 @@ pub(crate) fn context_to_table(context: &[ContextState]) -> TableBuilder {
         .texts("kind", context.iter().map(|c| &c.kind))
         .texts("value", context.iter().map(|c| &c.value))
         .texts("source", context.iter().map(|c| &c.source))
+        .numbers("confidence", context.iter().map(|c| c.confidence.unwrap_or(f64::NAN)))
 }
 
 pub(crate) fn context_from_table(t: &Table) -> Result<Vec<ContextState>, LakeError> {
     let times = t.integers("time_ns")?;
     let (kinds, values, sources) = (t.texts("kind")?, t.texts("value")?, t.texts("source")?);
+    let confidences = known_or_none(t, "confidence")?;
     Ok((0..t.rows())
         .map(|i| ContextState {
             time: Nanos(times[i]),
             kind: kinds.value(i).to_owned(),
             value: values.value(i).to_owned(),
             source: sources.value(i).to_owned(),
+            confidence: confidences[i],
         })
         .collect())
 }
@@ -75,6 +81,14 @@ pub(crate) fn media_from_table(t: &Table) -> Result<Vec<MediaFrame>, LakeError> 
             index: indices[i],
         })
         .collect())
+}
+
+/// A column of numbers that may be unknown; all unknown in a lake of an earlier build, which does not have it.
+pub(crate) fn known_or_none(t: &Table, name: &str) -> Result<Vec<Option<f64>>, LakeError> {
+    if !t.has(name) {
+        return Ok(vec![None; t.rows()]);
+    }
+    Ok(t.numbers(name)?.into_iter().map(|v| (!v.is_nan()).then_some(v)).collect())
 }
 
 /// The text at `row`, `None` for null.

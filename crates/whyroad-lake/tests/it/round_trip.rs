@@ -89,6 +89,8 @@ fn ego(n: usize) -> impl Strategy<Value = Ego> {
                 speed_mps: numbers(&b.0),
                 steering: numbers(&b.0),
                 throttle: numbers(&b.0),
+                vertical_accel: numbers(&b.0),
+                wipers: b.1.clone(),
                 brake: b.1,
                 gear: b.2,
                 turn_signal: b.3,
@@ -200,6 +202,7 @@ fn road_map() -> impl Strategy<Value = RoadMap> {
                     position: Point3 { x: 1.0, y: f64::NAN, z: 0.0 },
                     lane_ids: vec![],
                     value,
+                    facing: value,
                 }],
                 facilities: vec![Facility { id: "f".into(), kind: kind.clone(), boundary: boundary.clone() }],
                 complete_for: vec![kind],
@@ -220,6 +223,7 @@ fn states(n: usize) -> impl Strategy<Value = States> {
                     lane_id: w,
                     time: Nanos(t),
                     colour: if t % 2 == 0 { LightColour::GreenYield } else { LightColour::Red },
+                    countdown_s: (t % 3 == 0).then_some(4.5),
                 };
                 v.into_iter().map(state).collect()
             });
@@ -229,6 +233,7 @@ fn states(n: usize) -> impl Strategy<Value = States> {
                     kind: "weather".into(),
                     value: w,
                     source: "log".into(),
+                    confidence: (t % 3 == 0).then_some(0.75),
                 };
                 v.into_iter().map(state).collect()
             });

@@ -112,8 +112,8 @@ impl Motion {
 impl EgoBus {
     /// True when nothing of it is stated.
     pub fn is_empty(&self) -> bool {
-        let numbers = [&self.speed_mps, &self.steering, &self.throttle];
-        let flags = [&self.brake, &self.aeb, &self.cruise];
+        let numbers = [&self.speed_mps, &self.steering, &self.throttle, &self.vertical_accel];
+        let flags = [&self.brake, &self.aeb, &self.cruise, &self.wipers];
         numbers.iter().all(|v| v.is_empty())
             && flags.iter().all(|v| v.is_empty())
             && self.gear.is_empty()
@@ -130,6 +130,8 @@ impl EgoBus {
             gear: states(&self.gear, first, end),
             turn_signal: states(&self.turn_signal, first, end),
             aeb: states(&self.aeb, first, end),
+            wipers: states(&self.wipers, first, end),
+            vertical_accel: numbers(&self.vertical_accel, first, end),
             cruise: states(&self.cruise, first, end),
             route_command: states(&self.route_command, first, end),
         }
@@ -137,7 +139,7 @@ impl EgoBus {
 
     /// Makes what is interpolated between samples unknown in a row; states hold from when they were stated.
     fn forget(&mut self, row: usize) {
-        let columns = [&mut self.speed_mps, &mut self.steering, &mut self.throttle];
+        let columns = [&mut self.speed_mps, &mut self.steering, &mut self.throttle, &mut self.vertical_accel];
         columns.into_iter().filter_map(|v| v.get_mut(row)).for_each(|v| *v = f64::NAN);
     }
 }
@@ -236,6 +238,7 @@ mod tests {
             kind: "weather".into(),
             value: value.into(),
             source: "log".into(),
+            confidence: None,
         };
         Drive {
             meta: DriveMeta { can: true, content_hash: later.to_string(), ..DriveMeta::default() },

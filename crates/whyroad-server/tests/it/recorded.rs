@@ -81,6 +81,7 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
         to_lane_id: None,
         time: Nanos(START).plus_secs(s),
         colour,
+        countdown_s: None,
     };
     let after = if brakes { LightColour::Green } else { LightColour::Yellow };
     let state = |s: f64, value: &str| ContextState {
@@ -88,6 +89,7 @@ pub fn drive(id: &DriveId, future: Future) -> Drive {
         kind: "weather".into(),
         value: value.into(),
         source: "test".into(),
+        confidence: None,
     };
     Drive {
         meta: DriveMeta {

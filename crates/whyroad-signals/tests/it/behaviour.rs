@@ -218,6 +218,7 @@ fn the_light_remembers_its_change() {
         to_lane_id: None,
         time: Nanos(1_000_000_000 + s * 1_000_000_000),
         colour,
+        countdown_s: None,
     };
     d.lights = Some(vec![at(0, LightColour::Green), at(8, LightColour::Yellow), at(11, LightColour::Red)]);
     let t = Table::of(&d);

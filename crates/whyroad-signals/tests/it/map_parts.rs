@@ -166,6 +166,7 @@ fn lights_stop_lines_and_times() {
         to_lane_id: None,
         time: d.times[0],
         colour: LightColour::Red,
+        countdown_s: None,
     };
     let (here, elsewhere) = (vec![state("in0")], vec![state("far")]);
     d.lights = Some(here);
@@ -320,6 +321,7 @@ fn the_next_sign_of_the_ego_s_own_lanes() {
         position: Point3 { x, y, z: 2.0 },
         lane_ids: lanes.iter().map(|l| (*l).into()).collect(),
         value: None,
+        facing: None,
     };
     let mut m = road();
     m.signs = vec![
@@ -351,6 +353,7 @@ fn context_holds_by_time_also_across_a_gap() {
         kind: kind.into(),
         value: value.into(),
         source: "log".into(),
+        confidence: None,
     };
     d.context = Some(vec![
         state(-1.0, "lighting", "day"),

@@ -30,12 +30,18 @@ fn full() -> Drive {
     for track in &mut d.tracks {
         track.turn_signal = vec![Some(TurnSignal::Off); track.frames.len()];
     }
-    let light =
-        |time: i64, colour| LightState { lane_id: "l0".into(), to_lane_id: None, time: Nanos(time), colour };
+    let light = |time: i64, colour| LightState {
+        lane_id: "l0".into(),
+        to_lane_id: None,
+        time: Nanos(time),
+        colour,
+        countdown_s: Some(9.0),
+    };
     d.lights = Some(vec![light(0, LightColour::Red), light(5_000_000_000, LightColour::Green)]);
     let bus = &mut d.ego.as_mut().unwrap().bus;
     bus.brake = vec![Some(false); 90];
     bus.aeb = vec![Some(false); 90];
+    bus.cruise = vec![Some(true); 90];
     bus.turn_signal = vec![Some(TurnSignal::Left); 90];
     bus.route_command = vec![Some("straight".into()); 90];
     tell_the_road(&mut d);
@@ -60,7 +66,7 @@ fn tell_the_road(d: &mut Drive) {
     for (i, kind) in SIGN_KINDS.iter().enumerate() {
         let position = Point3 { x: 31.0 + 5.0 * i as f64, y: -5.0, z: 2.0 };
         let (id, kind) = ((*kind).to_owned(), (*kind).to_owned());
-        map.signs.push(Sign { id, kind, position, lane_ids: vec![], value: None });
+        map.signs.push(Sign { id, kind, position, lane_ids: vec![], value: None, facing: None });
     }
     let states = CONTEXT_KINDS.iter().map(|(kind, values)| ContextState {
         time: Nanos(0),
@@ -70,6 +76,7 @@ fn tell_the_road(d: &mut Drive) {
             ContextValues::Number(_) => "100".into(),
         },
         source: "test".into(),
+        confidence: None,
     });
     d.context = Some(states.collect());
 }

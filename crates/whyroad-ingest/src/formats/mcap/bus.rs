@@ -1,12 +1,14 @@
 //! Signals of the vehicle bus at the frames.
 
 use super::rows::BusRow;
-use crate::assemble::resample::{latest, linear};
+use crate::assemble::resample::{greatest, latest, linear};
 use serde_json::Value;
 use whyroad_model::scene::{EgoBus, TurnSignal};
 
 /// A state holds as long, and numbers are interpolated over as much, s.
 const STATE_HOLDS_S: f64 = 1.0;
+/// Time between frames, s.
+const FRAME_S: f64 = 0.1;
 
 /// Numbers interpolated, states as the last message said them.
 pub(super) fn at_frames(rows: &[BusRow], seconds: impl Fn(i64) -> f64, frames: &[f64]) -> EgoBus {
@@ -38,7 +40,15 @@ pub(super) fn at_frames(rows: &[BusRow], seconds: impl Fn(i64) -> f64, frames: &
         latest(&times, frames, STATE_HOLDS_S).into_iter().map(|i| read(all[i?].1)).collect()
     }
     let text = |v: &Value| v.as_str().map(str::to_lowercase);
+    let vertical_accel = || {
+        let all = series("vertical_accel_mps2");
+        let (times, values): (Vec<f64>, Vec<f64>) =
+            all.iter().map(|(t, v)| (*t, v.as_f64().unwrap_or(f64::NAN))).unzip();
+        if all.is_empty() { Vec::new() } else { greatest(&times, &values, frames, FRAME_S) }
+    };
     EgoBus {
+        vertical_accel: vertical_accel(),
+        wipers: states(&series("wipers"), frames, |v| v.as_bool().or_else(|| Some(v.as_f64()? > 0.0))),
         speed_mps: numbers("speed_mps"),
         steering: numbers("steering"),
         throttle: numbers("throttle"),

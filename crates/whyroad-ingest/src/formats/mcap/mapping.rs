@@ -103,6 +103,10 @@ pub(super) struct Rule {
     /// rad, left positive.
     pub steering: Option<String>,
     pub brake: Option<String>,
+    /// Moving: true, or a stage over 0.
+    pub wipers: Option<String>,
+    /// Without gravity, up positive.
+    pub vertical_accel_mps2: Option<String>,
     /// 0..1
     pub throttle: Option<String>,
     /// `P`, `R`, `N`, `D`
@@ -181,6 +185,8 @@ fn rule(node: &Node, report: &mut FileReport) -> Option<Rule> {
         speed_mps: path("speed_mps"),
         steering: path("steering"),
         brake: path("brake"),
+        wipers: path("wipers"),
+        vertical_accel_mps2: path("vertical_accel_mps2"),
         throttle: path("throttle"),
         gear: path("gear"),
         turn_signal: path("turn_signal"),

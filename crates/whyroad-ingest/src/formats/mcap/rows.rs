@@ -156,6 +156,8 @@ pub(super) fn of(message: &Value, rule: &Rule, log_time: i64) -> Rows {
                 ("speed_mps", &rule.speed_mps),
                 ("steering", &rule.steering),
                 ("brake", &rule.brake),
+                ("wipers", &rule.wipers),
+                ("vertical_accel_mps2", &rule.vertical_accel_mps2),
                 ("throttle", &rule.throttle),
                 ("gear", &rule.gear),
                 ("turn_signal", &rule.turn_signal),

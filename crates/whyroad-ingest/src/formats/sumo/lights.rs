@@ -35,6 +35,7 @@ pub(super) fn read(path: &Path, links: &[LightLink], start: Nanos) -> Result<Vec
                 to_lane_id: Some(link.to_lane.clone()),
                 time: start + Nanos((time * 1e9).round() as i64),
                 colour,
+                countdown_s: None,
             });
         }
     })?;

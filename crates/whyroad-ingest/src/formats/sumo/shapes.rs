@@ -82,7 +82,7 @@ fn sign(e: &Element<'_>, kind: &str, map: &RoadMap) -> Option<Sign> {
         _ => along(&map.lane(lane.as_deref()?)?.centre, e.number("pos")?)?,
     };
     let lane_ids = lane.into_iter().collect();
-    Some(Sign { id: e.text("id")?, kind: kind.to_owned(), position, lane_ids, value: None })
+    Some(Sign { id: e.text("id")?, kind: kind.to_owned(), position, lane_ids, value: None, facing: None })
 }
 
 /// The point `s` metres along a line, from its end where `s` is negative, as SUMO counts.

@@ -5,7 +5,7 @@ use super::problems::Problems;
 use super::reader::{Clock, Reader};
 use super::sheet::{Sheet, TIME};
 use crate::assemble::frames::{Sample, Sampled};
-use crate::assemble::resample::{latest, linear};
+use crate::assemble::resample::{greatest, latest, linear};
 use crate::report::RowCount;
 use whyroad_model::scene::{Ego, EgoBus};
 
@@ -30,10 +30,15 @@ pub(super) const COLUMNS: &[&str] = &[
     "gear",
     "turn_signal",
     "aeb",
+    "wipers",
+    "vertical_accel_mps2",
     "cruise",
     "route_command",
 ];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["x_m"], &["y_m"], &["heading_rad", "heading_deg"]];
+
+/// Time between frames, s.
+const FRAME_S: f64 = 0.1;
 
 const ROUTES: &[&str] = &["none", "left", "right", "straight", "uturn", "exit"];
 
@@ -84,7 +89,8 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
     let [accel, yaw_rate, speed, steering, throttle] =
         ["accel_mps2", "yaw_rate_radps", "bus_speed_mps", "steering_rad", "throttle"]
             .map(|n| sheet.numbers(n, p));
-    let [brake, aeb, cruise] = ["brake", "aeb", "cruise"].map(|n| sheet.flags(n, p));
+    let vertical_accel = sheet.numbers("vertical_accel_mps2", p);
+    let [brake, aeb, cruise, wipers] = ["brake", "aeb", "cruise", "wipers"].map(|n| sheet.flags(n, p));
     let gear = sheet.parsed("gear", "one of P, R, N, D", p, |t| match t {
         "P" | "R" | "N" | "D" => t.chars().next(),
         _ => None,
@@ -140,6 +146,8 @@ pub(super) fn rows(sheet: Sheet, reader: &mut Reader) -> Option<EgoRows> {
             gear: pick(&kept, &gear),
             turn_signal: pick(&kept, &turn_signal),
             aeb: pick(&kept, &aeb),
+            wipers: pick(&kept, &wipers),
+            vertical_accel: numbers(&vertical_accel),
             cruise: pick(&kept, &cruise),
             route_command: pick(&kept, &route),
         },
@@ -209,6 +217,12 @@ impl EgoRows {
                 gear: states(&self.bus.gear, &last),
                 turn_signal: states(&self.bus.turn_signal, &last),
                 aeb: states(&self.bus.aeb, &last),
+                wipers: states(&self.bus.wipers, &last),
+                vertical_accel: if told(&self.bus.vertical_accel) {
+                    greatest(&seconds, &self.bus.vertical_accel, &clock.frames, FRAME_S)
+                } else {
+                    Vec::new()
+                },
                 cruise: states(&self.bus.cruise, &last),
                 route_command: states(&self.bus.route_command, &last),
             },

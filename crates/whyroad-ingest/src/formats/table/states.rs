@@ -14,11 +14,12 @@ const COLOURS: &str = "one of red, yellow, green, green_yield, green_round, gree
 
 /// Light states; `None` without the table.
 pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
-    let columns = ["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour"];
+    let columns = ["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour", "countdown_s"];
     let sheet = reader.sheet("lights", &columns, &[TIME, &["lane_id"], &["colour"]])?;
     let mut problems = Problems::default();
     let times = sheet.times(reader.start, &mut problems);
     let (lanes, to) = (sheet.texts("lane_id"), sheet.texts("to_lane_id"));
+    let countdowns = sheet.numbers("countdown_s", &mut problems);
     let colours: Vec<Option<LightColour>> = sheet.words("colour", COLOURS, &mut problems);
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("lights") };
     let mut out = Vec::new();
@@ -30,7 +31,9 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
             (Some(t), Some(lane_id)) => {
                 count.keep("light", 1);
                 let colour = colours[i].unwrap_or(LightColour::Unknown);
-                out.push(LightState { lane_id, to_lane_id: to[i].clone(), time: Nanos(t), colour });
+                let countdown_s = Some(countdowns[i]).filter(|s| *s >= 0.0);
+                let (to_lane_id, time) = (to[i].clone(), Nanos(t));
+                out.push(LightState { lane_id, to_lane_id, time, colour, countdown_s });
             }
         }
     }
@@ -43,12 +46,15 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
 /// Weather, surface and the like; `None` without the table. A value that is missing or not one of its kind's ends what
 /// was known before: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
-    let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source"];
+    let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
     let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;
     let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
     let known: Vec<&'static str> = CONTEXT_KINDS.iter().map(|(kind, _)| *kind).collect();
     let times = sheet.times(reader.start, &mut problems);
     let [kinds, values, sources] = ["kind", "value", "source"].map(|n| sheet.texts(n));
+    let confidences = sheet.parsed("confidence", "a number from 0 to 1", &mut problems, |text| {
+        text.parse().ok().filter(|v: &f64| (0.0..=1.0).contains(v))
+    });
     let mut count = RowCount { read: sheet.rows, ..RowCount::new("context") };
     let mut out = Vec::new();
     for i in 0..sheet.rows {
@@ -75,7 +81,8 @@ pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
         count.keep("state", 1);
         let source = sources[i].clone().unwrap_or_else(|| "log".to_owned());
         let value = value.unwrap_or_else(|| UNKNOWN.to_owned());
-        out.push(ContextState { time: Nanos(time), kind, value, source });
+        let confidence = confidences[i];
+        out.push(ContextState { time: Nanos(time), kind, value, source, confidence });
     }
     out.sort_by(|a, b| (a.time, &a.kind).cmp(&(b.time, &b.kind)));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));

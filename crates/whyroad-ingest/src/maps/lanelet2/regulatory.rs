@@ -127,6 +127,7 @@ impl Elements<'_> {
                         position: *p,
                         lane_ids: vec![lane.id.clone()],
                         value: None,
+                        facing: None,
                     }));
                 }
             }
@@ -199,7 +200,7 @@ impl Elements<'_> {
         let position = Point3 { x: mean(|p| p.x), y: mean(|p| p.y), z: mean(|p| p.z) };
         let value = if kind == "speed_limit" { limit(name) } else { None };
         let (id, lane_ids) = (format!("sign_{way}"), lanes.to_vec());
-        out.map.signs.push(Sign { id, kind: kind.into(), position, lane_ids, value });
+        out.map.signs.push(Sign { id, kind: kind.into(), position, lane_ids, value, facing: None });
     }
 }
 

@@ -214,6 +214,7 @@ impl OnRoad<'_> {
                         position,
                         lane_ids,
                         value,
+                        facing: None,
                     });
                 }
                 None => out.count.set_aside("unknown_word", 1),
