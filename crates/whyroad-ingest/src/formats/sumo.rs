@@ -19,6 +19,7 @@ mod lights;
 mod naming;
 mod net;
 mod objects;
+mod on_net;
 mod options;
 mod ramps;
 mod roundabouts;
@@ -193,7 +194,11 @@ impl Simulation {
             report.diagnostics.push(findings::fcd_invalid(&label, fcd.count.dropped_total(), &example));
         }
         let types = read_types(path, options, &mut hash, report);
-        let net = read_net(path, options, &mut hash, report);
+        let net = read_net(path, options, &mut hash, report).filter(|(map, _, name)| {
+            let found = on_net::on_net(&fcd, map);
+            report.diagnostics.extend(findings::off_net(&label, name, &found));
+            !found.is_foreign()
+        });
         let lights =
             net.as_ref().and_then(|(_, links, _)| read_lights(path, options, links, &mut hash, report));
         let tables = std::mem::take(&mut report.tables);

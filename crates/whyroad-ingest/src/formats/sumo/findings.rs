@@ -1,6 +1,7 @@
 //! What the SUMO adapter reports, one function per code. Texts only.
 
 use super::net::Net;
+use super::on_net::OnNet;
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic};
 
@@ -20,6 +21,8 @@ pub(crate) const CODES: &[&str] = &[
     "sumo.net.invalid",
     "sumo.net.dangling",
     "sumo.net.ambiguous",
+    "sumo.net.foreign",
+    "sumo.net.off",
     "sumo.lights.unreadable",
     "sumo.lights.ambiguous",
     "sumo.shapes.unreadable",
@@ -234,6 +237,50 @@ pub(super) fn of_net(file: &str, net: &Net) -> Vec<Diagnostic> {
         );
     }
     out
+}
+
+/// Vehicles of the log that are not on the network.
+pub(super) fn off_net(file: &str, net: &str, found: &OnNet) -> Option<Diagnostic> {
+    let OnNet { probes, on_lane, example } = found;
+    let example = example.as_deref().unwrap_or_default();
+    let off = probes - on_lane;
+    if found.is_foreign() {
+        return Some(
+            Diagnostic::error(
+                "sumo.net.foreign",
+                text(
+                    format!(
+                        "路网“{net}”不属于此日志：抽查 {probes} 个车辆位置，{off} 个不在其车道上，例如 {example}；不使用该路网及信号灯状态"
+                    ),
+                    format!(
+                        "network '{net}' is not that of this log: of {probes} positions of vehicles {off} are not on its \
+                         lanes, for example {example}; the network and the light states are not used"
+                    ),
+                ),
+            )
+            .with_hint(Bilingual::new(
+                "用 `--net FILE` 给出该仿真自己的路网",
+                "give the network of this simulation with `--net FILE`",
+            ))
+            .in_file(file),
+        );
+    }
+    found.is_partial().then(|| {
+        Diagnostic::warning(
+            "sumo.net.off",
+            text(
+                format!("抽查 {probes} 个车辆位置，{off} 个不在路网“{net}”的车道上，例如 {example}"),
+                format!(
+                    "of {probes} positions of vehicles {off} are not on lanes of network '{net}', for example {example}"
+                ),
+            ),
+        )
+        .with_hint(Bilingual::new(
+            "确认路网在仿真之后没有被修改",
+            "check that the network was not changed after the simulation",
+        ))
+        .in_file(file)
+    })
 }
 
 pub(super) fn lights_unreadable(file: &str, reason: &str) -> Diagnostic {
