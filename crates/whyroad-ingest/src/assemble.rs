@@ -14,4 +14,5 @@ pub(crate) mod layers;
 pub(crate) mod plausibility;
 pub(crate) mod projection;
 pub(crate) mod resample;
+pub(crate) mod rings;
 pub(crate) mod se3;

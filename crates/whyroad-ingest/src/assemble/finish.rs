@@ -1,6 +1,7 @@
 //! What is done to every drive, whatever its format, when its adapter has made it.
 
-use crate::assemble::{checks, layers};
+use crate::assemble::{checks, layers, rings};
+use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::scene::Drive;
 use whyroad_model::{Diagnostic, Nanos};
 
@@ -13,6 +14,10 @@ pub(crate) fn finish(drive: &mut Drive) -> Vec<Diagnostic> {
             layers::declare(map, &[]);
         }
         layers::derive_absent(map);
+        // Rings of lanes are all seen where all connections are there.
+        if map.layer(MapLayer::Connections) == LayerState::Complete {
+            rings::add(map);
+        }
     }
     found
 }

@@ -30,7 +30,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, MediaFrame, Motion,
 use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 const ANNOTATIONS: [&str; 2] = ["annotations_with_ego.feather", "annotations.feather"];
 const POSE: &str = "city_SE3_egovehicle.feather";
 
@@ -131,7 +131,11 @@ fn read_log(dir: &Path, drive_id: Option<&DriveId>, report: &mut SourceReport) -
 
     let mut missing: Vec<Need> = Vec::new();
     let poses = read_poses(dir, &mut hash, report);
-    let (road, map_ref) = read_map(&dir.join("map"), &mut hash, report);
+    let (mut road, map_ref) = read_map(&dir.join("map"), &mut hash, report);
+    // Stop signs are annotated like all other objects: a log without any has none near the road.
+    if let Some(map) = &mut road {
+        map.complete_for.push("stop".to_owned());
+    }
     let times: BTreeSet<i64> = rows.objects.iter().chain(&rows.ego).map(|c| c.time).collect();
     let posed: BTreeMap<i64, Se3> =
         poses.iter().flat_map(|p| times.iter().filter_map(|&t| Some((t, p.at(t)?)))).collect();
