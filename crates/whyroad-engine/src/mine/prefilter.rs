@@ -39,10 +39,9 @@ pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>) -> Ver
     if !bounds.never(when) {
         return Verdict::Open;
     }
-    let absent: BTreeSet<String> =
-        rule.needs.iter().filter(|s| !ranges.contains_key(s.as_str())).cloned().collect();
-    if !absent.is_empty() {
-        return Verdict::Settled(absent);
+    if rule.needs.iter().any(|s| !ranges.contains_key(s.as_str())) {
+        // Observable all the same if it is known to be false in every row, which statistics do not tell.
+        return Verdict::Open;
     }
     // A part that is known to be false somewhere makes the whole known there.
     let parts = plan.conjuncts(when);

@@ -60,10 +60,15 @@ fn finished(mut found: Found, rule: &Rule, table: &SignalTable, decided: &Decide
 struct Decided {
     rows: usize,
     known: usize,
+    /// In a frame that the log has, it was not known.
+    open: bool,
+    /// The condition matched somewhere; that it made no episode may hang on what is not known.
+    matched: bool,
 }
 
-/// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much. Where
-/// the drive has them all and yet not one row could be decided, those that are never known.
+/// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much, unless the
+/// condition is known to be false in every row whatever those signals were. Where the drive has them all and yet not one
+/// row could be decided, those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
     let signals = rule.needs();
     let of_pair = |s: &String| table.pairs.as_ref().and_then(|p| p.columns.get(s));
@@ -71,7 +76,11 @@ fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<Stri
         table.frame_columns.get(s).or_else(|| table.target_columns.get(s)).or_else(|| of_pair(s))
     };
     let absent: BTreeSet<String> = signals.iter().filter(|s| column(s).is_none()).cloned().collect();
-    if !absent.is_empty() || decided.rows == 0 || decided.known > 0 {
+    if !absent.is_empty() {
+        let certain = decided.rows > 0 && !decided.open && !decided.matched;
+        return if certain { BTreeSet::new() } else { absent };
+    }
+    if decided.rows == 0 || decided.known > 0 {
         return absent;
     }
     let never_known = |s: &&String| column(s).is_some_and(|c| c.known_count() == 0);
@@ -90,7 +99,10 @@ fn on_rows<'a>(
     let Series::Truths(when) = series.as_ref() else { return };
     decided.rows += when.value.len();
     decided.known += when.value.iter().filter(|t| **t != Tri::Unknown).count();
+    let unknown = |(row, truth): (&Row, &Tri)| row.frame.is_some() && *truth == Tri::Unknown;
+    decided.open |= evaluator.rows(&pass).iter().zip(&when.value).any(unknown);
     for (first, last) in matches(when, evaluator.rows(&pass), rule) {
+        decided.matched = true;
         out.extend(episode(rule, roles, when, (first, last), evaluator, &mut pass));
     }
 }

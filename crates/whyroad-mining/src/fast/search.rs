@@ -29,6 +29,8 @@ struct Candidates {
     rule: usize,
     matches: Vec<Matches>,
     decided: Decided,
+    /// The drive has all signals that the rule needs.
+    whole: bool,
 }
 
 /// How far the rule's condition was known.
@@ -38,6 +40,10 @@ struct Decided {
     asked: bool,
     /// In one of them it was known.
     known: bool,
+    /// In a frame that the log has, it was not known; looked at only where the drive lacks a signal.
+    open: bool,
+    /// The condition matched somewhere.
+    matched: bool,
 }
 
 /// Rules of a plan on one drive, matches found, episodes not yet built: for these, more columns may be needed.
@@ -84,20 +90,26 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Signals that the drive does not have, when the rule needs any; where it has them all and yet not one row could
-/// be decided, those that are never known.
+/// Signals that the drive does not have, when the rule needs any and its condition is not known to be false in every row
+/// without them; where it has them all and yet not one row could be decided, those that are never known.
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
         rule.needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()
     };
     let absent = of(None);
-    if !absent.is_empty() || !decided.asked || decided.known { absent } else { of(Some(false)) }
+    if !absent.is_empty() {
+        let certain = decided.asked && !decided.open && !decided.matched;
+        return if certain { BTreeSet::new() } else { absent };
+    }
+    if !decided.asked || decided.known { absent } else { of(Some(false)) }
 }
 
 fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let of = &evaluation.plan.rules[rule];
     let when = of.node(of.rule.when);
-    let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default() };
+    // Without a signal that the rule needs, only rows that are all known tell that there is nothing.
+    let whole = of.needs.iter().all(|s| evaluation.signals.present.contains_key(s));
+    let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default(), whole };
     let Some(subject) = of.rule.subject else {
         let truth = evaluation.truth(when, RowSet::Drive);
         let segment = evaluation.layout.segment(RowSet::Drive);
@@ -118,7 +130,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
                 out.take_pairs(&pairs, i);
             } else {
                 // False in every row for the target alone: no pair with it can match.
-                out.decide(object.len > 0, object.len > 0);
+                out.decide(object.len > 0, object.len > 0, false);
             }
         }
         return out;
@@ -127,7 +139,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let nowhere = truth.yes.none();
     for (i, object) in evaluation.layout.objects.iter().enumerate().filter(|(i, _)| admitted(*i)) {
         // Once it is known that something is known, rows without a match have nothing more to say.
-        if nowhere && out.decided.known {
+        if nowhere && out.decided.known && (whole || out.decided.open) {
             break;
         }
         out.take(of.rule, RowSet::Object(i), &truth, *object, rows);
@@ -136,9 +148,10 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
 }
 
 impl Candidates {
-    fn decide(&mut self, asked: bool, known: bool) {
+    fn decide(&mut self, asked: bool, known: bool, open: bool) {
         self.decided.asked |= asked;
         self.decided.known |= known;
+        self.decided.open |= open;
     }
 
     /// The matches of all pairs with this target.
@@ -155,7 +168,7 @@ impl Candidates {
             let row_set = RowSet::Pair(target, second);
             let segment = evaluation.layout.segment(row_set);
             if pairs.hopeless(target, second, segment) {
-                self.decide(segment.len > 0, segment.len > 0);
+                self.decide(segment.len > 0, segment.len > 0, false);
                 continue;
             }
             let truth = evaluation.truth(of.node(of.rule.when), row_set);
@@ -169,8 +182,12 @@ impl Candidates {
     /// The matches in one stretch of a column.
     fn take(&mut self, rule: &Rule, row_set: RowSet, truth: &Truth, segment: Segment, rows: &[Row]) {
         let rows = &rows[segment.row..segment.row + segment.len];
-        self.decide(segment.len > 0, !self.decided.known && truth.known.any_in(segment.range()));
+        let known = !self.decided.known && truth.known.any_in(segment.range());
+        let unknown = |k: usize| rows[k].frame.is_some() && !truth.known.get(segment.range().start + k);
+        let open = !self.whole && !self.decided.open && (0..segment.len).any(unknown);
+        self.decide(segment.len > 0, known, open);
         let found = matches(rule, truth, segment.range(), rows);
+        self.decided.matched |= !found.is_empty();
         if !found.is_empty() {
             self.matches.push(Matches { row_set, rows: found });
         }
