@@ -6,7 +6,7 @@ use crate::conflict::{self, pet, ttc, ttc_lane};
 use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
-use crate::estimate::{estimate, estimated};
+use crate::estimate::{add_derived, estimate, estimated};
 use crate::needs::missing;
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
@@ -35,7 +35,8 @@ use whyroad_model::{Drive, Need, SignalTable};
 /// Pure, and independent of the order in which anything but time comes: tracks are ordered by id.
 pub fn derive(drive: &Drive) -> SignalTable {
     let drive = with_possible_sizes(drive);
-    let estimated = estimated(&drive);
+    let mut estimated = estimated(&drive);
+    add_derived(&mut estimated.drive);
     let drive = &*estimated.drive;
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);

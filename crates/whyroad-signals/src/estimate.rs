@@ -18,6 +18,7 @@
 )]
 
 mod bicycle;
+mod derived;
 mod deviation;
 mod estimated;
 mod join;
@@ -32,6 +33,7 @@ mod smoother;
 mod standing;
 mod walker;
 
+pub use derived::add_derived;
 pub use estimated::{DriveNoise, Estimated, estimated, noise};
 pub use noise::{LogNoise, Noise};
 pub use objects::Joined;

@@ -57,13 +57,14 @@ fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
     let road_z = map.is_some_and(|m| m.lanes.iter().any(|l| l.centre.iter().any(|p| p.z.is_finite())));
     let routed = drive.ego.iter().any(|e| e.bus.route_command.iter().any(Option::is_some))
         || states(drive, "route_distance");
+    let tracked_signs = drive.tracks.iter().any(|t| t.source_class.eq_ignore_ascii_case("stop_sign"));
     let marked = |l: &Lane| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown;
     let marks = states(drive, "lane_marks") || map.is_some_and(|m| m.lanes.iter().any(marked));
     [
         (Need::Elevation, ego_z || road_z),
         (Need::Routing, routed),
         (Need::LaneMarks, marks),
-        (Need::Signs, map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.tells(k)))),
+        (Need::Signs, map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.tells(k))) || tracked_signs),
         (Need::Facilities, map.is_some_and(|m| FACILITY_KINDS.iter().any(|k| m.tells(k)))),
     ]
     .into_iter()

@@ -8,8 +8,15 @@ use whyroad_model::scene::ContextState;
 use whyroad_model::vocabulary::UNKNOWN;
 use whyroad_model::{Drive, Nanos, Tri};
 
+/// A state is believed from this confidence on: it is more likely so than not.
+const LEAST_CONFIDENCE: f64 = 0.5;
+
 /// A change is reported for this long, s.
 const CHANGE_S: f64 = 3.0;
+
+fn is_sure(state: &ContextState) -> bool {
+    state.confidence.is_none_or(|c| c >= LEAST_CONFIDENCE)
+}
 
 /// The context of one drive by frame.
 pub struct Channels<'a> {
@@ -39,7 +46,8 @@ impl<'a> Channels<'a> {
         let states = self.of(kind);
         let at = |t: &Nanos| {
             let k = states.partition_point(|s| s.time <= *t);
-            k.checked_sub(1).map(|k| states[k].value.as_str()).filter(|v| *v != UNKNOWN)
+            let state = states[k.checked_sub(1)?];
+            Some(state.value.as_str()).filter(|v| *v != UNKNOWN && is_sure(state))
         };
         self.times.iter().map(at).collect()
     }
@@ -76,7 +84,7 @@ impl<'a> Channels<'a> {
             let until = states.partition_point(|s| s.time <= *t);
             // The state that held when the window began, and those that began in it.
             let held = &states[since.saturating_sub(1)..until];
-            let known = |s: &&ContextState| s.value != UNKNOWN;
+            let known = |s: &&ContextState| s.value != UNKNOWN && is_sure(s);
             if held.windows(2).any(|w| w.iter().all(known) && w[0].value != w[1].value) {
                 Tri::True
             } else if since == 0 || !held.iter().all(known) {

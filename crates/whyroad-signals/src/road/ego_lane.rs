@@ -2,7 +2,7 @@
 //! speed, wheel over line, lane count. Left is positive, as seen in driving direction.
 
 use crate::ego::motion::EgoMotion;
-use crate::geometry::{OrientedBox, P2};
+use crate::geometry::{OrientedBox, P2, wrap};
 use crate::road::corridor::Corridor;
 use crate::road::lanes::{LanePlace, Tether, assign};
 use crate::road::network::Road;
@@ -14,6 +14,11 @@ use whyroad_model::road_map::LaneKind;
 
 /// A side must be this far over a line to count, m: boxes and maps are good to about a decimetre.
 pub const OVER_LINE_M: f64 = 0.1;
+
+/// A side must be this far inside a lane of oncoming traffic to take up room there, m.
+const INSIDE_M: f64 = 0.3;
+/// From this angle between the headings on, a lane is one of oncoming traffic: 120 deg.
+const ONCOMING_RAD: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
 /// Where the ego is on its lane.
 pub struct EgoLane {
@@ -82,6 +87,29 @@ pub fn lane_count(road: &Road, lane: usize) -> f64 {
     f64::from(count)
 }
 
+/// True if a corner or the middle of a side of the box is inside a lane of oncoming traffic, outside junctions.
+fn in_opposing_lane(road: &Road, footprint: &OrientedBox, z: f64) -> bool {
+    let [a, b, c, d] = footprint.corners();
+    let points = [a, b, c, d, (a + b) * 0.5, (c + d) * 0.5];
+    road.lanes_near(footprint.centre, footprint.radius()).into_iter().any(|l| {
+        let lane = &road.lanes[l];
+        let rolls = matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus);
+        rolls
+            && !lane.in_junction
+            && lane.on_level(z)
+            && points.iter().any(|&p| {
+                let at = lane.centre.project(p);
+                let (left, right) = lane.widths_at(at.s);
+                let along = lane.centre.smooth_heading_at(at.s, 2.0);
+                at.s > 0.0
+                    && at.s < lane.centre.length()
+                    && at.lateral < left - INSIDE_M
+                    && at.lateral > INSIDE_M - right
+                    && wrap(along - footprint.heading).abs() >= ONCOMING_RAD
+            })
+    })
+}
+
 /// Writes the signals of this family.
 pub fn write(lanes: &EgoLane, road: &Road, ego: &EgoMotion, table: &mut TableBuilder<'_>) {
     let n = ego.len();
@@ -111,4 +139,11 @@ pub fn write(lanes: &EgoLane, road: &Road, ego: &EgoMotion, table: &mut TableBui
         Tri::from(high > left + OVER_LINE_M || low < -right - OVER_LINE_M)
     };
     table.flag(id::EGO_WHEEL_OVER_LINE, (0..n).map(over).collect());
+    let opposing = |i: usize| {
+        if !ego.is_known(i) || !ego.length.is_finite() || !ego.width.is_finite() {
+            return Tri::Unknown;
+        }
+        Tri::from(in_opposing_lane(road, &ego.footprint(i), ego.z[i]))
+    };
+    table.flag(id::EGO_IN_OPPOSING_LANE, (0..n).map(opposing).collect());
 }

@@ -44,6 +44,8 @@ struct Shown {
     previous: Option<LightColour>,
     /// Since the change, or since it was first seen, s.
     lasted_s: f64,
+    /// Until the next color, as its countdown shows, s; NaN without one.
+    countdown_s: f64,
 }
 
 impl Shown {
@@ -88,13 +90,18 @@ impl<'a> Lights<'a> {
         let concerns = |s: &&&LightState| s.to_lane_id.as_deref().is_none_or(|to| onward.contains(&to));
         let states =
             || self.by_lane.get(lane).into_iter().flatten().filter(concerns).filter(|s| s.time <= time);
-        let colour = states().max_by_key(|s| s.time)?.colour;
+        let latest = states().max_by_key(|s| s.time)?;
+        let colour = latest.colour;
+        let passed_s = time.seconds_since(latest.time);
+        // One that has run out and was not replaced shows nothing.
+        let countdown_s = latest.countdown_s.map(|s| s - passed_s).filter(|s| *s >= 0.0).unwrap_or(f64::NAN);
         let before = states().filter(|s| s.colour != colour).max_by_key(|s| s.time);
         let since = states()
             .filter(|s| s.colour == colour && before.is_none_or(|b| s.time > b.time))
             .map(|s| s.time)
             .min()?;
-        Some(Shown { colour, previous: before.map(|b| b.colour), lasted_s: time.seconds_since(since) })
+        let lasted_s = time.seconds_since(since);
+        Some(Shown { colour, previous: before.map(|b| b.colour), lasted_s, countdown_s })
     }
 
     /// The next light on the corridor: what it shows, when known at `time`, and the distance of its stop line from
@@ -131,7 +138,7 @@ fn time_to_line(distance: f64, speed: f64) -> f64 {
     if distance.is_infinite() || speed < STANDS_MPS { f64::INFINITY } else { distance / speed }
 }
 
-/// Writes `light.state`, `previous`, `time_since_change`, `distance_to_stop_line`, `time_to_stop_line`.
+/// Writes `light.state`, `previous`, `time_since_change`, `countdown`, `distance_to_stop_line`, `time_to_stop_line`.
 pub fn write(
     states: &[LightState],
     map: &RoadMap,
@@ -145,14 +152,16 @@ pub fn write(
     let front = if ego.length.is_finite() { ego.length / 2.0 } else { 0.0 };
     let (mut codes, mut distances) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
     let (mut previous, mut since) = (Vec::with_capacity(ego.len()), Vec::with_capacity(ego.len()));
+    let mut countdown = Vec::with_capacity(ego.len());
     for (i, &time) in times.iter().enumerate() {
-        let (state, distance, before, lasted) = match lanes.at(i) {
-            None => (None, f64::NAN, None, f64::NAN),
+        let (state, distance, before, lasted, left) = match lanes.at(i) {
+            None => (None, f64::NAN, None, f64::NAN, f64::NAN),
             Some(on) => match lights.next(road, on, front, time) {
                 None => (
                     Some(value::LightState::None),
                     f64::INFINITY,
                     Some(value::LightState::None),
+                    f64::INFINITY,
                     f64::INFINITY,
                 ),
                 Some((shown, distance)) => (
@@ -160,6 +169,7 @@ pub fn write(
                     distance,
                     shown.and_then(|s| s.previous).and_then(shown_value),
                     shown.map_or(f64::NAN, Shown::since_change),
+                    shown.map_or(f64::NAN, |s| s.countdown_s),
                 ),
             },
         };
@@ -167,11 +177,13 @@ pub fn write(
         distances.push(distance);
         previous.push(before);
         since.push(lasted);
+        countdown.push(left);
     }
     let to_line = distances.iter().zip(&ego.forward_speed).map(|(&d, &v)| time_to_line(d, v));
     table.number(id::LIGHT_TIME_TO_STOP_LINE, to_line.collect());
     table.category(id::LIGHT_PREVIOUS, previous);
     table.number(id::LIGHT_TIME_SINCE_CHANGE, since);
+    table.number(id::LIGHT_COUNTDOWN, countdown);
     table.category(id::LIGHT_STATE, codes);
     table.number(id::LIGHT_DISTANCE_TO_STOP_LINE, distances);
 }

@@ -172,6 +172,23 @@ fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone
     }
 }
 
+/// A merge or split nearer than this may be that of a ramp, m.
+const CALM_M: f64 = 30.0;
+/// Between two frames of this much time apart the ego passes one that was as near, s: 30 m at 10 m/s.
+const CALM_S: f64 = 3.0;
+
+/// Where nothing tells which lanes are ramps: no change while no other road joins the ego's or parts from it, unknown
+/// near places where one does.
+fn calm(on: &OnRoad<'_>, merges: &[f64], splits: &[f64]) -> Vec<Option<MapFacilityChange>> {
+    let apart: Vec<bool> = merges.iter().zip(splits).map(|(m, s)| *m > CALM_M && *s > CALM_M).collect();
+    let around = |i: usize| {
+        let from = on.times.partition_point(|t| *t < on.times[i] - CALM_S);
+        let to = on.times.partition_point(|t| *t <= on.times[i] + CALM_S);
+        apart[from..to].iter().all(|a| *a)
+    };
+    (0..on.frames()).map(|i| (on.ego.is_known(i) && around(i)).then_some(MapFacilityChange::None)).collect()
+}
+
 /// Changes between ramp and main road, one value per frame.
 fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
     let mut codes: Vec<Option<MapFacilityChange>> =
@@ -195,8 +212,8 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
 
 /// Writes `map.on_ramp`, `merge_zone`, `distance_to_merge`, `distance_to_split`, `facility_change`.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
-    table.number(id::MAP_DISTANCE_TO_MERGE, on.ahead(|_, way, front| to_merge(on, way, front)));
-    table.number(id::MAP_DISTANCE_TO_SPLIT, on.ahead(|_, way, front| to_split(on, way, front)));
+    let merges = on.ahead(|_, way, front| to_merge(on, way, front));
+    let splits = on.ahead(|_, way, front| to_split(on, way, front));
     let tells = on.map.complete_for.iter().any(|k| k == "ramp")
         || on
             .map
@@ -217,5 +234,9 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
             on.flags(|i| own(i).map_or(Tri::Unknown, |lane| Tri::from(roles[lane].ramp))),
         );
         table.category(id::MAP_FACILITY_CHANGE, changes(on, &roles));
+    } else {
+        table.category(id::MAP_FACILITY_CHANGE, calm(on, &merges, &splits));
     }
+    table.number(id::MAP_DISTANCE_TO_MERGE, merges);
+    table.number(id::MAP_DISTANCE_TO_SPLIT, splits);
 }

@@ -1,56 +1,76 @@
 //! Signs and stop lines on the ego's path.
 
+mod relevance;
+
 use crate::geometry::{P2, p2};
 use crate::road::facilities::line_crossings;
 use crate::road::junction::{Stretch, distance_to_next};
 use crate::road::network::DEFAULT_HALF_WIDTH_M;
 use crate::road::on_road::{OnRoad, time_to};
 use crate::table::TableBuilder;
+use relevance::{concerned, route};
 use std::collections::BTreeSet;
-use whyroad_model::catalogue::{Number, PerFrame, Signal, id};
-use whyroad_model::road_map::Sign;
-use whyroad_model::vocabulary::PROHIBITIONS;
+use whyroad_model::catalogue::value::{SignProhibitionKind, SignWarningKind};
+use whyroad_model::catalogue::{CategoryValue, Number, PerFrame, Signal, id};
+use whyroad_model::road_map::{Point3, Sign};
+use whyroad_model::scene::Track;
+use whyroad_model::vocabulary::{PROHIBITIONS, WARNINGS};
 
-/// Signals of a distance, with the kind of sign that each is about.
-const DISTANCES: [(Signal<PerFrame, Number>, &str); 6] = [
-    (id::SIGN_STOP_DISTANCE, "stop"),
-    (id::SIGN_YIELD_DISTANCE, "yield"),
-    (id::SIGN_SPEED_LIMIT_DISTANCE, "speed_limit"),
-    (id::SIGN_LANE_ARROW_DISTANCE, "lane_arrow"),
-    (id::SIGN_PROHIBITION_DISTANCE, "prohibition"),
-    (id::SIGN_WARNING_DISTANCE, "warning"),
+/// Signals of a distance, with the kinds of signs that each is about.
+const DISTANCES: [(Signal<PerFrame, Number>, &[&str]); 6] = [
+    (id::SIGN_STOP_DISTANCE, &["stop"]),
+    (id::SIGN_YIELD_DISTANCE, &["yield"]),
+    (id::SIGN_SPEED_LIMIT_DISTANCE, &["speed_limit"]),
+    (id::SIGN_LANE_ARROW_DISTANCE, &["lane_arrow"]),
+    (id::SIGN_PROHIBITION_DISTANCE, PROHIBITIONS),
+    (id::SIGN_WARNING_DISTANCE, WARNINGS),
 ];
-/// A sign that names no lane concerns who passes it no farther away than this, m.
-const BESIDE_M: f64 = 12.0;
-/// A sign that names a lane of the ego's route stands no farther from its path than this, m.
-const OF_LANE_M: f64 = 40.0;
 
-/// Ids of the lanes that the ego is ever in, and of those ahead of its last one.
-fn route(on: &OnRoad<'_>) -> BTreeSet<String> {
-    let id = |lane: usize| on.road.lanes[lane].id.clone();
-    let mut lanes: BTreeSet<String> =
-        (0..on.frames()).filter_map(|i| on.lanes.at(i)).map(|at| id(at.lane)).collect();
-    if let Some((way, _)) = (0..on.frames()).rev().find_map(|i| on.ways.at(i)) {
-        lanes.extend(way.steps.iter().map(|step| id(step.lane)));
-    }
-    lanes
+/// Signs that concern the ego, in the order in which its path passes them.
+struct OnPath<'a> {
+    signs: Vec<&'a Sign>,
+    stretches: Vec<Stretch>,
 }
 
-fn places(on: &OnRoad<'_>, wanted: impl Fn(&Sign) -> bool, route: &BTreeSet<String>) -> Vec<Stretch> {
-    let mut found: Vec<Stretch> = Vec::new();
-    for sign in on.map.signs.iter().filter(|s| wanted(s)) {
-        let at = on.path.line.project(p2(sign.position.x, sign.position.y));
-        let concerned = if sign.lane_ids.is_empty() {
-            at.lateral.abs() <= BESIDE_M
-        } else {
-            at.lateral.abs() <= OF_LANE_M && sign.lane_ids.iter().any(|l| route.contains(l))
-        };
-        if concerned {
-            found.push(Stretch { from: at.s, to: at.s });
-        }
+impl<'a> OnPath<'a> {
+    fn new(on: &OnRoad<'a>, tracked: &'a [Sign], kinds: &[&str], route: &BTreeSet<String>) -> Self {
+        let all = on.map.signs.iter().chain(tracked);
+        let wanted = all.filter(|s| kinds.contains(&s.kind.as_str()));
+        let mut found: Vec<(f64, &Sign)> =
+            wanted.filter_map(|sign| Some((concerned(on, sign, route)?, sign))).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let stretches = found.iter().map(|(s, _)| Stretch { from: *s, to: *s }).collect();
+        Self { signs: found.into_iter().map(|(_, sign)| sign).collect(), stretches }
     }
-    found.sort_by(|a, b| a.from.total_cmp(&b.from));
-    found
+
+    /// The kind of the next one, without the prefix of its group; `None` where the ego's place is unknown.
+    fn next_kind<C: CategoryValue>(&self, on: &OnRoad<'_>, frame: usize, prefix: &str) -> Option<C> {
+        let s = on.path.ego_s[frame];
+        if s.is_nan() {
+            return None;
+        }
+        let next = self.stretches.iter().position(|x| x.to >= s);
+        let near = next.filter(|&k| distance_to_next(&self.stretches[k..], s, on.ego.front()).is_finite());
+        let Some(k) = near else { return C::from_name("none") };
+        let kind = self.signs[k].kind.as_str();
+        C::from_name(kind.strip_prefix(prefix).unwrap_or(kind)).or_else(|| C::from_name("unspecified"))
+    }
+}
+
+/// Stop signs that the log has as objects (AV2 does), where they were first seen.
+fn tracked_stop_signs(on: &OnRoad<'_>) -> Vec<Sign> {
+    let tracks = on.drive.tracks.iter().filter(|t| t.source_class.eq_ignore_ascii_case("stop_sign"));
+    let sign = |t: &Track| {
+        let (x, y, z) = (*t.motion.x.first()?, *t.motion.y.first()?, *t.motion.z.first()?);
+        (x.is_finite() && y.is_finite()).then(|| Sign {
+            id: t.id.to_string(),
+            kind: "stop".to_owned(),
+            position: Point3 { x, y, z },
+            facing: t.motion.heading.first().copied().filter(|h| h.is_finite()),
+            ..Sign::default()
+        })
+    };
+    tracks.filter_map(sign).collect()
 }
 
 /// Where the path crosses a stop line; one that is given by a point alone, where the path passes it within half a lane.
@@ -78,12 +98,20 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
         (0..on.frames()).map(|i| distance_to_next(stretches, on.path.ego_s[i], front)).collect()
     };
     let route = route(on);
-    for (id, kind) in DISTANCES {
-        let one = [kind];
-        let kinds = if kind == "prohibition" { PROHIBITIONS } else { &one[..] };
-        if kinds.iter().any(|kind| on.map.tells(kind)) {
-            let found = places(on, |s| kinds.contains(&s.kind.as_str()), &route);
-            table.number(id, next(&found));
+    let tracked = tracked_stop_signs(on);
+    for (id, kinds) in DISTANCES {
+        let seen = tracked.iter().any(|s| kinds.contains(&s.kind.as_str()));
+        if !seen && !kinds.iter().any(|kind| on.map.tells(kind)) {
+            continue;
+        }
+        let found = OnPath::new(on, &tracked, kinds, &route);
+        table.number(id, next(&found.stretches));
+        if kinds == PROHIBITIONS {
+            let kind = |i| found.next_kind::<SignProhibitionKind>(on, i, "");
+            table.category(id::SIGN_PROHIBITION_KIND, (0..on.frames()).map(kind));
+        } else if kinds == WARNINGS {
+            let kind = |i| found.next_kind::<SignWarningKind>(on, i, "warning_");
+            table.category(id::SIGN_WARNING_KIND, (0..on.frames()).map(kind));
         }
     }
     let lines = stop_lines(on);

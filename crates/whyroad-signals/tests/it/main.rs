@@ -12,6 +12,7 @@ mod map_parts;
 mod recorded;
 mod recorded_traps;
 mod refav;
+mod relevance;
 #[path = "../../../whyroad-model/testing/require.rs"]
 mod require;
 mod road_ahead;

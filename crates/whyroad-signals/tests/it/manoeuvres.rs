@@ -275,11 +275,12 @@ fn what_a_log_lacks_is_named_and_never_given() {
     assert_eq!(t.0.unavailable["ego.brake"], [Need::VehicleBus]);
     assert_eq!(t.flag("lead", "target.is_lead", 5), True, "without a map the driven path serves as lane");
 
-    // A bus that tells the brake but nothing of emergency braking.
+    // A bus that tells the brake but nothing of emergency braking: a car that does not brake has none.
     d.ego.as_mut().unwrap().bus.brake = vec![Some(false); 20];
     let t = Table::of(&d);
     assert_eq!(t.ego_flag("ego.brake", 3), False);
-    assert_eq!(t.0.unavailable["ego.aeb"], [Need::VehicleBus]);
+    assert_eq!(t.ego_flag("ego.aeb", 3), False);
+    assert_eq!(t.0.unavailable["ego.cruise"], [Need::VehicleBus]);
 
     // Positions relative to the ego, no ego pose.
     d.ego = None;

@@ -1,0 +1,74 @@
+//! Whether a sign is one that the ego has to mind: on its route, turned to it, beside its own direction of the road,
+//! and about a vehicle of its size.
+
+use crate::geometry::{p2, wrap};
+use crate::road::on_road::OnRoad;
+use std::collections::BTreeSet;
+use std::f64::consts::{FRAC_PI_3, FRAC_PI_4, PI};
+use whyroad_model::road_map::{LaneKind, Sign};
+
+/// A sign that names no lane concerns who passes it no farther away than this, m.
+const BESIDE_M: f64 = 12.0;
+/// A sign that names a lane of the ego's route stands no farther from its path than this, m.
+const OF_LANE_M: f64 = 40.0;
+/// Lanes that are farther from a sign than the nearest one by no more than this may be meant as well, m.
+const AS_NEAR_M: f64 = 1.0;
+/// A limit of height or width that leaves this much room asks nothing of the ego, m.
+const ROOM_M: f64 = 0.5;
+
+/// Ids of the lanes that the ego is ever in, and of those ahead of its last one.
+pub(super) fn route(on: &OnRoad<'_>) -> BTreeSet<String> {
+    let id = |lane: usize| on.road.lanes[lane].id.clone();
+    let mut lanes: BTreeSet<String> =
+        (0..on.frames()).filter_map(|i| on.lanes.at(i)).map(|at| id(at.lane)).collect();
+    if let Some((way, _)) = (0..on.frames()).rev().find_map(|i| on.ways.at(i)) {
+        lanes.extend(way.steps.iter().map(|step| id(step.lane)));
+    }
+    lanes
+}
+
+/// Where the ego's path passes a sign that concerns it, m along the path.
+pub(super) fn concerned(on: &OnRoad<'_>, sign: &Sign, route: &BTreeSet<String>) -> Option<f64> {
+    let at = on.path.line.project(p2(sign.position.x, sign.position.y));
+    let course = on.path.heading_at(at.s);
+    let meant = if !sign.lane_ids.is_empty() {
+        at.lateral.abs() <= OF_LANE_M && sign.lane_ids.iter().any(|l| route.contains(l))
+    } else if at.lateral.abs() > BESIDE_M {
+        false
+    } else if let Some(facing) = sign.facing {
+        wrap(facing + PI - course).abs() <= FRAC_PI_3
+    } else {
+        beside_own_direction(on, sign, course)
+    };
+    (meant && binds(on, sign)).then_some(at.s)
+}
+
+/// The lane nearest to the sign leads as the ego drives: a board beyond the oncoming lanes, or beside a road that the
+/// ego only crosses, is for others. Where the map has no lane there, it is for who passes it.
+fn beside_own_direction(on: &OnRoad<'_>, sign: &Sign, course: f64) -> bool {
+    let place = p2(sign.position.x, sign.position.y);
+    let near: Vec<(f64, f64)> = on
+        .road
+        .lanes_near(place, BESIDE_M)
+        .into_iter()
+        .map(|l| &on.road.lanes[l])
+        .filter(|l| matches!(l.kind, LaneKind::Vehicle | LaneKind::Bus) && !l.in_junction)
+        .map(|l| {
+            let s = l.centre.project(place).s;
+            (l.centre.distance(place), l.centre.smooth_heading_at(s, 2.0))
+        })
+        .collect();
+    let nearest = near.iter().map(|(distance, _)| *distance).fold(f64::INFINITY, f64::min);
+    let as_near = |(distance, _): &&(f64, f64)| *distance <= nearest + AS_NEAR_M;
+    near.is_empty() || near.iter().filter(as_near).any(|(_, along)| wrap(along - course).abs() <= FRAC_PI_4)
+}
+
+/// False for a limit of height or width under which the ego passes easily.
+fn binds(on: &OnRoad<'_>, sign: &Sign) -> bool {
+    let own = on.drive.ego.as_ref().map_or(f64::NAN, |ego| match sign.kind.as_str() {
+        "height_limit" => ego.height_m,
+        "width_limit" => ego.width_m,
+        _ => f64::NAN,
+    });
+    sign.value.is_none_or(|limit| own.is_nan() || limit < own + ROOM_M)
+}
