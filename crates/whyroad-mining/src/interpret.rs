@@ -290,12 +290,15 @@ impl<'a> Evaluator<'a> {
         combined(both, of_sum)
     }
 
-    /// Standard deviations of a number on the rows of the pass; `None` where it is exact. Extremes over a window and
-    /// values at a moment count as exact.
+    /// Standard deviations of a number on the rows of the pass; `None` where it is exact. An extreme over a window has
+    /// that of the row that has it, a value at the keyframe that of the keyframe; shares of time and extremes of a
+    /// match count as exact.
     fn deviations(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Option<Vec<f64>> {
         match &self.program.node(id).op {
             Op::Signal(name) => self.noise_of(name, pass.roles.target, pass),
             Op::SecondSignal(name) => self.noise_of(name, pass.roles.second, pass),
+            Op::PairSignal { name, seen_from } => self.noise_of_pair(name, *seen_from, pass),
+            Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => self.deviations_of_moment(id, pass),
             Op::Negate(a) | Op::Absolute(a) => self.deviations(*a, pass),
             Op::Add(a, b) | Op::Subtract(a, b) => self.deviations_of_both(*a, *b, pass),
             Op::Multiply(a, b) => {

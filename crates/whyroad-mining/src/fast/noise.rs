@@ -3,13 +3,16 @@
 
 use super::evaluation::Evaluation;
 use super::layout::RowSet;
+use super::numbers::Numbers;
 use super::signals::NodeValue;
+use super::temporal::Stretches;
+use super::windows;
 use crate::deviation::{has_threshold, of_product, of_sum};
-use crate::language::program::{NodeId, Op};
+use crate::language::program::{NodeId, Op, PairSide};
 use crate::language::syntax::CompareOp;
 use whyroad_model::signal::deviation_name;
 
-impl Evaluation<'_> {
+impl<'a> Evaluation<'a> {
     /// Standard deviations of the difference of two sides of a comparison; `None` where both are exact or the operator
     /// has no threshold.
     pub(super) fn noise_of_difference(
@@ -37,6 +40,10 @@ impl Evaluation<'_> {
             Op::Signal(name) | Op::SecondSignal(name) => {
                 self.noise_of_signal(id, &deviation_name(name), row_set)
             }
+            Op::PairSignal { name, seen_from } => {
+                self.noise_of_pair(&deviation_name(name), *seen_from, row_set)
+            }
+            Op::Least(..) | Op::Greatest(..) | Op::AtKeyframe(_) => self.noise_of_moment(id, row_set),
             Op::Negate(a) | Op::Absolute(a) => self.noise(*a, row_set),
             Op::Add(a, b) | Op::Subtract(a, b) => self.noise_of_sum(*a, *b, row_set),
             Op::Multiply(a, b) => {
@@ -58,6 +65,17 @@ impl Evaluation<'_> {
         let n = self.layout.len(row_set);
         let Some((_, home)) = self.home(id, row_set) else { return Some(vec![f64::NAN; n]) };
         let at_home = self.signals.value(name, &self.layout, home)?;
+        self.from_home(id, at_home, home, row_set)
+    }
+
+    /// Numbers of the rows where a node is at home, on those of a row set.
+    fn from_home(
+        &self,
+        id: NodeId,
+        at_home: NodeValue<'a>,
+        home: RowSet,
+        row_set: RowSet,
+    ) -> Option<Vec<f64>> {
         let there = match (home == row_set, home, row_set) {
             (true, ..) => at_home,
             (false, RowSet::Drive, RowSet::Objects | RowSet::Pairs) => self.spread(at_home, row_set),
@@ -74,5 +92,42 @@ impl Evaluation<'_> {
             NodeValue::Numbers(v) => Some(v.cut().into_owned()),
             _ => None,
         }
+    }
+
+    fn noise_of_pair(&self, name: &str, side: PairSide, row_set: RowSet) -> Option<Vec<f64>> {
+        self.signals.pairs.filter(|p| p.columns.contains_key(name))?;
+        let of_all = self.signals.of_pairs(name, side, &self.layout)?;
+        let there = match row_set {
+            RowSet::Pairs => Some(of_all),
+            RowSet::Pair(a, b) => {
+                let at = self.layout.pair(a, b);
+                at.map(|i| of_all.slice(self.layout.segments(RowSet::Pairs)[i].range()))
+            }
+            _ => None,
+        };
+        match there {
+            Some(NodeValue::Numbers(v)) => Some(v.cut().into_owned()),
+            _ => Some(vec![f64::NAN; self.layout.len(row_set)]),
+        }
+    }
+
+    /// Standard deviations of a number that is that of some row, such as an extreme.
+    fn noise_of_moment(&self, id: NodeId, row_set: RowSet) -> Option<Vec<f64>> {
+        let (own, home) = self.home(id, row_set)?;
+        let segments = self.layout.segments(home);
+        let on = || Stretches { rows: &self.layout.rows, segments: &segments };
+        let (of, rows) = match &self.plan.node(own).op {
+            Op::Least(a, d) => {
+                (*a, windows::past_extreme_rows(&self.numbers(*a, home), on(), *d, |x, y| x < y))
+            }
+            Op::Greatest(a, d) => {
+                (*a, windows::past_extreme_rows(&self.numbers(*a, home), on(), *d, |x, y| x > y))
+            }
+            Op::AtKeyframe(a) => (*a, vec![self.keyframe_row(home); self.layout.len(home)]),
+            _ => return None,
+        };
+        let noise = self.noise(of, home)?;
+        let at_home: Vec<f64> = rows.into_iter().map(|r| r.map_or(f64::NAN, |r| noise[r])).collect();
+        self.from_home(id, NodeValue::Numbers(Numbers::of(at_home)), home, row_set)
     }
 }

@@ -118,11 +118,13 @@ impl<'a> Signals<'a> {
     pub fn of_table(table: &'a SignalTable) -> Self {
         let all = || table.frame_columns.iter().chain(&table.target_columns);
         let named = all().filter(|(n, _)| !is_deviation(n));
-        let of_pairs = table.pairs.iter().flat_map(|p| &p.columns);
+        let of_pairs = table.pairs.iter().flat_map(|p| &p.columns).filter(|(n, _)| !is_deviation(n));
         let present = named.chain(of_pairs).map(|(n, c)| (n.clone(), (0..c.len()).any(|i| c.is_known(i))));
         let present = present.collect();
         let columns = all().map(|(n, c)| (n.clone(), SignalColumn::borrowed(c))).collect();
         let signals = Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns);
+        let noisy_pairs = table.pairs.iter().flat_map(|p| p.columns.keys()).any(|name| is_deviation(name));
+        signals.noisy.set(signals.noisy.get() || noisy_pairs);
         Self { pairs: table.pairs.as_ref(), ..signals }
     }
 

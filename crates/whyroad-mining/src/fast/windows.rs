@@ -39,6 +39,31 @@ pub fn past_extreme(
 ) -> Numbers<'static> {
     let values = v.values();
     let mut out = vec![f64::NAN; values.len()];
+    each_extreme(&values, on, d, better, |row, best| out[row] = values[best]);
+    Numbers::of(out)
+}
+
+/// For each row the one that has the extreme of the past window, the latest of equals; `None` where it is unknown.
+pub fn past_extreme_rows(
+    v: &Numbers<'_>,
+    on: Stretches<'_>,
+    d: Nanos,
+    better: impl Fn(f64, f64) -> bool,
+) -> Vec<Option<usize>> {
+    let values = v.values();
+    let mut out = vec![None; values.len()];
+    each_extreme(&values, on, d, better, |row, best| out[row] = Some(best));
+    out
+}
+
+/// Calls `put` for each row of which the extreme is known, with the row that has it.
+fn each_extreme(
+    values: &[f64],
+    on: Stretches<'_>,
+    d: Nanos,
+    better: impl Fn(f64, f64) -> bool,
+    mut put: impl FnMut(usize, usize),
+) {
     // Rows that can still become the extreme, the best one first.
     let mut candidates: VecDeque<usize> = VecDeque::new();
     for (segment, rows) in on.each() {
@@ -63,9 +88,8 @@ pub fn past_extreme(
             }
             let complete = start > 0 || begins_inside(rows, i, d);
             if let (true, 0, Some(&best)) = (complete, unknown, candidates.front()) {
-                out[segment.start + i] = values[segment.start + best];
+                put(segment.start + i, segment.start + best);
             }
         }
     }
-    Numbers::of(out)
 }

@@ -1,9 +1,9 @@
 //! What looks beyond the rows of its own pass: the parts of a pair, counts over all objects, and values taken
 //! from an episode (its keyframe, its match).
 
-use super::temporal::Truths;
+use super::temporal::{Truths, past_extreme_rows};
 use super::{Evaluator, MARGIN_LIMIT, Moments, Pass, Roles, Series};
-use crate::language::program::{NodeId, Subject, ValueScope};
+use crate::language::program::{NodeId, Op, Subject, ValueScope};
 use std::rc::Rc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::is_of_object;
@@ -12,21 +12,56 @@ use whyroad_model::{FrameRange, Tri};
 impl<'a> Evaluator<'a> {
     /// A node that depends on fewer roles than the pass has, over all its own rows, cut to those of the pass.
     pub(super) fn of_fewer_roles(&mut self, id: NodeId, pass: &Pass<'a>) -> Rc<Series> {
-        let roles = match self.program.node(id).scope {
+        let Some(roles) = self.own_roles(id, pass) else {
+            // The pass has nobody in the role: nothing is known.
+            let n = self.rows(pass).len();
+            return Rc::new(Series::Numbers(vec![f64::NAN; n]));
+        };
+        let whole = self.over(id, roles, pass.episode);
+        let (own, _) = self.window(roles);
+        let (from, to) = self.window(pass.roles);
+        Rc::new(whole.slice(from - own, to - own))
+    }
+
+    /// Standard deviations of a number that is that of some row, such as an extreme: over the node's own rows, cut to
+    /// those of the pass.
+    pub(super) fn deviations_of_moment(&mut self, id: NodeId, pass: &mut Pass<'a>) -> Option<Vec<f64>> {
+        let roles = self.own_roles(id, pass)?;
+        let mut own = self.pass_of(roles);
+        own.episode = pass.episode;
+        let n = self.rows(&own).len();
+        let (of, rows): (NodeId, Vec<Option<usize>>) = match &self.program.node(id).op {
+            Op::Least(a, d) => {
+                let v = self.numbers(*a, &mut own);
+                (*a, past_extreme_rows(&v, self.rows(&own), *d, f64::min))
+            }
+            Op::Greatest(a, d) => {
+                let v = self.numbers(*a, &mut own);
+                (*a, past_extreme_rows(&v, self.rows(&own), *d, f64::max))
+            }
+            Op::AtKeyframe(a) => {
+                let keyframe = own.episode.map(|e| e.keyframe);
+                let row = self.rows(&own).iter().position(|r| r.frame.is_some() && r.frame == keyframe);
+                (*a, vec![row; n])
+            }
+            _ => return None,
+        };
+        let deviations = self.deviations(of, &mut own)?;
+        let of_rows: Vec<f64> = rows.into_iter().map(|r| r.map_or(f64::NAN, |r| deviations[r])).collect();
+        let ((begin, _), (from, to)) = (self.window(roles), self.window(pass.roles));
+        Some(of_rows[from - begin..to - begin].to_vec())
+    }
+
+    /// Those of the pass's roles that a node speaks of; `None` where the pass has nobody in one of them.
+    fn own_roles(&self, id: NodeId, pass: &Pass<'a>) -> Option<Roles<'a>> {
+        let scope = self.program.node(id).scope;
+        let roles = match scope {
             ValueScope::Frame => Roles::default(),
             ValueScope::Target => Roles { second: None, ..pass.roles },
             ValueScope::Second => Roles { target: None, ..pass.roles },
             ValueScope::Pair => pass.roles,
         };
-        if roles.scope() != self.program.node(id).scope {
-            // The pass has nobody in the role: nothing is known.
-            let n = self.rows(pass).len();
-            return Rc::new(Series::Numbers(vec![f64::NAN; n]));
-        }
-        let whole = self.over(id, roles, pass.episode);
-        let (own, _) = self.window(roles);
-        let (from, to) = self.window(pass.roles);
-        Rc::new(whole.slice(from - own, to - own))
+        (roles.scope() == scope).then_some(roles)
     }
 
     /// A node over all rows of these roles; kept where it belongs to one object and to no episode.

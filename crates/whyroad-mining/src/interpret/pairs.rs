@@ -5,7 +5,7 @@ use super::pair_rows::span;
 use super::temporal::Truths;
 use super::{Evaluator, Pass, Roles, Row, Series, values};
 use crate::language::program::{NodeId, PairSide, Subject};
-use whyroad_model::signal::{TargetSpan, is_of_object};
+use whyroad_model::signal::{TargetSpan, deviation_name, is_of_object};
 use whyroad_model::{SignalTable, Tri};
 
 impl<'a> Evaluator<'a> {
@@ -22,6 +22,16 @@ impl<'a> Evaluator<'a> {
             Some(span.first_row + row.frame?.checked_sub(span.frames.start)?)
         };
         values(found.and_then(|(pairs, _)| pairs.columns.get(name)), rows, index)
+    }
+
+    /// Standard deviations of a signal of the pair; `None` where it is exact.
+    pub(super) fn noise_of_pair(&self, name: &str, seen_from: PairSide, pass: &Pass<'_>) -> Option<Vec<f64>> {
+        let name = deviation_name(name);
+        self.table.pairs.as_ref().filter(|p| p.columns.contains_key(&name))?;
+        match self.pair_signal(&name, seen_from, pass) {
+            Series::Numbers(v) => Some(v),
+            _ => None,
+        }
     }
 
     /// At least `count` of the objects that are near the pass's object at the frame meet the condition. Where the

@@ -193,6 +193,12 @@ pub fn past_extreme(v: &[f64], rows: &[Row], d: Nanos, pick: fn(f64, f64) -> f64
         .collect()
 }
 
+/// For each row the one that has the extreme of the past window, the latest of equals; `None` where it is unknown.
+pub fn past_extreme_rows(v: &[f64], rows: &[Row], d: Nanos, pick: fn(f64, f64) -> f64) -> Vec<Option<usize>> {
+    let extremes = past_extreme(v, rows, d, pick);
+    (0..rows.len()).map(|i| (past(rows, i, d).0..=i).rev().find(|&j| v[j] == extremes[i])).collect()
+}
+
 /// Share of the past window, now included, in which the condition was true; unknown when any part of the
 /// window is.
 pub fn past_share(c: &Truths, rows: &[Row], d: Nanos) -> Vec<f64> {

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::pair::{PairSpan, PairTable};
-use whyroad_model::signal::{TargetSpan, deviation_name, is_deviation};
+use whyroad_model::signal::{TargetSpan, deviation_name};
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Column, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
 
@@ -155,7 +155,6 @@ fn pairs_of(targets: &[TargetSpan], of: &Stock, skip: usize) -> PairTable {
         table.near.extend(near);
     }
     table.columns = columns("pair", of, table.near.len(), skip.is_multiple_of(3));
-    table.columns.retain(|name, _| !is_deviation(name));
     table
 }
 
