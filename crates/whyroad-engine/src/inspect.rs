@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 use std::collections::BTreeMap;
-use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata};
+use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata, cut_clip};
 use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::road_map::{LayerState, MapLayer};
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::signal::is_deviation;
-use whyroad_model::{Drive, DriveId, FrameRange, Need, SignalTable};
+use whyroad_model::{ClipId, Drive, DriveId, FrameRange, Need, SignalTable};
 use whyroad_signals::estimate::{LogNoise, Noise};
 
 /// One drive, or one clip of it.
@@ -130,13 +130,14 @@ impl DriveSummary {
         let drive = crate::estimated(measured);
         let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
-        let index = clip.and_then(|id| clips.iter().position(|c| c.clip_id == id));
-        if let Some(index) = index {
-            frames = drive.clips()[index];
-            clips = vec![clips.swap_remove(index)];
+        let id_of_clip = clip.map(|id| ClipId(id.to_owned()));
+        let of_clip = id_of_clip.and_then(|c| Some((c.frames(id, drive.frame_count())?, c)));
+        if let Some((range, clip)) = &of_clip {
+            frames = *range;
+            clips = clips.first().map(|any| cut_clip(any, &drive.times, clip, *range)).into_iter().collect();
         }
         // For a whole drive the statistics in the files' footers are enough.
-        let stored = lake.signals(id, whyroad_signals::VERSION)?.filter(|_| index.is_none());
+        let stored = lake.signals(id, whyroad_signals::VERSION)?.filter(|_| of_clip.is_none());
         let (signals, unavailable) = match stored.and_then(|file| stored_shares(&file)) {
             Some(shares) => shares,
             None => {

@@ -11,13 +11,11 @@ use whyroad_lake::Lake;
 use whyroad_mining::drive::arbitrated;
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
-use whyroad_model::{DriveId, Lang};
+use whyroad_model::{ClipCut, ClipId, DriveId, Lang};
 use whyroad_signals::Catalogue;
 
 /// Drives kept in memory.
 const KEPT: usize = 8;
-/// Digits of a clip's number at the end of its id.
-const CLIP_DIGITS: usize = 3;
 
 /// Drives of one lake.
 pub struct LabelDrives {
@@ -40,7 +38,7 @@ impl LabelDrives {
         let plan = Plan::of(&self.rules);
         let found = find_all(&plan, &Signals::of_table(&signals));
         let mined = arbitrated(&self.rules, id, &drive.times, found);
-        let episodes = write_down(&mined.episodes, id, &drive.times, &drive.clips(), Lang::En);
+        let episodes = write_down(&mined.episodes, id, &drive.times, ClipCut::Fixed, Lang::En);
         let episodes = episodes.into_iter().map(|e| e.record).collect();
         Some(Arc::new(Recorded { drive: Arc::new(drive), signals: Arc::new(signals), episodes }))
     }
@@ -48,9 +46,7 @@ impl LabelDrives {
 
 /// The drive that a clip is cut from: its id without the clip's number.
 pub fn drive_of_clip(clip_id: &str) -> Option<DriveId> {
-    let (drive, number) = clip_id.rsplit_once('_')?;
-    let is_number = number.len() >= CLIP_DIGITS && number.bytes().all(|b| b.is_ascii_digit());
-    is_number.then(|| DriveId::from(drive))
+    ClipId(clip_id.to_owned()).drive()
 }
 
 impl Recordings for LabelDrives {

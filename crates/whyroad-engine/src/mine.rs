@@ -15,17 +15,19 @@ use crate::objects::signals_for;
 use crate::output::record::{MinedEpisode, write_down};
 use kept::Kept;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::AssertUnwindSafe;
 use std::sync::atomic::{AtomicBool, Ordering};
-use whyroad_lake::{Lake, LakeError, Outline};
+use whyroad_lake::{Lake, LakeError, Outline, cut_clip};
 use whyroad_mining::Rule;
 use whyroad_mining::drive::{DriveEpisodes, arbitrated};
 use whyroad_mining::episode::{Found, find};
 use whyroad_mining::fast::{Plan, Search, Signals, find_all};
 use whyroad_mining::rule::RuleSet;
 use whyroad_model::messages::ClipMetadata;
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ScenarioId, SignalTable};
+use whyroad_model::{
+    Bilingual, ClipCut, ClipId, Diagnostic, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable,
+};
 
 /// One drive's contribution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -68,6 +70,8 @@ pub struct MineOptions {
     pub evaluator: Evaluator,
     /// Language of texts in messages.
     pub lang: Lang,
+    /// Which clips episodes belong to. Those of the division are always listed, so that lengths add up.
+    pub clips: ClipCut,
 }
 
 /// Mines every drive of the lake. `done` is called after each drive, from any thread; texts in messages are in
@@ -209,8 +213,11 @@ impl<'a> Miner<'a> {
             }
         };
         let DriveEpisodes { episodes, missing, .. } = arbitrated(self.rules, id, &outline.times, found);
-        let Outline { times, clips, clip_frames, .. } = outline;
-        let episodes = write_down(&episodes, id, &times, &clip_frames, self.options.lang);
+        let Outline { times, mut clips, .. } = outline;
+        let episodes = write_down(&episodes, id, &times, self.options.clips, self.options.lang);
+        if self.options.clips == ClipCut::Keyframe {
+            clips.extend(around_keyframes(&episodes, &clips, &times, id));
+        }
         Ok(MinedDrive { drive_id: id.clone(), clips, episodes, missing })
     }
 
@@ -269,6 +276,20 @@ impl<'a> Miner<'a> {
             self.unwritable.store(true, Ordering::Relaxed);
         }
     }
+}
+
+/// The clips of the episodes that were cut around keyframes, in the order of their first frames.
+fn around_keyframes(
+    episodes: &[MinedEpisode],
+    clips: &[ClipMetadata],
+    times: &[Nanos],
+    drive: &DriveId,
+) -> Vec<ClipMetadata> {
+    let ids: BTreeSet<&ClipId> = episodes.iter().map(|e| &e.record.clip_id).collect();
+    let one = |id: &&ClipId| Some(cut_clip(clips.first()?, times, id, id.frames(drive, times.len())?));
+    let mut out: Vec<ClipMetadata> = ids.iter().filter_map(one).collect();
+    out.sort_by_key(|c| c.capture_time);
+    out
 }
 
 fn crashed(id: &DriveId) -> Diagnostic {

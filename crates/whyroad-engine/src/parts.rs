@@ -18,7 +18,7 @@ pub use work::{PartOptions, Worked, work};
 use crate::output::{Question, Searched};
 use serde::{Deserialize, Serialize};
 use whyroad_lake::mined::MiningQuestion;
-use whyroad_model::{Lang, ScenarioId};
+use whyroad_model::{ClipCut, Lang, ScenarioId};
 
 /// Codes of the diagnostics about plans and parts; each has a page in the documentation.
 pub const CODES: &[&str] = &[
@@ -46,6 +46,9 @@ pub struct Request {
     pub searched: Searched,
     /// Language of texts in messages.
     pub lang: Lang,
+    /// Which clips episodes belong to.
+    #[serde(default)]
+    pub clips: ClipCut,
 }
 
 #[cfg(test)]

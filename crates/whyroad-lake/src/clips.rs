@@ -25,28 +25,41 @@ pub(crate) fn metadata(meta: &DriveMeta, times: &[Nanos], sources: &DataSources)
         .into_iter()
         .enumerate()
         .map(|(index, frames)| {
-            let (first, last) = (times[frames.start], times[frames.end - 1]);
-            let duration_s = last.seconds_since(first) + 1.0 / FRAME_RATE_HZ;
-            ClipMetadata {
-                clip_id: ClipId::of(&meta.drive_id, index).0,
+            let any = ClipMetadata {
+                clip_id: String::new(),
                 source: meta.source.clone(),
-                capture_time: first,
-                duration_sec: (duration_s * 1e3).round() / 1e3,
+                capture_time: Nanos::default(),
+                duration_sec: 0.0,
                 frame_rate: FRAME_RATE_HZ,
-                total_frames: u32::try_from(frames.len()).unwrap_or(u32::MAX),
+                total_frames: 0,
                 data_sources: sources.clone(),
                 pre_labels: None,
                 drive_id: Some(meta.drive_id.0.clone()),
                 place: meta.place.clone(),
                 map_ref: meta.map_ref.clone(),
                 licence: meta.licence.clone(),
-            }
+            };
+            cut_clip(&any, times, &ClipId::of(&meta.drive_id, index), frames)
         })
         .collect()
 }
 
+/// A clip of these frames, which are not empty, of the drive that `any` is a clip of; without pre-labels.
+pub fn cut_clip(any: &ClipMetadata, times: &[Nanos], id: &ClipId, frames: FrameRange) -> ClipMetadata {
+    let (first, last) = (times[frames.start], times[frames.end - 1]);
+    let duration_s = last.seconds_since(first) + 1.0 / FRAME_RATE_HZ;
+    ClipMetadata {
+        clip_id: id.0.clone(),
+        capture_time: first,
+        duration_sec: (duration_s * 1e3).round() / 1e3,
+        total_frames: u32::try_from(frames.len()).unwrap_or(u32::MAX),
+        pre_labels: None,
+        ..any.clone()
+    }
+}
+
 /// Frames of each clip of a drive with this number of frames; as [`Drive::clips`] has it.
-pub(crate) fn clip_ranges(frames: usize) -> Vec<FrameRange> {
+fn clip_ranges(frames: usize) -> Vec<FrameRange> {
     let starts = (0..frames).step_by(CLIP_FRAMES);
     starts.map(|start| FrameRange::new(start, (start + CLIP_FRAMES).min(frames))).collect()
 }

@@ -28,7 +28,7 @@ mod stamp;
 mod tables;
 mod validity;
 
-pub use clips::clip_metadata;
+pub use clips::{clip_metadata, cut_clip};
 pub use error::{CODES, LakeError};
 pub use facts::DriveFacts;
 pub use file::check_columns;

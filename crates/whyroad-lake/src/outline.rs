@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use whyroad_model::messages::clip::{ClipMetadata, DataSources};
 use whyroad_model::scene::{ContextState, DriveMeta};
-use whyroad_model::{DriveId, FrameRange, Nanos, SignalTable};
+use whyroad_model::{DriveId, Nanos, SignalTable};
 
 /// A drive's head: enough to say what its clips are and whether it has changed.
 #[derive(Clone, Debug)]
@@ -20,8 +20,6 @@ pub struct Outline {
     pub times: Vec<Nanos>,
     /// Metadata of its clips, without pre-labels.
     pub clips: Vec<ClipMetadata>,
-    /// Frames of each clip.
-    pub clip_frames: Vec<FrameRange>,
 }
 
 impl Lake {
@@ -40,8 +38,7 @@ impl Lake {
             map: manifest.tables.contains_key("map"),
         };
         let clips = clips::metadata(&meta, &times, &sources);
-        let clip_frames = clips::clip_ranges(times.len());
-        Ok(Outline { meta, times, clips, clip_frames })
+        Ok(Outline { meta, times, clips })
     }
 
     /// What the log states of weather, surface and the like; `None` where it states nothing.

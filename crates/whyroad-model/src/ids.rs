@@ -40,13 +40,6 @@ string_id!(
     TrackId
 );
 
-impl ClipId {
-    /// The id of the `index`-th clip of `drive`.
-    pub fn of(drive: &DriveId, index: usize) -> Self {
-        Self(format!("{drive}_{index:03}"))
-    }
-}
-
 /// First part of the ids of custom rules.
 const CUSTOM: &str = "custom";
 

@@ -7,6 +7,7 @@
 //! least two crates must agree on it.
 
 pub mod catalogue;
+mod clip;
 pub mod column;
 pub mod decision;
 pub mod diagnostic;
@@ -30,6 +31,7 @@ pub mod vocabulary;
 pub mod yaml;
 
 pub use catalogue::SignalId;
+pub use clip::ClipCut;
 pub use column::{Column, Tri};
 pub use diagnostic::{Diagnostic, Location, Severity};
 pub use display::Displayed;

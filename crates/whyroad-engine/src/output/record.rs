@@ -9,7 +9,7 @@ use whyroad_mining::interpret::STEP;
 use whyroad_model::messages::{
     EpisodeRecord, Keyframe, KeyframeSuggestion, KeyframeType, MatchedCondition, ScenarioPreLabel, TimeRange,
 };
-use whyroad_model::{ClipId, DriveId, FrameRange, Lang, Nanos};
+use whyroad_model::{ClipCut, ClipId, DriveId, FrameRange, Lang, Nanos};
 use whyroad_signals::Catalogue;
 
 /// An episode with everything that is written about it.
@@ -23,22 +23,33 @@ pub struct MinedEpisode {
     pub suggestion: KeyframeSuggestion,
 }
 
-/// The episodes of one drive, in their order.
+/// The episodes of one drive, in their order, each in the clip that its keyframe is in, or that was cut around the
+/// keyframe of the primary episode at its moment.
 pub fn write_down(
     episodes: &[Episode],
     drive: &DriveId,
     times: &[Nanos],
-    clips: &[FrameRange],
+    cut: ClipCut,
     lang: Lang,
 ) -> Vec<MinedEpisode> {
-    let ids: Vec<String> = ids(episodes, drive, clips);
+    let clips: Vec<(ClipId, FrameRange)> = episodes
+        .iter()
+        .map(|e| match (cut, e.rank) {
+            (ClipCut::Fixed, _) => ClipId::holding(drive, e.keyframe, times.len()),
+            (ClipCut::Keyframe, Rank::Primary) => ClipId::around(drive, e.keyframe, times.len()),
+            (ClipCut::Keyframe, Rank::SecondaryTo(p)) => {
+                ClipId::around(drive, episodes[p].keyframe, times.len())
+            }
+        })
+        .collect();
+    let ids: Vec<String> = ids(episodes, &clips);
     let one = |(i, e): (usize, &Episode)| {
-        let (index, clip) = clip_of(e.keyframe, clips);
+        let (clip_id, clip) = (clips[i].0.clone(), clips[i].1);
         let record = EpisodeRecord {
             episode_id: ids[i].clone(),
             scenario_id: e.scenario.clone(),
             drive_id: drive.clone(),
-            clip_id: ClipId::of(drive, index),
+            clip_id,
             target_id: e.target.clone(),
             roles: e.roles.clone(),
             time_range: TimeRange {
@@ -113,23 +124,17 @@ fn words(condition: &MatchedCondition, lang: Lang) -> String {
 
 /// `<clip>_<class>_<target or ego>_<frame>`: the same whenever the same thing is found again. Should two
 /// matches of one rule share a keyframe, the later ones are numbered.
-fn ids(episodes: &[Episode], drive: &DriveId, clips: &[FrameRange]) -> Vec<String> {
+fn ids(episodes: &[Episode], clips: &[(ClipId, FrameRange)]) -> Vec<String> {
     let mut out: Vec<String> = Vec::with_capacity(episodes.len());
-    for e in episodes {
-        let (index, clip) = clip_of(e.keyframe, clips);
+    for (e, (clip_id, clip)) in episodes.iter().zip(clips) {
         let target = e.target.as_ref().map_or("ego", |t| t.as_str());
-        let frame = frame_in(clip, e.keyframe);
-        let id = format!("{}_{}_{target}_{frame:03}", ClipId::of(drive, index), e.scenario);
+        let frame = frame_in(*clip, e.keyframe);
+        let id = format!("{clip_id}_{}_{target}_{frame:03}", e.scenario);
         let numbered = (2..).map(|n| format!("{id}_{n}"));
         let free = std::iter::once(id.clone()).chain(numbered).find(|id| !out.contains(id));
         out.push(free.unwrap_or(id));
     }
     out
-}
-
-fn clip_of(frame: usize, clips: &[FrameRange]) -> (usize, FrameRange) {
-    let index = clips.iter().position(|c| c.contains(frame)).unwrap_or(0);
-    (index, clips.get(index).copied().unwrap_or_default())
 }
 
 /// Frame of the drive as an index in the clip, clamped; the clip's length is its end.
@@ -157,7 +162,7 @@ mod tests {
     use whyroad_model::messages::EgoResponse;
 
     /// One episode in the second clip of a drive, whose time range begins in the first.
-    fn mined(target: Option<&str>) -> MinedEpisode {
+    fn mined(target: Option<&str>, cut: ClipCut) -> MinedEpisode {
         let episode = Episode {
             scenario: "reactive_agent.cutin.urgent".parse().unwrap(),
             target: target.map(Into::into),
@@ -176,13 +181,12 @@ mod tests {
             rank: Rank::Primary,
         };
         let times: Vec<Nanos> = (0..250).map(|i| Nanos(i * 100_000_000)).collect();
-        let clips = [FrameRange::new(0, 200), FrameRange::new(200, 250)];
-        write_down(&[episode], &"d".into(), &times, &clips, Lang::En).remove(0)
+        write_down(&[episode], &"d".into(), &times, cut, Lang::En).remove(0)
     }
 
     #[test]
     fn frames_are_those_of_the_clip_and_times_those_of_the_drive() {
-        let record = mined(None).record;
+        let record = mined(None, ClipCut::Fixed).record;
         assert_eq!(record.clip_id.as_str(), "d_001");
         assert_eq!(record.episode_id, "d_001_reactive_agent.cutin.urgent_ego_010");
         // Frame 190 of the drive is in the clip before: clamped to 0. Frame 240 is frame 40 of the clip.
@@ -190,11 +194,22 @@ mod tests {
         assert_eq!(record.time_range.start_timestamp, Nanos(19_000_000_000));
         assert_eq!(record.time_range.end_timestamp, Nanos(24_000_000_000));
         // What a labeller is shown is clamped in time too; 50 frames are the whole second clip.
-        let context = mined(None).suggestion.context_range;
+        let context = mined(None, ClipCut::Fixed).suggestion.context_range;
         assert_eq!(
             (context.start_timestamp, context.end_timestamp),
             (Nanos(20_000_000_000), Nanos(25_000_000_000))
         );
         assert_eq!((context.start_frame_idx, context.end_frame_idx), (Some(0), Some(50)));
+    }
+
+    #[test]
+    fn a_clip_around_the_keyframe_holds_what_the_division_cuts() {
+        // Keyframe 210 of 250 frames: the clip begins at 50, the last frame with which it is whole.
+        let record = mined(None, ClipCut::Keyframe).record;
+        assert_eq!(record.clip_id.as_str(), "d_k000050");
+        assert_eq!(record.episode_id, "d_k000050_reactive_agent.cutin.urgent_ego_160");
+        assert_eq!((record.time_range.start_frame_idx, record.keyframe.frame_idx), (Some(140), 160));
+        let context = mined(None, ClipCut::Keyframe).suggestion.context_range;
+        assert_eq!((context.start_timestamp, context.start_frame_idx), (Nanos(16_000_000_000), Some(110)));
     }
 }

@@ -2,7 +2,7 @@
 
 use whyroad_model::messages::{EpisodeRecord, Keyframe, TimeRange};
 use whyroad_model::scene::FRAME_RATE_HZ;
-use whyroad_model::{Bilingual, ClipId, Drive, Nanos};
+use whyroad_model::{Bilingual, Drive, Nanos};
 
 /// Time range and keyframe inside the clip; a note where something was cut.
 pub(super) fn inside(
@@ -11,9 +11,8 @@ pub(super) fn inside(
     notes: &mut Vec<Bilingual>,
 ) -> (TimeRange, Keyframe) {
     let (mut range, mut keyframe) = (episode.time_range.clone(), episode.keyframe.clone());
-    let clips = drive.clips();
-    let own = clips.iter().enumerate().find(|(i, _)| ClipId::of(&drive.meta.drive_id, *i) == episode.clip_id);
-    let Some((_, frames)) = own.filter(|(_, f)| !f.is_empty()) else { return (range, keyframe) };
+    let own = episode.clip_id.frames(&drive.meta.drive_id, drive.frame_count());
+    let Some(frames) = own else { return (range, keyframe) };
     let first = drive.times[frames.start];
     // The last frame lasts as long as a frame does (clip_metadata's duration says the same).
     let end = drive.times[frames.end - 1].plus_secs(1.0 / FRAME_RATE_HZ);

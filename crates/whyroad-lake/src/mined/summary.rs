@@ -11,12 +11,12 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use whyroad_model::messages::ClipMetadataMessage;
-use whyroad_model::{DriveId, Nanos, ScenarioId};
+use whyroad_model::{ClipId, DriveId, Nanos, ScenarioId};
 
 /// A drive that was searched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DriveSummary {
-    /// Length of its clips together, s.
+    /// Length of the clips that it is divided into, together, s.
     pub seconds: f64,
     /// City or road network.
     pub place: Option<String>,
@@ -56,7 +56,12 @@ impl MinedFolder {
             let message: ClipMetadataMessage =
                 serde_json::from_str(&line).map_err(|e| LakeError::broken(&path, e))?;
             let clip = message.clip_metadata;
-            let named = clip.clip_id.rsplit_once('_').map(|(drive, _)| drive.to_owned());
+            let id = ClipId(clip.clip_id);
+            // Its frames are also in clips of the division.
+            if id.is_around_keyframe() {
+                continue;
+            }
+            let named = id.drive().map(|drive| drive.0);
             let Some(drive) = clip.drive_id.or(named) else { continue };
             let known = out.entry(DriveId(drive)).or_default();
             known.seconds += clip.duration_sec;

@@ -70,12 +70,8 @@ fn signals_in(text: &str) -> Vec<String> {
 fn view(t: &TaskRow, stage: Stage, drive: &Drive, frames: FrameRange, signals: &SignalTable) -> SceneView {
     let keyframe = Nanos(t.keyframe_ns);
     let times = &drive.times[frames.start..frames.end];
-    let clip = drive
-        .clips()
-        .iter()
-        .enumerate()
-        .find(|(i, _)| ClipId::of(&drive.meta.drive_id, *i).as_str() == t.clip_id)
-        .map_or(0, |(_, c)| c.start);
+    let clip =
+        ClipId(t.clip_id.clone()).frames(&drive.meta.drive_id, drive.frame_count()).map_or(0, |c| c.start);
     SceneView {
         stage,
         frame_rate: FRAME_RATE_HZ,

@@ -25,7 +25,7 @@ use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::signal::EGO_ID;
-use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, TrackId};
+use whyroad_model::{Bilingual, ClipId, Diagnostic, Lang, ScenarioId, TrackId};
 use whyroad_render::truths;
 use whyroad_report::coverage::class_title;
 use whyroad_signals::Catalogue;
@@ -111,8 +111,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
-    let index = args.clip.rsplit_once('_').and_then(|(_, i)| i.parse::<usize>().ok()).unwrap_or_default();
-    let clip = drive.clips().get(index).copied().unwrap_or_default();
+    let clip =
+        ClipId(args.clip.clone()).frames(&drive.meta.drive_id, drive.frame_count()).unwrap_or_default();
     let wanted = args.target.as_deref().map(TrackId::from);
     if let Some(id) =
         wanted.as_ref().filter(|id| id.as_str() != EGO_ID && !drive.tracks.iter().any(|t| t.id == **id))

@@ -86,11 +86,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 }
 
 pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {
-    let (drive, index) = clip.rsplit_once('_')?;
-    let drive = DriveId::from(drive);
-    let clips = lake.clip_summaries(&drive).ok()?;
-    let index = index.parse::<usize>().ok().filter(|&i| i < clips.len())?;
-    (ClipId::of(&drive, index).as_str() == clip).then_some(drive)
+    let clip = ClipId(clip.to_owned());
+    let drive = clip.drive()?;
+    let frames = lake.outline(&drive).ok()?.times.len();
+    clip.frames(&drive, frames).map(|_| drive)
 }
 
 /// The lake as a whole, in a few lines.

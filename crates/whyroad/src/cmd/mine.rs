@@ -19,7 +19,7 @@ use whyroad_engine::output::{FolderWriter, query};
 use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError};
 use whyroad_mining::rule::Rule;
-use whyroad_model::{Diagnostic, Lang, ScenarioId, Severity};
+use whyroad_model::{ClipCut, Diagnostic, Lang, ScenarioId, Severity};
 use whyroad_signals::Catalogue;
 
 /// Deaths of a worker after which a drive in work is set aside.
@@ -56,6 +56,9 @@ pub(crate) struct Args {
     /// Maximum number of clips in each mining_result, the best scores first; totals stay exact
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
+    /// Which clips episodes belong to
+    #[arg(long, value_name = "HOW", value_enum, default_value_t)]
+    clips: Clips,
     /// Number of drives processed at once [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
@@ -84,6 +87,25 @@ pub(crate) struct Args {
     missing: bool,
     #[command(flatten)]
     print: Print,
+}
+
+/// `--clips`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Clips {
+    /// The drive divided into stretches of 20 s from its start
+    #[default]
+    Fixed,
+    /// Also 20 s around the keyframe of each primary episode; episodes and pre-labels are those of these clips
+    Keyframe,
+}
+
+impl Clips {
+    fn cut(self) -> ClipCut {
+        match self {
+            Self::Fixed => ClipCut::Fixed,
+            Self::Keyframe => ClipCut::Keyframe,
+        }
+    }
 }
 
 /// What a run found, for printing; `None` where there was nothing to search.
@@ -131,6 +153,7 @@ impl Args {
             prompt: None,
             query: None,
             limit: None,
+            clips: Clips::Fixed,
             jobs: None,
             evaluator: "fast".to_owned(),
             plan: None,
@@ -187,6 +210,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         jobs: args.jobs.map(usize::from),
         evaluator: if args.evaluator == "reference" { Evaluator::Reference } else { Evaluator::Fast },
         lang: global.lang,
+        clips: args.clips.cut(),
     };
     let asked_for = |r: &&Rule| plan.query.as_ref().is_none_or(|(class, _)| r.scenario.is_within(class));
     let classes: Vec<ScenarioId> =

@@ -179,6 +179,62 @@ fn the_files_tell_one_story() {
 }
 
 #[test]
+fn clips_can_be_cut_around_keyframes() {
+    let (lake, fixed, _) = &*MINED;
+    let out = tempfile::tempdir().unwrap();
+    let o = mine(lake.path(), out.path(), &["--clips", "keyframe"]);
+    assert!(o.status.success(), "{}", text(&o.stderr));
+    let clips = lines(&out.path().join("clip_metadata.jsonl"));
+    let clip = |id: &Value| clips.iter().map(|c| &c["clip_metadata"]).find(|c| c["clip_id"] == *id).unwrap();
+    let episodes = lines(&out.path().join("episodes.jsonl"));
+    let at = |e: &Value| nanos(&e["keyframe"]["timestamp"]);
+    // The same moments, in other clips.
+    let moments =
+        |all: &[Value]| all.iter().map(|e| (e["scenario_id"].to_string(), at(e))).collect::<Vec<_>>();
+    assert_eq!(moments(&episodes), moments(&lines(&fixed.path().join("episodes.jsonl"))));
+    for e in &episodes {
+        let c = clip(&e["clip_id"]);
+        let (frames, key) =
+            (c["total_frames"].as_i64().unwrap(), e["keyframe"]["frame_idx"].as_i64().unwrap());
+        // 2 s before and 6 s after are in the clip, unless the drive (48 to 64 s at 10 Hz) ends there.
+        assert_eq!(frames, 200, "{e}");
+        let start = nanos(&c["capture_time"]);
+        assert!((at(e) - start - key * 100_000_000).abs() < 50_000_000, "{e}");
+        let first = clips.iter().map(|c| &c["clip_metadata"]).filter(|o| o["drive_id"] == c["drive_id"]);
+        let (begin, end) = first.fold((i64::MAX, i64::MIN), |(a, b), o| {
+            let start = nanos(&o["capture_time"]);
+            (a.min(start), b.max(start + (o["duration_sec"].as_f64().unwrap() * 1e9) as i64))
+        });
+        assert!(key >= 20 || start == begin, "{e}");
+        assert!(key < 140 || start + 20_000_000_000 >= end - 50_000_000, "{e}");
+        // The pre-label is that of the primary episode.
+        if e["is_primary"] == true && e["scenario_id"] != "other" {
+            let of_clip = episodes.iter().filter(|o| o["clip_id"] == e["clip_id"] && o["is_primary"] == true);
+            if of_clip.count() == 1 {
+                let pre = &c["pre_labels"]["scenario"];
+                let id: Vec<&str> = ["l1", "l2", "l3"].iter().filter_map(|k| pre[k].as_str()).collect();
+                assert_eq!(id.join("."), e["scenario_id"].as_str().unwrap());
+            }
+        } else if e["is_primary"] == false {
+            let primary = episodes.iter().find(|p| p["episode_id"] == e["primary_episode_id"]).unwrap();
+            assert_eq!(primary["clip_id"], e["clip_id"]);
+        }
+    }
+    // The clips of the division stay, without pre-labels, so that lengths add up; `explain` knows the others.
+    let fixed_clips = lines(&fixed.path().join("clip_metadata.jsonl")).len();
+    let (own, rest): (Vec<&Value>, Vec<&Value>) = clips
+        .iter()
+        .map(|c| &c["clip_metadata"])
+        .partition(|c| c["clip_id"].as_str().unwrap().contains("_k"));
+    assert_eq!(rest.len(), fixed_clips);
+    assert!(!own.is_empty() && rest.iter().all(|c| c["pre_labels"].is_null()));
+    let first = &episodes[0];
+    let (class, clip) = (first["scenario_id"].as_str().unwrap(), first["clip_id"].as_str().unwrap());
+    let o = whyroad(&["explain", class, "--lake", lake.path().to_str().unwrap(), "--clip", clip]);
+    assert!(o.status.success() && text(&o.stdout).contains(clip), "{}", text(&o.stderr));
+}
+
+#[test]
 fn one_thread_or_many_write_the_same_bytes() {
     let (lake, out, _) = &*MINED;
     let single = tempfile::tempdir().unwrap();

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use whyroad_label::merge::{self, MAX_DRAFT};
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
-use whyroad_model::{Bilingual, ClipId, DriveId, ScenarioId};
+use whyroad_model::{Bilingual, ClipId, ScenarioId};
 
 /// A task to be made.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +59,12 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
     let text = value.to_string();
     let label: CocLabel = serde_json::from_value(value.clone())
         .map_err(|e| Bilingual::new(format!("不是标注：{e}"), format!("not a label: {e}")))?;
-    let (drive, number) = label.clip_id.rsplit_once('_').unwrap_or_default();
-    if drive.is_empty() || number.parse::<u32>().is_err() {
+    let Some(drive) = ClipId(label.clip_id.clone()).drive() else {
         return Err(Bilingual::new(
             format!("无法从 clip '{}' 得知行程", label.clip_id),
             format!("clip '{}' names no drive", label.clip_id),
         ));
-    }
+    };
     let episode = EpisodeRecord {
         episode_id: format!("label-{}", &secret::hash(&text)[..20]),
         scenario_id: ScenarioId {
@@ -73,7 +72,7 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
             l2: Some(label.scenario.l2.clone()),
             l3: label.scenario.l3.clone(),
         },
-        drive_id: DriveId(drive.to_owned()),
+        drive_id: drive,
         clip_id: ClipId(label.clip_id.clone()),
         target_id: None,
         roles: BTreeMap::new(),

@@ -78,9 +78,14 @@ pub(super) fn mine(global: &Global, args: &Args, of: Work<'_>) -> anyhow::Result
         WorkList::read(of.list)?
     };
     let Plan { rules, questions, searched, asked, query } = of.plan;
-    let request = Request { asked, questions, classes: of.classes, searched, lang };
+    let request = Request { asked, questions, classes: of.classes, searched, lang, clips: args.clips.cut() };
     let options = PartOptions {
-        mine: MineOptions { jobs: args.jobs.map(usize::from), lang, ..MineOptions::default() },
+        mine: MineOptions {
+            jobs: args.jobs.map(usize::from),
+            lang,
+            clips: args.clips.cut(),
+            ..MineOptions::default()
+        },
         deaths: usize::from(args.deaths),
         restart: args.force,
     };
