@@ -3,8 +3,8 @@
 mod load;
 
 use crate::{
-    DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes, ResolvedSpec,
-    Taxonomy,
+    Calibration, DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes,
+    ResolvedSpec, Taxonomy,
 };
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
@@ -43,6 +43,8 @@ pub struct Framework {
     pub draft_texts: DraftTexts,
     /// What language models are asked.
     pub prompts: Prompts,
+    /// How often mined episodes are right; without the file, no class is calibrated.
+    pub calibration: Calibration,
     /// Text of `schema/signals.yaml`, which whyroad-signals parses; empty when the file is absent.
     pub signals_yaml: String,
     /// Text of `schema/precedence.yaml`, which whyroad-mining parses; empty when the file is absent.

@@ -3,6 +3,7 @@
 //! Nothing here reads a file or a clock: callers pass texts, or take the copy that is built in. Mining rules
 //! are carried, not interpreted.
 
+pub mod calibration;
 pub mod check;
 pub mod codes;
 pub mod decision_table;
@@ -23,6 +24,7 @@ pub mod spec;
 pub mod taxonomy;
 pub mod version;
 
+pub use calibration::Calibration;
 pub use decision_table::DecisionTable;
 pub use decisions::DecisionSets;
 pub use draft_texts::DraftTexts;

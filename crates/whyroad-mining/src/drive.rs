@@ -24,7 +24,7 @@ pub fn mine_drive(rules: &RuleSet, table: &SignalTable) -> DriveEpisodes {
     arbitrated(rules, &table.drive_id, &table.times, found)
 }
 
-/// One drive's episodes, from the results of each rule.
+/// One drive's episodes, from the results of each rule: arbitrated by their margin scores, then calibrated.
 pub fn arbitrated(
     rules: &RuleSet,
     drive: &DriveId,
@@ -38,5 +38,8 @@ pub fn arbitrated(
         out.missing.insert(rule.scenario.clone(), found.missing.into_iter().collect());
     }
     out.episodes = arbitrate(episodes, times, &rules.precedence);
+    for e in &mut out.episodes {
+        e.share = rules.calibration.share(&e.scenario, e.score);
+    }
     out
 }

@@ -37,8 +37,11 @@ pub struct Episode {
     pub keyframe_rule: Bilingual,
     /// Whether the ego answered the trigger.
     pub response: EgoResponse,
-    /// 0 to 1; see [`score`].
+    /// How far the conditions are exceeded, 0.5 to 1; see [`score`]. Does not compare between classes.
     pub score: f64,
+    /// Share of the episodes of the class with such a score that is right; `None` where the class is not calibrated,
+    /// and before [`crate::drive::arbitrated`].
+    pub share: Option<f64>,
     /// Conditions with their values at the keyframe.
     pub conditions: Vec<MatchedCondition>,
     /// Signals that the rule read, sorted.

@@ -15,6 +15,7 @@ pub mod text;
 
 pub use set::{Precedence, RuleSet};
 
+use crate::episode::score;
 use crate::language::program::{Atom, Moment, NodeId, Op, Program, Subject};
 use crate::language::{Checker, Expr, Fault};
 use std::collections::BTreeSet;
@@ -207,6 +208,13 @@ impl RuleParts {
 }
 
 impl Rule {
+    /// Score of a match whose margin is this: [`score`](crate::episode::score), and 0.5 for a rule that compares no
+    /// numbers: then there is nothing that could be exceeded by much or by little.
+    pub fn margin_score(&self, margin: f64) -> f64 {
+        let mut roots = std::iter::once(&self.when).chain(&self.require);
+        if roots.any(|id| self.program.compares_numbers(*id)) { score(margin) } else { score(0.0) }
+    }
+
     /// Names of the signals on which it depends whether there is a match.
     pub fn signals(&self) -> BTreeSet<String> {
         let mut out = self.program.signals(self.when);

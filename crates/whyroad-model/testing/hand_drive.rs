@@ -155,6 +155,8 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
         is_primary: true,
         primary_episode_id: None,
         ego_response: None,
+        margin_score: None,
+        calibrated: None,
         keyframe_rule: Bilingual::new(
             "他车车轮越过车道线",
             "a wheel of the other vehicle crosses the lane line",

@@ -144,7 +144,7 @@ impl Lake {
                 let own = ScenarioId { l1: whyroad_mining::rule::OTHER.to_owned(), l2: None, l3: None };
                 let rule =
                     compile_text(text, subject, &own, catalogue, "rule").map_err(|d| of_diagnostic(&d))?;
-                RuleSet { rules: vec![rule], precedence: all.precedence }
+                RuleSet { rules: vec![rule], ..all }
             }
             None => all.with_decision_moments(catalogue),
         };

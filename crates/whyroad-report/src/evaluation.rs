@@ -30,6 +30,33 @@ use whyroad_model::messages::EpisodeRecord;
 /// class and drive are declared complete, and else counts neither way. Nor does one that only an optional entry
 /// matches; optional entries come last.
 pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
+    let Pairing { entries, partner, taken, open } = pair(truth, episodes);
+    figures::collect(truth, &entries, &partner, &figures::Outcome { episodes, taken: &taken, open: &open })
+}
+
+/// Whether each episode is right, as [`evaluate`] counts it; `None` where the truth is not declared complete for its
+/// class and drive, and where it leaves the answer open.
+pub fn judge(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Vec<Option<bool>> {
+    let Pairing { taken, open, .. } = pair(truth, episodes);
+    let one = |(i, e): (usize, &EpisodeRecord)| {
+        (!open[i] && truth.is_complete(&e.scenario_id, &e.drive_id)).then_some(taken[i])
+    };
+    episodes.iter().enumerate().map(one).collect()
+}
+
+/// Which entries and episodes are one.
+struct Pairing<'a> {
+    /// Those that have to be found.
+    entries: Vec<&'a truth::TruthEntry>,
+    /// For each entry, its episode.
+    partner: Vec<Option<usize>>,
+    /// For each episode, whether it is the partner of an entry, optional or not.
+    taken: Vec<bool>,
+    /// For each episode, whether it is that of an optional entry.
+    open: Vec<bool>,
+}
+
+fn pair<'a>(truth: &'a TruthSet, episodes: &[EpisodeRecord]) -> Pairing<'a> {
     let mut entries: Vec<&truth::TruthEntry> = truth.entries.iter().collect();
     // Leaves first, so that an L2's entry takes what no leaf's entry claims.
     entries.sort_by_key(|e| {
@@ -67,7 +94,7 @@ pub fn evaluate(truth: &TruthSet, episodes: &[EpisodeRecord]) -> Evaluation {
         open[e] = true;
     }
     entries.truncate(required);
-    figures::collect(truth, &entries, &partner, &figures::Outcome { episodes, taken: &taken, open: &open })
+    Pairing { entries, partner, taken, open }
 }
 
 #[cfg(test)]

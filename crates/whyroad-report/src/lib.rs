@@ -5,11 +5,13 @@
 //! the crates that make them. Nothing here writes a file; callers store what is returned.
 
 pub mod analytics;
+pub mod calibration;
 pub mod comparison;
 pub mod coverage;
 pub mod evaluation;
 pub mod report;
 pub mod robustness;
+mod shares;
 pub mod verdicts;
 
 /// Codes of the diagnostics of this crate; each has a page in the documentation.

@@ -2,6 +2,7 @@
 //! moments that judge a comparison, and as the share of episodes that is right by class and score.
 
 use crate::comparison::AcceptedMoment;
+use crate::shares::{Block, pooled, wilson};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -33,7 +34,7 @@ pub struct VerdictLine {
 
 impl VerdictLine {
     /// True where the class is right.
-    fn is_right(&self) -> bool {
+    pub fn is_right(&self) -> bool {
         matches!(self.verdict, VerdictKind::Right | VerdictKind::KeyframeMoved)
     }
 
@@ -124,44 +125,23 @@ pub fn calibrate(verdicts: &[VerdictLine]) -> BTreeMap<ScenarioId, ClassCalibrat
     classes.into_iter().map(|class| (class.clone(), one(class))).collect()
 }
 
-/// The 95 % interval of a share (Wilson 1927).
-fn wilson(right: usize, n: usize) -> [f64; 2] {
-    const Z: f64 = 1.959_964;
-    let (n, p) = (n as f64, right as f64 / n as f64);
-    let middle = p + Z * Z / (2.0 * n);
-    let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-    let scale = 1.0 + Z * Z / n;
-    [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
-}
-
 /// Isotonic regression of right on score.
 fn steps(mut pairs: Vec<(f64, bool)>) -> Vec<CalibrationStep> {
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Least score, right ones, all.
-    let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
-    for (score, right) in pairs {
-        let right = f64::from(u8::from(right));
-        match blocks.last_mut().filter(|b| b.0 == score) {
-            Some(same) => (same.1, same.2) = (same.1 + right, same.2 + 1),
-            None => blocks.push((score, right, 1)),
+    let mut blocks: Vec<Block> = Vec::new();
+    for (from, is_right) in pairs {
+        let right = usize::from(is_right);
+        let sum = right as f64;
+        match blocks.last_mut().filter(|b| b.from == from) {
+            Some(same) => {
+                (same.sum, same.weight) = (same.sum + sum, same.weight + 1.0);
+                (same.right, same.judged) = (same.right + right, same.judged + 1);
+            }
+            None => blocks.push(Block { from, sum, weight: 1.0, right, judged: 1 }),
         }
     }
-    let mut pooled: Vec<(f64, f64, usize)> = Vec::new();
-    for block in blocks {
-        pooled.push(block);
-        while let [.., a, b] = pooled[..]
-            && a.1 * b.2 as f64 >= b.1 * a.2 as f64
-        {
-            pooled.truncate(pooled.len() - 2);
-            pooled.push((a.0, a.1 + b.1, a.2 + b.2));
-        }
-    }
-    let step = |(from_score, right, n): (f64, f64, usize)| CalibrationStep {
-        from_score,
-        share: right / n as f64,
-        judged: n,
-    };
-    pooled.into_iter().map(step).collect()
+    let step = |b: Block| CalibrationStep { from_score: b.from, share: b.sum / b.weight, judged: b.judged };
+    pooled(blocks).into_iter().map(step).collect()
 }
 
 /// The calibration as a table.
@@ -240,13 +220,5 @@ mod tests {
         let told: Vec<(f64, f64, usize)> = of.iter().map(|s| (s.from_score, s.share, s.judged)).collect();
         assert_eq!(told, [(0.2, 0.0, 1), (0.4, 0.5, 2), (0.9, 1.0, 2)]);
         assert!(steps(vec![]).is_empty());
-    }
-
-    #[test]
-    fn the_interval_is_wilsons() {
-        // 8 of 10: 0.490 to 0.943 (Newcombe 1998, table of examples for p = 0.8, n = 10).
-        let [low, high] = wilson(8, 10);
-        assert!((low - 0.490).abs() < 1e-3 && (high - 0.943).abs() < 1e-3, "{low} {high}");
-        assert_eq!(wilson(0, 5)[0], 0.0);
     }
 }

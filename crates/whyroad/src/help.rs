@@ -282,6 +282,19 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         )],
     ),
     (
+        "calibrate",
+        &[
+            (
+                "From verdicts of people on mined episodes, into a framework folder",
+                "whyroad calibrate --episodes mined --verdicts verdicts.jsonl --out my-framework/schema/calibration.yaml",
+            ),
+            (
+                "From ground truth alone",
+                "whyroad calibrate --episodes mined --truth truth.jsonl --fresh --out calibration.yaml",
+            ),
+        ],
+    ),
+    (
         "compare",
         &[
             (

@@ -84,6 +84,8 @@ enum Command {
     Robustness(cmd::robustness::Args),
     /// Compare episodes with a truth: precision, recall, keyframe error by class
     Evaluate(cmd::evaluate::Args),
+    /// Make scores comparable: the share of episodes that is right, by class, from a truth or verdicts
+    Calibrate(cmd::calibrate::Args),
     /// Compare two mined folders, two frameworks over one lake, or two releases
     Compare(cmd::compare::Args),
     /// Run the labelling service: the page and its API
@@ -147,6 +149,7 @@ fn main() -> ExitCode {
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Robustness(a) => cmd::robustness::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
+        Command::Calibrate(a) => cmd::calibrate::run(&cli.global, a),
         Command::Compare(a) => cmd::compare::run(&cli.global, a),
         Command::Serve(a) => cmd::serve::run(&cli.global, a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),

@@ -149,6 +149,7 @@ impl KeptEpisode {
             keyframe_rule: self.keyframe_rule.clone(),
             response: self.response,
             score: f64::from_bits(self.score),
+            share: None,
             conditions: self.conditions.iter().map(condition).collect(),
             signals: self.signals.clone(),
             rank: Rank::Primary,

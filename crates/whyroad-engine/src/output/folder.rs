@@ -139,7 +139,7 @@ impl FolderWriter {
     }
 
     /// A clip's pre-label is its primary episode whose class comes first in the order of precedence, then the one with
-    /// the higher score, then the earlier. Scores of different classes do not compare.
+    /// the higher score, then the earlier.
     fn with_pre_labels(&self, clip: &ClipMetadata, episodes: &[MinedEpisode]) -> ClipMetadata {
         let of_clip = episodes
             .iter()
@@ -147,7 +147,9 @@ impl FolderWriter {
             .filter(|r| r.clip_id.as_str() == clip.clip_id && r.is_primary && is_class(&r.scenario_id));
         let first = of_clip.reduce(|a, b| {
             let (ra, rb) = (self.precedence.rank(&a.scenario_id), self.precedence.rank(&b.scenario_id));
-            if rb < ra || (rb == ra && b.score > a.score) { b } else { a }
+            let better =
+                |a: &EpisodeRecord, b: &EpisodeRecord| (b.score, b.margin_score) > (a.score, a.margin_score);
+            if rb < ra || (rb == ra && better(a, b)) { b } else { a }
         });
         let pre_labels = first.map(|r| PreLabels {
             scenario: PreLabelScenario {

@@ -72,7 +72,9 @@ pub fn write_down(
                 range_start: None,
                 range_end: None,
             }),
-            score: rounded(e.score),
+            score: rounded(e.share.unwrap_or(e.score)),
+            margin_score: Some(rounded(e.score)),
+            calibrated: Some(e.share.is_some()),
             is_primary: e.rank == Rank::Primary,
             primary_episode_id: match e.rank {
                 Rank::Primary => None,
@@ -102,7 +104,7 @@ pub fn write_down(
             l2: e.scenario.l2.clone().unwrap_or_default(),
             // A person confirms the variant; mining suggests it.
             l3: None,
-            confidence: rounded(e.score),
+            confidence: rounded(e.share.unwrap_or(e.score)),
             mining_conditions_matched: e.conditions.iter().map(|c| words(c, lang)).collect(),
             suggested_l3: e.scenario.l3.clone(),
         };
@@ -176,6 +178,7 @@ mod tests {
             keyframe_rule: Bilingual::default(),
             response: EgoResponse::Observed,
             score: 0.75,
+            share: Some(0.875),
             conditions: vec![],
             signals: vec![],
             rank: Rank::Primary,
@@ -211,5 +214,12 @@ mod tests {
         assert_eq!((record.time_range.start_frame_idx, record.keyframe.frame_idx), (Some(140), 160));
         let context = mined(None, ClipCut::Keyframe).suggestion.context_range;
         assert_eq!((context.start_timestamp, context.start_frame_idx), (Nanos(16_000_000_000), Some(110)));
+    }
+
+    #[test]
+    fn a_calibrated_score_is_the_share() {
+        let record = mined(None, ClipCut::Fixed).record;
+        assert_eq!((record.score, record.margin_score, record.calibrated), (0.875, Some(0.75), Some(true)));
+        assert_eq!(mined(None, ClipCut::Fixed).pre_label.confidence, 0.875);
     }
 }

@@ -26,6 +26,8 @@ pub struct Question {
 
 struct Match {
     score: f64,
+    margin_score: f64,
+    calibrated: bool,
     episode_id: String,
     span: LineSpan,
 }
@@ -54,7 +56,13 @@ impl Answer {
             return;
         }
         self.total += 1;
-        self.matches.push(Match { score: record.score, episode_id: record.episode_id.clone(), span });
+        self.matches.push(Match {
+            score: record.score,
+            margin_score: record.margin_score.unwrap_or(record.score),
+            calibrated: record.calibrated.unwrap_or(false),
+            episode_id: record.episode_id.clone(),
+            span,
+        });
         // With a limit no more than twice as many are ever held.
         if let Some(limit) = self.limit()
             && self.matches.len() > 2 * limit + 1000
@@ -68,10 +76,12 @@ impl Answer {
         self.question.limit.map(|l| usize::try_from(l).unwrap_or(usize::MAX / 4))
     }
 
-    /// The best first; equal scores by id.
+    /// The best first; equal scores by margin score, then by id.
     fn sort(&mut self) {
-        self.matches
-            .sort_by(|a, b| b.score.total_cmp(&a.score).then_with(|| a.episode_id.cmp(&b.episode_id)));
+        self.matches.sort_by(|a, b| {
+            let by_score = b.score.total_cmp(&a.score).then(b.margin_score.total_cmp(&a.margin_score));
+            by_score.then_with(|| a.episode_id.cmp(&b.episode_id))
+        });
     }
 
     /// No more will come: the best first, and no more than asked for.
@@ -94,6 +104,11 @@ impl Answer {
             *counts.entry(tenth(m.score)).or_default() += 1;
         }
         counts
+    }
+
+    fn statistics(&self) -> MiningStatistics {
+        let uncalibrated = self.matches.iter().filter(|m| !m.calibrated).count() as u64;
+        MiningStatistics { score_distribution: self.distribution(), uncalibrated }
     }
 
     /// Everything that matched, whatever the limit.
@@ -119,7 +134,7 @@ impl Answer {
                 total_matched: self.total,
                 returned: self.matches.len() as u64,
                 clips: Clips { answer: self, episodes },
-                statistics: MiningStatistics { score_distribution: self.distribution() },
+                statistics: self.statistics(),
                 not_observable,
             },
         }
@@ -177,6 +192,7 @@ fn read(span: LineSpan, asked: &ScenarioId, episodes: &mut File) -> std::io::Res
         episode_id: Some(r.episode_id),
         target_id: r.target_id.map(|id| id.to_string()),
         ego_response: r.ego_response,
+        calibrated: r.calibrated,
     })
 }
 

@@ -1,6 +1,7 @@
 //! From the texts of `schema/` and `scenarios/` to a [`Framework`].
 
 use super::{ExpressionSource, Framework, RuleSource};
+use crate::calibration::{CALIBRATION_FILE, Calibration};
 use crate::decision_table;
 use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
@@ -78,6 +79,11 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
     if let Some(text) = files.get(RECORD_TYPES) {
         let (types, found) = RecordTypes::parse(RECORD_TYPES, text);
         framework.record_types = types;
+        out.extend(found);
+    }
+    if let Some(text) = files.get(CALIBRATION_FILE) {
+        let (calibration, found) = Calibration::parse(CALIBRATION_FILE, text);
+        framework.calibration = calibration;
         out.extend(found);
     }
     match files.get(SIGNALS) {

@@ -12,10 +12,12 @@
 //! | is_primary | bool | arbitration made it the primary trigger at its keyframe |
 //! | primary_episode_id | utf8, null | the episode that it is secondary to |
 //! | ego_response | utf8, null | observed, absent or unknown: whether the ego answered the trigger |
+//! | margin_score | double, null | how far the conditions are exceeded, 0.5 to 1 |
+//! | calibrated | bool, null | the score is the share of such episodes that is right; else it is the margin score |
 //! | line_start, line_bytes | int64 | where the episode's line is in `episodes.jsonl` |
 //!
-//! Rows are in the order of drive, keyframe, class, target. Only `target_id`, `primary_episode_id` and `ego_response`
-//! are nullable.
+//! Rows are in the order of drive, keyframe, class, target. Only `target_id`, `primary_episode_id`,
+//! `ego_response`, `margin_score` and `calibrated` are nullable.
 
 use super::LineSpan;
 use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int32Array, Int64Array, RecordBatch, StringArray};
@@ -76,6 +78,8 @@ fn record_columns(rows: &[&EpisodeRecord]) -> Vec<EpisodeColumn> {
     };
     let scores: ArrayRef = Arc::new(Float64Array::from_iter_values(rows.iter().map(|r| r.score)));
     let primary: ArrayRef = Arc::new(rows.iter().map(|r| Some(r.is_primary)).collect::<BooleanArray>());
+    let margins: ArrayRef = Arc::new(rows.iter().map(|r| r.margin_score).collect::<Float64Array>());
+    let calibrated: ArrayRef = Arc::new(rows.iter().map(|r| r.calibrated).collect::<BooleanArray>());
     let start_frame = |r: &EpisodeRecord| r.time_range.start_frame_idx.unwrap_or_default();
     let end_frame = |r: &EpisodeRecord| r.time_range.end_frame_idx.unwrap_or_default();
     vec![
@@ -94,6 +98,8 @@ fn record_columns(rows: &[&EpisodeRecord]) -> Vec<EpisodeColumn> {
         (IS_PRIMARY, Boolean, false, primary),
         ("primary_episode_id", Utf8, true, maybe(&|r| r.primary_episode_id.clone())),
         ("ego_response", Utf8, true, maybe(&|r| r.ego_response.map(|e| e.name().to_owned()))),
+        ("margin_score", Float64, true, margins),
+        ("calibrated", Boolean, true, calibrated),
     ]
 }
 
@@ -124,7 +130,7 @@ mod tests {
         let expected = "episode_id Utf8, scenario_id Utf8, drive_id Utf8, clip_id Utf8, target_id Utf8?, \
              start_ns Int64, keyframe_ns Int64, end_ns Int64, start_frame_idx Int32, keyframe_frame_idx Int32, \
              end_frame_idx Int32, score Float64, is_primary Boolean, primary_episode_id Utf8?, ego_response Utf8?, \
-             line_start Int64, line_bytes Int64";
+             margin_score Float64?, calibrated Boolean?, line_start Int64, line_bytes Int64";
         assert_eq!(named.join(", "), expected);
         assert!(batch.column(4).is_valid(0) && batch.column(4).is_null(1));
     }

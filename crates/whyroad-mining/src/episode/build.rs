@@ -2,7 +2,7 @@
 
 use super::moment::{Known, Sought, resolve};
 use super::pairs;
-use super::{Episode, Rank, score};
+use super::{Episode, Rank};
 use crate::interpret::{CLOCK_TOLERANCE, Evaluator, Moments, Pass, Roles, Row, Series, Truths};
 use crate::language::program::{Atom, Moment, NodeId};
 use crate::rule::{Listed, Rule};
@@ -207,7 +207,8 @@ fn episode<'a>(
         context: times.range(start - rule.timing.before, after),
         keyframe_rule,
         response,
-        score: score(margin),
+        score: rule.margin_score(margin),
+        share: None,
         conditions,
         signals: rule.signals().into_iter().collect(),
         rank: Rank::Primary,

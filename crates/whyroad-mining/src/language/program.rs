@@ -347,6 +347,11 @@ impl Program {
         out
     }
 
+    /// True when a comparison of numbers decides on the value of `root`.
+    pub fn compares_numbers(&self, root: NodeId) -> bool {
+        self.reached(root).into_iter().any(|id| matches!(self.node(id).op, Op::Compare { .. }))
+    }
+
     /// A node and all that it reads, each once.
     fn reached(&self, root: NodeId) -> BTreeSet<NodeId> {
         let mut out = BTreeSet::new();

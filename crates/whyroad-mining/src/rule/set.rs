@@ -6,7 +6,7 @@ use super::source::{compile, inherit};
 use crate::language::{Fault, Span};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use whyroad_framework::{Framework, Taxonomy};
+use whyroad_framework::{Calibration, Framework, Taxonomy};
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::yaml::{self, DecodeError, Mark};
 use whyroad_model::{Diagnostic, Nanos, ScenarioId};
@@ -19,6 +19,8 @@ pub struct RuleSet {
     pub rules: Vec<Rule>,
     /// Which class is primary where several match.
     pub precedence: Precedence,
+    /// How often episodes of each class are right.
+    pub calibration: Calibration,
 }
 
 impl RuleSet {
@@ -57,7 +59,8 @@ impl RuleSet {
         }
         let (precedence, faults) = Precedence::parse(&framework.precedence_yaml, &framework.taxonomy);
         unique.extend(faults);
-        (RuleSet { rules, precedence }, unique)
+        let calibration = framework.calibration.clone();
+        (RuleSet { rules, precedence, calibration }, unique)
     }
 
     /// The rules for these classes: of the class itself and of everything below it.

@@ -32,6 +32,7 @@ fn episode(class: &str, target: &str, keyframe: usize, score: f64) -> Episode {
         keyframe_rule: Bilingual::default(),
         response: EgoResponse::Observed,
         score,
+        share: None,
         conditions: vec![],
         signals: vec![],
         rank: Rank::Primary,

@@ -33,9 +33,16 @@ pub struct EpisodeRecord {
     /// The second keyframe, where the labelling spec has two and it was found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_keyframe: Option<Keyframe>,
-    /// Match score, 0 to 1.
+    /// Match score, 0 to 1: the share of such episodes that is right where `calibrated`, else the margin score.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub score: f64,
+    /// How far the conditions are exceeded, 0.5 to 1; absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub margin_score: Option<f64>,
+    /// False where no share is known for the class; absent in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibrated: Option<bool>,
     /// True when arbitration chose this leaf for its keyframe (LABELING.md 1, MECE).
     pub is_primary: bool,
     /// The primary episode that this one is secondary to.

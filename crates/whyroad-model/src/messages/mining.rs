@@ -96,6 +96,9 @@ pub struct MinedClip {
     /// Whether the ego answered the trigger.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ego_response: Option<EgoResponse>,
+    /// False where the score is no share of right episodes, because none is known for the class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibrated: Option<bool>,
 }
 
 /// Keyframe of a match.
@@ -124,6 +127,14 @@ pub struct MatchedCondition {
 pub struct MiningStatistics {
     /// Clips returned by score, tenths: `{"0.9-1.0": 523}`; empty tenths left out.
     pub score_distribution: BTreeMap<String, u64>,
+    /// Clips returned whose class is not calibrated.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub uncalibrated: u64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// A leaf that cannot be decided on some drives.

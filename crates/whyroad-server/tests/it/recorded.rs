@@ -191,6 +191,8 @@ pub fn episode(drive: &str, n: usize, future: Future) -> EpisodeRecord {
         is_primary: true,
         primary_episode_id: None,
         ego_response: None,
+        margin_score: None,
+        calibrated: None,
         keyframe_rule: Bilingual::new("越线", "crosses the line"),
         conditions_matched: conditions(future),
         signals: vec!["ego.mean_speed".into(), "target.gap".into()],

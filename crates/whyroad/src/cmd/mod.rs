@@ -5,6 +5,7 @@ pub(crate) mod agreement;
 pub(crate) mod ask;
 pub(crate) mod backup;
 pub(crate) mod baseline;
+pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod dataset;
 pub(crate) mod demo;

@@ -12,6 +12,7 @@ mod session;
 
 mod analytics;
 mod blur;
+mod calibrate;
 mod dataset;
 mod dataset_images;
 mod dataset_labels;

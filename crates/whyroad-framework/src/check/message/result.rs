@@ -96,6 +96,8 @@ fn clip<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, pointer: String) {
         let (n, at) = (o.get(key), o.at(key));
         walk.text(n, &at);
     }
+    let (n, at) = (o.get("calibrated"), o.at("calibrated"));
+    walk.flag(n, &at);
     let (n, at) = (o.get("ego_response"), o.at("ego_response"));
     if let Slot::Is(word) = walk.text(n, &at)
         && !RESPONSES.contains(&word)
@@ -114,6 +116,8 @@ fn statistics<'d>(walk: &mut Walk<'d>, node: &'d Node<'d>, total: Option<u64>, r
     const AT: &str = "/mining_result/statistics/score_distribution";
     let Some(mut o) = walk.object(node, "/mining_result/statistics".into()) else { return };
     let distribution = walk.need(&mut o, "score_distribution");
+    let (n, at) = (o.get("uncalibrated"), o.at("uncalibrated"));
+    walk.count(n, &at);
     walk.close(o, Severity::Warning);
     let Some(d) = distribution.and_then(|n| walk.object(n, AT.into())) else { return };
     let mut sum = Some(0);

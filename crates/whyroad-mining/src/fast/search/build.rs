@@ -2,7 +2,7 @@
 //! What is looked for in time is found by bisection and in packed bits; margins are computed here only.
 
 use crate::episode::moment::{REACH, Sought};
-use crate::episode::{Episode, Rank, deciding, response, score};
+use crate::episode::{Episode, Rank, deciding, response};
 use crate::fast::evaluation::Evaluation;
 use crate::fast::layout::RowSet;
 use crate::fast::plan::PlanRule;
@@ -82,7 +82,8 @@ pub(super) fn episode(
         context: clock.range(start - rule.timing.before, after),
         keyframe_rule,
         response: building.answered(FrameRange::new(matched.start, clock.range(start, end).end)),
-        score: score(margin),
+        score: rule.margin_score(margin),
+        share: None,
         conditions: building.conditions(row),
         signals: of.signals.iter().cloned().collect(),
         rank: Rank::Primary,

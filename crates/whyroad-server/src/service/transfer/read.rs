@@ -83,6 +83,8 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
         is_primary: true,
         primary_episode_id: None,
         ego_response: None,
+        margin_score: None,
+        calibrated: None,
         keyframe_rule: Bilingual::new("取自导入的标注", "taken from an imported label"),
         conditions_matched: vec![],
         signals: vec![],

@@ -189,6 +189,8 @@ fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
         target_id: sample.lineage.target_id.as_deref().map(TrackId::from),
         roles: [].into(),
         ego_response: None,
+        margin_score: None,
+        calibrated: None,
         time_range: TimeRange {
             start_timestamp: time("/time_range/start_timestamp"),
             end_timestamp: time("/time_range/end_timestamp"),

@@ -87,7 +87,7 @@ pub(super) fn of_custom(
     let question = Question { query_id: custom.name(), scenario: scenario.clone(), limit: None };
     let asked = MiningQuestion::Rule { scenario, rule: text, target: custom.target.map(str::to_owned) };
     let (all, _) = RuleSet::of_framework(framework, catalogue);
-    let rules = RuleSet { rules: vec![rule], precedence: all.precedence };
+    let rules = RuleSet { rules: vec![rule], ..all };
     let plan = Plan { rules, questions: vec![question], searched: Searched::Question, asked, query: None };
     Ok(Ok((plan, vec![])))
 }
