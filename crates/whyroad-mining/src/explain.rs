@@ -1,6 +1,10 @@
 //! Why a rule matched or did not in one clip: its parts one by one over time, and the moment at which it matched or
 //! came nearest to it. Made with the reference evaluator, which keeps the truth of every part.
 
+mod nearest;
+
+pub use nearest::{NearClass, UnmetCondition, nearest};
+
 use crate::episode::build::{locate, matches, measured, truth_at};
 use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
@@ -8,6 +12,7 @@ use crate::language::program::{Atom, NodeId, Op};
 use crate::rule::{PartPlace, Rule};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use whyroad_model::messages::EgoResponse;
 use whyroad_model::signal::TargetSpan;
 use whyroad_model::{FrameRange, SignalTable, TrackId, Tri};
@@ -156,6 +161,8 @@ fn candidates<'a>(
 /// How far one candidate came.
 struct Reached {
     outcome: Outcome,
+    /// Conditions that hold together at the row, where not all of them do.
+    held: usize,
     margin: f64,
     /// Row of the pass that is explained.
     row: Option<usize>,
@@ -165,7 +172,8 @@ struct Reached {
 
 impl Reached {
     fn beats(&self, other: &Reached) -> bool {
-        self.outcome.cmp(&other.outcome).then(self.margin.total_cmp(&other.margin)).is_gt()
+        let by_outcome = self.outcome.cmp(&other.outcome).then(self.held.cmp(&other.held));
+        by_outcome.then(self.margin.total_cmp(&other.margin)).is_gt()
     }
 }
 
@@ -174,7 +182,7 @@ fn reach<'a>(rule: &'a Rule, roles: Roles<'a>, clip: FrameRange, evaluator: &mut
     let series = evaluator.series(rule.when, &mut pass);
     let rows = evaluator.rows(&pass).to_vec();
     let undecided =
-        Reached { outcome: Outcome::Undecided, margin: f64::NEG_INFINITY, row: None, matched: None };
+        Reached { outcome: Outcome::Undecided, held: 0, margin: f64::NEG_INFINITY, row: None, matched: None };
     let Series::Truths(when) = series.as_ref() else { return undecided };
     let inside = |i: usize| rows[i].frame.is_some_and(|f| clip.contains(f));
     let mut best = undecided;
@@ -185,14 +193,26 @@ fn reach<'a>(rule: &'a Rule, roles: Roles<'a>, clip: FrameRange, evaluator: &mut
         let (truth, margin) =
             required.fold((Tri::True, f64::INFINITY), |(t, m), (u, n)| (t.and(u), m.min(n)));
         let outcome = if truth == Tri::True { Outcome::Matched } else { Outcome::NotAtKeyframe };
-        let reached = Reached { outcome, margin, row: Some(located.row), matched: Some(matched) };
+        let reached = Reached { outcome, held: 0, margin, row: Some(located.row), matched: Some(matched) };
         if reached.beats(&best) {
             best = reached;
         }
     }
+    if best.outcome > Outcome::WrongDuration {
+        return best;
+    }
+    let parts: Vec<Rc<Series>> = rule
+        .parts
+        .iter()
+        .filter(|p| p.place == PartPlace::When)
+        .map(|p| evaluator.series(p.condition, &mut pass))
+        .collect();
+    let holds =
+        |part: &Rc<Series>, i: usize| matches!(part.as_ref(), Series::Truths(t) if t.value[i] == Tri::True);
     for i in (0..rows.len()).filter(|&i| inside(i) && when.value[i] != Tri::Unknown) {
         let outcome = if when.value[i] == Tri::True { Outcome::WrongDuration } else { Outcome::NotTogether };
-        let reached = Reached { outcome, margin: when.margin[i], row: Some(i), matched: None };
+        let held = parts.iter().filter(|part| holds(part, i)).count();
+        let reached = Reached { outcome, held, margin: when.margin[i], row: Some(i), matched: None };
         if reached.beats(&best) {
             best = reached;
         }

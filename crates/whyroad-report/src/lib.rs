@@ -12,6 +12,7 @@ pub mod evaluation;
 pub mod report;
 pub mod robustness;
 mod shares;
+pub mod unexplained;
 pub mod verdicts;
 
 /// Codes of the diagnostics of this crate; each has a page in the documentation.

@@ -268,6 +268,16 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "other",
+        &[
+            ("As a page with scenes", "whyroad other --episodes mined --lake lake --page other.html"),
+            (
+                "A labelling task for each of the ten largest groups",
+                "whyroad other --episodes mined --lake lake --limit 10 --to-tasks first --data labels",
+            ),
+        ],
+    ),
+    (
         "rules check",
         &[(
             "All faults of a rule file",

@@ -76,6 +76,8 @@ enum Command {
     Merge(cmd::merge::Args),
     /// Show why a class was found in a clip, or why not
     Explain(cmd::explain::Args),
+    /// Group moments that no class explains, and name the classes that come nearest
+    Other(cmd::other::Args),
     /// Check mining rules while they are being written
     Rules(cmd::rules::Args),
     /// Turn a question in words into a mining rule through a language model, and run it
@@ -146,6 +148,7 @@ fn main() -> ExitCode {
         Command::Mine(a) => cmd::mine::run(&cli.global, a),
         Command::Merge(a) => cmd::merge::run(&cli.global, a),
         Command::Explain(a) => cmd::explain::run(&cli.global, a),
+        Command::Other(a) => cmd::other::run(&cli.global, a),
         Command::Rules(a) => cmd::rules::run(&cli.global, a),
         Command::Robustness(a) => cmd::robustness::run(&cli.global, a),
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),

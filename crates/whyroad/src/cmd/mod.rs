@@ -21,6 +21,7 @@ pub(crate) mod media;
 pub(crate) mod merge;
 pub(crate) mod migrate;
 pub(crate) mod mine;
+pub(crate) mod other;
 pub(crate) mod report;
 pub(crate) mod robustness;
 pub(crate) mod rules;

@@ -35,6 +35,7 @@ mod mine_again;
 mod model;
 mod ops;
 mod packs;
+mod other;
 mod parts;
 mod recorded;
 mod robustness;

@@ -1,0 +1,183 @@
+//! Moments that no class explains (`other`): similar ones together, each group with the classes that come nearest to
+//! it. It tells the framework's owner which rule to look at, or which class is missing. Nothing here finds moments or
+//! compares them: both are handed in.
+
+mod page;
+mod text;
+
+pub use page::page;
+pub use text::render;
+
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use whyroad_model::{ClipId, DriveId, Nanos, ScenarioId, TrackId};
+
+/// Classes that are listed for a group.
+pub const LISTED_CLASSES: usize = 3;
+
+/// A moment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnexplainedMoment {
+    /// Id of its episode of `other`.
+    pub episode_id: String,
+    /// Drive.
+    pub drive_id: DriveId,
+    /// Clip that its keyframe is in.
+    pub clip_id: ClipId,
+    /// The keyframe.
+    pub keyframe: Nanos,
+    /// Seconds from the start of the drive to it.
+    pub keyframe_s: f64,
+    /// Speed of the ego there, m/s; absent where unknown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ego_speed_mps: Option<f64>,
+    /// What the ego does from there on, by the signals `ego.meta_longitudinal` and `ego.meta_lateral`; empty where
+    /// unknown.
+    pub ego_actions: Vec<String>,
+    /// Classes that come nearest, the nearest first.
+    pub nearest: Vec<NearestClass>,
+}
+
+/// A class that a moment comes near to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NearestClass {
+    /// The class.
+    pub scenario_id: ScenarioId,
+    /// Conditions that hold together.
+    pub held: usize,
+    /// All conditions of its rule.
+    pub conditions: usize,
+    /// The target for which they hold.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_id: Option<TrackId>,
+    /// Those that do not hold.
+    pub unmet: Vec<UnmetPart>,
+}
+
+/// A condition that does not hold.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnmetPart {
+    /// As written.
+    pub condition: String,
+    /// What it measures, in `unit`; null where that is not known.
+    pub actual_value: Value,
+    /// Symbol of the unit.
+    pub unit: String,
+}
+
+/// Moments that resemble one another.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct UnexplainedGroup {
+    /// The moment that resembles most of them.
+    pub example: UnexplainedMoment,
+    /// Number of moments.
+    pub moments: usize,
+    /// Number of drives.
+    pub drives: usize,
+    /// Classes that are among the nearest of most of its moments, with that number; at most [`LISTED_CLASSES`].
+    pub nearest: Vec<(ScenarioId, usize)>,
+    /// Ids of the episodes.
+    pub episode_ids: Vec<String>,
+}
+
+/// All of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Unexplained {
+    /// Number of moments.
+    pub moments: usize,
+    /// Number of drives with such a moment.
+    pub drives: usize,
+    /// The largest first, then by example.
+    pub groups: Vec<UnexplainedGroup>,
+}
+
+impl Unexplained {
+    /// Moments by groups: the index of each group's example, and those of its members.
+    pub fn new(moments: &[UnexplainedMoment], groups: &[(usize, Vec<usize>)]) -> Self {
+        let drives = |of: &[usize]| of.iter().map(|&m| &moments[m].drive_id).collect::<BTreeSet<_>>().len();
+        let mut out = Self {
+            moments: moments.len(),
+            drives: drives(&(0..moments.len()).collect::<Vec<_>>()),
+            groups: Vec::with_capacity(groups.len()),
+        };
+        for (example, members) in groups {
+            out.groups.push(UnexplainedGroup {
+                example: moments[*example].clone(),
+                moments: members.len(),
+                drives: drives(members),
+                nearest: most_often_near(members.iter().map(|&m| &moments[m])),
+                episode_ids: members.iter().map(|&m| moments[m].episode_id.clone()).collect(),
+            });
+        }
+        out.groups.sort_by(|a, b| {
+            let by_size = b.moments.cmp(&a.moments).then(b.drives.cmp(&a.drives));
+            by_size.then_with(|| a.example.episode_id.cmp(&b.example.episode_id))
+        });
+        out
+    }
+}
+
+/// The classes that are near most of these moments; of equals, those that are nearer.
+fn most_often_near<'a>(moments: impl Iterator<Item = &'a UnexplainedMoment>) -> Vec<(ScenarioId, usize)> {
+    let mut counts: BTreeMap<&ScenarioId, (usize, usize)> = BTreeMap::new();
+    for moment in moments {
+        for (place, class) in moment.nearest.iter().take(LISTED_CLASSES).enumerate() {
+            let known = counts.entry(&class.scenario_id).or_default();
+            *known = (known.0 + 1, known.1 + place);
+        }
+    }
+    let mut all: Vec<_> = counts.into_iter().collect();
+    all.sort_by(|(a, (n, place)), (b, (m, other))| m.cmp(n).then(place.cmp(other)).then(a.cmp(b)));
+    all.into_iter().take(LISTED_CLASSES).map(|(id, (n, _))| (id.clone(), n)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Lang;
+
+    fn moment(drive: &str, at: f64, nearest: &[&str]) -> UnexplainedMoment {
+        let near = |id: &&str| NearestClass {
+            scenario_id: id.parse().unwrap(),
+            held: 4,
+            conditions: 5,
+            target_id: None,
+            unmet: vec![UnmetPart {
+                condition: "target.ttc < 5 s".into(),
+                actual_value: serde_json::json!(6.25),
+                unit: "s".into(),
+            }],
+        };
+        UnexplainedMoment {
+            episode_id: format!("{drive}_000_other_ego_{at:03}"),
+            drive_id: drive.into(),
+            clip_id: ClipId(format!("{drive}_000")),
+            keyframe: Nanos::from_secs_f64(at),
+            keyframe_s: at,
+            ego_speed_mps: Some(8.0),
+            ego_actions: vec!["gentle_decelerate".into()],
+            nearest: nearest.iter().map(near).collect(),
+        }
+    }
+
+    #[test]
+    fn groups_are_listed_by_size_with_the_classes_near_most_of_them() {
+        let moments = [
+            moment("a", 1.0, &["r.x.p"]),
+            moment("a", 9.0, &["r.x.q", "r.x.p"]),
+            moment("b", 3.0, &["r.y.z"]),
+        ];
+        let found = Unexplained::new(&moments, &[(2, vec![2]), (1, vec![0, 1])]);
+        assert_eq!((found.moments, found.drives), (3, 2));
+        let first = &found.groups[0];
+        assert_eq!((first.moments, first.drives, first.example.keyframe_s), (2, 1, 9.0));
+        let names: Vec<(String, usize)> = first.nearest.iter().map(|(id, n)| (id.to_string(), *n)).collect();
+        assert_eq!(names, [("r.x.p".to_owned(), 2), ("r.x.q".to_owned(), 1)]);
+        let text = render(&found, Lang::En);
+        assert!(text.contains("r.x.p") && text.contains("4 of 5") && text.contains("6.25 s"), "{text}");
+        let html = page(&found, &[], Lang::Zh);
+        assert!(html.contains("r.y.z") && html.contains("target.ttc &lt; 5 s"), "{html}");
+        assert!(render(&Unexplained::default(), Lang::En).contains("every decision moment is explained"));
+    }
+}

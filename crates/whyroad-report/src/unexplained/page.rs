@@ -1,0 +1,58 @@
+//! Groups of unexplained moments as one HTML page without scripts: each with the scene of its example.
+
+use super::text::{class, ego, unmet};
+use super::{LISTED_CLASSES, Unexplained};
+use whyroad_model::Lang;
+use whyroad_render::markup::Markup;
+
+const STYLE: &str = ".group{display:flex;gap:1.5rem;flex-wrap:wrap;border-top:1px solid #999;padding:1rem 0}\
+.group svg{width:22rem;height:auto}.group div{flex:1;min-width:20rem}.unmet{color:#555;margin:0 0 .5em 1em}";
+
+/// The page; `scenes` has an SVG for each group, in their order (empty: none).
+pub fn page(of: &Unexplained, scenes: &[Markup], lang: Lang) -> String {
+    let zh = lang == Lang::Zh;
+    let title = if zh { "没有类别能解释的时刻" } else { "Moments that no class explains" };
+    let mut m = Markup::new();
+    m.raw("<!doctype html>\n<html lang=\"").raw(if zh { "zh" } else { "en" });
+    m.raw("\">\n<head><meta charset=\"utf-8\">\n<title>").text(title).raw("</title>\n<style>");
+    m.raw(crate::STYLE).raw(STYLE).raw("</style></head>\n<body>\n<h1>").text(title).raw("</h1>\n<p>");
+    m.text(&if zh {
+        format!("{} 个时刻，{} 个行程，{} 组", of.moments, of.drives, of.groups.len())
+    } else {
+        format!("{} moments, {} drives, {} groups", of.moments, of.drives, of.groups.len())
+    });
+    m.raw("</p>\n");
+    for (i, g) in of.groups.iter().enumerate() {
+        m.raw("<section class=\"group\">");
+        if let Some(scene) = scenes.get(i) {
+            m.piece(scene);
+        }
+        m.raw("<div><h2>");
+        m.text(&if zh {
+            format!("{}. {} 个时刻，{} 个行程", i + 1, g.moments, g.drives)
+        } else {
+            format!("{}. {} moments, {} drives", i + 1, g.moments, g.drives)
+        });
+        m.raw("</h2><p>")
+            .text(g.example.clip_id.as_str())
+            .raw(" · ")
+            .num(g.example.keyframe_s, 1)
+            .raw(" s · ");
+        m.text(&ego(&g.example, lang)).raw("</p>");
+        for near in g.example.nearest.iter().take(LISTED_CLASSES) {
+            m.raw("<p><b>").text(&class(near, lang)).raw("</b></p><ul class=\"unmet\">");
+            for part in &near.unmet {
+                m.raw("<li>").text(&unmet(part, lang)).raw("</li>");
+            }
+            m.raw("</ul>");
+        }
+        if g.moments > 1 {
+            m.raw("<p>").text(if zh { "组内最接近的类别：" } else { "Near most of the group: " });
+            let all: Vec<String> = g.nearest.iter().map(|(id, n)| format!("{id} ({n})")).collect();
+            m.text(&all.join(", ")).raw("</p><p><small>").text(&g.episode_ids.join(", ")).raw("</small></p>");
+        }
+        m.raw("</div></section>\n");
+    }
+    m.raw("</body>\n</html>\n");
+    m.into_string()
+}
