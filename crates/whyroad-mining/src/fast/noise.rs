@@ -65,11 +65,11 @@ impl<'a> Evaluation<'a> {
         let n = self.layout.len(row_set);
         let Some((_, home)) = self.home(id, row_set) else { return Some(vec![f64::NAN; n]) };
         let at_home = self.signals.value(name, &self.layout, home)?;
-        self.from_home(id, at_home, home, row_set)
+        self.moved_from_home(id, at_home, home, row_set)
     }
 
     /// Numbers of the rows where a node is at home, on those of a row set.
-    fn from_home(
+    fn moved_from_home(
         &self,
         id: NodeId,
         at_home: NodeValue<'a>,
@@ -128,6 +128,6 @@ impl<'a> Evaluation<'a> {
         };
         let noise = self.noise(of, home)?;
         let at_home: Vec<f64> = rows.into_iter().map(|r| r.map_or(f64::NAN, |r| noise[r])).collect();
-        self.from_home(id, NodeValue::Numbers(Numbers::of(at_home)), home, row_set)
+        self.moved_from_home(id, NodeValue::Numbers(Numbers::of(at_home)), home, row_set)
     }
 }
