@@ -1,5 +1,6 @@
 //! `whyroad calibrate`: from episodes that a truth or people judged to the shares that mining uses as scores.
 
+use crate::output::reason::{cannot_read, cannot_write};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, ensure};
@@ -101,7 +102,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     };
     args.print.put(&shown, || render(&table, errors.as_ref(), global.lang))?;
     if let Some(out) = &args.out {
-        std::fs::write(out, table.to_yaml()?).with_context(|| format!("cannot write {}", out.display()))?;
+        std::fs::write(out, table.to_yaml()?).with_context(|| cannot_write(out.display()))?;
     }
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
@@ -120,8 +121,8 @@ fn episodes(
 ) -> anyhow::Result<Vec<EpisodeRecord>> {
     let mut out = Vec::new();
     for dir in folders {
-        let mined = MinedFolder::open(dir)
-            .with_context(|| format!("cannot read {}", MinedFile::Episodes.path(dir).display()))?;
+        let mined =
+            MinedFolder::open(dir).with_context(|| cannot_read(MinedFile::Episodes.path(dir).display()))?;
         for line in mined.episodes()? {
             match line {
                 Ok(episode) if is_class(&episode.scenario_id) => out.push(episode),
@@ -134,7 +135,7 @@ fn episodes(
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    std::fs::read_to_string(path).with_context(|| cannot_read(path.display()))
 }
 
 fn nothing_judged(lang: Lang) -> &'static str {

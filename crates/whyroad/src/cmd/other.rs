@@ -1,6 +1,7 @@
 //! `whyroad other`: moments that no class explains, similar ones together, with the classes that come nearest.
 
 use crate::cmd::tasks::import_lines;
+use crate::output::reason::{cannot_read, cannot_write};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output, store_args};
 use anyhow::Context as _;
@@ -104,7 +105,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     args.print.put(&result, || render(&result, global.lang))?;
     if let Some(file) = &args.page {
         std::fs::write(file, page(&result, &scenes(&lake, &result), global.lang))
-            .with_context(|| format!("cannot write {}", file.display()))?;
+            .with_context(|| cannot_write(file.display()))?;
         say!("{}", file.display());
     }
     for d in &lost {
@@ -121,8 +122,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
 /// The episodes of `other` of a mined folder, by drive.
 fn unexplained(dir: &PathBuf) -> anyhow::Result<(BTreeMap<DriveId, Vec<EpisodeRecord>>, Vec<Diagnostic>)> {
-    let mined = MinedFolder::open(dir)
-        .with_context(|| format!("cannot read {}", MinedFile::Episodes.path(dir).display()))?;
+    let mined =
+        MinedFolder::open(dir).with_context(|| cannot_read(MinedFile::Episodes.path(dir).display()))?;
     let (mut by_drive, mut lost) = (BTreeMap::<DriveId, Vec<EpisodeRecord>>::new(), Vec::new());
     for line in mined.episodes()? {
         match line {
