@@ -6,7 +6,7 @@ use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output, store_args};
 use anyhow::Context as _;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_dataset::similar::{self, EpisodeDescriptor};
 use whyroad_engine::drives::map_drives;
@@ -120,11 +120,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     Ok(if complete { output::FINE } else { output::lost_input() })
 }
 
-/// The episodes of `other` of a mined folder, by drive.
-fn unexplained(dir: &PathBuf) -> anyhow::Result<(BTreeMap<DriveId, Vec<EpisodeRecord>>, Vec<Diagnostic>)> {
+/// Episodes by drive.
+type ByDrive = BTreeMap<DriveId, Vec<EpisodeRecord>>;
+
+/// The episodes of `other` of a mined folder, and what could not be read.
+fn unexplained(dir: &Path) -> anyhow::Result<(ByDrive, Vec<Diagnostic>)> {
     let mined =
         MinedFolder::open(dir).with_context(|| cannot_read(MinedFile::Episodes.path(dir).display()))?;
-    let (mut by_drive, mut lost) = (BTreeMap::<DriveId, Vec<EpisodeRecord>>::new(), Vec::new());
+    let (mut by_drive, mut lost) = (ByDrive::new(), Vec::new());
     for line in mined.episodes()? {
         match line {
             Ok(e) if e.scenario_id.l1 == OTHER => by_drive.entry(e.drive_id.clone()).or_default().push(e),
