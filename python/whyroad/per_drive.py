@@ -136,7 +136,7 @@ class _Isolated:
         self._stop()
 
     def run(self, drive: str, attempts: int) -> tuple[pa.Table | None, str | None]:
-        """The result, or why there is none."""
+        """The result, or why it has no draft."""
         died = ""
         for _ in range(max(attempts, 1)):
             process = self.process or self._start()

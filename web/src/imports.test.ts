@@ -15,7 +15,7 @@ function importsOf(file: string): string[] {
   return [...found].map((m) => join(dirname(file), m[1] ?? ""));
 }
 
-/** A path of imports that returns to `file`; null when there is none. */
+/** A path of imports that returns to `file`; null without one. */
 function cycleFrom(file: string, path: readonly string[] = [file], seen = new Set<string>()): readonly string[] | null {
   for (const next of importsOf(path.at(-1) ?? "")) {
     if (next === file) return [...path, file];

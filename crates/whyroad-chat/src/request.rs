@@ -60,7 +60,7 @@ pub enum Part {
 /// One message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Who says it.
+    /// The speaker.
     pub role: Role,
     /// In this order.
     pub parts: Vec<Part>,

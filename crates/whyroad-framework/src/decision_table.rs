@@ -43,7 +43,7 @@ pub struct ClassDecisions {
     pub about: GroupSet,
     /// The same by name, for messages.
     pub about_names: Vec<String>,
-    /// The leaf's name tells what happened after the keyframe.
+    /// The leaf's name reveals what happened after the keyframe.
     pub reveals: bool,
 }
 

@@ -99,8 +99,8 @@ pub fn draft_with_seed(
     if let Some(seen) = trace::seen(framework, class, &components, lang) {
         components.insert(0, seen);
     }
-    let told = trace::Told { framework, class, components: &components, decision: &decision, lang };
-    let coc_trace = trace::trace(&told, signals, keyframe, trace::seed(&episode.episode_id, run));
+    let facts = trace::DraftFacts { framework, class, components: &components, decision: &decision, lang };
+    let coc_trace = trace::trace(&facts, signals, keyframe, trace::seed(&episode.episode_id, run));
     notes.push(Bilingual::new(
         "推理文本为模板草稿，须改写为完整的因果说明",
         "the trace is a template: write the state, why it calls for the decision, and the decision",

@@ -56,7 +56,7 @@ const ALIASES: &[(&str, &str)] = &[
     ("reasoning", name::COC_TRACE),
 ];
 
-/// The list that tells the compact layout.
+/// The list that marks the compact layout.
 const PRIMARY_FACTORS: &str = "primary_factors";
 
 /// Brings one document to `target`.

@@ -206,7 +206,7 @@ impl RoadMap {
     }
 
     /// True if the map states where there are signs or facilities of `kind`: it has one, or states that it has all.
-    pub fn tells(&self, kind: &str) -> bool {
+    pub fn covers(&self, kind: &str) -> bool {
         self.complete_for.iter().any(|k| k == kind)
             || self.facilities.iter().any(|f| f.kind == kind)
             || self.signs.iter().any(|s| s.kind == kind)

@@ -365,7 +365,7 @@ pub struct ContextState {
     pub kind: String,
     /// Value in the words of `schema/signals.yaml`.
     pub value: String,
-    /// Who says so.
+    /// The source of the statement.
     pub source: String,
     /// How sure the source is, 0 to 1, where it tells (a perception model).
     pub confidence: Option<f64>,

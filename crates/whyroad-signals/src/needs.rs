@@ -64,8 +64,8 @@ fn missing_of_road(drive: &Drive) -> impl Iterator<Item = Need> {
         (Need::Elevation, ego_z || road_z),
         (Need::Routing, routed),
         (Need::LaneMarks, marks),
-        (Need::Signs, map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.tells(k))) || tracked_signs),
-        (Need::Facilities, map.is_some_and(|m| FACILITY_KINDS.iter().any(|k| m.tells(k)))),
+        (Need::Signs, map.is_some_and(|m| SIGN_KINDS.iter().any(|k| m.covers(k))) || tracked_signs),
+        (Need::Facilities, map.is_some_and(|m| FACILITY_KINDS.iter().any(|k| m.covers(k)))),
     ]
     .into_iter()
     .filter_map(|(need, there)| (!there).then_some(need))

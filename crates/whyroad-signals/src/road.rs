@@ -1,4 +1,4 @@
-//! The road: the map made ready, the lanes, the path and the way of the ego on it, and what the map states beside it
+//! The road: the map made ready, the lanes, and the path of the ego on it, and what the map states beside it
 //! and ahead.
 
 pub mod beside_path;

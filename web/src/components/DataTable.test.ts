@@ -44,7 +44,7 @@ describe("DataTable", () => {
     assert.equal(screen.getAllByRole("button", { name: /^Remove/ }).length, 3);
   });
 
-  test("renders a window of many rows and tells how many there are", () => {
+  test("renders a window of many rows and shows how many there are", () => {
     const many = Array.from({ length: 5000 }, (_, i) => ({ id: String(i), name: `n${i}`, age: i }));
     render(PeopleTable, { people: many });
     assert.ok(names().length < 100, `${names().length} rows are rendered`);

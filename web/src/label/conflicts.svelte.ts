@@ -16,7 +16,7 @@ export class ConflictList {
     this.items = found.filter((c) => !same(c.mine as Json, c.theirs as Json));
   }
 
-  /** Removes the conflict at `path` and returns it; null when there is none. */
+  /** Removes the conflict at `path` and returns it; null without one. */
   take(path: string): FieldConflict | null {
     const conflict = this.items.find((c) => c.path === path);
     if (!conflict) return null;

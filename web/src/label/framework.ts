@@ -39,10 +39,10 @@ export interface Framework {
   safetyReasons: readonly Named[];
 }
 
-/** How a decision stands to a class: seen most of the time, allowed, or contradicting it. */
+/** How a decision relates to a class: seen most of the time, allowed, or contradicting it. */
 export type Fit = "usual" | "possible" | "impossible";
 
-/** How `id` ("null": no change) stands to a class; possible where the class is unknown. */
+/** How `id` ("null": no change) relates to a class; possible where the class is unknown. */
 export function fitOf(choices: ClassChoices | null, channel: Channel, id: string): Fit {
   if (!choices) return "possible";
   const found = choices[channel].filter((c) => (c.id ?? "null") === id);

@@ -18,7 +18,7 @@ export class Lease {
     this.#lost = lost;
   }
 
-  /** Keeps the lease with this token until `untilMs` (ms since 1970) and beyond; null: there is none. */
+  /** Keeps the lease with this token until `untilMs` (ms since 1970) and beyond; null: no lease. */
   keep(fence: number | null, untilMs: number): void {
     this.stop();
     this.fence = fence;

@@ -59,7 +59,7 @@ export class UndoHistory {
     return [...steps].reverse().map((step) => ({ path: step.path, value: step.before }));
   }
 
-  /** The changes that repeat the edit undone last; null when there is none. */
+  /** The changes that repeat the edit undone last; null without one. */
   redo(): Change[] | null {
     const steps = this.#undone.pop();
     if (!steps) return null;

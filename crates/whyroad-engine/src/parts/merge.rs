@@ -16,7 +16,7 @@ use whyroad_model::{Bilingual, Diagnostic, DriveId};
 /// Drives named in a message at most.
 const NAMED: usize = 10;
 
-/// What tells which drives have to be there.
+/// What determines which drives have to be there.
 #[derive(Clone, Copy)]
 pub enum Expected<'a> {
     /// The plan to which the work lists belong.

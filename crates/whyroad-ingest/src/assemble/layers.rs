@@ -38,7 +38,7 @@ fn has_any(map: &RoadMap, layer: MapLayer) -> bool {
         MapLayer::Junctions => !map.junctions.is_empty() || lane(|l| l.in_junction),
         MapLayer::Crosswalks => !map.crosswalks.is_empty(),
         MapLayer::StopLines => !map.stop_lines.is_empty(),
-        MapLayer::Lights => map.tells("traffic_light"),
+        MapLayer::Lights => map.covers("traffic_light"),
         MapLayer::SpeedLimits => lane(|l| l.speed_limit_mps.is_some()),
         MapLayer::Marks => lane(|l| l.left_mark != LaneMark::Unknown || l.right_mark != LaneMark::Unknown),
         // A constant height is a placeholder.

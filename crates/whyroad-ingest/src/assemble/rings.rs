@@ -26,7 +26,7 @@ const MOST_LANES: usize = 40;
 
 /// Adds the roundabouts that the lanes' connections show, and declares that there are no others.
 pub(crate) fn add(map: &mut RoadMap) {
-    if map.tells("roundabout") {
+    if map.covers("roundabout") {
         return;
     }
     let rings = rings(&map.lanes);

@@ -107,7 +107,7 @@ pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
     if path.is_file() {
         let name = file_label(path).to_lowercase();
         let plain = without_ending(&name);
-        // Many a program writes CSV; what is FCD must say so.
+        // Many programs write CSV; FCD must be declared.
         let is_log = plain.ends_with(".xml") || is_named(path, "fcd", ".csv");
         return Ok(if is_log { vec![path.to_owned()] } else { Vec::new() });
     }
@@ -148,7 +148,7 @@ fn read_new(path: &Path, options: &Options, drives: &mut DriveSink<'_>) {
         // What is wrong with the files is reported once.
         let mut report = std::mem::replace(&mut report, SourceReport::new(run.label.clone()));
         let name = run.drive_id(id, egos.len(), options);
-        // A single drive is made again all the same: its report tells of every row.
+        // A single drive is made again all the same: its report covers every row.
         if egos.len() > 1 && drives.holds(&name, &run.content_hash(id, sensing)) {
             report.drive_id = Some(name);
             drives.put((None, report));

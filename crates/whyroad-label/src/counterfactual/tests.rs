@@ -117,7 +117,7 @@ fn the_light_holds_the_first_in_line_and_the_stopped_lead_holds_the_second() {
     let lead = track("lead", ObjectClass::Car, (4.5, 1.8), |_| (EGO + 46.0, 0.0));
     let (drive, signals) = scene(vec![lead], 1.5, Some((EGO + 50.0, "red")));
     let found = counterfactual(&drive, &signals, START).unwrap();
-    // Without the light the lead still stands there: the light changes nothing (LABELING.md 6, proximate cause).
+    // Without the light the lead is still there: the light changes nothing (LABELING.md 6, proximate cause).
     let light = found.effects.iter().find(|e| e.removed == Removed::Light).unwrap();
     assert!(light.is_none(), "{found:#?}");
     let (drive, signals) = scene(vec![], 0.0, Some((EGO + 50.0, "green")));

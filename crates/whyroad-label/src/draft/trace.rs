@@ -12,13 +12,13 @@ use whyroad_model::{Lang, ScenarioId, SignalTable};
 
 /// Things in the state: two are enough for a person to see what matters.
 const MOST_IN_STATE: usize = 2;
-/// Below this speed the ego stands, m/s.
+/// Below this speed the ego is at standstill, m/s.
 const STANDING_MPS: f64 = 0.3;
 /// Speeds are given in steps of this, km/h.
 const SPEED_STEP_KMH: f64 = 5.0;
 
 /// What a trace is about.
-pub(super) struct Told<'a> {
+pub(super) struct DraftFacts<'a> {
     pub framework: &'a Framework,
     pub class: &'a ScenarioId,
     pub components: &'a [CriticalComponent],
@@ -55,17 +55,17 @@ fn wanted(lang: Lang) -> RangeInclusive<usize> {
 }
 
 /// The trace with the phrasings that `seed` chooses, as long as a trace should be: with what the ego does at the
-/// keyframe where there is room, and with fewer things in the state where there is none.
-pub(super) fn trace(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> String {
+/// keyframe where there is room, and with fewer things in the state where there is not.
+pub(super) fn trace(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> String {
     let choice = Choice::of(seed);
-    let opening = opening(told, signals, keyframe, choice.opening);
+    let opening = opening(facts, signals, keyframe, choice.opening);
     let opens = (choice.opening / 8).is_multiple_of(2);
     let variants = [(MOST_IN_STATE, opens), (MOST_IN_STATE, !opens), (1, opens), (1, !opens)];
     let texts: Vec<String> = variants
         .into_iter()
-        .map(|(things, opens)| told.sentence(opening.as_deref().filter(|_| opens), things, choice))
+        .map(|(things, opens)| facts.sentence(opening.as_deref().filter(|_| opens), things, choice))
         .collect();
-    let wanted = wanted(told.lang);
+    let wanted = wanted(facts.lang);
     let length = |t: &&String| t.chars().count();
     let fits = texts.iter().find(|t| wanted.contains(&length(t)));
     // None fits: the one that is least too long, or else the longest.
@@ -79,17 +79,17 @@ pub(super) fn trace(told: &Told<'_>, signals: &SignalTable, keyframe: usize, see
 }
 
 /// What the ego does at the keyframe.
-fn opening(told: &Told<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
+fn opening(facts: &DraftFacts<'_>, signals: &SignalTable, keyframe: usize, seed: u64) -> Option<String> {
     let speed = signals.frame_columns.get("ego.speed")?.number(keyframe)?;
-    let all = told.framework.draft_texts.openings();
+    let all = facts.framework.draft_texts.openings();
     if speed < STANDING_MPS {
-        return Some(all.standing.pick(told.lang, seed).to_owned());
+        return Some(all.standing.pick(facts.lang, seed).to_owned());
     }
     let kmh = (speed * 3.6 / SPEED_STEP_KMH).round().max(1.0) * SPEED_STEP_KMH;
-    Some(all.moving.pick(told.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
+    Some(all.moving.pick(facts.lang, seed).replace("{speed}", &format!("{kmh:.0}")))
 }
 
-impl<'a> Told<'a> {
+impl<'a> DraftFacts<'a> {
     /// One way to say it. The first component is said last in the state: what follows refers to it.
     fn sentence(&self, opening: Option<&str>, things: usize, choice: Choice) -> String {
         let texts = &self.framework.draft_texts;
@@ -226,14 +226,14 @@ pub(crate) fn is_draft(
 ) -> bool {
     let bare =
         |t: &str| t.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
-    let all = [Lang::Zh, Lang::En].map(|lang| Told { framework, class, components, decision, lang });
-    let likely: Vec<&Told<'_>> = all.iter().filter(|told| told.may_be(trace)).collect();
+    let all = [Lang::Zh, Lang::En].map(|lang| DraftFacts { framework, class, components, decision, lang });
+    let likely: Vec<&DraftFacts<'_>> = all.iter().filter(|facts| facts.may_be(trace)).collect();
     if likely.is_empty() {
         return false;
     }
     let trace = bare(trace);
-    likely.into_iter().any(|told| {
-        let (whys, actions, joints) = told.phrasings();
+    likely.into_iter().any(|facts| {
+        let (whys, actions, joints) = facts.phrasings();
         (1..=MOST_IN_STATE).any(|things| {
             (0..whys * actions * joints).any(|i| {
                 let choice = Choice {
@@ -242,13 +242,13 @@ pub(crate) fn is_draft(
                     joined: i / whys / actions,
                     opening: 0,
                 };
-                trace.ends_with(&bare(&told.sentence(None, things, choice)))
+                trace.ends_with(&bare(&facts.sentence(None, things, choice)))
             })
         })
     })
 }
 
-/// The component that says what the class is about, where the recording tells none that does.
+/// The component that says what the class is about, where the recording shows none that does.
 pub(super) fn seen(
     framework: &Framework,
     class: &ScenarioId,

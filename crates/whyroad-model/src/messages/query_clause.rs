@@ -171,7 +171,7 @@ enum Temporal {
     Until,
 }
 
-/// A clause as read: which fields there are tells which clause it is. (An untagged enum would be read as well, but
+/// A clause as read: the fields determine which clause it is. (An untagged enum would be read as well, but
 /// could not say what is wrong with it, nor where.)
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -62,7 +62,7 @@ const PAIRS: usize = 3;
 const SHARE: f64 = 0.9;
 
 impl Drive {
-    /// On which side traffic drives; `None` when neither the place nor the map tells.
+    /// On which side traffic drives; `None` when neither the place nor the map says.
     pub fn driving_side(&self) -> Option<DrivingSide> {
         let place = self.meta.place.as_deref().unwrap_or_default().to_lowercase();
         let is = |names: &[&str]| names.iter().any(|n| place.contains(n));

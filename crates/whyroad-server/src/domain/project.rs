@@ -76,7 +76,7 @@ pub enum Stage1Class {
     /// By its leaf.
     #[default]
     Leaf,
-    /// By its L2, where a leaf of that L2 has a name that tells the outcome. What depends on the leaf (specification,
+    /// By its L2, where a leaf of that L2 has a name that reveals the outcome. What depends on the leaf (specification,
     /// signals, target, range, drafted components) is then withheld until Stage I is locked.
     L2,
 }

@@ -423,7 +423,7 @@ pub struct ClassChoices {
     pub lateral: Vec<DecisionChoice>,
     /// At least one channel has a decision.
     pub decides: bool,
-    /// The leaf's name tells what happened after the keyframe.
+    /// The leaf's name reveals what happened after the keyframe.
     pub reveals: bool,
 }
 

@@ -39,7 +39,7 @@ pub fn scene(app: &App, t: &TaskRow) -> Answer<Arc<SceneView>> {
     let drive = app.recordings.estimated(&drive);
     let mut view = match t.hides_leaf() {
         false => view(t, stage, &drive, frames, &signals),
-        // Which signals and which target the rule reads tells its leaf.
+        // Which signals and which target the rule reads reveals its leaf.
         true => {
             let mut bare = t.clone();
             bare.episode.signals.clear();

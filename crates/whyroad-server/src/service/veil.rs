@@ -71,11 +71,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_l2_is_veiled_where_one_leaf_tells_the_outcome() {
+    fn an_l2_is_veiled_where_one_leaf_reveals_the_outcome() {
         let framework = Framework::bundled();
         let settings = Settings { stage1_class: Stage1Class::L2, ..Settings::default() };
         let veiled = classes(framework, &settings);
-        // `lane_change.abort` and `lead_sudden_brake` are the examples of the issue; a cut-in tells nothing.
+        // `lane_change.abort` and `lead_sudden_brake` are the examples of the issue; a cut-in reveals nothing.
         assert!(veiled.contains("proactive.lane_change") && veiled.contains("reactive_agent.following"));
         assert!(!veiled.contains("reactive_agent.cutin"), "{veiled:?}");
         assert!(classes(framework, &Settings::default()).is_empty());

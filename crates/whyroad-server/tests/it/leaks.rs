@@ -232,7 +232,7 @@ fn the_test_sees_a_difference_where_there_is_one() {
     }
 }
 
-/// Two leaves of one L2; the name of the first tells what the lead does after the keyframe.
+/// Two leaves of one L2; the name of the first reveals what the lead does after the keyframe.
 const SUDDEN: &str = "reactive_agent.following.lead_sudden_brake";
 const STEADY: &str = "reactive_agent.following.steady";
 
@@ -295,7 +295,7 @@ pub fn the_leaf_is_shown_when_stage_one_is_locked(world: &World) {
     admin.get(&format!("/tasks/{task}")).fine();
     admin.patch(&format!("/projects/{project}"), &json!({ "settings": { "stage1_class": "l2" } })).fine();
     let listed = admin.get(&format!("/projects/{project}/tasks?scenario={SUDDEN}")).fine();
-    assert_eq!(listed["items"], json!([]), "not even a filter tells");
+    assert_eq!(listed["items"], json!([]), "not even a filter reveals it");
     let mut work = Work::take(&ann, &task);
     let view = work.view();
     assert_eq!(view["task"]["scenario_id"], "reactive_agent.following");

@@ -69,7 +69,7 @@ impl Server {
         self.wait();
     }
 
-    /// `pg_ctl stop -m immediate` tells the postmaster and all its children.
+    /// `pg_ctl stop -m immediate` stops the postmaster and all its children.
     fn stop(&mut self) {
         let mut stop = command(&self.programs.join("pg_ctl"), self.user);
         let _ = stop.args(["stop", "-m", "immediate", "-D"]).arg(self.dir.path().join("data")).output();

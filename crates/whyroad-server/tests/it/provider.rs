@@ -51,7 +51,7 @@ struct State {
     keys: Vec<Key>,
     fault: Fault,
     person: Value,
-    /// Claims that only the userinfo endpoint tells.
+    /// Claims that only the userinfo endpoint returns.
     aside: Vec<&'static str>,
     codes: HashMap<String, BTreeMap<String, String>>,
     /// Calls by path.

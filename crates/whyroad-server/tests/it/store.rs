@@ -219,7 +219,7 @@ fn a_large_store_comes_out_in_pages_and_a_backup_of_a_newer_program_is_refused()
     let store = Store::open(&dir.path().join("s")).unwrap();
     store
         .write(|tx| {
-            // More than two pages, with keys that only the second column tells apart.
+            // More than two pages, with keys that differ only in the second column.
             tx.run("INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'town', '', '{}', '{}', 7)", &[])?;
             for i in 0..2500_i64 {
                 let user = format!("u{i:04}");

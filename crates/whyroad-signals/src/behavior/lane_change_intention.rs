@@ -45,7 +45,7 @@ pub fn formed(scene: &Interaction<'_>, side: Side, first: usize, earliest: usize
     let command = |i: usize| bus?.route_command.get(i)?.as_deref();
     let indicated = since(&|i| signal(i).is_some_and(|s| shows(s, side)));
     let commanded = since(&|i| command(i).is_some_and(|c| asks_for(c, side)));
-    // When a command was given is known only where the log tells that there was none, or another, before.
+    // When a command was given is known only where the log shows that there was none, or another, before.
     let given = commanded > earliest && command(commanded - 1).is_some_and(|c| !asks_for(c, side));
     if given { indicated.min(commanded) } else { indicated }
 }

@@ -72,7 +72,7 @@ pub fn derive(
     out
 }
 
-/// Acceleration along the heading (m/s2) from velocities that the log tells: their slope over two frames either side.
+/// Acceleration along the heading (m/s2) from velocities in the log: their slope over two frames either side.
 pub fn acceleration(times_s: &[f64], vx: &[f64], vy: &[f64], heading: &[f64]) -> Vec<f64> {
     let slopes = derive(times_s, vx, vy, heading, |_| false);
     heading

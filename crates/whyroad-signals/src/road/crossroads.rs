@@ -47,7 +47,7 @@ fn group_on_path(road: &Road, path: &DrivenPath, groups: &[Vec<usize>], from: f6
 fn drawn_lights(on: &OnRoad<'_>) -> Option<Vec<Stretch>> {
     let lights = on.map.facilities.iter().filter(|f| f.kind == "traffic_light");
     on.map
-        .tells("traffic_light")
+        .covers("traffic_light")
         .then(|| lights.flat_map(|f| beside_path::parts(on.path, f, LIGHT_REACH_M)).collect())
 }
 

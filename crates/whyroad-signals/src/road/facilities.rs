@@ -103,8 +103,8 @@ fn on_path(on: &OnRoad<'_>, kinds: &[&str]) -> Vec<Stretch> {
 }
 
 /// The map has data on one of these kinds.
-fn tells(on: &OnRoad<'_>, kinds: &[&str]) -> bool {
-    kinds.iter().any(|k| on.map.tells(k))
+fn covers(on: &OnRoad<'_>, kinds: &[&str]) -> bool {
+    kinds.iter().any(|k| on.map.covers(k))
 }
 
 fn inside(on: &OnRoad<'_>, stretches: &[Stretch], frame: usize) -> Tri {
@@ -180,7 +180,7 @@ fn write_roundabouts(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
 }
 
 fn write_gate(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
-    let known = tells(on, &["gate"]);
+    let known = covers(on, &["gate"]);
     let gates = on_path(on, &["gate"]);
     let stated: Vec<Option<GateState>> = channels.categories("gate");
     let near = |i: usize| !known || next(on, &gates, i) <= GATE_REACH_M;
@@ -192,25 +192,25 @@ fn write_gate(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder
 
 /// Writes the signals about facilities for which the map, or for works and gates the context, has data.
 pub fn write(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<'_>) {
-    for (id, kinds) in DISTANCES.iter().filter(|(_, kinds)| tells(on, kinds)) {
+    for (id, kinds) in DISTANCES.iter().filter(|(_, kinds)| covers(on, kinds)) {
         table.number(*id, distances(on, &on_path(on, kinds)));
     }
-    if tells(on, &["barrier_gap"]) {
+    if covers(on, &["barrier_gap"]) {
         let gaps = distances(on, &on_path(on, &["barrier_gap"]));
         let time = gaps.iter().enumerate().map(|(i, d)| time_to(*d, on.ego.forward_speed[i]));
         table.number(id::MAP_TIME_TO_BARRIER_GAP, time.collect());
     }
-    if tells(on, &["tunnel"]) {
+    if covers(on, &["tunnel"]) {
         let tunnels = on_path(on, &["tunnel"]);
         table.flag(id::MAP_IN_TUNNEL, on.flags(|i| inside(on, &tunnels, i)));
     }
-    if tells(on, &["roundabout"]) {
+    if covers(on, &["roundabout"]) {
         write_roundabouts(on, table);
     }
-    if tells(on, TOLLS) {
+    if covers(on, TOLLS) {
         write_tolls(on, table);
     }
-    if tells(on, &["waiting_area"]) || on.map.lanes.iter().any(|l| l.is_tagged("waiting_area")) {
+    if covers(on, &["waiting_area"]) || on.map.lanes.iter().any(|l| l.is_tagged("waiting_area")) {
         let areas = on_path(on, &["waiting_area"]);
         let tagged = |i: usize| on.own_lane(i).is_some_and(|l| l.is_tagged("waiting_area"));
         table.flag(
@@ -221,7 +221,7 @@ pub fn write(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableBuilder<
     if channels.has("gate") {
         write_gate(on, channels, table);
     }
-    let sites = tells(on, &["construction"]).then(|| on_path(on, &["construction"]));
+    let sites = covers(on, &["construction"]).then(|| on_path(on, &["construction"]));
     if sites.is_some() || channels.has("construction") {
         let stated: Vec<Option<ContextConstruction>> = channels.categories("construction");
         let here = |i: usize| {

@@ -214,7 +214,7 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let merges = on.ahead(|_, way, front| to_merge(on, way, front));
     let splits = on.ahead(|_, way, front| to_split(on, way, front));
-    let tells = on.map.complete_for.iter().any(|k| k == "ramp")
+    let covered = on.map.complete_for.iter().any(|k| k == "ramp")
         || on
             .map
             .lanes
@@ -228,7 +228,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     });
     let zones = (0..on.frames()).map(|i| own(i).map(|lane| zone(on, &roles, lane, ends[i])));
     table.category(id::MAP_MERGE_ZONE, zones);
-    if tells {
+    if covered {
         table.flag(
             id::MAP_ON_RAMP,
             on.flags(|i| own(i).map_or(Tri::Unknown, |lane| Tri::from(roles[lane].ramp))),

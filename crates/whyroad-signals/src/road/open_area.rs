@@ -12,7 +12,7 @@ const LANE_NEAR_M: f64 = 5.0;
 
 /// Writes `map.open_area`; nothing for maps that state neither car parks nor where one can drive.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
-    if on.road.drivable.is_empty() && !on.map.tells("parking") {
+    if on.road.drivable.is_empty() && !on.map.covers("parking") {
         return;
     }
     let parks = on.map.facilities.iter().filter(|f| f.kind == "parking");

@@ -13,7 +13,7 @@ use whyroad_model::road_map::Lane;
 
 /// The grade is that of a chord from this far behind to this far ahead, m.
 const GRADE_REACH_M: f64 = 5.0;
-/// A chord this much shorter at the end of the map still tells a grade, m.
+/// A chord this much shorter at the end of the map still gives a grade, m.
 const LEAST_CHORD_M: f64 = 3.0;
 /// How far ahead grades are looked at, m.
 const GRADE_AHEAD_M: f64 = 60.0;

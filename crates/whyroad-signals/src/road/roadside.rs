@@ -101,7 +101,7 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let tracked = tracked_stop_signs(on);
     for (id, kinds) in DISTANCES {
         let seen = tracked.iter().any(|s| kinds.contains(&s.kind.as_str()));
-        if !seen && !kinds.iter().any(|kind| on.map.tells(kind)) {
+        if !seen && !kinds.iter().any(|kind| on.map.covers(kind)) {
             continue;
         }
         let found = OnPath::new(on, &tracked, kinds, &route);

@@ -75,7 +75,7 @@ impl<'a> Ahead<'a> {
             // Sight lines round a bend run on its inner side: what cuts one away from the path stands there.
             Some((_, owner)) => Tri::from(self.side(owner, s, frame).is_none_or(|side| side * bend > 0.0)),
             // Nothing that is known; but a hedge or a house may stand there if the map has no data.
-            None if self.obstacles.tells_buildings => Tri::False,
+            None if self.obstacles.covers_buildings => Tri::False,
             None => Tri::Unknown,
         }
     }

@@ -79,7 +79,7 @@ impl<'a> CrossingArms<'a> {
             .iter()
             .map(|&arm| into(crossing, arm, eye, view, &counts))
             .fold(FRAC_PI_2, f64::min);
-        let unknown = angle >= FRAC_PI_2 && !self.obstacles.tells_buildings && !crossing.arms.is_empty();
+        let unknown = angle >= FRAC_PI_2 && !self.obstacles.covers_buildings && !crossing.arms.is_empty();
         self.angle.push(if unknown { f64::NAN } else { angle });
     }
 

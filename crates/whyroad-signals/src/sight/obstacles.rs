@@ -36,7 +36,7 @@ pub struct Obstacles<'a> {
     by_frame: Vec<Vec<(usize, usize)>>,
     walls: RTree<Wall>,
     /// Whether the map has buildings; if not, no area is known to be free of them.
-    pub tells_buildings: bool,
+    pub covers_buildings: bool,
 }
 
 impl<'a> Obstacles<'a> {
@@ -60,8 +60,8 @@ impl<'a> Obstacles<'a> {
             let sides = corners.windows(2).map(|w| (w[0], w[1])).chain(closing);
             walls.extend(sides.map(|(a, b)| Wall::new(Line::new(a, b), k)));
         }
-        let tells_buildings = map.is_some_and(|m| m.tells("building"));
-        Self { scene, by_frame, walls: RTree::bulk_load(walls), tells_buildings }
+        let covers_buildings = map.is_some_and(|m| m.covers("building"));
+        Self { scene, by_frame, walls: RTree::bulk_load(walls), covers_buildings }
     }
 
     /// What the ego has around it in `frame`; `None` while its pose is unknown.

@@ -30,7 +30,7 @@ fn joining(road: &Road, map: &RoadMap) -> Vec<bool> {
 }
 
 /// True when the map has data on ramps.
-fn tells(map: &RoadMap) -> bool {
+fn covers(map: &RoadMap) -> bool {
     map.complete_for.iter().any(|k| k == "ramp")
         || map.lanes.iter().any(|l| ["ramp", "acceleration", "deceleration"].iter().any(|t| l.is_tagged(t)))
 }
@@ -40,7 +40,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let (Some(map), Some(road), Some(lanes)) = (&scene.drive.map, scene.around.road, scene.lanes) else {
         return;
     };
-    if !tells(map) {
+    if !covers(map) {
         return;
     }
     let joining = joining(road, map);

@@ -23,7 +23,7 @@ fn phases_of_a_lane_change() {
     let mut d = drive(120, |t| (12.0 * t, shift(t), 0.0));
     d.map = Some(road());
     // Execute from 4.1 s (as ego.lane_change); half of it is over the line at 6 s (the lane assignment may be two
-    // frames late); complete to 8.0 s. A log without indicators and commands tells no intention.
+    // frames late); complete to 8.0 s. A log without indicators and commands shows no intention.
     let t = Table::of(&d);
     assert_eq!(t.span("ego.lane_change_phase", "prepare"), None);
     let execute = t.span("ego.lane_change_phase", "execute").unwrap();

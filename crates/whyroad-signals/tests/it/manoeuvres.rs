@@ -301,7 +301,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
     near(t.num("point", "target.path_longitudinal", 5), 20.0, 1e-6);
     assert_eq!(t.flag("point", "target.in_ego_lane", 5), True);
 
-    // A radar tells no classes: whether what drives ahead is a vehicle is not known, and so not that there is no lead.
+    // A radar gives no classes: whether what drives ahead is a vehicle is not known, and so not that there is no lead.
     let mut d = drive(20, |t| (10.0 * t, 0.0, 0.0));
     add(&mut d, "blip", whyroad_model::ObjectClass::Unknown, (4.0, 1.8), |t| (20.0 + 10.0 * t, 0.0, 0.0));
     let t = Table::of(&d);
@@ -309,7 +309,7 @@ fn what_a_log_lacks_is_named_and_never_given() {
         assert_eq!(t.0.unavailable[name], [Need::ObjectClasses], "{name}");
     }
     assert_eq!(t.flag("blip", "target.in_ego_lane", 5), True);
-    // One known class, and the log tells classes.
+    // One known class, and the log has classes.
     car(&mut d, "lead", |t| (40.0 + 10.0 * t, 0.0, 0.0));
     assert_eq!(Table::of(&d).flag("lead", "target.is_lead", 5), True);
 

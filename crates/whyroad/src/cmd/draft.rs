@@ -60,7 +60,7 @@ pub(crate) struct Args {
     print: Print,
 }
 
-/// One episode's draft with the warnings of the checks, or why there is none.
+/// One episode's draft with the warnings of the checks, or why it has no draft.
 type Made = Result<(CocLabel, Vec<Diagnostic>), Vec<Diagnostic>>;
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {

@@ -161,14 +161,14 @@ fn read(path: &Path) -> anyhow::Result<String> {
 fn shortfalls(e: &Evaluation, args: &Args, lang: Lang) -> Vec<String> {
     let mut out = Vec::new();
     let zh = lang == Lang::Zh;
-    let told = |v: Option<f64>| {
+    let shown = |v: Option<f64>| {
         let unknown = if zh { "未知" } else { "unknown" };
         v.map_or(unknown.to_owned(), |v| format!("{v:.3}"))
     };
     if let Some(least) = args.min_f1
         && e.macro_f1.is_none_or(|f| f < least)
     {
-        let f1 = told(e.macro_f1);
+        let f1 = shown(e.macro_f1);
         out.push(match zh {
             true => format!("宏平均 F1 为 {f1}，低于 {least}"),
             false => format!("macro F1 is {f1}, under {least}"),
@@ -176,7 +176,7 @@ fn shortfalls(e: &Evaluation, args: &Args, lang: Lang) -> Vec<String> {
     }
     if let Some(least) = args.min_class_f1 {
         for (id, c) in e.classes.iter().filter(|(_, c)| c.truth > 0 && c.f1.is_none_or(|f| f < least)) {
-            let f1 = told(c.f1);
+            let f1 = shown(c.f1);
             out.push(match zh {
                 true => format!("{id}：F1 为 {f1}，低于 {least}"),
                 false => format!("{id}: F1 is {f1}, under {least}"),
@@ -186,7 +186,7 @@ fn shortfalls(e: &Evaluation, args: &Args, lang: Lang) -> Vec<String> {
     if let Some(most) = args.max_keyframe_error
         && e.keyframe_error_median_s.is_none_or(|s| s > most)
     {
-        let error = told(e.keyframe_error_median_s);
+        let error = shown(e.keyframe_error_median_s);
         out.push(match zh {
             true => format!("关键帧误差的中位数为 {error} s，超过 {most} s"),
             false => format!("median keyframe error is {error} s, over {most} s"),

@@ -136,7 +136,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     })
 }
 
-/// The labels of a file; a line that is none is reported. Lines of tasks hold their label in `draft`.
+/// The labels of a file; a line that is not a label is reported. Lines of tasks hold their label in `draft`.
 fn labels(args: &Args) -> anyhow::Result<(Vec<CocLabel>, Vec<Diagnostic>)> {
     let name = args.labels.display().to_string();
     let text = std::fs::read_to_string(&args.labels).with_context(|| cannot_read(&name))?;

@@ -164,7 +164,7 @@ async fn stop_signal() {
     }
 }
 
-/// The address of the page; with how to create the first account while there is none.
+/// The address of the page; with how to create the first account as long as no account exists.
 fn where_to_look(at: SocketAddr, account: &FirstAccount, drives: usize, lang: Lang) -> String {
     // The unspecified address cannot be opened.
     let host = match at.ip() {

@@ -166,13 +166,13 @@ fn each_primary_episode_has_a_draft_and_the_demo_says_what_the_checker_says() {
     assert_eq!(checked.code, 1);
     let findings = checked.out.matches("\"severity\": \"error\"").count()
         + checked.out.matches("\"severity\":\"error\"").count();
-    let told: usize = run
+    let reported: usize = run
         .err
         .lines()
         .filter_map(|l| l.trim().split_once(" × label."))
         .map(|(n, _)| n.trim().parse::<usize>().unwrap())
         .sum();
-    assert_eq!(told, findings, "{}", run.err);
+    assert_eq!(reported, findings, "{}", run.err);
     assert!(
         labels
             .iter()

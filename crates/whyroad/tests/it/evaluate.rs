@@ -31,15 +31,15 @@ fn the_demo_meets_its_truth_and_a_worse_truth_fails() {
         ["evaluate", "--episodes", mined, "--format", "json", "--truth", &truth[0], &truth[1], &truth[2]];
     let output = whyroad(&args);
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let entries: usize = truth
         .iter()
         .map(|f| std::fs::read_to_string(f).unwrap().lines().filter(|l| l.contains("keyframe_ns")).count())
         .sum();
-    assert_eq!(told["total"]["truth"], entries);
-    assert_eq!(told["total"]["missed"], 0, "{}", told["missed"]);
-    assert_eq!(told["total"]["spurious"], 0, "{}", told["spurious"]);
-    assert_eq!(told["macro_f1"], 1.0);
+    assert_eq!(report["total"]["truth"], entries);
+    assert_eq!(report["total"]["missed"], 0, "{}", report["missed"]);
+    assert_eq!(report["total"]["spurious"], 0, "{}", report["spurious"]);
+    assert_eq!(report["macro_f1"], 1.0);
 
     // The challenge's figures on the same: everything is found, so what is left is where ranges begin and end.
     let lake = dir.path().join("lake");

@@ -369,7 +369,7 @@ fn one_class_can_be_asked_for() {
     let cutins: Vec<_> =
         all.into_iter().filter(|e| e["scenario_id"].as_str().unwrap().contains(".cutin")).collect();
     assert_eq!(ours, cutins, "asking for less changes nothing in what is found");
-    // All rules were run: what is known of other classes is told as it is, not as "nothing found".
+    // All rules were run: what is known of other classes is reported as it is, not as "nothing found".
     assert_eq!(json(&out.path().join("coverage.json")), json(&everything.path().join("coverage.json")));
     let unknown = mine(lake.path(), out.path(), &["--scenario", "cutn"]);
     assert_eq!(unknown.status.code(), Some(1));
@@ -382,7 +382,7 @@ fn a_class_whose_rules_are_taken_out_has_no_rule() {
     for (name, text) in Framework::bundled_files() {
         let path = folder.path().join(&name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        // Each `mining:` block ends where something stands as far to the left.
+        // Each `mining:` block ends at the next line with the same or less indentation.
         let mut block = None;
         let indent = |l: &str| l.len() - l.trim_start().len();
         let kept = text.lines().filter(|l| {

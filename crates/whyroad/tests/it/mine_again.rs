@@ -74,7 +74,7 @@ fn killed_in_the_middle_it_goes_on_and_says_the_same() {
     child.wait().unwrap();
     let before = mined(&at("lake"));
     assert!(!before.is_empty() && before.len() < 4, "killed in the middle: {before:?} were done");
-    assert!(!at("out").join("episodes.jsonl").exists(), "half a result is none");
+    assert!(!at("out").join("episodes.jsonl").exists(), "half a result must not be published");
 
     // Without its signals a drive that was done could not be mined quickly: nobody looks for them.
     let signals = at("lake").join("drives").join(&before[0]).join("signals");

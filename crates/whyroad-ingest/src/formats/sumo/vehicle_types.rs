@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_model::ObjectClass;
 
-/// What a type tells about everything of it.
+/// What a type says about all its vehicles.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VehicleType {
     pub class: ObjectClass,

@@ -124,7 +124,7 @@ pub(in crate::check) fn circular(
     true
 }
 
-/// Words after which the reason stands, wherever they are.
+/// Words that are followed by the reason, wherever they are.
 const BECAUSE: [&str; 9] =
     ["因为", "由于", "鉴于", "考虑到", "because", "since ", "due to", "owing to", "given that"];
 

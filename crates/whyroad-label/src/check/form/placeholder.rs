@@ -84,7 +84,7 @@ fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
 /// The trace is still what the program wrote.
 pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mut dyn Sink) -> bool {
     let Some(text) = label.trace.get() else { return false };
-    // A draft that says it is one is no fault.
+    // A draft that is marked as one is not a fault.
     if matches!(label.source, Slot::Is(ProvenanceSource::Rule | ProvenanceSource::Model)) {
         return false;
     }

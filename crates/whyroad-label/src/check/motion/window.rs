@@ -10,7 +10,7 @@ use whyroad_model::time::frame_at;
 const FUTURE_S: f64 = 6.0;
 /// A range that lasts longer is not followed to its end.
 const LONGEST_S: f64 = 15.0;
-/// Below this the ego stands, m/s (schema/signals.yaml, standstill).
+/// Below this the ego is at standstill, m/s (schema/signals.yaml, standstill).
 pub(super) const STANDSTILL_MPS: f64 = 0.3;
 
 /// Signals around a keyframe.

@@ -197,7 +197,7 @@ pub fn thumbnail(call: &Call<'_>) -> Answer<Reply> {
     let labels = call.grant.roles.contains(&Role::Annotator);
     let svg = call.app.store.read(|tx| {
         let t = tasks::get(tx, id)?;
-        // It shows the target, which tells the leaf.
+        // It shows the target, which reveals the leaf.
         if t.hides_leaf() {
             return Ok(None);
         }

@@ -3,7 +3,7 @@
 use super::{licences, print, query, refused};
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write, no_project, stop};
-use crate::store_args::{error as told, open_store};
+use crate::store_args::{error as reported, open_store};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::collections::BTreeMap;
@@ -217,7 +217,7 @@ fn files_of(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
 /// Tasks with their history, as `whyroad tasks export --content tasks` writes them.
 fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<LabelStream>> {
     let store = open_store(source, lang)?;
-    let all = store.read(projects::all).map_err(|p| told(&p, lang))?;
+    let all = store.read(projects::all).map_err(|p| reported(&p, lang))?;
     let wanted: BTreeMap<&str, &str> = all
         .iter()
         .filter(|p| project.is_none_or(|name| p.name == name || p.id == name))
@@ -230,7 +230,7 @@ fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<
     wanted
         .into_iter()
         .map(|(name, id)| {
-            let text = transfer::export(&store, id, &ExportFormat::Tasks).map_err(|p| told(&p, lang))?;
+            let text = transfer::export(&store, id, &ExportFormat::Tasks).map_err(|p| reported(&p, lang))?;
             Ok(LabelStream { name: name.to_owned(), lines: Box::new(Cursor::new(text)) })
         })
         .collect()

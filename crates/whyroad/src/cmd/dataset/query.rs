@@ -69,7 +69,7 @@ impl Queries {
     }
 }
 
-/// Classes that a rule's `target` stands for, in the words of `target.class`.
+/// Classes that a rule's `target` covers, in the words of `target.class`.
 fn members(target: &str) -> Option<&'static str> {
     match target {
         "vehicle" => {
@@ -123,7 +123,7 @@ fn inherit(l2: &Block, leaf: Block) -> Block {
     }
 }
 
-/// The text with every parameter and definition replaced by what it stands for.
+/// The text with every parameter and definition replaced by its meaning.
 fn written_out(text: &str, names: &BTreeMap<String, String>) -> String {
     let mut text = text.to_owned();
     for _ in 0..DEPTH {

@@ -35,7 +35,7 @@ pub(super) fn from_files(global: &Global, args: &Args, predictions: &Path) -> an
     finish(global, args, &truth, &predictions, &lost)
 }
 
-/// Truth and predictions from entries and episodes; the lake tells where everything was.
+/// Truth and predictions from entries and episodes; the lake gives all positions.
 pub(super) fn from_lake(
     global: &Global,
     args: &Args,
@@ -114,7 +114,7 @@ fn region(args: &Args) -> anyhow::Result<Option<Region>> {
     Ok(Some(Region::read(&bytes, &read(transform)?)?))
 }
 
-/// Percent, as the challenge tells them.
+/// Percent, as the challenge reports them.
 fn table(scores: &Scores) -> String {
     let width = scores.prompts.keys().map(|p| p.chars().count()).max().unwrap_or(0).max(6);
     let mut out = format!(

@@ -219,7 +219,7 @@ fn outside_images(
     Ok(out.into_iter().collect())
 }
 
-/// Removes the files of a cache: under which key an image is kept cannot be told from the drive.
+/// Removes the files of a cache: the key of an image does not follow from the drive.
 fn empty(cache: &Path) -> anyhow::Result<()> {
     for entry in std::fs::read_dir(cache).into_iter().flatten().flatten() {
         let path = entry.path();

@@ -133,7 +133,7 @@ fn change(c: &Change, lang: Lang, out: &mut String) {
         None => writeln!(out, "  {}  [{step}]", c.id),
     };
     if let (Some(before), Some(after)) = (&c.before, &c.after) {
-        // Where the reader's language did not change, or one side does not have it, the other one tells.
+        // Where the reader's language did not change, or one side does not have it, the other one is shown.
         let other = if lang == Lang::Zh { Lang::En } else { Lang::Zh };
         let (x, y) = (before.get(lang), after.get(lang));
         let shown = if x == y || x.is_empty() || y.is_empty() { other } else { lang };

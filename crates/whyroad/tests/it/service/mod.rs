@@ -145,7 +145,7 @@ pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, numbers: Ra
     numbers.map(tokens).collect()
 }
 
-/// The id of the first project of a service; made, with tasks from its mined folder, where there is none.
+/// The id of the first project of a service; created, with tasks from its mined folder, if it has none.
 pub fn first_project(client: &mut Client) -> String {
     let id = |project: &serde_json::Value| project["id"].as_str().unwrap().to_owned();
     let all = client.get("/projects").good();

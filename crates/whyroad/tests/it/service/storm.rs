@@ -1,4 +1,4 @@
-//! Annotators who save at every change: what each of them was told to be saved is compared with what is there
+//! Annotators who save at every change: what the service confirmed to each of them as saved is compared with what is there
 //! afterwards.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -41,7 +41,7 @@ pub(in crate::check) struct Reading {
     pub mentions: Vec<Mention>,
     /// Byte from which the trace states its decision.
     pub decision_from: usize,
-    /// A word such as "therefore" says so; otherwise it is the last sentence.
+    /// A word such as "therefore" marks it; otherwise it is the last sentence.
     pub marked: bool,
     /// One past the last byte that was read: final punctuation is left out.
     pub end: usize,
