@@ -149,7 +149,7 @@ mod tests {
         let names: Vec<String> = found.iter().map(|f| f.scenario.to_string()).collect();
         assert_eq!(names, ["a.b.most", "a.b.half"]);
         assert_eq!((found[0].held, found[0].conditions, found[0].frame), (2, 3, 9));
-        assert_eq!(found[0].unmet[0].text, "ego.speed > 10 m/s");
+        assert_eq!(found[0].unmet[0].text, "ego.speed > 10m/s");
         assert_eq!(found[0].unmet[0].actual, serde_json::json!(9.0));
         // What always holds brings nothing nearer: of three conditions that hold two are always met.
         let rules = [
