@@ -3,7 +3,7 @@
 //! it.
 
 use crate::assemble::finish::finish;
-use crate::maps::MapBeside;
+use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
 use crate::report::SourceReport;
 use std::fmt;
@@ -143,7 +143,7 @@ impl<'a> DriveSink<'a> {
 
     /// The same sink, which gives every drive the map that the options name.
     pub fn with_map(mut self, options: &'a Options) -> Self {
-        (self.map, self.news) = options.map.get(options);
+        (self.map, self.news) = maps::of_options(options);
         self
     }
 

@@ -2,13 +2,14 @@
 //! it has to lie in the frame of the log's poses, which is checked and never guessed.
 
 mod beside;
+pub(crate) mod cache;
 mod findings;
 mod lanelet2;
 mod opendrive;
 mod options;
 mod signs;
 
-pub(crate) use beside::MapBeside;
+pub(crate) use cache::MapBeside;
 pub(crate) use findings::CODES;
 pub use options::{MAP, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION, OPTIONS};
 
@@ -16,12 +17,11 @@ use crate::encodings::compressed;
 use crate::options::Options;
 use crate::report::RowCount;
 use crate::source::{ContentHash, file_label};
+use cache::Loaded;
 use options::Placement;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
 use whyroad_model::{Diagnostic, RoadMap};
 
 /// Raised when a reader makes something else of the same file, so that drives in a lake are replaced.
@@ -56,25 +56,9 @@ enum MapFault {
     Unplaced(String),
 }
 
-/// The map of [`MAP`], read once for all drives that get it.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct MapCache(Arc<OnceLock<Loaded>>);
-
-#[derive(Debug, Default)]
-struct Loaded {
-    map: Option<MapBeside>,
-    diagnostics: Vec<Diagnostic>,
-    reported: AtomicBool,
-}
-
-impl MapCache {
-    /// The map of these options, if they name one, and what is to be reported, the first time only.
-    pub fn get(&self, options: &Options) -> (Option<&MapBeside>, Vec<Diagnostic>) {
-        let loaded =
-            self.0.get_or_init(|| options.file(&MAP).map(|file| load(file, options)).unwrap_or_default());
-        let news = !loaded.reported.swap(true, Ordering::Relaxed);
-        (loaded.map.as_ref(), if news { loaded.diagnostics.clone() } else { Vec::new() })
-    }
+/// The map of these options, if they name one, and what is to be reported, the first time only.
+pub(crate) fn of_options(options: &Options) -> (Option<&MapBeside>, Vec<Diagnostic>) {
+    options.map.get(|| options.file(&MAP).map(|file| load(file, options)).unwrap_or_default())
 }
 
 /// What a file is, by its first element.

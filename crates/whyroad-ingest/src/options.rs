@@ -1,7 +1,7 @@
 //! Options of an ingest: those that every format understands, and those that an adapter declares. The command line
 //! builds its arguments from the declarations, so an option exists once, beside the code that reads it.
 
-use crate::maps::MapCache;
+use crate::maps::cache::MapCache;
 use std::path::{Path, PathBuf};
 use whyroad_model::{DriveId, Nanos};
 

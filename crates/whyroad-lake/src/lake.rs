@@ -2,7 +2,8 @@
 
 use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
-use crate::packs::{self, Packs, Place};
+use crate::packs::lock;
+use crate::packs::places::{Packs, Place};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
 use crate::{DriveFacts, LAKE_VERSION, LAYOUTS, LakeError, PACKED_VERSION};
 use crate::{clip_metadata, file, leftovers, validity};
@@ -316,7 +317,7 @@ impl Lake {
                 let _ = fs::remove_dir_all(&fresh);
             },
         )?;
-        let _lock = packs::changing(&self.dir)?;
+        let _lock = lock::changing(&self.dir)?;
         // Signals and small files over a packed drive go with what they lie over.
         let (aside, packed) = (target.exists(), self.last_catalogue().find(id).is_some());
         if aside {

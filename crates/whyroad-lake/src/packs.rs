@@ -11,9 +11,10 @@
 mod catalogue;
 mod compact;
 mod fingerprint;
-mod lock;
+pub(crate) mod lock;
 mod member;
 mod open_pack;
+pub(crate) mod places;
 mod splice;
 mod unpack;
 mod write;
@@ -23,6 +24,7 @@ pub use compact::{Compaction, CompactionOptions};
 
 pub(crate) use lock::{changing, replacing};
 pub(crate) use open_pack::OpenPack;
+pub(crate) use places::Place;
 
 use crate::lake::MANIFEST;
 use crate::manifest::DriveManifest;
@@ -36,43 +38,6 @@ pub(crate) const FOLDER: &str = "packs";
 
 /// Packs whose footers are kept in memory.
 const OPEN_PACKS: usize = 8;
-
-/// What is known of a lake's packs, shared by all clones of a [`Lake`].
-#[derive(Debug, Default)]
-pub(crate) struct Packs {
-    catalogue: Mutex<Arc<Catalogue>>,
-    /// The pack used last is first.
-    open: Mutex<Vec<Arc<OpenPack>>>,
-}
-
-/// Where a drive is.
-#[derive(Clone, Debug)]
-pub(crate) enum Place {
-    /// A folder of its own.
-    Loose(PathBuf),
-    /// A pack, and which drive of it.
-    Packed(Arc<OpenPack>, usize),
-}
-
-impl PartialEq for Place {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Loose(a), Self::Loose(b)) => a == b,
-            (Self::Packed(a, i), Self::Packed(b, j)) => a.dir == b.dir && i == j,
-            _ => false,
-        }
-    }
-}
-
-impl Place {
-    /// The file of this name, for messages.
-    pub fn path(&self, name: &str) -> PathBuf {
-        match self {
-            Self::Loose(dir) => dir.join(name),
-            Self::Packed(pack, _) => pack.dir.join(name),
-        }
-    }
-}
 
 fn guard<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)

@@ -47,6 +47,17 @@ impl Problem {
         Self::request(format!("{zh}（{at}）"), e).with(serde_json::json!({ "detail": e.to_string() }))
     }
 
+    /// The results of mining cannot be read.
+    pub fn mined_unreadable(why: Bilingual) -> Self {
+        let (zh, en) = (why.zh, why.en);
+        Self::new(
+            422,
+            "mined.unreadable",
+            format!("挖掘结果无法读取：{zh}"),
+            format!("the mined folder cannot be read: {en}"),
+        )
+    }
+
     /// Nobody is signed in.
     pub fn sign_in() -> Self {
         Self::new(401, "session.required", "请先登录", "sign in first")

@@ -29,12 +29,15 @@ mod noise;
 mod objects;
 #[cfg(test)]
 mod simulated;
+mod sizes;
 mod smoother;
 mod standing;
 mod walker;
 
 pub use derived::add_derived;
 pub use estimated::{DriveNoise, Estimated, estimated, noise};
+pub(crate) use sizes::with_possible_sizes;
+
 pub use noise::{LogNoise, Noise};
 pub use objects::Joined;
 pub use smoother::Deviations;

@@ -12,7 +12,6 @@ pub mod estimate;
 pub mod geometry;
 mod needs;
 mod series;
-mod sizes;
 mod table;
 
 // Stages in the order in which they build on one another; a test forbids imports against this order.

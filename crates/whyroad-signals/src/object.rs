@@ -13,10 +13,10 @@ pub use scene::{Objects, WithPairs};
 
 use crate::catalogue::Catalogue;
 use crate::estimate::estimate;
+use crate::estimate::with_possible_sizes;
 use crate::needs::missing;
 use crate::road::network::Road;
 use crate::series::seconds;
-use crate::sizes::with_possible_sizes;
 use body::Body;
 use lanes::BodyLanes;
 use scene::Scene;

@@ -65,8 +65,8 @@ pub fn latest(times: &[f64], frames: &[f64], max_age_s: f64) -> Vec<Option<usize
         .collect()
 }
 
-/// Of the samples since the frame before, at most `frame_s` ago, the one of greatest magnitude: for what is shorter than a
-/// frame.
+/// Of the samples since the frame before, at most `frame_s` ago, the one of greatest magnitude: for what is shorter
+/// than a frame.
 pub fn greatest(times: &[f64], values: &[f64], frames: &[f64], frame_s: f64) -> Vec<f64> {
     let within = |t: f64| {
         let from = times.partition_point(|s| *s <= t - frame_s + SAME_S);

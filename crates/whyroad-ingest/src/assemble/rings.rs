@@ -1,5 +1,5 @@
-//! Roundabouts of a map that names none: lanes that lead round in a circle. A block of streets is a ring of lanes too, but
-//! has straight sides; so has a loop road.
+//! Roundabouts of a map that names none: lanes that lead round in a circle. A block of streets is a ring of lanes too,
+//! but has straight sides; so has a loop road.
 
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::geometry::{contains, distance};

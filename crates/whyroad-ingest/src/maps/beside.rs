@@ -1,8 +1,9 @@
 //! A map file beside a drive: cut to the drive's surroundings, and what is checked.
 
+use super::cache::MapBeside;
 use super::findings;
 use crate::assemble::geometry::{distance, length};
-use crate::report::{RowCount, SourceReport};
+use crate::report::SourceReport;
 use std::collections::{BTreeSet, HashSet};
 use whyroad_model::road_map::{Area, Point3};
 use whyroad_model::scene::FrameOfReference;
@@ -16,17 +17,6 @@ const CELL_M: f64 = 50.0;
 const ON_MAP_M: f64 = 15.0;
 /// Fewer vehicles say nothing.
 const MIN_VEHICLES: usize = 5;
-
-/// A map that was read.
-#[derive(Debug)]
-pub(crate) struct MapBeside {
-    pub map: RoadMap,
-    pub name: String,
-    /// The file, as the user named it.
-    pub label: String,
-    pub hash: String,
-    pub tables: Vec<RowCount>,
-}
 
 impl MapBeside {
     /// Hash of a drive's content together with this map.

@@ -12,6 +12,7 @@ mod lanes;
 mod links;
 mod marks;
 mod plan_view;
+mod spans;
 
 use super::MapReading;
 use crate::assemble::layers;

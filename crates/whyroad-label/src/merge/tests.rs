@@ -78,8 +78,8 @@ fn all(draft: &Value, lists: [&[FieldChange]; 2]) -> Option<Value> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
-    /// Where no conflict is reported, mine on theirs equals theirs on mine: nothing of either is lost. (Two that append are
-    /// distinguished by order alone, so they are left out.)
+    /// Where no conflict is reported, mine on theirs equals theirs on mine: nothing of either is lost. (Two that
+    /// append are distinguished by order alone, so they are left out.)
     #[test]
     fn what_does_not_conflict_merges_the_same_both_ways(
         mine in proptest::collection::vec(changes(), 1..4),

@@ -67,8 +67,8 @@ struct Decided {
 }
 
 /// Signals that the drive does not have, when the rule needs any: "nothing found" would claim too much, unless the
-/// condition is known to be false in every row whatever those signals were. Where the drive has them all and yet not one
-/// row could be decided, those that are never known.
+/// condition is known to be false in every row whatever those signals were. Where the drive has them all and yet not
+/// one row could be decided, those that are never known.
 fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<String> {
     let signals = rule.needs();
     let of_pair = |s: &String| table.pairs.as_ref().and_then(|p| p.columns.get(s));

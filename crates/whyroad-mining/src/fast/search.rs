@@ -90,8 +90,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Signals that the drive does not have, when the rule needs any and its condition is not known to be false in every row
-/// without them; where it has them all and yet not one row could be decided, those that are never known.
+/// Signals that the drive does not have, when the rule needs any and its condition is not known to be false in every
+/// row without them; where it has them all and yet not one row could be decided, those that are never known.
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
     let of = |wanted: Option<bool>| -> BTreeSet<String> {
         rule.needs.iter().filter(|s| signals.present.get(*s).copied() == wanted).cloned().collect()

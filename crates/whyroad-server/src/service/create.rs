@@ -6,7 +6,6 @@ use crate::domain::project::Project;
 use crate::domain::task::{CreateTasks, Created, LostEpisode};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
-use crate::service::mined::unreadable;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, projects, thumbnail, veil};
 use crate::store::Tx;
@@ -194,7 +193,7 @@ impl<'a> Episodes<'a> {
         let Some(name) = self.mined else { return Ok(()) };
         let page =
             self.app.recordings.episodes(name, &EpisodeFilter::default(), self.next, EPISODES_PER_PAGE);
-        let page = page.ok_or_else(Problem::missing)?.map_err(unreadable)?;
+        let page = page.ok_or_else(Problem::missing)?.map_err(Problem::mined_unreadable)?;
         self.ready = page.episodes.into();
         self.next = page.next;
         Ok(())
@@ -206,7 +205,7 @@ impl<'a> Episodes<'a> {
             None => self.ready.len() as u64,
             Some(name) => {
                 let all = self.app.recordings.episode_count(name, &EpisodeFilter::default());
-                let all = all.ok_or_else(Problem::missing)?.map_err(unreadable)?;
+                let all = all.ok_or_else(Problem::missing)?.map_err(Problem::mined_unreadable)?;
                 all.saturating_sub(self.taken)
             }
         };

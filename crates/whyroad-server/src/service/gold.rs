@@ -1,9 +1,9 @@
 //! Gold tasks: copies of accepted episodes, each for one annotator, compared with the known answer once handed in.
 //!
-//! Nothing that an annotator can get distinguishes a copy from other tasks. Its id is random; its priority, its moment of
-//! making and the size of its overlap group are those of an ordinary task that waits in the project, so that neither
-//! order nor history gives it away; no field of a task names it, and it goes through check and audit like any other.
-//! Only the queue knows for whom it was made.
+//! Nothing that an annotator can get distinguishes a copy from other tasks. Its id is random; its priority, its moment
+//! of making and the size of its overlap group are those of an ordinary task that waits in the project, so that
+//! neither order nor history gives it away; no field of a task names it, and it goes through check and audit like any
+//! other. Only the queue knows for whom it was made.
 
 use crate::app::App;
 use crate::domain::gold::{GoldPerson, GoldRefused, GoldReport, GoldStanding, GoldTask, MadeGold, NewGold};

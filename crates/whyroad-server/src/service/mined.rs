@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::path::PathBuf;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
-use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId};
+use whyroad_model::{DriveId, Nanos, ScenarioId};
 
 /// Episodes on a page when nothing is said, and at most.
 const USUAL: usize = 50;
@@ -56,15 +56,6 @@ pub struct EpisodeName<'a> {
     pub episode: &'a str,
 }
 
-pub(super) fn unreadable(why: Bilingual) -> Problem {
-    Problem::new(
-        422,
-        "mined.unreadable",
-        format!("挖掘结果无法读取：{}", why.zh),
-        format!("the mined folder cannot be read: {}", why.en),
-    )
-}
-
 fn class(text: &str) -> Answer<ScenarioId> {
     text.parse().map_err(|_| {
         Problem::request(format!("'{text}' 不是场景编号"), format!("'{text}' is not the id of a class"))
@@ -89,7 +80,10 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
     let total = match wanted.cursor {
         Some(_) => None,
         None => Some(
-            app.recordings.episode_count(mined, &filter).ok_or_else(Problem::missing)?.map_err(unreadable)?,
+            app.recordings
+                .episode_count(mined, &filter)
+                .ok_or_else(Problem::missing)?
+                .map_err(Problem::mined_unreadable)?,
         ),
     };
     let mut items = Vec::new();
@@ -98,7 +92,7 @@ pub fn page(app: &App, project: &str, mined: &str, user: &str, wanted: &Wanted<'
         // One more than needed is never read: the folder says where to go on.
         let n = if wanted.unjudged { (limit - items.len()).min(PAGE) } else { limit };
         let page = app.recordings.episodes(mined, &filter, next, n).ok_or_else(Problem::missing)?;
-        let page = page.map_err(unreadable)?;
+        let page = page.map_err(Problem::mined_unreadable)?;
         passed += page.episodes.len();
         let cards = app.store.report(|tx| cards(tx, project, user, &page.episodes))?;
         items.extend(cards.into_iter().filter(|c| !wanted.unjudged || c.verdict.is_none()));
@@ -155,7 +149,7 @@ pub fn find(app: &App, name: EpisodeName<'_>) -> Answer<EpisodeRecord> {
     let mut next = None;
     loop {
         let page = app.recordings.episodes(name.mined, &filter, next, PAGE).ok_or_else(Problem::missing)?;
-        let page = page.map_err(unreadable)?;
+        let page = page.map_err(Problem::mined_unreadable)?;
         if let Some(found) = page.episodes.into_iter().find(|e| e.episode_id == name.episode) {
             return Ok(found);
         }
@@ -405,7 +399,7 @@ pub fn similar(
 ) -> Answer<SimilarEpisodes> {
     let e = find(app, name)?;
     let found = app.recordings.similar(name.mined, &e, limit.clamp(1, MOST)).ok_or_else(Problem::missing)?;
-    let found = found.map_err(unreadable)?;
+    let found = found.map_err(Problem::mined_unreadable)?;
     let episodes: Vec<EpisodeRecord> = found.nearest.iter().map(|(e, _)| e.clone()).collect();
     let cards = app.store.report(|tx| cards(tx, project, user, &episodes))?;
     let items = cards

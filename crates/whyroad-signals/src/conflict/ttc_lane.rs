@@ -1,6 +1,7 @@
 //! TTC along the lane: how soon the ego would be at a target if it went on in its lane as it is now. The driven path
 //! knows that the ego will go round a cyclist, TTC along it counts who rides at the lane's side though the ego would
-//! slip by, and boxes at constant velocity leave a bend: none gives the moment when the cyclist began to concern the ego.
+//! slip by, and boxes at constant velocity leave a bend: none gives the moment when the cyclist began to concern the
+//! ego.
 
 use crate::conflict::ttc::CLOSING_LEAST_MPS;
 use crate::geometry::{OrientedBox, P2, wrap};

@@ -42,7 +42,7 @@ fn a_lake_is_listed_and_a_clip_is_shown() {
         "crosswalks 1, facilities 1, junctions 1, lanes 12, lanes in junctions 2, stop lines 1",
         "tables: clips, frames, tracks, ego, map\n",
         "not in the log: traffic lights",
-        "not observable (needs traffic lights): light.distance_to_stop_line, light.previous, light.state,",
+        "not observable (needs traffic lights): light.countdown, light.distance_to_stop_line, light.previous,",
     ] {
         assert!(text.contains(part), "no '{part}' in\n{text}");
     }

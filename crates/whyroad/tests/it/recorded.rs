@@ -143,6 +143,10 @@ fn a_log_without_pose_and_map_is_not_observable() {
         let of_drive = |g: &&Value| {
             g["drives"].as_array().unwrap().iter().any(|d| d.as_str().unwrap().starts_with("b87683ae"))
         };
+        // The log's classes include animals, and none of its objects is one: that is known without pose and map.
+        if leaf["scenario_id"].as_str().unwrap().starts_with("reactive_agent.animal.") {
+            continue;
+        }
         let gap = gaps.iter().find(of_drive);
         assert!(!gap.unwrap()["missing_signals"].as_array().unwrap().is_empty(), "{leaf}");
     }

@@ -12,8 +12,10 @@ use whyroad_model::road_map::{Lane, LaneKind, Point3};
 /// The front of a vehicle lies this near to a lane's centre line, m: half a lane, and as much for a change of lane, for
 /// overtaking and for stops beside the road.
 const NEAR_M: f64 = 4.0;
-/// At least this share of the probes lies on a network that is the log's own; at less than the first it is another's.
-const OWN: f64 = 0.8;
+/// Less than this share of the probes on the network, and it is another log's. Of the log's own network a quarter may
+/// be missing: cyclists ride where it has no lane.
+const OWN: f64 = 0.5;
+/// Less than this share, and some vehicles drive where the network has no lane.
 const WHOLE: f64 = 0.98;
 /// Fewer probes than this prove nothing: two vehicles' worth. `ingest.map.off` still looks at the ego.
 const LEAST_PROBES: usize = 40;

@@ -1,8 +1,8 @@
 //! Lanelets: a left and a right bound each. Which lanelets follow or lie beside each other is not written in the file:
 //! those that share the end points of their bounds follow, those that share a bound lie beside each other.
 
-use super::Ground;
 use super::document::{Document, MemberKind, Relation, Tags};
+use super::ground::Ground;
 use crate::assemble::geometry::{between, centre_line, edges_oppose};
 use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, HashMap};

@@ -1,7 +1,7 @@
 //! Regulatory elements: lights, right of way, limits and signs, with the lines at which lanelets stop for them.
 
-use super::Ground;
 use super::document::{Document, MemberKind, Relation};
+use super::ground::Ground;
 use super::lanelets::Lanelets;
 use crate::maps::{MapReading, signs};
 use std::collections::{BTreeMap, BTreeSet, HashMap};

@@ -1,7 +1,7 @@
 //! Marks on the edges of lanes, as seen in driving direction.
 
 use super::document::{DocLane, Mark};
-use super::lanes::longest;
+use super::spans::longest;
 use whyroad_model::road_map::LaneMark;
 
 /// Marks on the left and right edge of a lane. A lane's own marks are those of its outer edge; `inner` are those of the

@@ -1,5 +1,5 @@
-//! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause where removing something
-//! that the label does not name would have let the ego drive on.
+//! The named cause against its counterfactual: a cause whose removal changes nothing is not a cause where removing
+//! something that the label does not name would have let the ego drive on.
 
 use super::window::Window;
 use crate::check::texts::Texts;

@@ -2,8 +2,8 @@
 
 use whyroad_model::Drive;
 
-/// From this on it is a hole or hump and not the texture of the road, m/s2: 0.4 g, the threshold of Mednis et al., "Real
-/// time pothole detection using Android smartphones with accelerometers" (DCOSS 2011).
+/// From this on it is a hole or hump and not the texture of the road, m/s2: 0.4 g, the threshold of Mednis et al.,
+/// "Real time pothole detection using Android smartphones with accelerometers" (DCOSS 2011).
 const SHOCK_MPS2: f64 = 3.92;
 /// Slower, doors and loading shake the car as much, m/s.
 const DRIVING_MPS: f64 = 2.0;

@@ -123,8 +123,9 @@ mod tests {
         (sun.elevation.to_degrees(), sun.azimuth.to_degrees())
     }
 
-    /// Reda and Andreas, "Solar position algorithm for solar radiation applications", NREL/TP-560-34302 (2008), appendix
-    /// A.5: 2003-10-17, 12:30:30 at UTC-7, 39.742476 N 105.1786 W: zenith 50.11162 deg, azimuth 194.34024 deg.
+    /// Reda and Andreas, "Solar position algorithm for solar radiation applications", NREL/TP-560-34302 (2008),
+    /// appendix A.5: 2003-10-17, 12:30:30 at UTC-7, 39.742476 N 105.1786 W: zenith 50.11162 deg, azimuth 194.34024
+    /// deg.
     #[test]
     fn the_sun_is_where_nrel_publishes_it() {
         let (elevation, azimuth) = at(39.742_476, -105.178_6, "2003-10-17T19:30:30Z");
@@ -132,8 +133,8 @@ mod tests {
         assert!((azimuth - 194.340_24).abs() < 0.03, "{azimuth}");
     }
 
-    /// On the equator at the March equinox of 2024 (20 March, 03:06 UTC) the sun passes the zenith within a degree; half
-    /// a day later it is under the horizon.
+    /// On the equator at the March equinox of 2024 (20 March, 03:06 UTC) the sun passes the zenith within a degree;
+    /// half a day later it is under the horizon.
     #[test]
     fn at_the_equinox_the_sun_passes_over_the_equator() {
         // Noon at longitude 0 is 12:07:30 UTC that day: the equation of time is -7.5 min.

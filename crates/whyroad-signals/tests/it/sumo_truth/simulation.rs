@@ -34,8 +34,8 @@ pub struct LaneChange {
     pub side: i32,
 }
 
-/// One encounter as the SSM device of `ego` reports it. Codes: 2 following as follower, 3 as leader, 6 merging as leader,
-/// 7 as follower, 10 crossing as leader, 11 as follower, 12 to 17 in and behind the conflict area.
+/// One encounter as the SSM device of `ego` reports it. Codes: 2 following as follower, 3 as leader, 6 merging as
+/// leader, 7 as follower, 10 crossing as leader, 11 as follower, 12 to 17 in and behind the conflict area.
 #[derive(Default)]
 pub struct Conflict {
     pub ego: String,

@@ -1,5 +1,5 @@
-//! Annotators who save at every change: what the service confirmed to each of them as saved is compared with what is there
-//! afterwards.
+//! Annotators who save at every change: what the service confirmed to each of them as saved is compared with what is
+//! there afterwards.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use super::http::Client;
