@@ -1,11 +1,12 @@
 //! Packed drives are read as loose ones are; whatever happens to a compaction, every drive is there once.
 
+use crate::folders::{copy, files};
 use crate::round_trip::{drive, shown, small_drive};
 use crate::signals::{one, same_columns, table};
 use proptest::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use whyroad_lake::{CompactionOptions, DriveFacts, Lake, WriteOutcome};
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Drive, DriveId, Nanos, Need, SignalTable};
@@ -68,30 +69,6 @@ fn complete(dir: &Path, ids: &[&str]) {
 
 fn folders(dir: &Path) -> usize {
     fs::read_dir(dir.join("drives")).unwrap().count()
-}
-
-/// Every file below a folder.
-fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let (mut found, mut todo) = (BTreeMap::new(), vec![dir.to_owned()]);
-    while let Some(at) = todo.pop() {
-        for entry in fs::read_dir(at).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                todo.push(path);
-            } else {
-                found.insert(path.strip_prefix(dir).unwrap().to_owned(), fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn copy(from: &Path, to: &Path) {
-    for (path, content) in files(from) {
-        let path = to.join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, content).unwrap();
-    }
 }
 
 proptest! {

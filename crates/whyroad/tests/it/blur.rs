@@ -3,9 +3,10 @@
 #![cfg(unix)]
 
 use crate::dataset_images::{RATE_HZ, lake_with_images};
+use crate::folders::files;
 use crate::service::http::{Answer, Client};
 use crate::service::{Service, demo, first_project};
-use crate::session::{files, whyroad_in};
+use crate::session::whyroad_in;
 use serde_json::Value;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,8 @@
 //! is named. A mined folder afterwards is that of a lake that never had the drive.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::session::{self, Run, files, root, whyroad_in};
+use crate::folders::{self, files};
+use crate::session::{Run, root, whyroad_in};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -54,7 +55,7 @@ fn good(run: Run) -> Run {
 
 fn copy() -> TempDir {
     let dir = tempfile::tempdir().unwrap();
-    session::copy(MADE.path(), dir.path());
+    folders::copy(MADE.path(), dir.path());
     dir
 }
 

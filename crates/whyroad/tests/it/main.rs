@@ -1,6 +1,8 @@
 //! The commands as their users run them: one test binary for the whole crate.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "../../../whyroad-model/testing/folders.rs"]
+mod folders;
 #[path = "../../../whyroad-server/tests/it/postgres_server.rs"]
 mod postgres;
 #[path = "../../../whyroad-model/testing/require.rs"]

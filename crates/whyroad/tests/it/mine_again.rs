@@ -3,7 +3,7 @@
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::session::{copy, files};
+use crate::folders::{copy, files};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

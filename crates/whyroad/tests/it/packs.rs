@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::duckdb;
-use crate::session::{Run, copy, files, root, whyroad_in};
+use crate::folders::{copy, files};
+use crate::session::{Run, root, whyroad_in};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

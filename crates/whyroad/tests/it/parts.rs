@@ -3,7 +3,8 @@
 #![cfg(unix)] // a process is killed without warning
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::session::{Run, copy, files, root, whyroad_in};
+use crate::folders::{copy, files};
+use crate::session::{Run, root, whyroad_in};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;

@@ -130,11 +130,14 @@ pub(super) fn tag_feeders(edges: &[&Vec<String>], lanes: &mut BTreeMap<String, L
             ramps.extend(inside);
         }
     }
-    for id in ramps {
-        if let Some(l) = lanes.get_mut(&id)
-            && !l.is_tagged("ramp")
-        {
-            l.tags.push("ramp".to_owned());
+    tag(ramps, lanes);
+}
+
+/// Tags lanes as ramps.
+fn tag(ids: impl IntoIterator<Item = String>, lanes: &mut BTreeMap<String, Lane>) {
+    for id in ids {
+        if let Some(lane) = lanes.get_mut(&id).filter(|l| !l.is_tagged("ramp")) {
+            lane.tags.push("ramp".to_owned());
         }
     }
 }
@@ -199,12 +202,7 @@ pub(super) fn tag_branches(meetings: &BTreeMap<&str, Vec<Meeting<'_>>>, lanes: &
             };
         }
     }
-    let ramps: Vec<String> = ramps.into_iter().map(str::to_owned).collect();
-    for id in ramps {
-        if let Some(lane) = lanes.get_mut(&id).filter(|l| !l.is_tagged("ramp")) {
-            lane.tags.push("ramp".to_owned());
-        }
-    }
+    tag(ramps.into_iter().map(str::to_owned), lanes);
 }
 
 /// Tags the pieces of lane inside a node that lie between ramps and nothing else: a node may cut a ramp in two, and the
@@ -220,9 +218,5 @@ pub(super) fn tag_joints(lanes: &mut BTreeMap<String, Lane>) {
         .filter(|(id, l)| id.starts_with(':') && !l.in_junction && !l.is_tagged("ramp") && between(l))
         .map(|(id, _)| id.clone())
         .collect();
-    for id in joints {
-        if let Some(l) = lanes.get_mut(&id) {
-            l.tags.push("ramp".to_owned());
-        }
-    }
+    tag(joints, lanes);
 }
