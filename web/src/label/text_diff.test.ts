@@ -18,6 +18,14 @@ test("a character or a word that was put in is the only one marked", () => {
   ]);
 });
 
+test("a text that was written again is shown whole, not character by character", () => {
+  const [before, after] = ["自车沿本车道行驶，左前方的轿车正越过车道线", "左侧车道的车在前方 22 m 处压线切入"];
+  assert.deepEqual(difference(before, after), [
+    { kind: "removed", text: before },
+    { kind: "added", text: after },
+  ]);
+});
+
 test("both texts can be read back", () => {
   for (const [a, b] of [["", "新"], ["旧", ""], ["a b c d", "c d a b"], ["前车减速", "前车 3 s 后减速并停下"], ["x ".repeat(700), "y ".repeat(700)]] as const) {
     const pieces = difference(a, b);

@@ -10,12 +10,15 @@ const MOST_WORDS = 600;
 
 const words = (text: string): string[] => text.match(/\p{Script=Han}|[^\p{Script=Han}\s]+|\s+/gu) ?? [];
 
+/** Below this share of the shorter text, what both have in common are single words by chance: each is shown whole. */
+const LEAST_SHARED = 0.5;
+
 /** The pieces of `before` and `after` in reading order, by their longest common subsequence. */
 export function difference(before: string, after: string): Piece[] {
   const a = words(before);
   const b = words(after);
   if (a.length > MOST_WORDS || b.length > MOST_WORDS) {
-    return before === after ? [{ kind: "same", text: after }] : [{ kind: "removed", text: before }, { kind: "added", text: after }];
+    return before === after ? [{ kind: "same", text: after }] : replaced(before, after);
   }
   const width = b.length + 1;
   const common = new Uint16Array((a.length + 1) * width);
@@ -48,5 +51,11 @@ export function difference(before: string, after: string): Piece[] {
       j++;
     }
   }
-  return out;
+  const shared = out.reduce((n, piece) => (piece.kind === "same" ? n + piece.text.length : n), 0);
+  return shared < LEAST_SHARED * Math.min(before.length, after.length) ? replaced(before, after) : out;
+}
+
+function replaced(before: string, after: string): Piece[] {
+  const both: Piece[] = [{ kind: "removed", text: before }, { kind: "added", text: after }];
+  return both.filter((piece) => piece.text !== "");
 }

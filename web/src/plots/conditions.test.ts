@@ -2,7 +2,7 @@
 // km/h).
 import assert from "node:assert/strict";
 import { test } from "vitest";
-import { comparison, isAbout, noteOf, signalName, thresholdsOf } from "./conditions.ts";
+import { comparison, decidingRank, isAbout, noteOf, signalName, thresholdsOf } from "./conditions.ts";
 import { scaleOf } from "./units.ts";
 
 const met = (condition: string, actual_value: unknown = null) => ({ condition, actual_value });
@@ -29,11 +29,31 @@ test("thresholds are in the shown unit, each once", () => {
 
 test("a condition goes to the row of its signal, whatever the target is called in messages", () => {
   const conditions = [met("target_vehicle.gap < 30m", 12), met("ego.speed > 5m/s", 9), met("0m < target.gap", 12.3456)];
-  assert.equal(noteOf(["target.gap"], conditions), "< 30 m (12 m); > 0 m (12.346 m)");
-  assert.equal(noteOf(["ego.speed", "ego.forward_speed"], conditions), "> 5 m/s (9 m/s)");
-  assert.equal(noteOf(["target.ttc"], conditions), undefined);
-  assert.equal(noteOf(["target.ttc"], [met("target.ttc < 5s", null)]), "< 5 s (?)", "an unknown measurement is not 0");
+  assert.equal(noteOf(["target.gap"], conditions, "en"), "< 30 m (12 m); > 0 m (12.346 m)");
+  assert.equal(noteOf(["ego.speed", "ego.forward_speed"], conditions, "en"), "> 5 m/s (9 m/s)");
+  assert.equal(noteOf(["target.ttc"], conditions, "en"), undefined);
+  assert.equal(noteOf(["target.ttc"], [met("target.ttc < 5s", null)], "en"), "< 5 s (?)", "an unknown measurement is not 0");
   assert.ok(!isAbout("lead.gap", "target.gap"));
+});
+
+test("a note has the row's unit, and an absolute value is said in words", () => {
+  const speed = [met("ego.speed > 10m/s", 20)];
+  assert.equal(noteOf(["ego.speed"], speed, "zh", scaleOf("m/s", "km/h")), "> 36 km/h (72 km/h)");
+  const angle = [met("target.crossing_angle >= 60deg", 90)];
+  assert.equal(noteOf(["target.crossing_angle"], angle, "en", scaleOf("rad", "km/h")), "≥ 60 ° (90 °)");
+  assert.equal(noteOf(["target.crossing_angle"], angle, "en"), "≥ 60 ° (90 °)");
+  const aside = [met("abs(target.path_lateral) < 7m", -6.27)];
+  assert.equal(noteOf(["target.path_lateral"], aside, "zh"), "±7 m 以内 (-6.27 m)");
+  assert.equal(noteOf(["target.path_lateral"], aside, "en"), "within ±7 m (-6.27 m)");
+  assert.equal(noteOf(["ego.accel"], [met("abs(ego.accel) >= 2m/s2", 3)], "zh"), "超出 ±2 m/s² (3 m/s²)");
+});
+
+test("the condition of the class itself decides more than what it shares, a comparison with 0 least", () => {
+  // As `whyroad mine` writes them for an urgent cut-in.
+  const conditions = ["target.wheel_over_line", "target.thw < 2s", "target.gap >= 0m", "target.ttc < 3s"].map((c) => met(c, 1));
+  const order = ["target.gap", "target.thw", "target.ttc"].sort((a, b) => decidingRank(a, conditions) - decidingRank(b, conditions));
+  assert.deepEqual(order, ["target.ttc", "target.thw", "target.gap"]);
+  assert.equal(decidingRank("target.speed", conditions), Infinity);
 });
 
 test("a signal is named by the first clause of its meaning", () => {

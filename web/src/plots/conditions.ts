@@ -70,17 +70,56 @@ export function thresholdsOf(signals: readonly string[], conditions: readonly Ma
   return [...new Set(values)].sort((a, b) => a - b);
 }
 
-/** A comparison without its signal, and the measured value: `< 30 m (12 m)`. */
-export function comparisonText(c: Comparison, actual: unknown): string {
-  const subject = c.absolute ? "|·| " : "";
-  const measured = typeof actual === "number" ? `${Math.round(actual * 1000) / 1000} ${c.unit}`.trim() : "?";
-  return `${subject}${c.operator.replace("<=", "≤").replace(">=", "≥").replace("==", "=").replace("!=", "≠")} ${c.text} (${measured})`;
+/** Units as people write them, by the rule language's spelling; others are the same. */
+const SHOWN_UNITS: Record<string, string> = {
+  deg: "°", "deg/s": "°/s", "m/s2": "m/s²", "m/s3": "m/s³", "/m": "1/m",
+};
+const SIGNS: Record<Comparison["operator"], string> = { "<": "<", "<=": "≤", ">": ">", ">=": "≥", "==": "=", "!=": "≠" };
+
+/**
+ * A comparison without its signal, and the measured value: `< 30 m (12 m)`; of an absolute value, `within ±30 m`. In
+ * the unit of `scale` where one is given, else in the rule's.
+ */
+export function comparisonText(c: Comparison, actual: unknown, reader: "zh" | "en", scale?: Scale): string {
+  const unit = scale?.unit ?? SHOWN_UNITS[c.unit] ?? c.unit;
+  const factor = scale ? (IN_BASE[c.unit] ?? 1) * scale.by : 1;
+  const shown = (number: number): string => `${Math.round(number * factor * 1000) / 1000} ${unit}`.trim();
+  const measured = typeof actual === "number" ? shown(actual) : "?";
+  const limit = shown(c.value / (IN_BASE[c.unit] ?? 1));
+  return `${c.absolute ? aboutZero(c.operator, limit, reader) : `${SIGNS[c.operator]} ${limit}`} (${measured})`;
+}
+
+/** A limit of an absolute value in words. */
+function aboutZero(operator: Comparison["operator"], limit: string, reader: "zh" | "en"): string {
+  if (operator === "==" || operator === "!=") return `${SIGNS[operator]} ±${limit}`;
+  const inside = operator.startsWith("<");
+  if (reader === "zh") return inside ? `±${limit} 以内` : `超出 ±${limit}`;
+  return `${inside ? "within" : "beyond"} ±${limit}`;
 }
 
 /** What the rule compared these signals with; undefined without any comparison. */
-export function noteOf(signals: readonly string[], conditions: readonly MatchedCondition[]): string | undefined {
-  const notes = comparisonsOf(signals, conditions).map(({ c, actual }) => comparisonText(c, actual));
+export function noteOf(
+  signals: readonly string[],
+  conditions: readonly MatchedCondition[],
+  reader: "zh" | "en",
+  scale?: Scale,
+): string | undefined {
+  const notes = comparisonsOf(signals, conditions).map(({ c, actual }) => comparisonText(c, actual, reader, scale));
   return notes.length > 0 ? notes.join("; ") : undefined;
+}
+
+/**
+ * How much a rule's comparison with `signal` decides, the most first: the conditions of the class itself come last in
+ * a rule, after those that it shares with its siblings; a comparison with 0 mostly says that there is a value at all.
+ * `Infinity` where the rule does not compare it.
+ */
+export function decidingRank(signal: string, conditions: readonly MatchedCondition[]): number {
+  const ranks = conditions.map(({ condition }, at) => {
+    const c = comparison(condition);
+    if (!c || !isAbout(c.signal, signal)) return Infinity;
+    return conditions.length - at + (c.value === 0 ? conditions.length : 0);
+  });
+  return Math.min(Infinity, ...ranks);
 }
 
 const FIRST_CLAUSE = /^(.*?)(?:[，。；：（,;:(]|\.(?=\s|$)|$)/;

@@ -1,6 +1,6 @@
 // Signal rows of the timeline: the signals that the rule reads, beside the four plots of LABELING.md 6. Pure.
 import type { MatchedCondition, SceneView } from "../api/types.ts";
-import { noteOf, signalName, thresholdsOf } from "./conditions.ts";
+import { decidingRank, noteOf, signalName, thresholdsOf } from "./conditions.ts";
 import { type Column, columnOf } from "./series.ts";
 import { type Scale, scaled, scaleOf, type SpeedUnit } from "./units.ts";
 
@@ -41,14 +41,17 @@ export function signalRows(
   conditions: readonly MatchedCondition[],
   reader: { speeds: SpeedUnit; lang: "zh" | "en" },
 ): SignalRow[] {
-  // What the rule compares with a number decides most: first. Then what else it reads, then the rest; of each what has
-  // a value anywhere before what has none.
-  const rank = (id: string): number => (noteOf([id], conditions) ? 0 : read.includes(id) ? 1 : 2);
+  // What the rule compares with a number decides most: first, what belongs to the class itself before what it shares.
+  // Then what else it reads, then the rest; of each what has a value anywhere before what has none.
+  const deciding = new Map(Object.keys(scene.signals).map((id) => [id, decidingRank(id, conditions)]));
+  const compared = (id: string): number => deciding.get(id) ?? Infinity;
+  const rank = (id: string): number => (compared(id) < Infinity ? 0 : read.includes(id) ? 1 : 2);
+  const before = (a: number, b: number): number => (a < b ? -1 : a > b ? 1 : 0);
   const isEmpty = (id: string): number => ((scene.signals[id] ?? []).every((v) => v === null || v === "none") ? 1 : 0);
   const position = (id: string): number => (read.includes(id) ? read.indexOf(id) : Infinity);
   const meaningOf = (id: string): string | undefined => scene.about[id]?.meaning[reader.lang];
   return Object.keys(scene.signals)
-    .sort((a, b) => rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || (position(a) < position(b) ? -1 : position(a) > position(b) ? 1 : 0))
+    .sort((a, b) => rank(a) - rank(b) || isEmpty(a) - isEmpty(b) || before(compared(a), compared(b)) || before(position(a), position(b)))
     .filter((id) => !SHOWN.has(id))
     .map((id) => {
       const about = scene.about[id];
@@ -63,7 +66,7 @@ export function signalRows(
         scale,
         meaning: [meaning, id].filter(Boolean).join("\n"),
         inRule: rank(id) < 2,
-        note: noteOf([id], conditions),
+        note: noteOf([id], conditions, reader.lang, scale),
         thresholds: thresholdsOf([id], conditions, scale),
         axisMax: isTimeToEvent(id, about?.unit) ? TIME_AXIS_MAX_S * scale.by : undefined,
       };

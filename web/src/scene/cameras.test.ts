@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import type { CameraView } from "../api/types.ts";
-import { nextCamera, chosenCamera } from "./cameras.ts";
+import { cameraName, chosenCamera, nextCamera } from "./cameras.ts";
 
 const camera = (name: string, pictures: number): CameraView => ({
   camera: name,
@@ -15,6 +15,14 @@ test("a name that this drive has is kept, else the first camera with pictures is
   assert.equal(chosenCamera(all, "side")?.camera, "front");
   assert.equal(chosenCamera([camera("roof", 0)], "")?.camera, "roof");
   assert.equal(chosenCamera([], "front"), undefined);
+});
+
+test("names of PhysicalAI-AV, nuScenes and Argoverse are words; others stay as they are", () => {
+  assert.equal(cameraName("cross_left_120fov", "zh"), "交叉·左·120°");
+  assert.equal(cameraName("front_wide_120fov", "en"), "front wide 120°");
+  assert.equal(cameraName("CAM_BACK_RIGHT", "zh"), "后·右");
+  assert.equal(cameraName("ring_front_center", "en"), "ring front center");
+  assert.equal(cameraName("front_a7", "zh"), "front_a7");
 });
 
 test("keys go round", () => {

@@ -189,6 +189,7 @@ export const labelTexts = {
   "safety.title": ["安全过滤", "Safety filter"],
   "safety.ok": ["合法且安全", "Legal and safe"],
   "safety.unsafe": ["违法或不安全…", "Illegal or unsafe…"],
+  "safety.not_ok": ["违法或不安全", "Illegal or unsafe"],
   "safety.first": ["先回答，再选决策", "Answer this before the decisions"],
   "safety.why": ["为什么？（按数字键选择）", "Why? (digits choose)"],
   "safety.note": ["说明", "Note"],

@@ -243,7 +243,7 @@ export const screenTexts = {
 
   "dash.title": ["看板", "Dashboard"],
   "dash.progress": ["进度", "Progress"],
-  "dash.throughput": ["每日产出", "Work per day"],
+  "dash.throughput": ["每日产出（UTC 日期）", "Work per day (UTC)"],
   "dash.agreement": ["一致性", "Agreement"],
   "dash.agreement.none": ["还没有由两人都完成的独立标注任务。", "No episode has been labeled by two annotators yet."],
   "gold.title": ["金标任务", "Gold tasks"],

@@ -52,6 +52,9 @@ export function filled(text: string, values: Record<string, string | number> = {
 /** The text of a pair in `language`; undefined without a pair. */
 export const sideOf = (pair: TextPair | undefined, language: Lang): string | undefined => pair?.[language === "zh" ? 0 : 1];
 
+/** `text` as a sentence of its own: the service's messages begin in lower case, as compilers' do. */
+export const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
 /** A bilingual text in the current language. */
 export function localized(text: Bilingual | null | undefined): string {
   return text ? text[lang.now] || text.en || text.zh : "";
