@@ -9,7 +9,7 @@ use whyroad_lake::mined::MinedFile;
 use whyroad_lake::{Lake, LakeError, MinedFolder, Stamp};
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Drive, DriveId, SignalTable};
+use whyroad_model::{Drive, DriveId, Nanos, SignalTable};
 
 /// Drives kept in memory: people who work at the same time mostly work on the same drives.
 const DRIVES_IN_MEMORY: usize = 12;
@@ -73,6 +73,15 @@ impl LakeRecordings {
         cache.push_front(CachedDrive { id: id.clone(), stamp, drive: Arc::clone(&drive) });
         cache.truncate(DRIVES_IN_MEMORY);
         Ok(drive)
+    }
+
+    /// Frame times of a drive, read without its tracks and map.
+    pub fn frame_times(&self, id: &DriveId) -> Result<Vec<Nanos>, LakeError> {
+        let stamp = self.lake.stamp(id)?;
+        if let Some(cached) = self.cache().iter().find(|c| c.id == *id && c.stamp == stamp) {
+            return Ok(cached.drive.times.clone());
+        }
+        Ok(self.lake.outline(id)?.times)
     }
 
     /// Whether the lake's folder can be read.

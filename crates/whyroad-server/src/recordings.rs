@@ -7,7 +7,7 @@ use std::sync::Arc;
 use whyroad_label::check::Recorded;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 /// Episodes that resemble one.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +22,12 @@ pub struct Similar {
 pub trait Recordings: Send + Sync {
     /// A drive; an error text when it is unavailable.
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual>;
+
+    /// Times of the first and last frame of a drive; an error text when it is unavailable or has no frame. What can
+    /// say so without reading the drive does.
+    fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
+        span_of(&self.drive(id)?.times)
+    }
 
     /// Changes when the drive on disk changes; what was made from an older version is then made again. Constant where
     /// drives do not change.
@@ -85,6 +91,12 @@ pub trait Recordings: Send + Sync {
 
     /// The file of a camera frame, where it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;
+}
+
+/// First and last of the frame times of a drive.
+pub fn span_of(times: &[Nanos]) -> Result<(Nanos, Nanos), Bilingual> {
+    let ends = times.first().zip(times.last()).map(|(first, last)| (*first, *last));
+    ends.ok_or_else(|| Bilingual::new("行程没有任何帧", "the drive has no frame"))
 }
 
 /// The same drives, for the label checks.

@@ -12,9 +12,9 @@ use whyroad_label::draft;
 use whyroad_lake::{Lake, LakeError};
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, ScenarioId, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
-use whyroad_server::recordings::{Recordings, Similar};
+use whyroad_server::recordings::{Recordings, Similar, span_of};
 use whyroad_signals::{Catalogue, SignalKind as Kind};
 
 /// What the service sees of a lake.
@@ -116,6 +116,10 @@ fn in_words(error: LakeError) -> Bilingual {
 impl Recordings for ServiceRecordings {
     fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
         self.lake.drive(id).map_err(in_words)
+    }
+
+    fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
+        span_of(&self.lake.frame_times(id).map_err(in_words)?)
     }
 
     fn version(&self, id: &DriveId) -> String {

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use whyroad_framework::spec::PackSpec;
 use whyroad_model::label_fields::name;
 use whyroad_model::messages::{Causes, CocLabel, EpisodeCursor, EpisodeFilter, EpisodeRecord};
-use whyroad_model::{Bilingual, Drive, Lang, Nanos, SignalTable};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 /// Most people on one episode.
 const MOST_OVERLAP: u32 = 10;
@@ -67,6 +67,7 @@ pub fn create(
     let mut rows: Vec<TaskRow> = Vec::new();
     let mut chosen = 0;
     let mut last = LastDrive::default();
+    let mut last_span = LastSpan::default();
     while let Some(episode) = episodes.next()? {
         let episode = &episode;
         let leaf = by_leaf.entry(episode.scenario_id.to_string()).or_default();
@@ -86,14 +87,19 @@ pub fn create(
             out.known += 1;
             continue;
         }
-        match last.of(app, episode) {
+        // A drive is read for its draft and image; what is made later needs to know only that it is there.
+        let source = match drafting {
+            Drafting::Now => last.of(app, episode).map(Some),
+            Drafting::Later => last_span.holds(app, episode).map(|()| None),
+        };
+        match source {
             Ok(source) => {
                 let lang = request.lang.clone().unwrap_or_default();
-                let given = match drafting {
-                    Drafting::Now => Given::Nothing,
-                    Drafting::Later => Given::Later,
+                let given = match source {
+                    Some(source) => Start::derived(app, &project, source, episode, &lang)?,
+                    None => Start::pending(),
                 };
-                let first = row(app, &project, source, episode, lang, given)?;
+                let first = row(app, &project, episode, lang, given)?;
                 for index in 0..overlap {
                     let (id, priority) = (secret::id()?, request.priority);
                     rows.push(TaskRow {
@@ -218,6 +224,38 @@ fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
     app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
 }
 
+/// The time of the drive that was needed last: first and last frame.
+#[derive(Default)]
+struct LastSpan(Option<(DriveId, (Nanos, Nanos))>);
+
+impl LastSpan {
+    /// An error text when the drive of `episode` is unavailable, or when the episode lies outside it.
+    fn holds(&mut self, app: &App, episode: &EpisodeRecord) -> Result<(), Bilingual> {
+        let known = self.0.take().filter(|(id, _)| *id == episode.drive_id);
+        let (_, span) = match known {
+            Some(known) => self.0.insert(known),
+            None => {
+                let span = app.recordings.span(&episode.drive_id).map_err(unavailable)?;
+                self.0.insert((episode.drive_id.clone(), span))
+            }
+        };
+        within(episode, Some(*span))
+    }
+}
+
+/// An error text when the keyframe of `episode` lies outside `span`; `None` is a drive without frames.
+fn within(episode: &EpisodeRecord, span: Option<(Nanos, Nanos)>) -> Result<(), Bilingual> {
+    let at = episode.keyframe.timestamp;
+    if span.is_some_and(|(first, last)| first <= at && at <= last) {
+        return Ok(());
+    }
+    Err(Bilingual::new(format!("关键帧 {at} 不在行程内"), format!("its keyframe {at} is outside the drive")))
+}
+
+fn unavailable(why: Bilingual) -> Bilingual {
+    Bilingual { zh: format!("行程不可用：{}", why.zh), ..why }
+}
+
 /// The drive that was needed last: episodes come drive by drive, and each is read and derived once.
 #[derive(Default)]
 pub struct LastDrive(Option<Source>);
@@ -234,29 +272,24 @@ impl LastDrive {
         let source = match self.0.take().filter(|s| s.drive.meta.drive_id == episode.drive_id) {
             Some(source) => source,
             None => {
-                let drive = app.recordings.drive(&episode.drive_id);
-                let drive =
-                    drive.map_err(|why| Bilingual { zh: format!("行程不可用：{}", why.zh), ..why })?;
+                let drive = app.recordings.drive(&episode.drive_id).map_err(unavailable)?;
                 Source { drive, signals: OnceCell::new() }
             }
         };
-        let at = episode.keyframe.timestamp;
-        let within = source.drive.times.first().is_some_and(|t| *t <= at)
-            && source.drive.times.last().is_some_and(|t| at <= *t);
         let source = self.0.insert(source);
-        if within {
-            return Ok(source);
-        }
-        Err(Bilingual::new(
-            format!("关键帧 {at} 不在行程内"),
-            format!("its keyframe {at} is outside the drive"),
-        ))
+        let times = &source.drive.times;
+        within(episode, times.first().zip(times.last()).map(|(first, last)| (*first, *last)))?;
+        Ok(source)
     }
 }
 
 impl Source {
     fn signals(&self, app: &App) -> &SignalTable {
         self.signals.get_or_init(|| app.recordings.signals(&self.drive))
+    }
+
+    fn picture(&self, episode: &EpisodeRecord) -> String {
+        thumbnail::draw(&self.drive, episode.keyframe.timestamp, episode.target_id.as_ref())
     }
 }
 
@@ -268,32 +301,39 @@ pub fn prepare(
     draft: Option<Value>,
     last: &mut LastDrive,
 ) -> Answer<TaskRow> {
-    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
-    row(app, project, source, episode, String::new(), draft.map_or(Given::Nothing, Given::Draft))
+    let source = last.of(app, episode).map_err(missing)?;
+    let start = match draft {
+        // Nothing is derived for what is thrown away.
+        Some(draft) => Start::drafted(source, episode, draft),
+        None => Start::derived(app, project, source, episode, "")?,
+    };
+    row(app, project, episode, String::new(), start)
+}
+
+fn missing(why: Bilingual) -> Problem {
+    Problem::new(422, "drive.missing", why.zh, why.en)
 }
 
 /// An episode as a task that is not stored: for showing it.
 pub fn shown(app: &App, project: &Project, episode: &EpisodeRecord) -> Answer<TaskRow> {
     let mut last = LastDrive::default();
-    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
+    let source = last.of(app, episode).map_err(missing)?;
     let draft = serde_json::json!({
         (name::KEYFRAME): episode.keyframe, (name::TIME_RANGE): episode.time_range,
     });
-    row(app, project, source, episode, String::new(), Given::Draft(draft))
+    row(app, project, episode, String::new(), Start::drafted(source, episode, draft))
 }
 
-/// The draft of an episode, in the language of its task or else of its project.
-pub fn draft_of(
+/// What a pending task begins with, in the language of its task or else of its project.
+pub fn start_of(
     app: &App,
     project: &Project,
     episode: &EpisodeRecord,
     lang: &str,
     last: &mut LastDrive,
-) -> Answer<Value> {
-    let source = last.of(app, episode).map_err(|why| Problem::new(422, "drive.missing", why.zh, why.en))?;
-    let words = if lang.is_empty() { &project.settings.lang } else { lang };
-    let hides = hides_leaf(app, project, episode);
-    draft(app, source, episode, words.parse().unwrap_or_default(), hides)
+) -> Answer<Start> {
+    let source = last.of(app, episode).map_err(missing)?;
+    Start::derived(app, project, source, episode, lang)
 }
 
 /// True where Stage I of `project` does not show the leaf of `episode`.
@@ -301,33 +341,43 @@ fn hides_leaf(app: &App, project: &Project, episode: &EpisodeRecord) -> bool {
     veil::classes(app.framework, &project.settings).contains(veil::l2(&episode.scenario_id.to_string()))
 }
 
-/// The draft that a new task begins with.
-enum Given {
-    /// To be derived.
-    Nothing,
-    /// To be derived in the background.
-    Later,
-    /// This one.
-    Draft(Value),
+/// What a new task begins with that is made from its drive.
+pub struct Start {
+    /// The draft of its label.
+    pub draft: Value,
+    /// A small picture of its keyframe; empty where there is none.
+    pub thumbnail: String,
+    /// Both are still to be made, in the background.
+    pub pending: bool,
 }
 
-fn row(
-    app: &App,
-    project: &Project,
-    source: &Source,
-    episode: &EpisodeRecord,
-    lang: String,
-    given: Given,
-) -> Answer<TaskRow> {
-    let words = if lang.is_empty() { &project.settings.lang } else { &lang };
-    let pending = matches!(given, Given::Later);
+impl Start {
+    fn pending() -> Self {
+        Self { draft: Value::Object(serde_json::Map::new()), thumbnail: String::new(), pending: true }
+    }
+
+    fn drafted(source: &Source, episode: &EpisodeRecord, draft: Value) -> Self {
+        Self { draft: unanswered(draft), thumbnail: source.picture(episode), pending: false }
+    }
+
+    /// With the draft by rule, in `lang` or else the language of `project`.
+    fn derived(
+        app: &App,
+        project: &Project,
+        source: &Source,
+        episode: &EpisodeRecord,
+        lang: &str,
+    ) -> Answer<Self> {
+        let words = if lang.is_empty() { &project.settings.lang } else { lang };
+        let hides = hides_leaf(app, project, episode);
+        let draft = draft(app, source, episode, words.parse().unwrap_or_default(), hides)?;
+        Ok(Self { draft, thumbnail: source.picture(episode), pending: false })
+    }
+}
+
+fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, start: Start) -> Answer<TaskRow> {
     let veiled = hides_leaf(app, project, episode);
-    let initial = match given {
-        // Nothing is derived for what is thrown away.
-        Given::Draft(draft) => unanswered(draft),
-        Given::Later => Value::Object(serde_json::Map::new()),
-        Given::Nothing => draft(app, source, episode, words.parse().unwrap_or_default(), veiled)?,
-    };
+    let Start { draft: initial, thumbnail, pending } = start;
     let keyframe = episode.keyframe.timestamp;
     let pack = app.framework.specs.get(&episode.scenario_id).map(|s| s.pack.clone());
     let PackSpec { before_s, after_s, .. } = pack.unwrap_or_default();
@@ -365,7 +415,7 @@ fn row(
         pictured: false,
         pending,
         veiled,
-        thumbnail: thumbnail::draw(&source.drive, keyframe, episode.target_id.as_ref()),
+        thumbnail,
     })
 }
 
@@ -431,3 +481,6 @@ pub fn store(tx: &mut dyn Tx, mut t: TaskRow, actor: Option<&str>, now: i64) -> 
     tasks::update(tx, &t)?;
     Ok(true)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,14 +1,14 @@
 //! Drafts in the background. Deriving a draft takes a second or so, and a lead makes hundreds of tasks at once: these
-//! are stored at once, pending, and their drafts are made one after the other beside the service's work. Whoever opens
-//! a pending task before its turn has its draft made then.
+//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made one after the
+//! other beside the service's work. Whoever opens a pending task before its turn has its draft made then.
 
 use crate::app::App;
 use crate::problem::{Answer, Problem};
-use crate::service::create::{self, LastDrive};
+use crate::service::create::{self, LastDrive, Start};
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
+use crate::service::thumbnail;
 use crate::values;
-use serde_json::Value;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -34,16 +34,19 @@ pub fn ready(app: &App, t: TaskRow) -> Answer<TaskRow> {
 /// Makes the draft of a pending task and stores it.
 fn make(app: &App, t: &TaskRow, last: &mut LastDrive) -> Answer<()> {
     let project = app.store.read(|tx| projects::get(tx, &t.project))?;
-    let draft = create::draft_of(app, &project, &t.episode, &t.lang, last)?;
-    put(app, t.id.clone(), draft)
+    let start = create::start_of(app, &project, &t.episode, &t.lang, last)?;
+    put(app, t.id.clone(), start)
 }
 
-fn put(app: &App, id: String, draft: Value) -> Answer<()> {
+fn put(app: &App, id: String, start: Start) -> Answer<()> {
     app.store.write(move |tx| {
         // Another thread may have been faster.
         let sql = "UPDATE tasks SET initial = $1, draft = $2, pending = 0 WHERE id = $3 AND pending <> 0";
-        let text = projects::json(&draft)?;
-        tx.run(sql, values![&text, &text, &id]).map(drop)
+        let text = projects::json(&start.draft)?;
+        if tx.run(sql, values![&text, &text, &id])? > 0 {
+            thumbnail::put(tx, &id, &start.thumbnail)?;
+        }
+        Ok(())
     })
 }
 

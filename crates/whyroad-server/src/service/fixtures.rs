@@ -16,10 +16,11 @@ use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_framework::Framework;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
-use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, SignalTable};
+use whyroad_model::scene::{Ego, MediaFrame, Motion};
+use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 /// Nothing is asked of it here.
 struct NoDrives;
@@ -55,6 +56,76 @@ impl Recordings for NoDrives {
     fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
         None
     }
+}
+
+/// Drives of two frames around the fixtures' keyframes, all but `absent`; counts how often it is read and derived.
+#[derive(Default)]
+pub struct Counted {
+    pub read: AtomicUsize,
+    pub derived: AtomicUsize,
+}
+
+impl Recordings for Counted {
+    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
+        self.read.fetch_add(1, Ordering::SeqCst);
+        let (first, last) = self.span(id)?;
+        let motion = Motion { x: vec![0.0; 2], y: vec![0.0; 2], heading: vec![0.0; 2], ..Motion::default() };
+        let ego = Some(Ego { motion, ..Ego::default() });
+        let mut drive = Drive { times: vec![first, last], ego, ..Drive::default() };
+        drive.meta.drive_id = id.clone();
+        Ok(Arc::new(drive))
+    }
+    fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
+        if id.as_str() == "absent" {
+            return Err(Bilingual::same("no such drive"));
+        }
+        let time = |text: &str| Nanos::parse_iso(text).unwrap();
+        Ok((time("2026-01-01T00:00:00Z"), time("2026-01-01T00:00:09Z")))
+    }
+    fn signals(&self, _: &Drive) -> SignalTable {
+        self.derived.fetch_add(1, Ordering::SeqCst);
+        SignalTable::default()
+    }
+    fn about(&self, _: &str) -> Option<SignalAbout> {
+        None
+    }
+    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
+        let draft = json!({
+            "version": "2.1.0", "clip_id": "d_000",
+            "scenario": {"l1": "reactive_agent", "l2": "cutin", "l3": "normal"},
+            "time_range": {"start_timestamp": "2026-01-01T00:00:01.000Z", "end_timestamp": "2026-01-01T00:00:05.000Z"},
+            "keyframe": {"timestamp": "2026-01-01T00:00:02.000Z", "frame_idx": 10, "type": "reactive"},
+            "driving_decision": {"longitudinal": null, "lateral": null},
+            "critical_components": [], "coc_trace": "drafted",
+        });
+        serde_json::from_value(draft).unwrap()
+    }
+    fn mined(&self) -> Vec<String> {
+        vec![]
+    }
+    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
+        None
+    }
+    fn episodes(
+        &self,
+        _: &str,
+        _: &EpisodeFilter,
+        _: Option<EpisodeCursor>,
+        _: usize,
+    ) -> Option<Result<EpisodePage, Bilingual>> {
+        None
+    }
+    fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
+        None
+    }
+}
+
+/// The service with such drives, and a folder for its store.
+pub fn counted() -> (App, Arc<Counted>, tempfile::TempDir) {
+    let (mut app, dir) = app();
+    let recordings = Arc::new(Counted::default());
+    app.recordings = Arc::clone(&recordings) as Arc<dyn Recordings>;
+    (app, recordings, dir)
 }
 
 thread_local! {

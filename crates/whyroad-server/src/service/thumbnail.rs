@@ -1,16 +1,20 @@
 //! A small picture of a task's keyframe for lists: the road, the objects, the ego. One moment of the drive and nothing
-//! after it. Drawn once, when the task is made.
+//! after it. Drawn once, with the task's draft.
 
 use crate::problem::Answer;
 use crate::store::Tx;
 use crate::values;
 use std::fmt::Write as _;
+use whyroad_model::scene::Track;
 use whyroad_model::{Drive, Nanos, TrackId};
 
 /// Half the length and width that are shown, m: ahead and behind, and to the sides.
 const HALF_M: [f64; 2] = [30.0, 16.5];
 /// Behind the ego less is shown than ahead: its place is this far left of the middle, m.
 const SHIFT_M: f64 = 16.0;
+/// Room around the target, m, and how many times larger the shown area becomes at most so that it is inside.
+const ROOM_M: f64 = 6.0;
+const MOST_LARGER: f64 = 3.0;
 /// Objects and lines that are drawn at most: a picture is a few kilobytes.
 const MOST_OBJECTS: usize = 40;
 const MOST_LINES: usize = 60;
@@ -25,19 +29,30 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
         return String::new();
     };
     let (sin, cos) = heading.sin_cos();
-    // Into the ego's frame, y down as the screen has it.
-    let place = |px: f64, py: f64| {
+    // In the ego's frame, y down as the screen has it.
+    let from_ego = |px: f64, py: f64| {
         let (dx, dy) = (px - x, py - y);
-        (dx * cos + dy * sin - SHIFT_M, dx * sin - dy * cos)
+        (dx * cos + dy * sin, dx * sin - dy * cos)
     };
-    let inside =
-        |(px, py): (f64, f64), room: f64| px.abs() <= HALF_M[0] + room && py.abs() <= HALF_M[1] + room;
+    let row_of = |track: &Track| track.frames.binary_search(&(frame as u32)).ok();
+    let larger = drive.tracks.iter().find(|track| target == Some(&track.id)).and_then(|track| {
+        let row = row_of(track)?;
+        Some(larger_for(from_ego(*track.motion.x.get(row)?, *track.motion.y.get(row)?)))
+    });
+    let larger = larger.unwrap_or(1.0);
+    let (half, shift) = (HALF_M.map(|m| m * larger), SHIFT_M * larger);
+    let place = |px: f64, py: f64| {
+        let (dx, dy) = from_ego(px, py);
+        (dx - shift, dy)
+    };
+    let inside = |(px, py): (f64, f64), room: f64| px.abs() <= half[0] + room && py.abs() <= half[1] + room;
+    let crosses = |a: (f64, f64), b: (f64, f64)| may_cross(half, a, b);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{} {} {} {}\"><rect x=\"-99\" y=\"-99\" width=\"198\" height=\"198\" fill=\"#7d868c\" fill-opacity=\".16\"/>",
-        -HALF_M[0],
-        -HALF_M[1],
-        2.0 * HALF_M[0],
-        2.0 * HALF_M[1],
+        -half[0],
+        -half[1],
+        2.0 * half[0],
+        2.0 * half[1],
     );
     let mut lines = 0;
     for lane in drive.map.iter().flat_map(|map| &map.lanes) {
@@ -57,7 +72,7 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
     }
     let mut objects = 0;
     for track in &drive.tracks {
-        let Ok(row) = track.frames.binary_search(&(frame as u32)) else { continue };
+        let Some(row) = row_of(track) else { continue };
         let value =
             |values: &[f64], usual: f64| values.get(row).copied().filter(|v| v.is_finite()).unwrap_or(usual);
         let (tx, ty) = (value(&track.motion.x, f64::NAN), value(&track.motion.y, f64::NAN));
@@ -82,21 +97,28 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
             let (px, py) = place(tx, ty);
             let _ = write!(
                 out,
-                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"4.5\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1\"/>"
+                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"{:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{larger:.1}\"/>",
+                4.5 * larger
             );
         }
     }
-    boxed(&mut out, (-SHIFT_M, 0.0), 0.0, (ego.length_m.max(1.0), ego.width_m.max(1.0)), "#2f7fd0");
+    boxed(&mut out, (-shift, 0.0), 0.0, (ego.length_m.max(1.0), ego.width_m.max(1.0)), "#2f7fd0");
     out.push_str("</svg>");
     out
 }
 
-/// True when a piece of a line may be in the picture: its bounding box is.
-fn crosses(a: (f64, f64), b: (f64, f64)) -> bool {
-    a.0.min(b.0) <= HALF_M[0]
-        && a.0.max(b.0) >= -HALF_M[0]
-        && a.1.min(b.1) <= HALF_M[1]
-        && a.1.max(b.1) >= -HALF_M[1]
+/// How many times larger the shown area has to be for a target `ahead` and `aside` of the ego, m; 1 for an unknown one.
+fn larger_for((ahead, aside): (f64, f64)) -> f64 {
+    let front = (ahead + ROOM_M) / (HALF_M[0] + SHIFT_M);
+    let back = (ROOM_M - ahead) / (HALF_M[0] - SHIFT_M);
+    let side = (aside.abs() + ROOM_M) / HALF_M[1];
+    // `max` passes over NaN.
+    [front, back, side].into_iter().fold(1.0, f64::max).min(MOST_LARGER)
+}
+
+/// True when a piece of a line may be in the picture, half as large as `half`: its bounding box is.
+fn may_cross(half: [f64; 2], a: (f64, f64), b: (f64, f64)) -> bool {
+    a.0.min(b.0) <= half[0] && a.0.max(b.0) >= -half[0] && a.1.min(b.1) <= half[1] && a.1.max(b.1) >= -half[1]
 }
 
 fn boxed(out: &mut String, at: (f64, f64), turn: f64, size: (f64, f64), colour: &str) {
@@ -132,6 +154,16 @@ pub fn get(tx: &mut dyn Tx, task: &str) -> Answer<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_target_far_ahead_is_inside() {
+        assert_eq!(larger_for((20.0, 3.0)), 1.0);
+        // 49.5 m ahead: the shown area reaches 46 m ahead of the ego, (49.5 + 6) / 46 times as far when larger.
+        assert!((larger_for((49.5, 6.3)) - 55.5 / 46.0).abs() < 1e-9);
+        assert!((larger_for((0.0, -18.0)) - 24.0 / 16.5).abs() < 1e-9);
+        assert_eq!(larger_for((400.0, 0.0)), MOST_LARGER);
+        assert_eq!(larger_for((f64::NAN, f64::NAN)), 1.0);
+    }
 
     #[test]
     fn a_drive_without_an_ego_has_no_picture() {

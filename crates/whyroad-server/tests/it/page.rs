@@ -122,6 +122,13 @@ pub fn a_picture_is_for_those_who_cannot_do_stage_one_or_have_opened_the_task(wo
     admin
         .post(&format!("/projects/{project}/members"), &json!({ "user": "admin", "roles": ["lead"] }))
         .fine();
+    // It comes with the draft, in the background.
+    for _ in 0..200 {
+        if admin.get(&format!("/projects/{project}/work")).fine()["pending"] == 0 {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
     let shown = picture(&admin);
     assert_eq!(
         (shown.status, shown.header("content-type")),

@@ -1,19 +1,12 @@
 //! Export and import on tasks made by hand; round trips over real drives are in the binary's tests.
 
 use super::*;
-use crate::domain::scene::SignalAbout;
-use crate::recordings::Recordings;
 use crate::service::fixtures::{self, task};
 use crate::service::history;
 use crate::service::tasks::Entry;
 use serde_json::json;
-use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use whyroad_label::merge::FieldChange;
-use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
-use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
 fn label(trace: &str) -> Value {
     json!({
@@ -104,62 +97,9 @@ fn lines_that_cannot_come_in_are_named_and_do_not_stop_the_rest() {
     assert_eq!(import(&app, "p", &many, None).unwrap_err().code, "request.invalid");
 }
 
-/// One drive of two frames around the fixtures' keyframes; counts how often it is read and derived.
-#[derive(Default)]
-struct Counted {
-    read: AtomicUsize,
-    derived: AtomicUsize,
-}
-
-impl Recordings for Counted {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
-        self.read.fetch_add(1, Ordering::SeqCst);
-        let time = |text: &str| Nanos::parse_iso(text).unwrap();
-        let times = vec![time("2026-01-01T00:00:00Z"), time("2026-01-01T00:00:09Z")];
-        let mut drive = Drive { times, ..Drive::default() };
-        drive.meta.drive_id = id.clone();
-        Ok(Arc::new(drive))
-    }
-    fn signals(&self, _: &Drive) -> SignalTable {
-        self.derived.fetch_add(1, Ordering::SeqCst);
-        SignalTable::default()
-    }
-    fn about(&self, _: &str) -> Option<SignalAbout> {
-        None
-    }
-    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
-        serde_json::from_value(label("drafted")).unwrap()
-    }
-    fn mined(&self) -> Vec<String> {
-        vec![]
-    }
-    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
-        None
-    }
-    fn episodes(
-        &self,
-        _: &str,
-        _: &EpisodeFilter,
-        _: Option<EpisodeCursor>,
-        _: usize,
-    ) -> Option<Result<EpisodePage, Bilingual>> {
-        None
-    }
-    fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
-        None
-    }
-}
-
-fn counted() -> (App, Arc<Counted>, tempfile::TempDir) {
-    let (mut app, dir) = fixtures::app();
-    let recordings = Arc::new(Counted::default());
-    app.recordings = Arc::clone(&recordings) as Arc<dyn Recordings>;
-    (app, recordings, dir)
-}
-
 #[test]
 fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
-    let (app, recordings, _dir) = counted();
+    let (app, recordings, _dir) = fixtures::counted();
     // Lines of two drives in turn, as other tools write them.
     let line = |i: usize| {
         let mut label = label(&format!("trace {i}"));
@@ -182,7 +122,7 @@ fn many_labels_of_a_drive_read_it_once_and_derive_nothing() {
 
 #[test]
 fn many_episodes_of_a_drive_derive_it_once_beside_their_own_history() {
-    let (app, recordings, _dir) = counted();
+    let (app, recordings, _dir) = fixtures::counted();
     let text: String = (0..10).map(|i| format!("{}\n", fixtures::episode(&format!("e{i}")))).collect();
     assert_eq!(import(&app, "p", &text, None).unwrap().tasks, 10);
     // Once the whole, and for each what was known at its keyframe.
