@@ -5,6 +5,7 @@ use clap::Command;
 
 /// Path of a command (below `whyroad`) and its examples: what it does, and the line.
 const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
+    ("taxonomy init", &[("A copy of the framework to edit", "whyroad taxonomy init my-framework")]),
     ("taxonomy list", &[("All safety classes in Chinese", "whyroad taxonomy list --l1 safety --lang zh")]),
     ("taxonomy show", &[("By short id", "whyroad taxonomy show cutin.urgent")]),
     (
@@ -454,6 +455,7 @@ mod tests {
 
     /// Commands without `--format`, each with the reason.
     const WITHOUT_FORMAT: &[(&str, &str)] = &[
+        ("taxonomy init", "writes files"),
         ("taxonomy docs", "writes files"),
         ("taxonomy schemas", "writes files"),
         ("dataset init", "writes a file"),

@@ -1,7 +1,8 @@
-//! `whyroad taxonomy`: list, show, lint, diff, migrate, docs, schemas. One file each.
+//! `whyroad taxonomy`: init, list, show, lint, diff, migrate, docs, schemas. One file each.
 
 mod diff;
 mod generate;
+mod init;
 pub(crate) mod lint;
 mod list;
 mod migrate;
@@ -23,6 +24,13 @@ pub(crate) struct Args {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write the built-in framework to a folder, to edit it there
+    ///
+    /// Then `--framework DIR`, or WHYROAD_FRAMEWORK, makes every command read that folder.
+    Init {
+        /// A folder without schema/, scenarios/ and prompts/; it is made
+        dir: PathBuf,
+    },
     /// List all classes, or those of one L1
     List {
         /// Only this L1 and what is below it
@@ -106,6 +114,7 @@ enum ListingFormat {
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     match args.command {
+        Command::Init { dir } => init::run(global, &dir),
         Command::List { l1, format } => list::run(global, l1.as_deref(), format),
         Command::Show { id, format } => show::run(global, &id, format),
         Command::Lint { file, print } => lint::run(global, file.as_deref(), print.format),

@@ -239,3 +239,22 @@ fn docs_writes_a_page_for_every_leaf_and_removes_those_of_none() {
     assert_eq!(whyroad_in(folder.path(), &args(&[])).code, 0);
     assert!(!old.exists());
 }
+
+#[test]
+fn init_writes_the_built_in_framework_and_overwrites_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = whyroad_in(folder.path(), &["taxonomy", "init", "mine"]);
+    assert_eq!((run.code, run.out.as_str()), (0, ""), "{}", run.err);
+    // What was written is the repository's, cases and prompts included, and says the same as the built-in one.
+    for file in [CUTIN, "scenarios/reactive_agent/cutin.cases.yaml", "schema/signals.yaml"] {
+        let (ours, theirs) = (root().join(file), folder.path().join("mine").join(file));
+        assert_eq!(std::fs::read(ours).unwrap(), std::fs::read(theirs).unwrap(), "{file}");
+    }
+    assert!(folder.path().join("mine/prompts").is_dir());
+    let run = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "list"]);
+    assert!(run.code == 0 && run.out.contains("cutin"), "{}{}", run.out, run.err);
+    std::fs::write(folder.path().join("mine").join(CUTIN), "changed").unwrap();
+    let run = whyroad_in(folder.path(), &["taxonomy", "init", "mine"]);
+    assert!(run.code != 0 && run.err.contains("exists"), "{}", run.err);
+    assert_eq!(std::fs::read_to_string(folder.path().join("mine").join(CUTIN)).unwrap(), "changed");
+}
