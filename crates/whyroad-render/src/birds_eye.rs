@@ -201,13 +201,7 @@ fn object(m: &mut Markup, view: &View, track: &Track, row: usize, role: &'static
     }
     let size =
         |v: &Vec<f64>, otherwise: f64| v.get(row).copied().filter(|x| x.is_finite()).unwrap_or(otherwise);
-    let class = match track.class {
-        c if c.is_large_vehicle() => "large",
-        c if c.is_vehicle() => "vehicle",
-        c if c.is_vru() || c == ObjectClass::Bicycle => "vru",
-        ObjectClass::Animal => "vru",
-        _ => "fixed",
-    };
+    let class = class_of(track.class);
     rectangle(m, view, pose, (size(&track.length_m, 1.0), size(&track.width_m, 1.0)), class, role);
     let name = class_name(track.class);
     m.raw("<title>").text(track.id.as_str()).raw(" · ").text(&name.zh).raw(" / ").text(&name.en);
@@ -216,6 +210,21 @@ fn object(m: &mut Markup, view: &View, track: &Track, row: usize, role: &'static
         m.raw(" · ").num(speed, 1).raw(" m/s");
     }
     m.raw("</title></g>");
+}
+
+/// The style class of an object: the groups by color are those of the labeling page (`web/src/scene/colors.ts`).
+fn class_of(class: ObjectClass) -> &'static str {
+    match class {
+        ObjectClass::Truck | ObjectClass::Bus | ObjectClass::LargeVehicle => "large",
+        ObjectClass::Car | ObjectClass::EmergencyVehicle | ObjectClass::Tricycle => "vehicle",
+        ObjectClass::Motorcycle
+        | ObjectClass::Bicycle
+        | ObjectClass::Bicyclist
+        | ObjectClass::Motorcyclist
+        | ObjectClass::EBike => "two",
+        ObjectClass::Pedestrian | ObjectClass::WheeledPedestrian | ObjectClass::Animal => "person",
+        _ => "fixed",
+    }
 }
 
 /// A ring around the target, which may be as small as a child.

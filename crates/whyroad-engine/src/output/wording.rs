@@ -29,7 +29,7 @@ const SYNTAX: [&str; 14] = [
 ];
 
 /// `target.gap < 5 m` as what is measured and the rest of the condition, `not ego.standstill` as what is not so; `None`
-/// where it speaks of no signal of the catalogue or of more than one, or is more than one comparison.
+/// where it speaks of no signal of the catalogue, or is more than one comparison.
 pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingual> {
     if let Some(what) = denied(condition) {
         let words = in_words(what, catalogue)?;
@@ -39,12 +39,15 @@ pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingu
     if condition.split(|c: char| !is_name(c)).any(|word| SYNTAX.contains(&word)) {
         return None;
     }
-    let mut names = condition.split(|c: char| !is_name(c)).filter(|w| catalogue.get(w).is_some());
-    let name = names.next()?;
-    if names.any(|other| other != name) {
+    let mut names: Vec<&str> =
+        condition.split(|c: char| !is_name(c)).filter(|w| catalogue.get(w).is_some()).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() {
         return None;
     }
-    let meaning = &catalogue.get(name)?.meaning;
+    // A name may be the beginning of another.
+    names.sort_by_key(|name| std::cmp::Reverse(name.len()));
     // A meaning may refer to that of another signal.
     let whole = |text: &str, zh: bool| -> String {
         let clause = first_clause(text);
@@ -54,12 +57,28 @@ pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingu
             |(w, d)| clause.replace(w, first_clause(if zh { &d.meaning.zh } else { &d.meaning.en })),
         )
     };
-    let absolute = format!("abs({name})");
-    let said = |words: String| {
-        let text = condition.replace(&absolute, &format!("|{words}|"));
-        if text == condition { condition.replace(name, &words) } else { text }
+    let said = |zh: bool| {
+        // Two steps, so that a name in the words of another is not replaced again.
+        let mut text = bars(condition);
+        for (i, name) in names.iter().enumerate() {
+            text = text.replace(name, &format!("\u{1}{i}\u{2}"));
+        }
+        for (i, name) in names.iter().enumerate() {
+            let meaning = catalogue.get(name).map(|d| if zh { &d.meaning.zh } else { &d.meaning.en });
+            text = text.replace(&format!("\u{1}{i}\u{2}"), &whole(meaning.map_or(name, |m| m.as_str()), zh));
+        }
+        text
     };
-    Some(Bilingual::new(said(whole(&meaning.zh, true)), said(whole(&meaning.en, false))))
+    Some(Bilingual::new(said(true), said(false)))
+}
+
+/// `abs(x)` as `|x|`, where nothing inside has brackets.
+fn bars(condition: &str) -> String {
+    let Some((before, rest)) = condition.split_once("abs(") else { return condition.to_owned() };
+    match rest.split_once(')') {
+        Some((inner, after)) if !inner.contains('(') => format!("{before}|{inner}|{}", bars(after)),
+        _ => condition.to_owned(),
+    }
 }
 
 /// What `not X` denies, also where it is written `not ((X is known) and X)`: of what is unknown it says the same.
@@ -83,9 +102,21 @@ mod tests {
         assert_eq!(words.en, "Speed of the ego over ground > 5 m/s");
         assert_eq!(words.zh, "自车对地速度 > 5 m/s");
         assert_eq!(in_words("true", Catalogue::bundled()), None);
-        assert_eq!(in_words("ego.speed > lead.speed", Catalogue::bundled()), None);
+        let words = in_words("ego.speed > lead.speed", Catalogue::bundled()).unwrap();
+        assert_eq!(words.zh, "自车对地速度 > 前车速度");
         let words = in_words("abs(ego.accel) < 1m/s2", Catalogue::bundled()).unwrap();
         assert!(words.en.starts_with('|') && words.en.ends_with("| < 1m/s2"), "{}", words.en);
+    }
+
+    #[test]
+    fn a_comparison_of_several_signals_names_each() {
+        let catalogue = Catalogue::bundled();
+        let text = "abs(target.time_to_conflict - target.ego_time_to_conflict) < 4s";
+        let words = in_words(text, catalogue).unwrap();
+        for said in [&words.zh, &words.en] {
+            assert!(!said.contains("target.") && !said.contains("abs"), "{said}");
+            assert!(said.starts_with('|') && said.ends_with("| < 4s") && said.contains(" - "), "{said}");
+        }
     }
 
     #[test]

@@ -63,7 +63,7 @@ pub fn fragment(a: &Analytics) -> Markup {
 fn given(m: &mut Markup, a: &Analytics) {
     let inputs = [
         (a.given.mined, "挖掘结果", "mined episodes"),
-        (a.given.tasks, "标注任务", "labelling tasks"),
+        (a.given.tasks, "标注任务", "labeling tasks"),
         (a.given.releases, "发布数据集", "releases"),
     ];
     m.raw("<p class=\"faint\">").say("数据来源：", "Made from: ");
@@ -100,7 +100,7 @@ fn figures(m: &mut Markup, a: &Analytics) {
     for (value, zh, en) in [
         (total(|c| c.mined), "已挖掘", "mined"),
         (total(|c| c.tasked), "已建任务", "tasked"),
-        (total(|c| c.labelled), "已标注", "labelled"),
+        (total(|c| c.labelled), "已标注", "labeled"),
         (total(|c| c.accepted), "已接受", "accepted"),
         (total(|c| c.released), "已发布", "released"),
     ] {

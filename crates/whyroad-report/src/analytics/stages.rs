@@ -60,6 +60,9 @@ pub struct StageRow {
     pub counts: StageCounts,
     /// What is known to be of this L2 while its variant is not; part of `counts`.
     pub without_variant: StageCounts,
+    /// Secondary episodes of the class and everything below it: found beside a primary one of another class. Not part
+    /// of `counts.mined`, so that a moment counts once.
+    pub secondary: Option<u64>,
     /// Tasks that were skipped or rejected.
     pub left_out: Option<u64>,
     /// Accepted labels wanted.
@@ -73,6 +76,7 @@ pub struct StageRow {
 struct Tally {
     counts: BTreeMap<ScenarioId, StageCounts>,
     left_out: BTreeMap<ScenarioId, u64>,
+    secondary: BTreeMap<ScenarioId, u64>,
 }
 
 /// Every class in tree order, then classes that the taxonomy does not have.
@@ -117,11 +121,13 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         }
         let wanted = sum_below(inputs.wanted, &id);
         let left_out = sum_below(&tally.left_out, &id).unwrap_or(0);
+        let secondary = sum_below(&tally.secondary, &id).unwrap_or(0);
         out.push(StageRow {
             name: name(framework, &id),
             state,
             counts,
             without_variant,
+            secondary: inputs.mined.map(|_| secondary),
             left_out: inputs.tasks.map(|_| left_out),
             wanted,
             in_taxonomy: true,
@@ -134,6 +140,7 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
             state: None,
             counts: own(id),
             without_variant: *counts,
+            secondary: inputs.mined.map(|_| tally.secondary.get(id).copied().unwrap_or(0)),
             left_out: inputs.tasks.map(|_| tally.left_out.get(id).copied().unwrap_or(0)),
             wanted: inputs.wanted.get(id).copied(),
             in_taxonomy: false,
@@ -168,8 +175,11 @@ fn name(framework: &Framework, id: &ScenarioId) -> Bilingual {
 fn tally(inputs: &AnalyticsInputs<'_>) -> Tally {
     let mut out = Tally::default();
     for (id, drives) in inputs.mined.iter().flat_map(|m| &m.episodes.by_class) {
-        let primary = drives.values().map(|n| n.1).sum();
+        let (all, primary) = drives.values().fold((0, 0), |sum, n| (sum.0 + n.0, sum.1 + n.1));
         out.counts.entry(id.clone()).or_default().mined = Some(primary);
+        if all > primary {
+            out.secondary.insert(id.clone(), all - primary);
+        }
     }
     tasks(&mut out, inputs.tasks.unwrap_or_default());
     let mut samples: BTreeMap<&str, Option<&ScenarioId>> = BTreeMap::new();

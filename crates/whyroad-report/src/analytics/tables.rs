@@ -59,8 +59,8 @@ pub fn tables(a: &Analytics) -> Vec<Sheet> {
         .text("name_zh", |r| r.name.zh.clone())
         .text("name_en", |r| r.name.en.clone())
         .texts("state", |r| r.state.map(|s| s.id().to_owned()));
+    stages = stages.count("mined", |r| r.counts.mined).count("secondary", |r| r.secondary);
     for (name, of) in [
-        stage("mined", |c| c.mined),
         stage("tasked", |c| c.tasked),
         stage("labelled", |c| c.labelled),
         stage("accepted", |c| c.accepted),

@@ -17,7 +17,7 @@ pub fn render_text(a: &Analytics, lang: Lang) -> String {
     let titles = [
         t("挖掘", "mined"),
         t("任务", "tasked"),
-        t("标注", "labelled"),
+        t("标注", "labeled"),
         t("接受", "accepted"),
         t("发布", "released"),
         t("目标", "wanted"),
@@ -36,6 +36,9 @@ pub fn render_text(a: &Analytics, lang: Lang) -> String {
         let _ = write!(out, "{}", pad(&name, 44));
         for (i, (_, n)) in row.counts.all().into_iter().enumerate() {
             let text = match (i, n, row.state) {
+                (0, Some(n), _) if row.secondary.is_some_and(|s| s > 0) => {
+                    format!("{n}+{}", row.secondary.unwrap_or(0))
+                }
                 (_, Some(n), _) => n.to_string(),
                 (0, None, Some(CoverageState::NotObservable)) => "?".to_owned(),
                 (0, None, Some(CoverageState::NoRule)) => "-".to_owned(),
@@ -49,8 +52,9 @@ pub fn render_text(a: &Analytics, lang: Lang) -> String {
         out,
         "{}",
         t(
-            "0 已搜索未找到，? 不可观测，- 没有规则，… 未提供；没有任何数量的 L3 未列出",
-            "0 searched, none found; ? not observable; - no rule; … not given; leaves without any count are not listed"
+            "0 已搜索未找到，+n 另有次场景事件，? 不可观测，- 没有规则，… 未提供；没有任何数量的 L3 未列出",
+            "0 searched, none found; +n secondary episodes besides; ? not observable; - no rule; … not given; leaves \
+             without any count are not listed"
         )
     );
     labelling(&mut out, a, lang);
@@ -63,7 +67,13 @@ pub fn render_text(a: &Analytics, lang: Lang) -> String {
 fn is_shown(row: &StageRow) -> bool {
     !row.scenario_id.is_leaf()
         || row.wanted.is_some()
+        || row.secondary.is_some_and(|n| n > 0)
         || row.counts.all().iter().any(|(_, n)| n.is_some_and(|n| n > 0))
+}
+
+/// Hours as text; less than one as minutes, so that little work is not shown as none.
+pub(super) fn hours(h: f64) -> String {
+    if h < 1.0 { format!("{} min", number(h * 60.0, 1)) } else { format!("{} h", number(h, 1)) }
 }
 
 fn labelling(out: &mut String, a: &Analytics, lang: Lang) {
@@ -81,17 +91,17 @@ fn labelling(out: &mut String, a: &Analytics, lang: Lang) {
     let _ = match lang {
         Lang::Zh => writeln!(
             out,
-            "未完成任务 {}；剩余 {}；预计完成：{date}\n人工用时 {} h；每个已接受标注的成本：{cost}",
+            "未完成任务 {}；剩余 {}；预计完成：{date}\n人工用时 {}；每个已接受标注的成本：{cost}",
             p.unfinished,
             p.finish.remaining,
-            number(p.worked_h, 1)
+            hours(p.worked_h)
         ),
         Lang::En => writeln!(
             out,
-            "unfinished tasks {}; remaining {}; finish: {date}\ntime worked {} h; cost per accepted label: {cost}",
+            "unfinished tasks {}; remaining {}; finish: {date}\ntime worked {}; cost per accepted label: {cost}",
             p.unfinished,
             p.finish.remaining,
-            number(p.worked_h, 1)
+            hours(p.worked_h)
         ),
     };
     if let Some(c) = a.corrections.as_ref().filter(|c| c.labels > 0) {

@@ -234,10 +234,11 @@ fn key(m: &mut Markup) {
     m.raw("<ul class=\"key\">");
     for (class, zh, en) in [
         ("ego", "自车", "ego"),
-        ("vehicle target", "目标（红框）", "target (red outline)"),
-        ("vehicle", "车辆", "vehicle"),
-        ("large", "大车", "large vehicle"),
-        ("vru", "行人、骑行者、动物", "people, riders, animals"),
+        ("vehicle target", "规则目标（描边）", "rule target (outlined)"),
+        ("vehicle", "轿车等", "cars"),
+        ("large", "卡车、客车", "trucks, buses"),
+        ("two", "骑行者、两轮车", "riders, two-wheelers"),
+        ("person", "行人、动物", "pedestrians, animals"),
         ("fixed", "其他", "other"),
     ] {
         m.raw("<li><svg viewBox=\"-26 -12 52 24\" width=\"30\" height=\"14\"><g class=\"").raw(class);

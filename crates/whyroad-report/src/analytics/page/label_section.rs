@@ -3,6 +3,7 @@
 use super::{Align, ClassNames, count, head, number};
 use crate::analytics::corrections::SHIFTS_S;
 use crate::analytics::forecast::NoForecast;
+use crate::analytics::text::hours;
 use crate::analytics::{
     Analytics, Channel, Corrections, DecisionBasis, FinishBasis, Measure, Progress, WeekRow,
 };
@@ -18,12 +19,12 @@ pub(super) fn progress(m: &mut Markup, a: &Analytics) {
     let Some(p) = &a.progress else { return };
     m.raw("<h3>").say("进度与趋势", "Throughput and trends").raw("</h3><ul class=\"plain\"><li>");
     finish(m, p);
-    m.raw("</li><li>").say("人工用时：", "Time worked: ").num(p.worked_h, 1).raw(" h</li><li>");
+    m.raw("</li><li>").say("人工用时：", "Time worked: ").text(&hours(p.worked_h)).raw("</li><li>");
     m.say("每个已接受标注的成本：", "Cost per accepted label: ");
     match &p.cost {
         Some(c) => {
             m.raw("<b>").num(c.per_label, 2).raw(" ").text(&c.currency).raw("</b> (");
-            m.say("合计 ", "total ").num(c.total, 0).raw(" ").text(&c.currency).raw(")");
+            m.say("合计 ", "total ").num(c.total, 2).raw(" ").text(&c.currency).raw(")");
         }
         None => drop(m.say(
             "未知：未提供工时费率，或尚无已接受标注。",
@@ -121,7 +122,7 @@ pub(super) fn agreement(m: &mut Markup, a: &Analytics) {
     m.raw("<h3>").say("标注一致性", "Agreement").raw("</h3>");
     if a.agreement.is_empty() {
         m.raw("<p>")
-            .say("没有由多人独立标注的事件。", "No episode was labelled by more than one person.")
+            .say("没有由多人独立标注的事件。", "No episode was labeled by more than one person.")
             .raw("</p>");
         return;
     }
@@ -216,6 +217,7 @@ fn keyframes(m: &mut Markup, c: &Corrections, names: &ClassNames) {
             let name = match i {
                 0 => format!("< {}", text(SHIFTS_S[0], 2)),
                 i if i == SHIFTS_S.len() => format!("> {}", sign(SHIFTS_S[i - 1])),
+                i if SHIFTS_S[i - 1] == -SHIFTS_S[i] => format!("±{}", text(SHIFTS_S[i], 2)),
                 i => format!("{}…{}", sign(SHIFTS_S[i - 1]), sign(SHIFTS_S[i])),
             };
             (name, Some(k.histogram[i] as f64))

@@ -1,6 +1,6 @@
 //! What is missing: shortfalls with their queries, what has not been seen yet, and what more driving would bring.
 
-use super::{Align, ClassNames, count, head, number};
+use super::{Align, ClassNames, count, head};
 use crate::analytics::unseen::Estimate;
 use crate::analytics::{Analytics, MORE_HOURS, Shortfall};
 use whyroad_model::Bilingual;
@@ -56,15 +56,15 @@ fn shortfall_table(m: &mut Markup, rows: &[Shortfall], names: &ClassNames) {
 
 fn shortfall(m: &mut Markup, s: &Shortfall, name: &Bilingual) {
     m.raw("<tr><th scope=\"row\" title=\"").text(&s.scenario_id.to_string()).raw("\">").both(name);
-    m.raw("</th><td>").both(&s.step.text());
+    m.raw("</th><td class=\"step\">").both(&s.step.text());
     for n in [s.wanted, s.accepted, s.in_progress, s.untasked, s.missing] {
         m.raw("</td><td class=\"n\">");
         count(m, n);
     }
     m.raw("</td><td class=\"n\">");
-    number(m, s.hours, 0);
-    if s.hours.is_some() {
-        m.raw(" h");
+    match s.hours {
+        Some(hours) => drop(m.num(hours, 0).raw(" h")),
+        None => drop(m.say("未知", "unknown")),
     }
     m.raw("</td><td>");
     match s.query.as_ref().and_then(|q| serde_json::to_string_pretty(q).ok()) {

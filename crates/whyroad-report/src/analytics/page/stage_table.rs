@@ -9,14 +9,19 @@ use whyroad_render::markup::Markup;
 const STAGES: [(&str, &str); 5] = [
     ("已挖掘", "mined"),
     ("已建任务", "tasked"),
-    ("已标注", "labelled"),
+    ("已标注", "labeled"),
     ("已接受", "accepted"),
     ("已发布", "released"),
 ];
 
 pub(super) fn write(m: &mut Markup, a: &Analytics) {
     m.raw("<h3>").say("各场景各阶段数量", "Classes by stage").raw("</h3>");
-    m.raw("<ul class=\"marks faint\"><li><b>0</b> ").say("已搜索，没有", "searched, none found");
+    m.raw("<ul class=\"marks faint\"><li><b>0</b> ")
+        .say("已搜索，没有主场景事件", "searched, no primary episode found");
+    m.raw("</li><li><b>+1</b> ").say(
+        "另有 1 个次场景事件（同一时刻的主场景是别的类）",
+        "and 1 secondary episode (the primary class of the moment is another)",
+    );
     m.raw("</li><li><b>?</b> ").say("不可观测（缺信号）", "not observable (signals missing)");
     m.raw("</li><li><b>–</b> ").say("没有规则", "no rule");
     m.raw("</li><li><b>…</b> ").say("未提供该数据", "input not given").raw("</li></ul>");
@@ -54,6 +59,11 @@ fn line(m: &mut Markup, row: &StageRow, most: &[f64]) {
             (0, None, Some(CoverageState::NotObservable)) => drop(m.raw("?")),
             (0, None, Some(CoverageState::NoRule)) => drop(m.raw("–")),
             _ => count(m, value),
+        }
+        if i == 0
+            && let Some(n) = row.secondary.filter(|n| *n > 0)
+        {
+            m.raw(" <span class=\"faint\">+").int(n).raw("</span>");
         }
         if row.scenario_id.is_leaf()
             && let Some(n) = value

@@ -14,7 +14,7 @@ pub(super) fn chart(shown: &Shown<'_>, lang: Lang) -> TruthChart {
     let e = shown.explanation;
     let (truth_words, note) = match lang {
         Lang::Zh => (["成立", "不成立", "未知"], "是、否、？ 与 [实际值] 均指竖线处"),
-        Lang::En => (["true", "false", "unknown"], "yes, no, ? and [values] are those at the upright line"),
+        Lang::En => (["true", "false", "unknown"], "yes, no, ? and [values] are those at the vertical line"),
     };
     TruthChart {
         title: verdict(shown, lang),

@@ -35,8 +35,16 @@ pub(super) fn render(shown: &Shown<'_>, lang: Lang) -> String {
 /// What became of the rule, in a sentence; also the title of the picture.
 pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
     let e = shown.explanation;
-    let roles: Vec<String> = e.roles.iter().map(|(name, id)| format!("{name} {id}")).collect();
-    let who = if roles.is_empty() { String::new() } else { format!(" ({})", roles.join(", ")) };
+    let called = |name: &str| match (name, lang) {
+        ("target", Lang::Zh) => "目标".to_owned(),
+        _ => name.to_owned(),
+    };
+    let roles: Vec<String> = e.roles.iter().map(|(name, id)| format!("{} {id}", called(name))).collect();
+    let who = match (roles.is_empty(), lang) {
+        (true, _) => String::new(),
+        (_, Lang::Zh) => format!("（{}）", roles.join("、")),
+        (_, Lang::En) => format!(" ({})", roles.join(", ")),
+    };
     let (class, clip) = (shown.class, shown.clip);
     let mut out = match lang {
         Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(e)),
