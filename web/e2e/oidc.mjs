@@ -105,7 +105,7 @@ async function stranger(day) {
   await there(page, "zhao");
   await page.getByRole("alert").getByText(/没有与此身份关联的账号/).waitFor();
   await page.getByRole("button", { name: "English" }).click();
-  await page.getByRole("alert").getByText(/no account is linked to this identity/).waitFor();
+  await page.getByRole("alert").getByText(/No account is linked to this identity/).waitFor();
   assert.equal(page.url(), `${day.oidc.service.url}/`);
   await checkAccessibility(page, "no account");
   await page.getByRole("button", { name: "中文" }).click();

@@ -1,5 +1,7 @@
 // A task made up by arithmetic, and answers to every request of the labelling screen about it: for measuring the page
-// without a server and without recorded data. The scene is a curved motorway of four lanes with any number of objects.
+// without a server and without recorded data. The scene is a curved motorway of four lanes with any number of objects,
+// and cameras with an image at every frame.
+import { picture } from "./png.mjs";
 
 const HZ = 10;
 const iso = (i) => new Date(Date.UTC(2026, 0, 15, 10, 30, 0) + i * 100).toISOString();
@@ -21,7 +23,7 @@ function dice(seed) {
   };
 }
 
-export function scene({ objects, seconds, stage }) {
+export function scene({ objects, seconds, stage, cameras = 0 }) {
   const n = seconds * HZ;
   const key = Math.round(n / 3);
   const shown = stage === "stage1" ? key + 1 : n;
@@ -84,7 +86,10 @@ export function scene({ objects, seconds, stage }) {
       "target.ttc": { kind: "number", unit: "s", meaning: { zh: "碰撞时间", en: "Time to collision" } },
       "target.wheel_over_line": { kind: "flag", unit: null, meaning: { zh: "车轮压线", en: "A wheel is over the line" } },
     },
-    cameras: [],
+    cameras: [...Array(cameras).keys()].map((n) => ({
+      camera: ["front_wide_120fov", "cross_left_120fov", "cross_right_120fov"][n] ?? `camera_${n}`,
+      frames: rows.map((i) => ({ index: i, t_index: i, t_s: round((i - key) / HZ), url: `/api/v1/tasks/t1/media/${n}/${i}` })),
+    })),
     ...(stage === "stage1" ? { hidden_until: "stage2" } : {}),
   };
 }
@@ -210,8 +215,8 @@ export function task(view, { stage }) {
 }
 
 /** What the server would answer; `change` may replace parts of the task. */
-export function answers({ objects = 200, seconds = 30, stage = "stage2", words = framework, change = (t) => t } = {}) {
-  const view = scene({ objects, seconds, stage });
+export function answers({ objects = 200, seconds = 30, stage = "stage2", cameras = 0, words = framework, change = (t) => t } = {}) {
+  const view = scene({ objects, seconds, stage, cameras });
   const made = change(task(view, { stage }));
   let version = made.version;
   return (method, path) => {
@@ -228,11 +233,22 @@ export function answers({ objects = 200, seconds = 30, stage = "stage2", words =
   };
 }
 
+/** An image of a camera at a frame; few colors, each encoded once. */
+const cameraImages = new Map();
+function cameraImage(camera, frame) {
+  const shade = frame % 20;
+  const key = `${camera}/${shade}`;
+  if (!cameraImages.has(key)) cameraImages.set(key, picture(1280, 720, [60 + 4 * shade, 80 + 20 * camera, 120]));
+  return cameraImages.get(key);
+}
+
 /** Lets `page` have the built page in `dist` and these answers, with no server at all. */
 export async function stand(page, dist, answer, { readFile, join }) {
   const types = { js: "text/javascript", css: "text/css", html: "text/html" };
   await page.route("**/*", async (route) => {
     const { pathname } = new URL(route.request().url());
+    const image = /\/media\/(\d+)\/(\d+)$/.exec(pathname);
+    if (image) return route.fulfill({ body: cameraImage(Number(image[1]), Number(image[2])), contentType: "image/png" });
     if (pathname.startsWith("/api/v1")) {
       const body = answer(route.request().method(), pathname.slice(7));
       return route.fulfill(body === null ? { status: 404, json: { code: "not.found", title: "not there" } } : { json: body });

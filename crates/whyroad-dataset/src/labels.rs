@@ -283,6 +283,7 @@ fn of_episode(value: Value) -> Result<Read, Fault> {
             episode_id: Some(episode.episode_id.clone()),
             target_id: episode.target_id.as_ref().map(ToString::to_string),
             score: Some(episode.score),
+            rule_version: episode.rule_version.clone(),
             ..LabelRecord::default()
         },
     })
@@ -295,7 +296,7 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
         task_id: text(&task["id"]),
         episode_id: episode.as_ref().map(|e| e.episode_id.clone()),
         target_id: episode.as_ref().and_then(|e| e.target_id.as_ref()).map(ToString::to_string),
-        rule_version: text(&task["episode"]["rule_version"]),
+        rule_version: episode.as_ref().and_then(|e| e.rule_version.clone()),
         score: episode.as_ref().map(|e| e.score),
         rejected: rejected(task),
         ..LabelRecord::default()

@@ -214,11 +214,20 @@ impl<'a> Miner<'a> {
         };
         let DriveEpisodes { episodes, missing, .. } = arbitrated(self.rules, id, &outline.times, found);
         let Outline { times, mut clips, .. } = outline;
-        let episodes = write_down(&episodes, id, &times, self.options.clips, self.options.lang);
+        let mut episodes = write_down(&episodes, id, &times, self.options.clips, self.options.lang);
+        for e in &mut episodes {
+            e.record.rule_version = self.rule_version(&e.record.scenario_id);
+        }
         if self.options.clips == ClipCut::Keyframe {
             clips.extend(around_keyframes(&episodes, &clips, &times, id));
         }
         Ok(MinedDrive { drive_id: id.clone(), clips, episodes, missing })
+    }
+
+    /// The version of the rule of a class: its hash, shortened. A class without a rule of its own (`other`) has none.
+    fn rule_version(&self, class: &ScenarioId) -> Option<String> {
+        let at = self.rules.rules.iter().position(|rule| rule.scenario == *class)?;
+        self.keys.get(at).map(|key| key.chars().take(12).collect())
     }
 
     /// The results of each rule: kept from an earlier run, or found now and kept.

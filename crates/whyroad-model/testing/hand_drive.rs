@@ -169,6 +169,7 @@ pub(crate) fn episode(drive: &Drive) -> EpisodeRecord {
         signals: ["ego.speed", "light.state", "target.in_ego_lane", "target.relation", "target.ttc"]
             .map(String::from)
             .to_vec(),
+        rule_version: None,
     }
 }
 

@@ -84,6 +84,8 @@ pub fn write_down(
             keyframe_rule: e.keyframe_rule.clone(),
             conditions_matched: e.conditions.iter().map(described).collect(),
             signals: e.signals.clone(),
+            // Who knows the rule says which.
+            rule_version: None,
         };
         let context = e.context.intersect(clip);
         let suggestion = KeyframeSuggestion {

@@ -57,4 +57,8 @@ pub struct EpisodeRecord {
     pub conditions_matched: Vec<MatchedCondition>,
     /// Signals that the rule read, by catalogue name, sorted.
     pub signals: Vec<String>,
+    /// The rule that found it: a hash of all that the rule is made of, 12 hex digits; absent in files of earlier
+    /// versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule_version: Option<String>,
 }

@@ -105,10 +105,12 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
         let state = id.is_leaf().then(|| inputs.mined.map(|_| states.get(&id).copied())).flatten();
         let state = state.map(|s| s.unwrap_or(CoverageState::NoRule));
         let mut counts = own(&id);
+        let mut secondary = inputs.mined.map(|_| sum_below(&tally.secondary, &id).unwrap_or(0));
         let without_variant = if id.is_leaf() { StageCounts::default() } else { counts };
         if matches!(state, Some(CoverageState::NotObservable | CoverageState::NoRule)) {
             // What cannot be seen was not counted, unless something was found all the same.
             counts.mined = counts.mined.filter(|n| *n > 0);
+            secondary = secondary.filter(|n| *n > 0);
         }
         if !id.is_leaf() {
             let below = tally.counts.iter().filter(|(other, _)| other.is_within(&id) && **other != id);
@@ -118,16 +120,16 @@ pub(super) fn rows(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Vec<S
                 leaf.is_within(&id) && matches!(s, CoverageState::Found | CoverageState::NotFound)
             });
             counts.mined = counts.mined.filter(|n| *n > 0 || searched);
+            secondary = secondary.filter(|n| *n > 0 || searched);
         }
         let wanted = sum_below(inputs.wanted, &id);
         let left_out = sum_below(&tally.left_out, &id).unwrap_or(0);
-        let secondary = sum_below(&tally.secondary, &id).unwrap_or(0);
         out.push(StageRow {
             name: name(framework, &id),
             state,
             counts,
             without_variant,
-            secondary: inputs.mined.map(|_| secondary),
+            secondary,
             left_out: inputs.tasks.map(|_| left_out),
             wanted,
             in_taxonomy: true,

@@ -196,6 +196,7 @@ pub fn episode(drive: &str, n: usize, future: Future) -> EpisodeRecord {
         keyframe_rule: Bilingual::new("越线", "crosses the line"),
         conditions_matched: conditions(future),
         signals: vec!["ego.mean_speed".into(), "target.gap".into()],
+        rule_version: None,
     }
 }
 

@@ -88,6 +88,7 @@ fn of_label(value: &Value) -> Result<Incoming, Bilingual> {
         keyframe_rule: Bilingual::new("取自导入的标注", "taken from an imported label"),
         conditions_matched: vec![],
         signals: vec![],
+        rule_version: None,
     };
     Ok(Incoming { episode, draft: Some(value.clone()), priority: 0, overlap: (0, 1) })
 }

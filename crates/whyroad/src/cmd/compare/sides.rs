@@ -211,6 +211,7 @@ fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
         keyframe_rule: Bilingual::default(),
         conditions_matched: vec![],
         signals: vec![],
+        rule_version: None,
     };
     let mut out = vec![primary.clone()];
     for id in &sample.secondary_scenarios {

@@ -3,13 +3,15 @@
 use super::refused;
 use crate::output::DataFormat;
 use crate::output::reason::stop;
-use crate::{Global, output};
+use crate::{Global, framework_folder, output};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use whyroad_dataset::diff::{Difference, diff as compare};
 use whyroad_dataset::{Release, Sample};
-use whyroad_model::{Lang, Nanos};
+use whyroad_framework::Framework;
+use whyroad_model::{Lang, Nanos, ScenarioId};
+use whyroad_report::coverage::class_title;
 
 /// Arguments of `whyroad dataset show`.
 #[derive(clap::Args)]
@@ -57,37 +59,54 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
             sample.images.iter_mut().for_each(|i| i.bytes.clear());
             output::put(&format!("{}\n", serde_json::to_string_pretty(&sample)?));
         }
-        DataFormat::Text => output::put(&text(&sample, global.lang)),
+        DataFormat::Text => {
+            let (framework, _) = framework_folder::load(global)?;
+            output::put(&text(&sample, &framework, global.lang));
+        }
     }
     Ok(output::FINE)
 }
 
-fn text(s: &Sample, lang: Lang) -> String {
+fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
     let l = &s.lineage;
     let unknown = if lang == Lang::Zh { "未知" } else { "unknown" };
     let or = |v: &Option<String>| v.clone().unwrap_or_else(|| unknown.to_owned());
-    let null = |v: &Option<String>| v.clone().unwrap_or_else(|| "null".to_owned());
-    let state = if l.checked { format!("{} (checked)", l.label_status) } else { l.label_status.clone() };
-    let sizes = |t: &whyroad_dataset::sample::Trajectory| {
-        let known = t.x.iter().filter(|x| x.is_some()).count();
-        format!("{known}/{} steps", t.x.len())
+    let zh = lang == Lang::Zh;
+    let t = |zh_text: &'static str, en: &'static str| if zh { zh_text } else { en };
+    let decision = |v: &Option<String>| v.clone().unwrap_or_else(|| t("无决策变化", "no change").to_owned());
+    let checked = if l.checked { t("（已质检）", " (checked)") } else { "" };
+    let sizes = |trajectory: &whyroad_dataset::sample::Trajectory| {
+        let known = trajectory.x.iter().filter(|x| x.is_some()).count();
+        format!("{known}/{}{}", trajectory.x.len(), t(" 步", " steps"))
     };
+    let name = s.scenario_id.parse::<ScenarioId>().ok().map(|id| class_title(&framework.taxonomy, &id));
+    let class = name.map_or(s.scenario_id.clone(), |n| format!("{} ({})", n.get(lang), s.scenario_id));
     let rows: Vec<(&str, &str, String)> = vec![
         ("样本", "sample", s.sample_id.clone()),
-        ("划分", "split", format!("{} (weight {:.3})", s.split, s.weight)),
-        ("场景", "class", s.scenario_id.clone()),
-        ("决策", "decision", format!("{} / {}", null(&s.longitudinal), null(&s.lateral))),
+        ("划分", "split", format!("{}{}{:.3}{}", s.split, t("（权重 ", " (weight "), s.weight, t("）", ")"))),
+        ("场景", "class", class),
+        ("决策", "decision", format!("{} / {}", decision(&s.longitudinal), decision(&s.lateral))),
         ("因果描述", "trace", s.trace_zh.clone().or_else(|| s.trace_en.clone()).unwrap_or_default()),
         ("历史 / 未来", "history / future", format!("{} / {}", sizes(&s.history), sizes(&s.future))),
         ("目标", "objects", s.objects.len().to_string()),
         ("图像", "images", s.images.len().to_string()),
         ("行程", "drive", format!("{} ({})", l.drive_id, l.drive_hash)),
-        ("关键帧", "keyframe", format!("{} (frame {})", Nanos(l.keyframe_time_ns), l.keyframe_frame)),
+        (
+            "关键帧",
+            "keyframe",
+            format!(
+                "{}{}{}{}",
+                Nanos(l.keyframe_time_ns),
+                t("（第 ", " (frame "),
+                l.keyframe_frame,
+                t(" 帧）", ")")
+            ),
+        ),
         ("片段", "clip", l.clip_id.clone()),
         ("事件", "episode", or(&l.episode_id)),
         ("任务", "task", or(&l.task_id)),
         ("标签", "label", format!("{} · sha256 {}", or(&l.label_version), l.label_sha256)),
-        ("标签状态", "label state", state),
+        ("标签状态", "label state", format!("{}{checked}", l.label_status)),
         ("作者", "author", format!("{} {}", or(&l.label_source), or(&l.label_by))),
         ("分类版本", "taxonomy version", or(&l.taxonomy_version)),
         ("规则版本", "rule version", or(&l.rule_version)),
