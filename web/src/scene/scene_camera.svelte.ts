@@ -11,11 +11,25 @@ export class SceneCamera {
   size: Size = $state.raw({ width: 0, height: 0 });
   /** The free view; while following only its scale counts. */
   #free: View = $state.raw({ x: 0, y: 0, scale: START_SCALE, turn: Math.PI / 2 });
+  /** What was put in sight, ahead and left of the ego, m; null once the view was moved or zoomed by hand. */
+  #shown: { ahead: number; left: number; maxScale: number } | null = null;
   #ego: () => Pose | null;
 
   /** `ego` is the pose of the ego now; null where the log has none. */
   constructor(ego: () => Pose | null) {
     this.#ego = ego;
+  }
+
+  /** The canvas has another size: what was put in sight stays in sight. */
+  resize(size: Size): void {
+    this.size = size;
+    if (this.#shown && this.following && size.width > 0) this.#fit();
+  }
+
+  #fit(): void {
+    if (!this.#shown) return;
+    const { ahead, left, maxScale } = this.#shown;
+    this.#free = { ...this.#free, scale: fitting(this.size, ahead, left, maxScale) };
   }
 
   get view(): View {
@@ -40,6 +54,7 @@ export class SceneCamera {
 
   /** Zooms about a point of the canvas, px; about its middle without one. */
   zoom(factor: number, px = this.size.width / 2, py = this.size.height / 2): void {
+    this.#shown = null;
     this.#free = zoomed(this.view, this.size, factor, px, py);
   }
 
@@ -50,6 +65,7 @@ export class SceneCamera {
     const a = toWorld(from, this.size, fromX, fromY);
     const b = toWorld(from, this.size, toX, toY);
     this.following = false;
+    this.#shown = null;
     this.#free = { ...from, x: from.x + a[0] - b[0], y: from.y + a[1] - b[1] };
   }
 
@@ -62,7 +78,8 @@ export class SceneCamera {
     }
     const [dx, dy] = [target.x - ego.x, target.y - ego.y];
     const [cos, sin] = [Math.cos(ego.heading), Math.sin(ego.heading)];
-    this.#free = { ...this.#free, scale: fitting(this.size, dx * cos + dy * sin, dy * cos - dx * sin, maxScale) };
+    this.#shown = { ahead: dx * cos + dy * sin, left: dy * cos - dx * sin, maxScale };
+    this.#fit();
     this.following = true;
   }
 }

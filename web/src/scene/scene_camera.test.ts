@@ -49,6 +49,22 @@ test("the target is in sight afterwards, also when the view was elsewhere; it is
   assert.equal(camera.view.scale, 12);
 });
 
+test("a target that was put in sight stays there when the canvas shrinks, unless the view was zoomed by hand", () => {
+  const target = { x: 5000 + 50 * Math.cos(0.5), y: -300 + 50 * Math.sin(0.5), heading: 0 };
+  const visible = (): boolean => {
+    const [x, y] = toScreen(camera.view, camera.size, target.x, target.y);
+    return x > 0 && x < camera.size.width && y > 0 && y < camera.size.height;
+  };
+  camera.showTarget(target);
+  camera.resize({ width: 800, height: 260 });
+  assert.ok(visible());
+  camera.showTarget(target);
+  camera.zoom(1.5);
+  const scale = camera.view.scale;
+  camera.resize({ width: 800, height: 200 });
+  assert.equal(camera.view.scale, scale);
+});
+
 test("without an ego the view is where it was put", () => {
   ego = null;
   camera.centerOn(70, 80);
