@@ -34,6 +34,29 @@ pub struct Span {
     pub keyframe: usize,
 }
 
+/// What a signal is called: the first clause of its meaning, other signals in it by theirs; its id without a meaning.
+fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
+    let in_words = |zh: bool| {
+        let clause_of = |id: &str| {
+            let meaning = &infos.get(id)?.meaning;
+            let clause = first_clause(if zh { &meaning.zh } else { &meaning.en });
+            (!clause.is_empty()).then_some(clause)
+        };
+        let Some(clause) = clause_of(name) else { return name.to_owned() };
+        let is_id = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+        let other = clause.split(|c: char| !is_id(c)).find_map(|id| Some((id, clause_of(id)?)));
+        other.map_or_else(|| clause.to_owned(), |(id, words)| clause.replace(id, words))
+    };
+    Bilingual::new(in_words(true), in_words(false))
+}
+
+/// The first clause of a text.
+fn first_clause(text: &str) -> &str {
+    let stops = [". ", ", ", ": ", "; ", " (", "。", "，", "：", "；", "（"];
+    let end = stops.iter().filter_map(|s| text.find(s)).filter(|&i| i > 0).min().unwrap_or(text.len());
+    text[..end].trim_end_matches(['.', '。'])
+}
+
 /// The plot of signal `name`, with its value at the keyframe in the caption.
 pub fn render(
     infos: &BTreeMap<String, SignalInfo>,
@@ -46,10 +69,12 @@ pub fn render(
     let info = infos.get(name).cloned().unwrap_or_default();
     let series = Series::find(signals, target, name, info.unit);
     m.raw("<figure class=\"plot\"><figcaption title=\"")
+        .text(name)
+        .raw(": ")
         .text(&info.meaning.zh)
         .raw(" / ")
         .text(&info.meaning.en);
-    m.raw("\"><code>").text(name).raw("</code> ");
+    m.raw("\">").both(&caption(infos, name)).raw(" ");
     let Some(series) = series else {
         m.raw("<span class=\"faint\">");
         match signals.unavailable.get(name) {
@@ -317,4 +342,24 @@ fn runs<T: PartialEq + Copy>(span: Span, value: impl Fn(usize) -> T) -> Vec<(Fra
 fn run_x(span: Span, frames: FrameRange) -> (f64, f64) {
     let x = |f: f64| x_of(span, f).clamp(LEFT, RIGHT);
     (x(frames.start as f64 - 0.5), x(frames.end as f64 - 0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plot_is_named_by_the_first_clause_of_its_meaning() {
+        let info =
+            |zh: &str, en: &str| SignalInfo { meaning: Bilingual::new(zh, en), ..SignalInfo::default() };
+        let infos = BTreeMap::from([
+            ("target.gap".to_owned(), info("净距：沿路径", "Clear distance, along the path.")),
+            (
+                "lead.gap".to_owned(),
+                info("前车的 target.gap；无则未知", "target.gap of the lead. Else unknown."),
+            ),
+        ]);
+        assert_eq!(caption(&infos, "lead.gap"), Bilingual::new("前车的 净距", "Clear distance of the lead"));
+        assert_eq!(caption(&infos, "no.such"), Bilingual::same("no.such"));
+    }
 }

@@ -130,7 +130,8 @@ fn a_card_has_picture_conditions_and_a_plot_of_each_signal() {
 #[test]
 fn unknown_is_a_gap_and_infinite_is_not_drawn_as_a_number() {
     let page = page("d", 10);
-    let plot = page.split("<code>target.ttc</code>").nth(1).unwrap().split("</figure>").next().unwrap();
+    let plot =
+        page.split("<figcaption title=\"target.ttc: ").nth(1).unwrap().split("</figure>").next().unwrap();
     let line = plot.split("class=\"line\" d=\"").nth(1).unwrap().split('"').next().unwrap();
     // Frames 10 to 99 are shown (3 s around 20..70); 10 to 19 are unknown.
     assert_eq!(line.matches('M').count(), 1);
