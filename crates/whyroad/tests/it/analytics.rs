@@ -95,9 +95,9 @@ fn a_report_counts_every_stage_and_its_queries_can_be_mined() {
     let analytics = &json["analytics"];
     let csv = fs::read_to_string(format!("{tables}/stages.csv")).unwrap();
     let stages = stages(&csv);
-    assert!(
-        csv.starts_with("scenario_id,level,name_zh,name_en,state,mined,tasked,labelled,accepted,released,")
-    );
+    assert!(csv.starts_with(
+        "scenario_id,level,name_zh,name_en,state,mined,secondary,tasked,labelled,accepted,released,"
+    ));
     // What mining says of itself, counted independently of the report.
     let episodes = fs::read_to_string(dir.join("mined/episodes.jsonl")).unwrap();
     let primary: Vec<Value> = episodes
@@ -108,11 +108,11 @@ fn a_report_counts_every_stage_and_its_queries_can_be_mined() {
     let class = primary[0]["scenario_id"].as_str().unwrap();
     let of_class = primary.iter().filter(|e| e["scenario_id"] == class).count();
     assert_eq!(stages[class][5], of_class.to_string());
-    let accepted: u64 = stages.values().filter(|f| f[1] == "l1").map(|f| f[8].parse::<u64>().unwrap()).sum();
+    let accepted: u64 = stages.values().filter(|f| f[1] == "l1").map(|f| f[9].parse::<u64>().unwrap()).sum();
     assert_eq!(accepted, 2);
     // Not observable is neither zero nor left out; releases were not given.
     let blind = stages.values().find(|f| f[4] == "not_observable").unwrap();
-    assert_eq!((blind[5].as_str(), blind[9].as_str()), ("", ""));
+    assert_eq!((blind[5].as_str(), blind[10].as_str()), ("", ""));
     // Two tasks of 120 s minus the pause after submitting: 60 s each.
     let cost = analytics["progress"]["cost"]["per_label"].as_f64().unwrap();
     assert!((cost - 1.0).abs() < 1e-9, "{cost}");
