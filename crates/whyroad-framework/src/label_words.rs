@@ -1,7 +1,10 @@
 //! The words of a label's texts (`schema/label_words.yaml`, which says what each list means), compiled to one search:
 //! things, sides, states, colours, hindsight, placeholders. What follows from them is decided by the label checks.
 
+mod aftermath;
 mod compile;
+
+pub use aftermath::{Aftermath, TellWord};
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
@@ -75,6 +78,8 @@ pub enum WordRole {
     Colour(usize),
     /// Only known afterwards.
     Hindsight,
+    /// In a component: follows from the ego's own response.
+    AfterResponse,
     /// Says that what it is near is before the ego.
     Ahead,
     /// Says that what follows is not there.
@@ -112,6 +117,9 @@ pub struct LabelWords {
     trie: Trie,
     roles: Vec<WordRole>,
     reasons: Trie,
+    scene: Trie,
+    /// What tells of events after the decision.
+    pub aftermath: Aftermath,
 }
 
 impl LabelWords {
@@ -163,6 +171,13 @@ impl LabelWords {
         (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
     }
 
+    /// True when `text` has a word that has to do with roads and traffic.
+    pub fn is_of_driving(&self, text: &str) -> bool {
+        let mut any = false;
+        self.scene.find(text, |_| any = true);
+        any
+    }
+
     /// True when `text` says why something could not be observed.
     pub fn gives_reason(&self, text: &str) -> bool {
         let mut any = false;
@@ -189,8 +204,10 @@ struct File {
     supposed: Words,
     unchanged: Words,
     hindsight: RawHindsight,
+    aftermath: aftermath::RawAftermath,
     placeholder: Words,
     plain: Words,
+    scene: Words,
     unobserved_because: Words,
 }
 
@@ -241,7 +258,9 @@ struct Name {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Words {
+    #[serde(default)]
     zh: Vec<String>,
+    #[serde(default)]
     en: Vec<String>,
 }
 

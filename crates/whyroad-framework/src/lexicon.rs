@@ -4,9 +4,11 @@
 
 mod compile;
 pub(crate) mod expand;
+mod stems;
 pub(crate) mod trie;
 
 pub use compile::{Hit, Role};
+pub use stems::Stems;
 
 use serde::Deserialize;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
@@ -21,6 +23,8 @@ pub struct Lexicon {
     pub null_allows: Says,
     /// What each phrase says, by its index.
     pub phrases: Vec<Says>,
+    /// Beginnings of words that support a decision which no phrase states.
+    pub stems: Stems,
     trie: trie::Trie,
     /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
     pub patterns: Vec<compile::Pattern>,
@@ -107,6 +111,10 @@ struct File {
     sides: Sides,
     words: RoleWords,
     phrases: Vec<PhraseWords>,
+    #[serde(default)]
+    stems: Vec<stems::StemWords>,
+    #[serde(default)]
+    stem_denied: Words,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -203,9 +211,9 @@ mod tests {
             (1, "lexicon.syntax", Some("x.yaml"))
         );
         // The same word for two decisions, and a choice that is never closed.
-        let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, 变道, "));
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "汇入主路, 变道"));
         assert!(d.len() == 1 && d[0].code == "lexicon.pattern" && d[0].message.en.contains("变道"), "{d:?}");
-        let (_, d) = Lexicon::parse("x.yaml", &text.replace("zh: [汇入, ", "zh: [汇入, \"(a|b\", "));
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "\"(a|b\""));
         assert!(d.len() == 1 && d[0].message.en.contains("(a|b"), "{d:?}");
     }
 }

@@ -12,6 +12,7 @@ mod codes;
 mod consistency;
 mod form;
 mod motion;
+mod overlap;
 mod quality;
 mod reading;
 mod recording;

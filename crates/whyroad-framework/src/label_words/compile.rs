@@ -37,6 +37,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     b.all(raw.denied.all(), WordRole::Denied);
     b.all(raw.supposed.all(), WordRole::Supposed);
     b.all(raw.unchanged.all(), WordRole::Unchanged);
+    b.all(raw.aftermath.component.all(), WordRole::AfterResponse);
     b.all(raw.hindsight.plain.all(), WordRole::Plain);
     b.all(raw.plain.all(), WordRole::Plain);
 
@@ -63,8 +64,13 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     let reasons = self::trie(reasons.iter().map(String::as_str), &mut problems);
     let placeholders = raw.placeholder.all().map(bare).collect();
     let roles = texts.into_values().collect();
+    let mut scene: Vec<String> = raw.scene.all().flat_map(|p| expanded(p, &mut problems)).collect();
+    scene.sort_unstable();
+    scene.dedup();
+    let scene = self::trie(scene.iter().map(String::as_str), &mut problems);
+    let aftermath = raw.aftermath.compile(&mut problems);
     let names = raw.names.iter().map(|(id, n)| (id.clone(), Bilingual::new(&n.zh, &n.en))).collect();
-    (LabelWords { objects, kinds, names, placeholders, trie, roles, reasons }, problems)
+    (LabelWords { objects, kinds, names, placeholders, trie, roles, reasons, scene, aftermath }, problems)
 }
 
 /// A text without spaces and punctuation, in lower case: how placeholders are compared.
@@ -101,7 +107,7 @@ fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {
     out
 }
 
-fn expanded(pattern: &str, problems: &mut Vec<Bilingual>) -> Vec<String> {
+pub(super) fn expanded(pattern: &str, problems: &mut Vec<Bilingual>) -> Vec<String> {
     match choices(pattern) {
         Some(texts) => texts.into_iter().map(|t| t.to_lowercase()).collect(),
         None => {
@@ -114,7 +120,7 @@ fn expanded(pattern: &str, problems: &mut Vec<Bilingual>) -> Vec<String> {
     }
 }
 
-fn trie<'w>(words: impl Iterator<Item = &'w str>, problems: &mut Vec<Bilingual>) -> Trie {
+pub(super) fn trie<'w>(words: impl Iterator<Item = &'w str>, problems: &mut Vec<Bilingual>) -> Trie {
     Trie::new(words).unwrap_or_else(|| {
         problems.push(Bilingual::new(
             "词表过大，或含有基本多文种平面之外的字",

@@ -134,8 +134,14 @@ pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     });
     let patterns: Vec<Pattern> =
         texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
-    let lexicon =
-        Lexicon { limits: raw.limits, null_allows: raw.null_allows.clone(), phrases, trie, patterns };
+    let lexicon = Lexicon {
+        limits: raw.limits,
+        null_allows: raw.null_allows.clone(),
+        phrases,
+        stems: super::Stems::new(&raw.stems, &raw.stem_denied),
+        trie,
+        patterns,
+    };
     (lexicon, problems)
 }
 

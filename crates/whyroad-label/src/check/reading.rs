@@ -35,6 +35,8 @@ pub(super) struct TextFacts {
     pub groups: GroupSet,
     /// Bytes of the first phrase of hindsight.
     pub hindsight: Option<(usize, usize)>,
+    /// Bytes of the first phrase that follows from the ego's response: hindsight in a component.
+    pub after_response: Option<(usize, usize)>,
     /// Words of any list.
     pub words: usize,
     /// States said of nothing that is named, in order.
@@ -91,14 +93,24 @@ pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
             }
             WordRole::Side(left) => {
                 out.words += 1;
-                clause.say_side(left, word.is_ascii(), words, &mut out);
+                // "An old man comes from the left": behind the name in Chinese, too.
+                let from = out.named.last().is_some_and(|n| n.clause == clause.number && !n.absent)
+                    && text[..hit.start].ends_with(['从', '自', '由', '打']);
+                clause.say_side(left, word.is_ascii() || from, words, &mut out);
             }
             WordRole::State(state) => {
                 out.words += 1;
                 if !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
-                    match out.named.last_mut().filter(|n| n.clause == clause.number && n.state.is_none()) {
+                    // "The car has stopped at the line": who acts, rather than a place.
+                    let open = |n: &&mut Named| n.clause == clause.number && n.state.is_none();
+                    let acts = |n: &&mut Named| words.objects[n.group].named;
+                    let own = out.named.iter_mut().rev().filter(open).find(acts);
+                    match own {
                         Some(n) => n.state = Some(state),
-                        None => clause.state = Some(state),
+                        None => match out.named.last_mut().filter(open) {
+                            Some(n) => n.state = Some(state),
+                            None => clause.state = Some(state),
+                        },
                     }
                 }
             }
@@ -108,7 +120,13 @@ pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
             }
             WordRole::Hindsight => {
                 out.words += 1;
-                out.hindsight.get_or_insert((hit.start, hit.end));
+                if !is_imagined(text, hit.start) {
+                    out.hindsight.get_or_insert((hit.start, hit.end));
+                }
+            }
+            WordRole::AfterResponse => {
+                out.words += 1;
+                out.after_response.get_or_insert((hit.start, hit.end));
             }
             // Behind a name in English, before it in Chinese.
             WordRole::Ahead if word.is_ascii() => {
@@ -131,6 +149,14 @@ pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
     out
 }
 
+/// "Otherwise it hits us", "at this speed it hits us in two seconds": what would happen, not what did.
+fn is_imagined(text: &str, at: usize) -> bool {
+    const WORDS: [&str; 10] =
+        ["再", "否则", "不然", "照这", "照此", "按这", "按此", "恐怕", "会", "otherwise"];
+    let from = text[..at].rfind(CLAUSE_ENDS).unwrap_or(0);
+    WORDS.iter().any(|w| text[from..at].contains(w))
+}
+
 /// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that
 /// of a lane to which somebody goes.
 fn lane_side(text: &str, start: usize, end: usize) -> Option<bool> {
@@ -151,7 +177,7 @@ fn lane_side(text: &str, start: usize, end: usize) -> Option<bool> {
         _ => return None,
     };
     let goes = text[..start].ends_with(['向', '往', '到', '至', '入', '进']);
-    let of = text[end..].starts_with(['的', '上', '内', '里', '一', '那', '有'])
+    let of = text[end..].starts_with(['的', '上', '内', '里', '一', '那', '有', '停', '并', '跟'])
         || text[..start].ends_with(['从', '自']);
     (word.ends_with("车道") && of && !goes).then_some(left)
 }

@@ -5,7 +5,7 @@
 use super::business::{class, combination, decision, records};
 use super::cause::{links, text as cause_text};
 use super::clips::{ClipFacts, ClipIndex};
-use super::consistency::{moment, plausible, text, trace_rules};
+use super::consistency::{moment, plausible, text, trace, trace_rules};
 use super::form::{placeholder, version};
 use super::texts::Texts;
 use super::view::View;
@@ -68,7 +68,13 @@ impl Rulebook<'_> {
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
         text::duplicates(label, &texts, words, sink);
-        cause_text::hindsight(label, &texts, sink);
+        let mut reading = label.trace.get().map(|t| trace::read(t, lexicon));
+        let after = label
+            .trace
+            .get()
+            .zip(reading.as_mut())
+            .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts.trace, r, words, lexicon));
+        cause_text::hindsight(label, &texts, after, sink);
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(&texts, words, c, sink));
         cause_text::proximate(label, &texts, words, sink);
@@ -85,13 +91,13 @@ impl Rulebook<'_> {
         if impossible {
             return;
         }
-        let reading = trace_rules::trace(label, lexicon, &self.framework.decisions, sink);
-        let decides = |from: usize, to: usize| {
-            reading.as_ref().is_some_and(|r| trace_rules::states_decision(r, lexicon, label, from, to))
-        };
-        if reading.is_some() && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class
-        {
-            text::unnamed(label, &texts, words, sink);
+        let Some(reading) = reading else { return };
+        let states =
+            trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts.trace, sink);
+        let decides =
+            |from: usize, to: usize| trace_rules::states_decision(&reading, lexicon, label, from, to);
+        if states && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class {
+            text::unnamed(label, &texts, words, reading.end, sink);
         }
     }
 

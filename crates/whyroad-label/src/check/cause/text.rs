@@ -2,6 +2,7 @@
 //! proximate cause, and a cause of the kind that the decision has.
 
 use crate::check::consistency::trace_rules::decision_name;
+use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -11,27 +12,33 @@ use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
 
-/// What was only known after the keyframe.
-pub(in crate::check) fn hindsight(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
+/// What was only known after the keyframe. `after`: bytes of what the trace tells after its decision.
+pub(in crate::check) fn hindsight(
+    label: &View<'_>,
+    texts: &Texts,
+    after: Option<(usize, usize)>,
+    sink: &mut dyn Sink,
+) {
     let report = |sink: &mut dyn Sink, at: String, text: &str, (start, end): (usize, usize)| {
         sink.report(Finding::error("label.text.hindsight", at).part(start, end), &|| {
-            let phrase = &text[start..end];
+            let phrase = text[start..end].trim();
             Words::new(
                 format!("“{phrase}”说的是关键帧之后才知道的事"),
                 format!("'{phrase}' speaks of what was only known after the keyframe"),
             )
             .hint(
-                "只写关键帧当时或之前看得到的内容",
-                "write only what could be seen at or before the keyframe",
+                "只写关键帧当时或之前看得到的内容；因果描述以决策结尾",
+                "write only what could be seen at or before the keyframe; the trace ends with the decision",
             )
         });
     };
     for (c, facts) in label.parts.iter().zip(&texts.components) {
-        if let (Some(text), Some(at)) = (c.description.get(), facts.hindsight) {
+        let Some(text) = c.description.get() else { continue };
+        if let Some(at) = facts.hindsight.or(facts.after_response) {
             return report(sink, pointer::critical_components_item_description(c.index), text, at);
         }
     }
-    if let (Some(text), Some(at)) = (label.trace.get(), texts.trace.hindsight) {
+    if let (Some(text), Some(at)) = (label.trace.get(), texts.trace.hindsight.or(after)) {
         report(sink, pointer::COC_TRACE.to_owned(), text, at);
     }
 }
@@ -112,6 +119,13 @@ pub(in crate::check) fn circular(
 ) -> bool {
     let Some(text) = label.trace.get() else { return false };
     if words.is_empty() || gives_cause(text, &texts.trace, words, decision_in) {
+        return false;
+    }
+    // What no list knows may still be a cause: words that the components have, apart from those of the decision.
+    let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6);
+    if overlap::shared(label, text, &apart) >= if text.is_ascii() { 1 } else { 2 }
+        || overlap::says_more(text, &apart)
+    {
         return false;
     }
     sink.report(Finding::warning("label.cause.circular", pointer::COC_TRACE), &|| {
@@ -268,7 +282,12 @@ pub(in crate::check) fn kind(
         .filter_map(|id| label.parts.iter().position(|c| c.id.get().is_some() && c.id.get() == id.get()))
         .collect();
     let known = |i: usize| !texts.components[i].groups.is_empty();
-    let fits = |i: usize| texts.components[i].groups.meets(wanted);
+    // Whoever stands in the way is an obstacle, to go slowly past.
+    let stands = |i: usize| {
+        decision == Longitudinal::RoadSpeedAdaptation
+            && texts.components[i].there().any(|n| n.state == Some(SaidState::Standing))
+    };
+    let fits = |i: usize| texts.components[i].groups.meets(wanted) || stands(i);
     if named.is_empty() || named.iter().any(|&i| fits(i) || !known(i)) {
         return;
     }

@@ -1,6 +1,7 @@
 //! Texts with one another and with the class: components that repeat one another, a trace that names what no component
 //! does, and words that belong to another class.
 
+use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
@@ -19,7 +20,18 @@ const ALIKE: f64 = 0.8;
 const ALIKE_WORDS: f64 = 0.88;
 /// Fewer words, or characters, may be the same by chance.
 const LEAST_WORDS: usize = 6;
-const LEAST_CHARACTERS: usize = 12;
+const LEAST_CHARACTERS: usize = 9;
+/// Fewer, where nearly all are the same.
+const FEW_CHARACTERS: usize = 7;
+/// Words without articles, pronouns and auxiliaries.
+const LEAST_CONTENT: usize = 4;
+/// Those.
+const EMPTY_WORDS: [&str; 44] = [
+    "a", "an", "the", "of", "for", "us", "our", "we", "is", "are", "was", "has", "have", "had", "and", "in",
+    "on", "to", "at", "it", "its", "that", "which", "who", "with", "by", "from", "as", "be", "been", "being",
+    "there", "this", "these", "those", "just", "now", "very", "quite", "some", "still", "already", "my",
+    "me",
+];
 
 /// No component is said twice.
 pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
@@ -64,6 +76,8 @@ struct Pieces {
     units: Vec<u64>,
     /// Pairs of them.
     pairs: Vec<u64>,
+    /// Units that are no [`EMPTY_WORDS`].
+    content: Vec<u64>,
     is_latin: bool,
     /// Groups that it names, with side and colour: texts that differ in these differ.
     named: Vec<Said>,
@@ -77,7 +91,7 @@ fn pieces(text: &str, facts: &TextFacts) -> Pieces {
     let mut word = 0_u64;
     for c in text.chars() {
         if c.is_ascii_alphanumeric() {
-            word = word.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(c.to_ascii_lowercase()) + 1);
+            word = hashed(word, c);
             continue;
         }
         if word != 0 {
@@ -85,7 +99,8 @@ fn pieces(text: &str, facts: &TextFacts) -> Pieces {
             word = 0;
         }
         // Particles make no difference.
-        if c.is_alphanumeric() && !matches!(c, '的' | '了' | '着' | '正' | '在' | '已' | '经') {
+        if c.is_alphanumeric() && !"的了着正在已经把从被一个辆台条只名位有是也就来去".contains(c)
+        {
             units.push(u64::from(c) | 1 << 40);
         }
     }
@@ -94,14 +109,25 @@ fn pieces(text: &str, facts: &TextFacts) -> Pieces {
     }
     let mut pairs: Vec<u64> =
         units.windows(2).map(|w| w[0].wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17) ^ w[1]).collect();
-    for list in [&mut units, &mut pairs] {
+    let empty = EMPTY_WORDS.map(hash);
+    let mut content: Vec<u64> = units.iter().copied().filter(|u| !empty.contains(u)).collect();
+    for list in [&mut units, &mut pairs, &mut content] {
         list.sort_unstable();
         list.dedup();
     }
     let mut named: Vec<_> = facts.named.iter().map(|n| (n.group, n.side, n.colour)).collect();
     named.sort_unstable();
     named.dedup();
-    Pieces { units, pairs, is_latin: text.is_ascii(), named }
+    Pieces { units, pairs, content, is_latin: text.is_ascii(), named }
+}
+
+/// The hash of a word, going on with `c`.
+fn hashed(word: u64, c: char) -> u64 {
+    word.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(c.to_ascii_lowercase()) + 1)
+}
+
+fn hash(word: &str) -> u64 {
+    word.chars().fold(0, hashed)
 }
 
 fn is_alike(a: &Pieces, b: &Pieces) -> bool {
@@ -125,8 +151,12 @@ fn is_alike(a: &Pieces, b: &Pieces) -> bool {
         shorter >= least && common as f64 >= part * shorter as f64
     };
     // The same words in another order: few words of Latin letters, or many Chinese characters.
-    let least = if a.is_latin { LEAST_WORDS } else { LEAST_CHARACTERS };
-    share(&a.pairs, &b.pairs, 5, ALIKE) || share(&a.units, &b.units, least, ALIKE_WORDS)
+    let (least, part) = if a.is_latin { (LEAST_WORDS, ALIKE_WORDS) } else { (LEAST_CHARACTERS, ALIKE) };
+    share(&a.pairs, &b.pairs, 5, ALIKE)
+        || share(&a.units, &b.units, least, part)
+        || (!a.is_latin && share(&a.units, &b.units, FEW_CHARACTERS, 0.95))
+        || (a.is_latin && share(&a.content, &b.content, LEAST_CONTENT, 1.0))
+        || (a.is_latin && a.content.len() >= 3 && a.content == b.content)
 }
 
 /// The trace speaks of what the components speak of. True when it has nothing to do with them.
@@ -140,9 +170,19 @@ pub(in crate::check) fn unrelated(
         return false;
     }
     let components = texts.all_components(words);
-    let nothing = texts.trace.groups.is_empty() && texts.trace.words == 0;
+    let nothing = texts.trace.groups.is_empty()
+        && texts.trace.words == 0
+        && !label.trace.get().is_some_and(|t| words.is_of_driving(t));
     if !nothing
         && (components.is_empty() || texts.trace.groups.is_empty() || texts.trace.groups.meets(components))
+    {
+        return false;
+    }
+    // Other words may still be shared.
+    if label
+        .trace
+        .get()
+        .is_some_and(|t| overlap::shared(label, t, &|_| true) >= if t.is_ascii() { 1 } else { 2 })
     {
         return false;
     }
@@ -156,8 +196,14 @@ pub(in crate::check) fn unrelated(
     true
 }
 
-/// Each thing in the trace is in a component.
-pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+/// Each thing in the trace, as far as `until`, is in a component.
+pub(in crate::check) fn unnamed(
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+    until: usize,
+    sink: &mut dyn Sink,
+) {
     let Some(text) = label.trace.get() else { return };
     // What a component that cannot be read names is not known.
     let unread = label.parts.iter().any(|c| c.description.get().is_none());
@@ -169,7 +215,9 @@ pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWo
         let group = &words.objects[n.group];
         group.named && !group.own.meets(if n.side.is_some() { beside } else { any })
     };
-    let Some(n) = texts.trace.there().find(is_new) else { return differs(label, texts, words, sink) };
+    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(is_new) else {
+        return differs(label, texts, words, until, sink);
+    };
     sink.report(
         Finding::warning("label.trace.unnamed_object", pointer::COC_TRACE).part(n.start, n.end),
         &|| {
@@ -184,7 +232,7 @@ pub(in crate::check) fn unnamed(label: &View<'_>, texts: &Texts, words: &LabelWo
 }
 
 /// What the trace says of a thing's side and colour is what its component says.
-fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
+fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, until: usize, sink: &mut dyn Sink) {
     let Some(text) = label.trace.get() else { return };
     let meant = |n: &Named| -> Vec<&Named> {
         let group = &words.objects[n.group];
@@ -197,6 +245,20 @@ fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn S
             same
         }
     };
+    // "The blue car" for the white one: the color is part of the word.
+    let painted = |text: Option<&str>, n: &Named| {
+        let mut word = text?.get(n.start..n.end)?.chars();
+        let colour = word.next().filter(|c| "白黑红蓝灰银黄绿".contains(*c))?;
+        (word.as_str() == "车").then_some(colour)
+    };
+    let given: Vec<char> = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .flat_map(|(c, f)| f.there().filter_map(|n| painted(c.description.get(), n)))
+        .collect();
+    let other_car =
+        |n: &Named| painted(Some(text), n).is_some_and(|c| !given.is_empty() && !given.contains(&c));
     let differs = |n: &&Named| {
         if !words.objects[n.group].named {
             return false;
@@ -208,9 +270,12 @@ fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn S
         let colour = n.colour.is_some_and(|k| {
             same.iter().any(|c| c.colour.is_some_and(|o| o != k)) && !same.iter().any(|c| c.colour == Some(k))
         });
-        side || colour
+        side || colour || other_car(n)
     };
-    let Some(n) = texts.trace.there().find(differs) else { return };
+    let other_light = || other_light(label, texts, words, until);
+    let Some(n) = texts.trace.there().filter(|n| n.start < until).find(differs).or_else(other_light) else {
+        return;
+    };
     sink.report(Finding::warning("label.trace.object_differs", pointer::COC_TRACE).part(n.start, n.end), &|| {
         let thing = &text[n.start..n.end];
         Words::new(
@@ -219,6 +284,43 @@ fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn S
         )
         .hint("改正其中有误的一处", "correct the one that is wrong")
     });
+}
+
+/// The light of the trace, where it has a color that no component gives a light.
+fn other_light<'t>(
+    label: &View<'_>,
+    texts: &'t Texts,
+    words: &LabelWords,
+    until: usize,
+) -> Option<&'t Named> {
+    let light = words.kinds.get("light")?;
+    let colour = |text: Option<&str>, n: &Named| {
+        let word = text?.get(n.start..n.end)?.to_lowercase();
+        let last = |names: &[&str]| names.iter().filter_map(|w| word.rfind(w)).max();
+        // The last one: "from green to yellow".
+        [["红", "red"].as_slice(), &["绿", "green"], &["黄", "yellow", "amber"]]
+            .iter()
+            .enumerate()
+            .filter_map(|(i, names)| Some((last(names)?, i)))
+            .max()
+            .map(|(_, i)| i)
+    };
+    let is_light = |n: &&Named| words.objects[n.group].own.meets(*light);
+    let given: Vec<usize> = label
+        .parts
+        .iter()
+        .zip(&texts.components)
+        .flat_map(|(c, f)| f.there().filter(is_light).filter_map(|n| colour(c.description.get(), n)))
+        .collect();
+    let said: Vec<(&Named, usize)> = texts
+        .trace
+        .there()
+        .filter(|n| n.start < until)
+        .filter(is_light)
+        .filter_map(|n| Some((n, colour(label.trace.get(), n)?)))
+        .collect();
+    let (n, _) = said.first()?;
+    (!given.is_empty() && !said.iter().any(|(_, c)| given.contains(c))).then_some(n)
 }
 
 /// A stop is decided once: whoever stands already and goes on standing decides nothing (LABELING.md 6, minimality).

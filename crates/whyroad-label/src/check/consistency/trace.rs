@@ -4,6 +4,7 @@
 //! compares that with the label. Not a parser of language: clause by clause, with the words of the lexicon,
 //! and silent wherever it is not sure.
 
+pub(super) mod aftermath;
 mod form;
 mod judge;
 mod mention;
@@ -12,8 +13,8 @@ mod mention;
 pub(super) use form::Form;
 pub(super) use form::form;
 pub(super) use judge::{TraceVerdict, judge};
-pub(in crate::check) use mention::{Force, read};
-pub(super) use mention::{Mention, Reading};
+pub(super) use mention::Mention;
+pub(in crate::check) use mention::{Force, Reading, read};
 
 #[cfg(test)]
 mod tests;

@@ -1,22 +1,52 @@
 //! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
 
-use crate::check::consistency::trace::{Reading, TraceVerdict, form, judge, read};
+use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
+use crate::check::reading::TextFacts;
 use crate::check::view::View;
-use whyroad_framework::DecisionSets;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::Lexicon;
+use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
 
-/// Form of the trace, and what it says against the decisions.
+/// What the trace tells after its decision, as bytes; it is taken out of `reading`.
+pub(in crate::check) fn aftermath(
+    text: &str,
+    label: &View<'_>,
+    facts: &TextFacts,
+    reading: &mut Reading,
+    words: &LabelWords,
+    lexicon: &Lexicon,
+) -> Option<(usize, usize)> {
+    let decides =
+        |m: &Mention| matches!(m.force, Force::Asserted | Force::Doubtful) && says_label(m, lexicon, label);
+    let resumes = |m: &Mention| match lexicon.phrases[m.phrase].longitudinal.as_slice() {
+        [] => None,
+        all if all.contains(&Longitudinal::Resume) => {
+            let slows =
+                [Longitudinal::YieldToAgent, Longitudinal::StopForRegulation, Longitudinal::StopForObstacle];
+            (!slows.iter().any(|d| all.contains(d))).then_some(true)
+        }
+        _ => Some(false),
+    };
+    let found = aftermath::find(text, facts, reading, words, &decides, &resumes)?;
+    reading.mentions.retain(|m| m.start < found.0);
+    reading.end = reading.end.min(found.0);
+    Some(found)
+}
+
+/// Form of the trace, and what it says against the decisions. True when it states the decision at a length that can
+/// hold a reason.
 pub(in crate::check) fn trace(
     label: &View<'_>,
     lexicon: &Lexicon,
     names: &DecisionSets,
+    reading: &Reading,
+    facts: &TextFacts,
     sink: &mut dyn Sink,
-) -> Option<Reading> {
-    let text = label.trace.get()?;
+) -> bool {
+    let Some(text) = label.trace.get() else { return false };
     if text.trim().is_empty() {
         sink.report(Finding::error("label.trace.empty", pointer::COC_TRACE), &|| {
             Words::new("因果描述为空", "the trace is empty").hint(
@@ -24,22 +54,12 @@ pub(in crate::check) fn trace(
                 "write the state, why it matters, and the decision, in some 30 to 60 words",
             )
         });
-        return None;
+        return false;
     }
     let limits = &lexicon.limits;
     let seen = form(text, limits);
-    if seen.length < limits.too_short_below {
-        sink.report(Finding::error("label.trace.too_short", pointer::COC_TRACE), &|| {
-            Words::new(
-                format!("因果描述太短（约 {} 字），写不下状态、原因和决策", seen.length),
-                format!(
-                    "the trace is too short to hold state, reason and decision ({} words or so)",
-                    seen.length / 2
-                ),
-            )
-            .hint("写 50 至 100 字", "write some 30 to 60 words")
-        });
-    } else if limits.too_long_above > 0 && seen.length > limits.too_long_above {
+    let short = seen.length < limits.too_short_below;
+    if limits.too_long_above > 0 && seen.length > limits.too_long_above {
         sink.report(Finding::warning("label.trace.too_long", pointer::COC_TRACE), &|| {
             Words::new(
                 format!("因果描述过长（约 {} 字）", seen.length),
@@ -60,7 +80,6 @@ pub(in crate::check) fn trace(
             )
         });
     }
-    let reading = read(text, lexicon);
     if let Some((start, end)) = reading.decision_id {
         sink.report(
             Finding::warning("label.trace.decision_id", pointer::COC_TRACE).part(start, end),
@@ -75,8 +94,8 @@ pub(in crate::check) fn trace(
         );
     }
     let (longitudinal, lateral) = (label.longitudinal, label.lateral);
-    let mut none = false;
-    judge(&reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
+    let (mut none, mut found) = (false, false);
+    judge(reading, lexicon, longitudinal.get(), lateral.get(), label.direction.get(), &mut |v| {
         // An unreadable decision is not a null decision: its channel is not judged.
         let unreadable = match &v {
             TraceVerdict::Unlabelled { channel: name::LONGITUDINAL, .. } => longitudinal == Slot::Broken,
@@ -84,12 +103,36 @@ pub(in crate::check) fn trace(
             _ => false,
         };
         if !unreadable {
-            none |= matches!(v, TraceVerdict::NotStated { .. });
-            verdict(&v, text, names, sink);
+            let not_stated = matches!(v, TraceVerdict::NotStated { .. });
+            if not_stated && by_stem(text, reading, lexicon, label, facts) {
+                return;
+            }
+            none |= not_stated;
+            found = true;
+            // A trace that is too short is reported as such.
+            if !(not_stated && seen.length < limits.too_short_below / 2) {
+                verdict(&v, text, names, sink);
+            }
         }
     });
+    // A short one may still hold all three: "yellow, far away, stopping".
+    let too_short = short
+        && (none && seen.length < limits.too_short_below / 2
+            || !found && (seen.length < limits.too_short_below / 3 || facts.words == 0));
+    if too_short {
+        sink.report(Finding::error("label.trace.too_short", pointer::COC_TRACE), &|| {
+            Words::new(
+                format!("因果描述太短（约 {} 字），写不下状态、原因和决策", seen.length),
+                format!(
+                    "the trace is too short to hold state, reason and decision ({} words or so)",
+                    seen.length / 2
+                ),
+            )
+            .hint("写 50 至 100 字", "write some 30 to 60 words")
+        });
+    }
     // A trace too short, or without a decision, cannot give a reason for one.
-    (!none && seen.length >= limits.too_short_below).then_some(reading)
+    !none && !too_short
 }
 
 /// The part `from..to` of the trace states the label's decision, as the ego's.
@@ -100,11 +143,40 @@ pub(in crate::check) fn states_decision(
     from: usize,
     to: usize,
 ) -> bool {
-    reading.mentions.iter().filter(|m| (from..to).contains(&m.start) && !m.by_other).any(|m| {
-        let says = &lexicon.phrases[m.phrase];
-        label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
-            || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
-    })
+    let inside = |m: &&Mention| (from..to).contains(&m.start) && !m.by_other;
+    reading.mentions.iter().filter(inside).any(|m| says_label(m, lexicon, label))
+}
+
+/// A word that no phrase holds says of the ego what the label decides: its stem does, in a clause where the trace decides
+/// and in which nobody else acts before it.
+fn by_stem(text: &str, reading: &Reading, lexicon: &Lexicon, label: &View<'_>, facts: &TextFacts) -> bool {
+    let end = reading.end.min(text.len());
+    let Some(part) = text.get(reading.decision_from.min(end)..end) else { return false };
+    let mut from = reading.decision_from.min(end);
+    for clause in part.split_inclusive(['，', '。', '；', '：', '、', ',', ';', ':', '.', '+']).take(24)
+    {
+        let to = from + clause.len();
+        let stem = lexicon.stems.find(clause, label.longitudinal.get(), label.lateral.get());
+        let acts = |at: usize| {
+            // Behind "therefore" whoever is named is the object.
+            !(reading.marked && from == reading.decision_from)
+                && facts.there().any(|n| n.start >= from && n.start < from + at)
+        };
+        let denied =
+            reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);
+        if stem.is_some_and(|at| !acts(at)) && !denied {
+            return true;
+        }
+        from = to;
+    }
+    false
+}
+
+/// The mention goes with a decision of the label.
+fn says_label(m: &Mention, lexicon: &Lexicon, label: &View<'_>) -> bool {
+    let says = &lexicon.phrases[m.phrase];
+    label.longitudinal.get().is_some_and(|d| says.longitudinal.contains(&d))
+        || label.lateral.get().is_some_and(|d| says.lateral.contains(&d))
 }
 
 /// A decision's name for people, by its id.

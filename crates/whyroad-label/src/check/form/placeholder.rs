@@ -37,7 +37,7 @@ pub(in crate::check) fn components(
                 )
                 .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it does")
             });
-        } else if facts.words == 0 && !says_something(text, lexicon) {
+        } else if facts.words == 0 && !says_something(text, lexicon) && !words.is_of_driving(text) {
             sink.report(Finding::warning("label.text.unrelated", at), &|| {
                 Words::new(
                     format!("“{text}”没有提到任何与驾驶有关的事物"),

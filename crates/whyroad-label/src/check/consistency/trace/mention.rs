@@ -32,7 +32,7 @@ pub(in crate::check) struct Mention {
     /// It is denied.
     denied: bool,
     /// Its subject is taken over from an earlier clause, where another road user acts.
-    carried: bool,
+    pub carried: bool,
 }
 
 /// A trace as read.
@@ -58,6 +58,10 @@ enum Actor {
     /// Only the object of an action has been named.
     Object,
 }
+
+/// Behind "让" or "等" these are whoever is given way.
+const GIVEN_WAY: [char; 14] =
+    ['它', '他', '她', '其', '人', '对', '这', '那', '大', '老', '孩', '学', '前', '来'];
 
 #[derive(Clone, Copy)]
 struct Negation {
@@ -235,6 +239,11 @@ impl Reader<'_> {
             }
             f => f,
         };
+        // "Let him go first": the rest of the clause is his.
+        let word = &self.text[hit.start..hit.end];
+        if word.strip_prefix(['让', '等', '给']).is_some_and(|r| r.starts_with(GIVEN_WAY)) {
+            self.actor = Actor::Other;
+        }
         // What stays doubtful for another reason does not become the ego's by standing last.
         let denied = negated == Force::Negated && !unsaid;
         let carried = carried && !self.intention && !self.sequel && negated != Force::Doubtful;

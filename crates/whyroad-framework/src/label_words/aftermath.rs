@@ -1,0 +1,75 @@
+//! Words that tell of events after the decision (`aftermath` of `schema/label_words.yaml`).
+
+use super::Words;
+use super::compile::{expanded, trie};
+use crate::lexicon::trie::Trie;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
+
+/// What a word says of the clause it is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TellWord {
+    /// A reason, a purpose, a condition or a plan: no event.
+    Exempt,
+    /// Past tense.
+    Past,
+    /// Past tense where a subject precedes it.
+    PastOfSubject,
+    /// Ends like a past tense and is none.
+    NotPast,
+    /// An outcome, also of the decision itself.
+    Outcome,
+    /// An event, where the clause says no decision.
+    Event,
+}
+
+/// The words of traces, as one search; those of components are found with all others (`WordRole::AfterResponse`).
+#[derive(Clone, Debug, Default)]
+pub struct Aftermath {
+    trace: Trie,
+    tells: Vec<TellWord>,
+}
+
+impl Aftermath {
+    /// Gives the words of a clause of a trace to `take`: what each says, first byte, one past its last byte.
+    pub fn trace_hits(&self, text: &str, mut take: impl FnMut(TellWord, usize, usize)) {
+        self.trace.find(text, |f| take(self.tells[f.word], f.start, f.end));
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawAftermath {
+    exempt: Words,
+    past: Words,
+    past_of_subject: Words,
+    not_past: Words,
+    outcome: Words,
+    event: Words,
+    pub(super) component: Words,
+}
+
+impl RawAftermath {
+    pub(super) fn compile(&self, problems: &mut Vec<Bilingual>) -> Aftermath {
+        let mut tells = BTreeMap::new();
+        let lists = [
+            (&self.event, TellWord::Event),
+            (&self.outcome, TellWord::Outcome),
+            (&self.past_of_subject, TellWord::PastOfSubject),
+            (&self.past, TellWord::Past),
+            (&self.not_past, TellWord::NotPast),
+            (&self.exempt, TellWord::Exempt),
+        ];
+        for (words, tell) in lists {
+            for text in words.all().flat_map(|p| expanded(p, problems)) {
+                tells.insert(text, tell);
+            }
+        }
+        Aftermath {
+            trace: trie(tells.keys().map(String::as_str), problems),
+            tells: tells.into_values().collect(),
+        }
+    }
+}

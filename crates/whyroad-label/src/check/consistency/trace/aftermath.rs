@@ -1,0 +1,202 @@
+//! What a trace tells after its decision. LABELING.md 7 asks for state, reason, decision: a clause behind the decision
+//! that reports an event reports what was only known afterwards, in whatever words. One that gives a reason, a purpose
+//! or a plan does not. Not a parser of language: tense in English, aspect in Chinese, from lists of
+//! `schema/label_words.yaml`.
+
+use super::{Force, Mention, Reading};
+use crate::check::reading::TextFacts;
+use whyroad_framework::LabelWords;
+use whyroad_framework::label_words::TellWord;
+
+/// Behind these words a Latin verb form has a subject.
+const SUBJECTS: [&str; 22] = [
+    "it",
+    "he",
+    "she",
+    "they",
+    "we",
+    "who",
+    "which",
+    "that",
+    "ego",
+    "everyone",
+    "everybody",
+    "nobody",
+    "someone",
+    "driver",
+    "guy",
+    "this",
+    "one",
+    "ones",
+    "i",
+    "all",
+    "and",
+    "then",
+];
+/// Ends of clauses, besides the words of [`JOINTS`].
+const ENDS: [char; 13] = ['，', '。', '；', '：', '！', '？', ',', '.', ';', ':', '!', '?', '—'];
+/// A reason goes on to the end of its sentence; a purpose or a plan ends with its clause.
+const REASONS: [&str; 9] =
+    ["因为", "由于", "鉴于", "毕竟", "because", "since", "given that", "due to", "owing to"];
+/// Clauses behind the decision that are read, and bytes of one.
+const MOST_CLAUSES: usize = 24;
+const LONGEST_CLAUSE: usize = 1000;
+/// Words that begin a clause within a sentence.
+const JOINTS: [&str; 8] =
+    [" and ", " but ", " then ", " until ", " though ", " which ", " while ", " only to "];
+
+/// The first words behind the decision that report an event, as bytes of `text`.
+///
+/// `decides`: the mention states the label's decision. `resumes`: it says to go on again, or to stop or slow.
+pub(in crate::check::consistency) fn find(
+    text: &str,
+    facts: &TextFacts,
+    reading: &Reading,
+    words: &LabelWords,
+    decides: &dyn Fn(&Mention) -> bool,
+    resumes: &dyn Fn(&Mention) -> Option<bool>,
+) -> Option<(usize, usize)> {
+    if words.is_empty() {
+        return None;
+    }
+    // Where the trace marks its decision, that; otherwise the first clause that states one, or the last one without a
+    // subject of its own.
+    let deciding = || {
+        let all = reading.mentions.iter().filter(|m| !reading.marked || m.start >= reading.decision_from);
+        all.filter(|m| decides(m))
+    };
+    // "The ego is to turn left" is its route.
+    let meant = |m: &Mention| !reading.marked && text[..m.start].ends_with(['要', '想', '需', '得']);
+    let stated = deciding().find(|m| !m.by_other && m.force == Force::Asserted && !meant(m));
+    let stated = stated.or_else(|| deciding().find(|m| !m.by_other && reading.marked));
+    let stated = stated.or_else(|| deciding().filter(|m| m.carried || m.force == Force::Asserted).last());
+    let decided = match stated {
+        Some(m) => m.end,
+        None if reading.marked => {
+            reading.decision_from + text[reading.decision_from..].chars().next()?.len_utf8()
+        }
+        None => return None,
+    };
+    // A trace in the past tense tells its decision in it, too.
+    let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end]));
+    let stops = stated.is_some_and(|m| resumes(m) == Some(false));
+    let mut start = clause_end(text, decided);
+    // "Because ..." goes on to the end of its sentence.
+    let mut because = false;
+    // A few clauses: a trace that goes on for longer is reported for that.
+    for _ in 0..MOST_CLAUSES {
+        if start >= text.len() {
+            break;
+        }
+        let end = clause_end(text, start + text[start..].chars().next()?.len_utf8());
+        let clause = &text[start..end];
+        because &= !clause.starts_with(['.', ';', '!', '?', '。', '；', '！', '？']);
+        let own = reading.mentions.iter().filter(|m| (start..end).contains(&m.start) && !m.by_other);
+        let own_decision = own.clone().any(decides);
+        // To go on again is what comes after the stop.
+        if let Some(m) = own.clone().find(|m| stops && m.force == Force::Asserted && resumes(m) == Some(true))
+            && !because
+        {
+            return Some((m.start, m.end));
+        }
+        if clause.len() > LONGEST_CLAUSE {
+            break;
+        }
+        match told(clause, start, facts, words, own_decision, in_past) {
+            Told::Event(from, to) if !because => return Some((start + from, start + to)),
+            Told::Exempt => because |= REASONS.iter().any(|w| clause.contains(w)),
+            _ => {}
+        }
+        start = end;
+    }
+    None
+}
+
+/// What a clause tells.
+enum Told {
+    Nothing,
+    Exempt,
+    /// Bytes of the clause.
+    Event(usize, usize),
+}
+
+fn told(
+    clause: &str,
+    offset: usize,
+    facts: &TextFacts,
+    words: &LabelWords,
+    own_decision: bool,
+    in_past: bool,
+) -> Told {
+    let mut out = Told::Nothing;
+    let mut ends = Vec::new();
+    words.aftermath.trace_hits(clause, |tell, start, end| {
+        ends.push((start, end));
+        if !matches!(out, Told::Nothing) {
+            return;
+        }
+        out = match tell {
+            TellWord::Exempt => Told::Exempt,
+            TellWord::Outcome => Told::Event(start, end),
+            TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
+            TellWord::Event if !own_decision => Told::Event(start, end),
+            TellWord::PastOfSubject
+                if !(own_decision && in_past) && has_subject(clause, start, offset, facts) =>
+            {
+                Told::Event(start, end)
+            }
+            _ => Told::Nothing,
+        };
+    });
+    if !matches!(out, Told::Nothing) || (own_decision && in_past) || !clause.is_ascii() {
+        return out;
+    }
+    // Regular verbs.
+    let mut at = 0;
+    for word in clause.split(|c: char| !c.is_ascii_alphabetic()) {
+        let (start, end) = (at, at + word.len());
+        at = end + 1;
+        let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
+        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, facts) {
+            return Told::Event(start, end);
+        }
+    }
+    out
+}
+
+/// The phrase is in the past tense.
+fn is_past(phrase: &str) -> bool {
+    let first =
+        phrase.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default().to_ascii_lowercase();
+    first.ends_with("ed") && !first.ends_with("eed")
+        || ["gave", "kept", "held", "came", "went", "took", "made", "stood", "left"].contains(&first.as_str())
+}
+
+/// The word at `start` has a subject right before it: a pronoun, or a thing that the text names.
+fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts) -> bool {
+    let before = clause[..start].trim_end();
+    let end = offset + before.len();
+    if facts.named.iter().any(|n| n.end == end) {
+        return true;
+    }
+    let last = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+    // "Never stopped", "soon left".
+    if last.ends_with("ly") || ["never", "soon", "also", "even", "nearly", "almost"].contains(&last) {
+        return last.len() < before.len() && has_subject(clause, before.len() - last.len(), offset, facts);
+    }
+    SUBJECTS.iter().any(|s| last.eq_ignore_ascii_case(s))
+}
+
+/// Byte at which the clause ends that holds `from`: its punctuation, or the word that joins the next.
+fn clause_end(text: &str, from: usize) -> usize {
+    let rest = &text[from..];
+    let mark = rest
+        .char_indices()
+        .find(|(at, c)| {
+            // "1.5 m" goes on.
+            ENDS.contains(c) && !(*c == '.' && rest[at + 1..].starts_with(|d: char| d.is_ascii_digit()))
+        })
+        .map_or(rest.len(), |(at, _)| at);
+    let joint = JOINTS.iter().filter_map(|j| rest[..mark].find(j)).min();
+    from + joint.unwrap_or(mark)
+}
