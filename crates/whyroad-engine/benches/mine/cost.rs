@@ -1,5 +1,6 @@
 //! What a call costs: seconds on the clock, and seconds of all processors.
 
+use super::cpu::cpu_seconds;
 use std::fmt;
 use std::hint::black_box;
 use std::time::Instant;
@@ -36,15 +37,4 @@ pub fn timed<T>(f: impl FnOnce() -> T) -> (Cost, T) {
     let out = black_box(f());
     let seconds = start.elapsed().as_secs_f64();
     (Cost { seconds, cpu: cpu_seconds() - cpu }, out)
-}
-
-/// What the threads of this process, all of which live on, have had of the processors so far.
-fn cpu_seconds() -> f64 {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let of_task = |task: std::fs::DirEntry| {
-        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
-        text.split_whitespace().next()?.parse::<f64>().ok()
-    };
-    let each: Option<Vec<f64>> = tasks.map(of_task).collect();
-    each.filter(|e| !e.is_empty()).map_or(f64::NAN, |e| e.iter().sum::<f64>() / 1e9)
 }

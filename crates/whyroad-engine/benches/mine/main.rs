@@ -1,5 +1,5 @@
 //! How fast rules run on stored signals, as ratios measured in the same run on all cores:
-//! `cargo bench -p whyroad-mining --bench mine [-- [all|one|stl] [ROWS] [ROUNDS]]` (20 000 000 rows of targets and 3
+//! `cargo bench -p whyroad-engine --bench mine [-- [all|one|stl] [ROWS] [ROUNDS]]` (20 000 000 rows of targets and 3
 //! rounds by default; some GB of temporary files). `mine/all`: all bundled rules against bare decoding of the columns
 //! that they use. `mine/one`: single rules against the same question to DuckDB and Polars. `mine/stl`: a formula's
 //! robustness against rtamt. Peers are asked through Python and left out, with a notice, where it lacks them. Every
@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout, clippy::expect_used)] // printing is what a bench is for
 
 mod cost;
+mod cpu;
 mod data;
 mod peers;
 mod stl;
