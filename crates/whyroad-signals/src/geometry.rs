@@ -2,14 +2,16 @@
 //! Nothing here knows of driving.
 
 mod angle;
+mod last_place;
 mod oriented_box;
 mod polygon;
 mod polyline;
 
 pub use angle::{angle_between_lines, unwrap, wrap};
+pub use last_place::LastPlace;
 pub use oriented_box::OrientedBox;
 pub use polygon::Polygon;
-pub use polyline::{Polyline, Projection};
+pub use polyline::{Polyline, Projection, Ray, Window};
 
 use std::ops::{Add, Mul, Sub};
 

@@ -4,7 +4,7 @@
 
 pub mod turning;
 
-use crate::geometry::{P2, p2, wrap};
+use crate::geometry::{LastPlace, P2, Polygon, p2, wrap};
 use crate::road::network::{LaneShape, Road};
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -59,7 +59,7 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
         return None;
     }
     let (at, front, side) = (seen_at(scene, p), ego.length / 2.0, ego.width / 2.0);
-    Some(if ego.footprint(p.frame).distance(&p.footprint) > DIRECTION_REACH_M {
+    Some(if ego.footprint(p.frame).is_farther(&p.footprint, DIRECTION_REACH_M) {
         TargetRefavRelativeDirection::None
     } else if at.x > front {
         TargetRefavRelativeDirection::Front
@@ -175,18 +175,22 @@ fn stationary(m: &Motion) -> Tri {
     if known { Tri::from(diagonal < STATIONARY_M) } else { Tri::Unknown }
 }
 
+fn is_junction(lane: &LaneShape) -> bool {
+    lane.in_junction && lane.kind != LaneKind::Sidewalk
+}
+
 /// Near a junction lane; of a map that draws junctions as areas only, near one of these.
-fn near_intersection(road: &Road, p: P2) -> Tri {
+fn near_intersection(road: &Road, has_junction_lanes: bool, p: P2) -> Tri {
     if !p.is_finite() {
         return Tri::Unknown;
     }
-    let is_junction = |lane: &LaneShape| lane.in_junction && lane.kind != LaneKind::Sidewalk;
-    if !road.lanes.iter().any(is_junction) {
+    if !has_junction_lanes {
         return Tri::from(road.junctions.iter().any(|j| j.distance(p) <= INTERSECTION_M));
     }
     let near = |i: usize| {
         let lane = &road.lanes[i];
-        is_junction(lane) && lane.area.as_ref().is_some_and(|a| a.distance(p) <= INTERSECTION_M)
+        let near = |a: &Polygon| a.least_distance(p) <= INTERSECTION_M && a.distance(p) <= INTERSECTION_M;
+        is_junction(lane) && lane.area.as_ref().is_some_and(near)
     };
     Tri::from(road.lanes_near(p, INTERSECTION_M).into_iter().any(near))
 }
@@ -262,10 +266,13 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         p.map_or(Tri::Unknown, |p| following(scene, road, k, r, p))
     };
     table.flag(id::TARGET_REFAV_FOLLOWING, rows.spread(targets, Tri::Unknown, follows));
-    let near = rows.flags(|t, r| near_intersection(road, p2(t.motion.x[r], t.motion.y[r])));
+    let drawn = road.lanes.iter().any(is_junction);
+    let last = LastPlace::new();
+    let is_near = |p: P2| last.at(p, || near_intersection(road, drawn, p));
+    let near = rows.flags(|t, r| is_near(p2(t.motion.x[r], t.motion.y[r])));
     table.flag(id::TARGET_REFAV_NEAR_INTERSECTION, near);
     table.flag(
         id::EGO_REFAV_NEAR_INTERSECTION,
-        (0..n).map(|i| near_intersection(road, ego.position[i])).collect(),
+        (0..n).map(|i| near_intersection(road, drawn, ego.position[i])).collect(),
     );
 }

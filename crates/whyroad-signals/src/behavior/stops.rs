@@ -88,17 +88,22 @@ fn mean_over(times: &[f64], values: &[f64], over: f64) -> Vec<f64> {
             while times[i] - times[first] > over {
                 first += 1;
             }
-            let (mut sum, mut known) = (0.0, 0.0);
-            for j in first..i {
-                let lasts = times[j + 1] - times[j];
-                if !values[j].is_nan() && lasts <= crate::series::GAP_S {
-                    sum += values[j] * lasts;
-                    known += lasts;
-                }
-            }
-            if known >= MEAN_LEAST_S - 1e-6 { sum / known } else { f64::NAN }
+            mean_of(&times[first..=i], &values[first..=i])
         })
         .collect()
+}
+
+/// Mean of `values`, each weighted by the time until the next; the last one has none.
+fn mean_of(times: &[f64], values: &[f64]) -> f64 {
+    let (mut sum, mut known) = (0.0, 0.0);
+    for (time, value) in times.windows(2).zip(values) {
+        let lasts = time[1] - time[0];
+        if !value.is_nan() && lasts <= crate::series::GAP_S {
+            sum += value * lasts;
+            known += lasts;
+        }
+    }
+    if known >= MEAN_LEAST_S - 1e-6 { sum / known } else { f64::NAN }
 }
 
 /// Writes `ego.stop_count`, `stop_and_go`, `mean_speed`, `time_standing`, `moves_off`.
@@ -124,8 +129,8 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
             return Tri::Unknown;
         }
         let Some(first) = recent(i).next().filter(|_| recent(i).count() >= 2) else { return Tri::False };
-        let mean = mean_over(&times[first..=i], &ego.speed[first..=i], COUNT_OVER_S);
-        let slow = mean.last().is_some_and(|m| *m < CONGESTED_MPS);
+        // Stops are counted over no longer than the mean is taken.
+        let slow = mean_of(&times[first..=i], &ego.speed[first..=i]) < CONGESTED_MPS;
         Tri::from(slow && with_lead(i))
     };
     table.number(id::EGO_STOP_COUNT, (0..n).map(count).collect());

@@ -34,25 +34,24 @@ fn closes(gap: f64, closing: f64) -> bool {
 }
 
 /// Jansson's required longitudinal acceleration, m/s2, never positive.
-fn a_long_req(gap: f64, closing: f64, accel: f64) -> f64 {
+fn a_long_req(gap: f64, closing: f64, accel: impl FnOnce() -> f64) -> f64 {
     if !closes(gap, closing) {
         0.0
     } else if gap <= 0.0 {
         f64::NEG_INFINITY
-    } else if accel.is_nan() {
-        // `min` would take the unknown for a zero.
-        f64::NAN
     } else {
-        (accel - closing * closing / (2.0 * gap)).min(0.0)
+        let needed = accel() - closing * closing / (2.0 * gap);
+        // `min` would take the unknown for a zero.
+        if needed.is_nan() { f64::NAN } else { needed.min(0.0) }
     }
 }
 
-/// Deceleration to safety time, m/s2. `theirs` is the target's speed along the path, m/s.
-fn dst(gap: f64, closing: f64, theirs: f64) -> f64 {
+/// Deceleration to safety time, m/s2. `theirs` gives the target's speed along the path, m/s.
+fn dst(gap: f64, closing: f64, theirs: impl FnOnce() -> f64) -> f64 {
     if !closes(gap, closing) {
         return 0.0;
     }
-    let room = gap - theirs * SAFETY_TIME_S;
+    let room = gap - theirs() * SAFETY_TIME_S;
     if room <= 0.0 { f64::INFINITY } else { 3.0 * closing * closing / (2.0 * room) }
 }
 
@@ -107,12 +106,12 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
             _ => f64::NAN,
         })
     };
-    let along = of(&|k, r, p, gap, closing| a_long_req(gap, closing, accel_along(p, targets[k].accel[r])));
+    let along = of(&|k, r, p, gap, closing| a_long_req(gap, closing, || accel_along(p, targets[k].accel[r])));
     table.number(id::TARGET_BTN, along.map(|a| a.abs() / BRAKE_MPS2));
     table.number(id::TARGET_A_LONG_REQ, along);
     let steer = |p: &Placement, gap, closing| a_lat_req(p, ttc::ttc(gap, closing), around.ego.width);
     table.number(id::TARGET_STN, of(&|_, _, p, gap, closing| steer(p, gap, closing) / STEER_MPS2));
-    table.number(id::TARGET_DST, of(&|_, _, p, gap, closing| dst(gap, closing, ttc::along(p))));
+    table.number(id::TARGET_DST, of(&|_, _, p, gap, closing| dst(gap, closing, || ttc::along(p))));
     let ttc = |k: usize, r: usize| pairs[k][r].map_or(f64::NAN, |(gap, closing)| ttc::ttc(gap, closing));
     let sums: Vec<Vec<(f64, f64)>> =
         targets.iter().enumerate().map(|(k, t)| exposure(t, |r| ttc(k, r), scene.times)).collect();

@@ -1,7 +1,7 @@
 //! Where a target's straight course crosses the ego's path, and when both get there; whether it does cross, as
 //! recorded; and the time that an oncoming vehicle leaves to a turning ego.
 
-use crate::geometry::{P2, angle_between_lines, wrap};
+use crate::geometry::{P2, Ray, angle_between_lines, wrap};
 use crate::road::junction::{self, Stretch};
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -54,7 +54,7 @@ fn crossing(p: &Placement, around: &Surroundings<'_>) -> Option<Crossing> {
     let (points, at) = (line.points(), line.arc_lengths());
     let first = at.partition_point(|&s| s <= ego_s - half).saturating_sub(1);
     let mut best: Option<(f64, f64)> = None;
-    for i in first..points.len() - 1 {
+    for i in line.segments_met(Ray { from: rear, direction, reach: REACH_M }, first) {
         if at[i] > ego_s + 150.0 {
             break;
         }

@@ -58,12 +58,15 @@ pub fn along(p: &Placement) -> f64 {
 /// across recedes at best: its sideways motion brings it out of the path, not nearer along it. Whatever does not go
 /// along the path must still be in it when the ego gets there: a car that passes the mouth of the ego's left turn, or
 /// a walker who has crossed by then, is on no collision course along the path (`target.ttc_box` and `target.pet`
-/// look at those).
+/// look at those). Most targets are not in the path: of an infinite gap nothing is asked.
 pub fn closing(p: &Placement, gap: f64, around: &Surroundings<'_>) -> f64 {
+    if gap.is_infinite() {
+        return 0.0;
+    }
     let speed = around.ego.forward_speed[p.frame] - along(p);
     let meets =
         course_of(p) == Course::Along || speed <= CLOSING_LEAST_MPS || around.meets(p, gap.max(0.0) / speed);
-    if gap.is_finite() && !meets { 0.0 } else { speed }
+    if meets || gap.is_nan() { speed } else { 0.0 }
 }
 
 /// TTC along the path, s.

@@ -19,8 +19,12 @@ pub struct OrientedBox {
 impl OrientedBox {
     /// Corners counter-clockwise: front left, rear left, rear right, front right.
     pub fn corners(&self) -> [P2; 4] {
-        let forward = P2::from_heading(self.heading) * (self.length / 2.0);
-        let left = P2::from_heading(self.heading).left() * (self.width / 2.0);
+        self.corners_along(P2::from_heading(self.heading))
+    }
+
+    /// The corners of a box whose heading is that of the unit vector `direction`.
+    fn corners_along(&self, direction: P2) -> [P2; 4] {
+        let (forward, left) = (direction * (self.length / 2.0), direction.left() * (self.width / 2.0));
         let c = self.centre;
         [c + forward + left, c - forward + left, c - forward - left, c + forward - left]
     }
@@ -33,18 +37,25 @@ impl OrientedBox {
     /// True when the two share at least a point.
     pub fn overlaps(&self, other: &OrientedBox) -> bool {
         (other.centre - self.centre).norm() <= self.radius() + other.radius()
-            && self.axes(other).into_iter().all(|axis| {
-                let (a, b) = (self.extent(axis), other.extent(axis));
-                a.0 <= b.1 && b.0 <= a.1
-            })
+            && self.overlaps_along(other, P2::from_heading(self.heading), P2::from_heading(other.heading))
+    }
+
+    /// [`OrientedBox::overlaps`] of two boxes that are near each other, with the unit vectors of their headings.
+    fn overlaps_along(&self, other: &OrientedBox, own: P2, their: P2) -> bool {
+        axes(own, their).into_iter().all(|axis| {
+            let (a, b) = (self.extent(own, axis), other.extent(their, axis));
+            a.0 <= b.1 && b.0 <= a.1
+        })
     }
 
     /// Shortest distance between the two, 0 when they overlap, m.
     pub fn distance(&self, other: &OrientedBox) -> f64 {
-        if self.overlaps(other) {
+        let (own, their) = (P2::from_heading(self.heading), P2::from_heading(other.heading));
+        let near = (other.centre - self.centre).norm() <= self.radius() + other.radius();
+        if near && self.overlaps_along(other, own, their) {
             return 0.0;
         }
-        let (a, b) = (self.corners(), other.corners());
+        let (a, b) = (self.corners_along(own), other.corners_along(their));
         let mut d2 = f64::INFINITY;
         for i in 0..4 {
             for j in 0..4 {
@@ -56,14 +67,22 @@ impl OrientedBox {
         d2.sqrt()
     }
 
+    /// True when the shortest distance between the two is greater than `reach`, m.
+    pub fn is_farther(&self, other: &OrientedBox, reach: f64) -> bool {
+        // Beyond what rounding can do, the circles around them tell.
+        let least = (other.centre - self.centre).norm() - self.radius() - other.radius();
+        least > reach + 1e-6 || self.distance(other) > reach
+    }
+
     /// Seconds until the two first touch when each keeps its velocity (m/s) and heading: 0 when they overlap
     /// now, infinity when they never touch. On each separating axis the shadows overlap during one interval;
     /// the boxes touch where all intervals do.
     pub fn time_to_contact(&self, velocity: P2, other: &OrientedBox, other_velocity: P2) -> f64 {
         let relative = other_velocity - velocity;
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-        for axis in self.axes(other) {
-            let (a, b) = (self.extent(axis), other.extent(axis));
+        let (own, their) = (P2::from_heading(self.heading), P2::from_heading(other.heading));
+        for axis in axes(own, their) {
+            let (a, b) = (self.extent(own, axis), other.extent(their, axis));
             let v = relative.dot(axis);
             // Shadows: [b0 + v t, b1 + v t] against [a0, a1].
             if v.abs() < 1e-9 {
@@ -79,18 +98,18 @@ impl OrientedBox {
         if enter <= leave { enter } else { f64::INFINITY }
     }
 
-    fn axes(&self, other: &OrientedBox) -> [P2; 4] {
-        let (a, b) = (P2::from_heading(self.heading), P2::from_heading(other.heading));
-        [a, a.left(), b, b.left()]
-    }
-
-    fn extent(&self, axis: P2) -> (f64, f64) {
-        let forward = P2::from_heading(self.heading);
+    /// Shadow on an axis; `forward` is the unit vector of the heading.
+    fn extent(&self, forward: P2, axis: P2) -> (f64, f64) {
         let half = (forward.dot(axis) * self.length).abs() / 2.0
             + (forward.left().dot(axis) * self.width).abs() / 2.0;
         let centre = self.centre.dot(axis);
         (centre - half, centre + half)
     }
+}
+
+/// Directions on which boxes with these directions can be separate.
+fn axes(a: P2, b: P2) -> [P2; 4] {
+    [a, a.left(), b, b.left()]
 }
 
 /// A box of the given size at the origin, for tests of this crate.

@@ -8,10 +8,22 @@ pub struct Polyline {
     points: Vec<P2>,
     s: Vec<f64>,
     blocks: Vec<Block>,
+    /// Of each segment, one divided by its squared length.
+    inverse: Vec<f64>,
 }
 
 /// Number of segments per block.
 const BLOCK: usize = 16;
+
+/// Up to this number of segments are looked at together.
+const MOST: usize = 2 * BLOCK;
+
+/// Some segments of a polyline, one after another.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    first: usize,
+    end: usize,
+}
 
 /// A circle around some segments: who is farther from it than from a segment elsewhere need not look at these.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +46,26 @@ impl Block {
         let away = p - self.centre;
         let apart = (away.dot(away).sqrt() * (1.0 - 1e-9) - self.radius * (1.0 + 1e-9) - 1e-6).max(0.0);
         apart * apart
+    }
+}
+
+/// A straight way from a point, up to some distance.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it begins.
+    pub from: P2,
+    /// Its direction, of length 1.
+    pub direction: P2,
+    /// How far it goes, m.
+    pub reach: f64,
+}
+
+impl Ray {
+    /// False where it surely does not touch the circle: by more than rounding can do.
+    fn may_touch(&self, block: &Block) -> bool {
+        let to = block.centre - self.from;
+        let (along, radius) = (to.dot(self.direction), block.radius + 1e-3);
+        self.direction.cross(to).abs() <= radius && along >= -radius && along <= self.reach + radius
     }
 }
 
@@ -75,7 +107,8 @@ impl Polyline {
         }
         let last = kept.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&kept[i..=(i + BLOCK).min(last)]));
-        Some(Self { blocks: blocks.collect(), points: kept, s })
+        let inverse = s.windows(2).map(|w| 1.0 / ((w[1] - w[0]) * (w[1] - w[0]))).collect();
+        Some(Self { blocks: blocks.collect(), points: kept, s, inverse })
     }
 
     /// The points.
@@ -127,38 +160,69 @@ impl Polyline {
     /// Nearest foot point of `p` among the segments that touch arc lengths `from..=to`. Keeps lines that cross
     /// themselves (a loop, a roundabout) unambiguous.
     pub fn project_between(&self, p: P2, from: f64, to: f64) -> Projection {
-        let first = self.segment_at(from.min(to));
-        let last = self.segment_at(to.max(from));
-        self.project_segments(p, first, last + 1)
+        self.project_within(p, self.window(from, to))
+    }
+
+    /// The segments that touch arc lengths `from..=to`.
+    pub fn window(&self, from: f64, to: f64) -> Window {
+        Window { first: self.segment_at(from.min(to)), end: self.segment_at(to.max(from)) + 1 }
+    }
+
+    /// Nearest foot point of `p` among these segments.
+    pub fn project_within(&self, p: P2, window: Window) -> Projection {
+        self.project_segments(p, window.first, window.end)
     }
 
     fn project_segments(&self, p: P2, first: usize, end: usize) -> Projection {
         let mut best = Nearest::none(first);
-        if end - first <= 2 * BLOCK {
+        if end - first <= MOST {
             self.look(p, first..end, &mut best);
             return best.at;
         }
         // The block that is nearest first: with what is found there, most of the others need no look.
         let blocks = first / BLOCK..end.div_ceil(BLOCK);
         let segments = |b: usize| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(end);
+        let mut nearest = (f64::INFINITY, blocks.start);
+        for b in blocks.clone() {
+            let least2 = self.blocks[b].least2(p);
+            if least2 < nearest.0 {
+                nearest = (least2, b);
+            }
+        }
+        self.look(p, segments(nearest.1), &mut best);
         // The ends go on beyond their blocks.
         let open = |b: usize| b == 0 || b + 1 == self.blocks.len();
-        let least2 = |b: usize| if open(b) { 0.0 } else { self.blocks[b].least2(p) };
-        let near = |a: &usize, b: &usize| self.blocks[*a].least2(p).total_cmp(&self.blocks[*b].least2(p));
-        let nearest = blocks.clone().min_by(near).unwrap_or(blocks.start);
-        self.look(p, segments(nearest), &mut best);
-        for b in blocks.filter(|b| *b != nearest) {
-            if least2(b) <= best.d2 {
+        for b in blocks.filter(|b| *b != nearest.1) {
+            if open(b) || self.blocks[b].least2(p) <= best.d2 {
                 self.look(p, segments(b), &mut best);
             }
         }
         best.at
     }
 
-    /// Looks for a nearer foot point on these segments; of equally near ones the first on the line is taken.
+    /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
+    /// taken.
     fn look(&self, p: P2, segments: std::ops::Range<usize>, best: &mut Nearest) {
         let n = self.points.len() - 1;
-        for i in segments {
+        // Without division, to within rounding: which segments can be the nearest.
+        let mut about = [f64::INFINITY; MOST];
+        let mut least = best.d2;
+        for (i, about) in segments.clone().zip(&mut about) {
+            let a = self.points[i];
+            let (to, ab) = (p - a, self.points[i + 1] - a);
+            let mut share = to.dot(ab) * self.inverse[i];
+            if i > 0 {
+                share = share.max(0.0);
+            }
+            if i + 1 < n {
+                share = share.min(1.0);
+            }
+            let away = to - ab * share;
+            *about = away.dot(away);
+            least = least.min(*about);
+        }
+        let enough = least * (1.0 + 1e-9) + 1e-8;
+        for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
             let a = self.points[i];
             let ab = self.points[i + 1] - a;
             let length = self.s[i + 1] - self.s[i];
@@ -179,6 +243,13 @@ impl Polyline {
                 *best = Nearest { d2, at };
             }
         }
+    }
+
+    /// The segments from `first` on that the ray can meet, and some more, ascending.
+    pub fn segments_met(&self, ray: Ray, first: usize) -> impl Iterator<Item = usize> {
+        let n = self.points.len() - 1;
+        let blocks = (first / BLOCK..self.blocks.len()).filter(move |b| ray.may_touch(&self.blocks[*b]));
+        blocks.flat_map(move |b| (b * BLOCK).max(first)..((b + 1) * BLOCK).min(n))
     }
 
     /// Smallest distance of `p` from the line itself (not its continuation), m.
@@ -256,6 +327,29 @@ mod tests {
         assert!(line.project(p2(20.0, 3.0)).s > 80.0);
     }
 
+    /// Every segment, with the divisions that the definition has.
+    fn one_by_one(line: &Polyline, p: P2, segments: std::ops::Range<usize>) -> Projection {
+        let n = line.points.len() - 1;
+        let mut best = Nearest::none(segments.start);
+        for i in segments {
+            let (a, length) = (line.points[i], line.s[i + 1] - line.s[i]);
+            let ab = line.points[i + 1] - a;
+            let along = (p - a).dot(ab) / length;
+            let along = along.clamp(
+                if i > 0 { 0.0 } else { f64::NEG_INFINITY },
+                if i + 1 < n { length } else { f64::INFINITY },
+            );
+            let away = p - (a + ab * (along / length));
+            let d2 = away.dot(away);
+            if d2 < best.d2 {
+                let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
+                let at = Projection { s: line.s[i] + along, lateral: side * d2.sqrt(), segment: i };
+                best = Nearest { d2, at };
+            }
+        }
+        best.at
+    }
+
     #[test]
     fn a_long_line_is_searched_as_a_short_one() {
         // Loops and straights, with points that are equally near to several segments: leaving blocks out changes
@@ -268,19 +362,50 @@ mod tests {
             Polyline::new((0..900).map(wave)).unwrap(),
             Polyline::new((0..400).map(|i| p2(f64::from(i), 0.0))).unwrap(),
             Polyline::new((0..400).map(|i| p2(f64::from(i % 20), f64::from(i / 20)))).unwrap(),
+            // In the coordinates of a country, with steps of a few millimetres.
+            Polyline::new((0..900).map(|i| wave(i) * 0.01 + p2(682_312.7, 3_412_990.3))).unwrap(),
+            Polyline::new((0..20).map(wave)).unwrap(),
         ];
         for line in &lines {
             let n = line.points.len() - 1;
             for k in 0..2000u32 {
                 let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
+                let p = if line.points[0].x > 1e5 { p * 0.02 + line.points[0] } else { p };
                 let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
                 for (first, end) in [(0, n), (a.min(b), a.max(b) + 1)] {
-                    let mut best = Nearest::none(first);
-                    line.look(p, first..end, &mut best);
-                    assert_eq!(line.project_segments(p, first, end), best.at, "{p:?} {first}..{end}");
+                    assert_eq!(
+                        line.project_segments(p, first, end),
+                        one_by_one(line, p, first..end),
+                        "{p:?} {first}..{end}"
+                    );
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_ray_meets_no_segment_that_was_left_out() {
+        let wave =
+            |i: usize| p2(30.0 * (i as f64 * 0.05).cos() + i as f64 * 0.15, 20.0 * (i as f64 * 0.065).sin());
+        let line = Polyline::new((0..900).map(wave)).unwrap();
+        let (points, mut met, mut looked_at) = (&line.points, 0, 0);
+        for k in 0..400u32 {
+            let from = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
+            let ray = Ray { from, direction: P2::from_heading(f64::from(k) * 0.37), reach: 60.0 };
+            let first = (k as usize * 7) % 800;
+            let kept: Vec<usize> = line.segments_met(ray, first).collect();
+            looked_at += kept.len();
+            for i in first..points.len() - 1 {
+                let (segment, to) = (points[i + 1] - points[i], points[i] - from);
+                let across = ray.direction.cross(segment);
+                let (x, share) = (to.cross(segment) / across, to.cross(ray.direction) / across);
+                if (0.0..=1.0).contains(&share) && (0.0..=ray.reach).contains(&x) {
+                    assert!(kept.contains(&i));
+                    met += 1;
+                }
+            }
+        }
+        assert!(met > 300 && looked_at < 400 * 300, "{met} {looked_at}");
     }
 
     #[test]

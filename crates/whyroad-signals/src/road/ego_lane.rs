@@ -64,8 +64,9 @@ impl EgoLane {
 /// Lateral extent `(lowest, highest)` of a box on a corridor near `s`, left positive, m.
 pub fn lateral_extent(corridor: &Corridor, footprint: &OrientedBox, s: f64) -> (f64, f64) {
     let reach = footprint.radius() + 3.0;
+    let window = corridor.line.window(s - reach, s + reach);
     footprint.corners().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &corner| {
-        let lateral = corridor.line.project_between(corner, s - reach, s + reach).lateral;
+        let lateral = corridor.line.project_within(corner, window).lateral;
         (low.min(lateral), high.max(lateral))
     })
 }

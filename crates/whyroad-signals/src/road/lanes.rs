@@ -5,6 +5,7 @@
 
 use crate::geometry::{P2, wrap};
 use crate::road::network::Road;
+use std::collections::HashMap;
 use whyroad_model::road_map::LaneKind;
 
 /// Position of an actor on its lane.
@@ -47,11 +48,12 @@ const ENTER_OR_LEAVE_COST: f64 = 1.5;
 const BACKWARD_COST: f64 = 1.0;
 const UNRELATED_COST: f64 = 4.0;
 
-fn candidates(road: &Road, p: P2, z: f64, heading: f64, tether: Tether) -> Vec<(LanePlace, f64)> {
-    let mut found = Vec::new();
+/// Lanes at a place, on whatever level, and what each costs.
+fn candidates(road: &Road, p: P2, heading: f64, tether: Tether, found: &mut Vec<(LanePlace, f64)>) {
+    found.clear();
     for index in road.lanes_near(p, tether.reach_m) {
         let lane = &road.lanes[index];
-        if lane.kind == LaneKind::Sidewalk || !lane.on_level(z) {
+        if lane.kind == LaneKind::Sidewalk {
             continue;
         }
         let at = lane.centre.project(p);
@@ -71,7 +73,6 @@ fn candidates(road: &Road, p: P2, z: f64, heading: f64, tether: Tether) -> Vec<(
         }
         found.push((LanePlace { lane: index, s: at.s, lateral: at.lateral }, cost));
     }
-    found
 }
 
 /// What it costs to be in lane `b` one row after lane `a`.
@@ -105,22 +106,30 @@ fn transition(road: &Road, a: usize, b: usize) -> f64 {
 pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Option<LanePlace>> {
     // One column of states per row: the candidates and, last, "no lane".
     let mut columns: Vec<Vec<(Option<LanePlace>, f64, usize)>> = Vec::with_capacity(rows.len());
+    let mut steps: HashMap<(usize, usize), f64> = HashMap::new();
+    let mut here: Vec<(LanePlace, f64)> = Vec::new();
+    let mut last: Option<[u64; 3]> = None;
     for &(p, z, heading) in rows {
         let known = p.is_finite() && heading.is_finite();
-        let mut states: Vec<(Option<LanePlace>, f64)> = if known {
-            candidates(road, p, z, heading, tether).into_iter().map(|(c, cost)| (Some(c), cost)).collect()
-        } else {
-            Vec::new()
-        };
-        states.push((None, if known { tether.none } else { 0.0 }));
+        // What stands is where it was in the row before.
+        let at = known.then(|| [p.x, p.y, heading].map(f64::to_bits));
+        if known && at != last {
+            candidates(road, p, heading, tether, &mut here);
+            last = at;
+        }
+        let on_level = here.iter().filter(|(c, _)| known && road.lanes[c.lane].on_level(z));
+        let states = on_level.map(|(c, cost)| (Some(*c), *cost));
         let column = states
-            .into_iter()
+            .chain([(None, if known { tether.none } else { 0.0 })])
             .map(|(state, emission)| {
                 let Some(before) = columns.last() else { return (state, emission, 0) };
                 let mut best = (f64::INFINITY, 0);
                 for (i, (from, cost, _)) in before.iter().enumerate() {
                     let step = match (from, state) {
-                        (Some(a), Some(b)) => transition(road, a.lane, b.lane),
+                        (Some(a), Some(b)) if a.lane == b.lane => 0.0,
+                        (Some(a), Some(b)) => {
+                            *steps.entry((a.lane, b.lane)).or_insert_with(|| transition(road, a.lane, b.lane))
+                        }
                         (None, None) => 0.0,
                         _ => ENTER_OR_LEAVE_COST,
                     };

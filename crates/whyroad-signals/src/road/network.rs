@@ -196,15 +196,19 @@ impl Road {
         self.drivable.iter().any(|d| d.contains(p)) || self.on_lane(p, rolling)
     }
 
-    fn on_lane(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> bool {
-        self.lanes_near(p, 0.0).into_iter().any(|i| {
-            let lane = &self.lanes[i];
+    /// True when `p` is on a lane for which `wanted` holds.
+    pub fn on_lane(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> bool {
+        let here = AABB::from_point([p.x, p.y]);
+        self.tree.locate_in_envelope_intersecting(&here).any(|e| {
+            let lane = &self.lanes[e.data];
             wanted(lane) && lane.area.as_ref().is_some_and(|a| a.contains(p))
         })
     }
 
     /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
     pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        self.crosswalks.iter().map(|c| c.distance(p)).fold(f64::INFINITY, f64::min)
+        self.crosswalks.iter().fold(f64::INFINITY, |nearest, c| {
+            if c.least_distance(p) > nearest { nearest } else { nearest.min(c.distance(p)) }
+        })
     }
 }

@@ -53,6 +53,13 @@ impl Beside {
         let places = (long * wide) as f64;
         let speed = scene.ego.forward_speed[frame];
         let far = (AHEAD_M.min(AHEAD_S * speed.max(0.0)) / STEP_M) as usize;
+        // Both sides are looked at from the same places on the path.
+        let mut stations: Vec<Option<(P2, P2)>> = vec![None; long.max(far)];
+        let mut station = |i: usize| {
+            let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
+            let place = || (scene.path.line.point_at(at), P2::from_heading(scene.path.heading_at(at)).left());
+            *stations[i].get_or_insert_with(place)
+        };
         let mut first_hidden = f64::INFINITY;
         let mut worst = (0.0, MapHiddenBesideBy::None);
         for side in [1.0, -1.0] {
@@ -65,9 +72,7 @@ impl Beside {
                 if i >= long && i % 2 == 1 {
                     continue;
                 }
-                let at = s + length / 2.0 + (i as f64 + 0.5) * STEP_M;
-                let (on, left) =
-                    (scene.path.line.point_at(at), P2::from_heading(scene.path.heading_at(at)).left());
+                let (on, left) = station(i);
                 for j in 0..wide {
                     let away = width / 2.0 + MARGIN_M + (j as f64 + 0.5) * STEP_M;
                     let first = view.before(on + left * (side * away), |owner| code(owner).is_some());

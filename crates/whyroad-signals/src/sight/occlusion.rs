@@ -43,6 +43,8 @@ pub struct Occlusion<'a> {
     /// By target: before which row, and what was seen of the place then; frames ascend.
     pub traced: Vec<Vec<(usize, Seen)>>,
     traces: Vec<Vec<Trace>>,
+    /// Target and row of what is tracked, by frame.
+    by_frame: Vec<Vec<(usize, usize)>>,
 }
 
 impl<'a> Occlusion<'a> {
@@ -51,18 +53,22 @@ impl<'a> Occlusion<'a> {
         let unseen = |frame: &u32| Seen { frame: *frame as usize, share: f64::NAN, occluder: None };
         let rows = scene.targets.iter().map(|t| t.track.frames.iter().map(unseen).collect()).collect();
         let mut traces: Vec<Vec<Trace>> = (0..scene.ego.len()).map(|_| Vec::new()).collect();
-        for target in 0..scene.targets.len() {
-            trace_back(scene, target, &mut traces);
+        let mut by_frame = vec![Vec::new(); scene.ego.len()];
+        for (k, target) in scene.targets.iter().enumerate() {
+            trace_back(scene, k, &mut traces);
+            for (row, &frame) in target.track.frames.iter().enumerate() {
+                by_frame[frame as usize].push((k, row));
+            }
         }
-        Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces }
+        Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces, by_frame }
     }
 
     /// Looks at all targets of one frame.
     pub fn look(&mut self, frame: usize, view: Option<&View>) {
-        for (k, target) in self.scene.targets.iter().enumerate() {
-            let Some(row) = target.track.row_at(frame) else { continue };
-            let place =
-                target.places[row].as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
+        for (k, row) in std::mem::take(&mut self.by_frame[frame]) {
+            let place = self.scene.targets[k].places[row]
+                .as_ref()
+                .filter(|p| p.is_sized() && p.footprint.heading.is_finite());
             let eye = self.scene.ego.position[frame];
             let near = |footprint: &&OrientedBox| (footprint.centre - eye).norm() <= REACH_M;
             let footprint = place.map(|p| &p.footprint).filter(near);

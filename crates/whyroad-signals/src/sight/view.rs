@@ -20,6 +20,23 @@ pub enum Owner {
     Building(usize),
 }
 
+/// Directions around the eye are divided into this number of ranges, so that a line meets few pieces.
+const RANGES: usize = 64;
+/// What a sector is widened by before its ranges are told, rad: more than rounding and [`Sector::contains`] allow.
+const RANGE_SLACK_RAD: f64 = 1e-5;
+
+/// Which of the ranges a direction is in: by a number that grows with the angle and costs no trigonometry.
+fn range_of(direction: P2) -> usize {
+    let around = direction.x.abs() + direction.y.abs();
+    let share = direction.y / around;
+    let turned = match (direction.x >= 0.0, direction.y >= 0.0) {
+        (true, true) => share,
+        (false, _) => 2.0 - share,
+        (true, false) => 4.0 + share,
+    };
+    ((turned * (RANGES as f64 / 4.0)) as usize).min(RANGES - 1)
+}
+
 /// Angles around the eye: `mid` in (-pi, pi] and as much either side, rad.
 #[derive(Clone, Copy, Debug)]
 struct Sector {
@@ -47,6 +64,17 @@ impl Sector {
         let turned = wrap(other.mid - self.mid);
         let (low, high) = ((turned - other.half).max(-self.half), (turned + other.half).min(self.half));
         (high - low > LEAST_ANGLE_RAD).then_some((low, high))
+    }
+
+    /// First range that it touches, and how many.
+    fn ranges(&self) -> (usize, usize) {
+        let half = self.half + RANGE_SLACK_RAD;
+        if half.is_nan() || half >= std::f64::consts::FRAC_PI_2 {
+            return (0, RANGES);
+        }
+        let (from, to) = (self.mid - half, self.mid + half);
+        let (from, to) = (range_of(P2::from_heading(from)), range_of(P2::from_heading(to)));
+        (from, (to + RANGES - from) % RANGES + 1)
     }
 
     fn contains(&self, direction: P2) -> bool {
@@ -109,12 +137,14 @@ pub struct Sight {
 pub struct View {
     eye: P2,
     pieces: Vec<Piece>,
+    /// For each 64 pieces, by range of directions, which of them are there.
+    ranges: Vec<[u64; RANGES]>,
 }
 
 impl View {
     /// An empty view from `eye`.
     pub fn from(eye: P2) -> Self {
-        Self { eye, pieces: Vec::new() }
+        Self { eye, pieces: Vec::new(), ranges: Vec::new() }
     }
 
     /// Adds the box of a target. A box around the eye hides nothing: it is the ego's own trailer, or an error.
@@ -134,8 +164,33 @@ impl View {
     fn push(&mut self, owner: Owner, corners: Vec<P2>, footprint: Option<OrientedBox>) {
         let nearest = nearest_point(&corners);
         if nearest > 0.0 {
-            self.pieces.push(Piece { owner, sector: Sector::of(&corners), corners, nearest, footprint });
+            let sector = Sector::of(&corners);
+            let (k, (first, count)) = (self.pieces.len(), sector.ranges());
+            if k % 64 == 0 {
+                self.ranges.push([0; RANGES]);
+            }
+            for range in first..first + count {
+                self.ranges[k / 64][range % RANGES] |= 1 << (k % 64);
+            }
+            self.pieces.push(Piece { owner, sector, corners, nearest, footprint });
         }
+    }
+
+    /// The pieces that some direction in these ranges may meet, in their order.
+    fn pieces_in(&self, (first, count): (usize, usize)) -> impl Iterator<Item = &Piece> {
+        let words = self.ranges.iter().enumerate();
+        let set = words.map(move |(k, by_range)| {
+            (k, (first..first + count).fold(0, |set, range| set | by_range[range % RANGES]))
+        });
+        set.flat_map(move |(k, mut left)| {
+            std::iter::from_fn(move || {
+                let bit = left.trailing_zeros() as usize;
+                (left != 0).then(|| {
+                    left &= left - 1;
+                    &self.pieces[64 * k + bit]
+                })
+            })
+        })
     }
 
     /// How much of `target`'s box is seen past everything but itself. A box that overlaps it (a rider and the bicycle)
@@ -149,7 +204,8 @@ impl View {
         let sector = Sector::of(&corners);
         let farthest = corners.iter().map(|c| c.norm()).fold(0.0, f64::max);
         let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
-        for piece in self.pieces.iter().filter(|p| Some(p.owner) != own && p.nearest < farthest) {
+        let around = self.pieces_in(sector.ranges());
+        for piece in around.filter(|p| Some(p.owner) != own && p.nearest < farthest) {
             let Some((low, high)) = sector.shared(&piece.sector) else { continue };
             let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
             let before = entry(&piece.corners, direction) < entry(&corners, direction);
@@ -170,8 +226,7 @@ impl View {
         let to = place - self.eye;
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
-        self.pieces
-            .iter()
+        self.pieces_in((range_of(direction), 1))
             .filter(|p| p.nearest < distance && p.sector.contains(direction) && counts(p.owner))
             .map(|p| (entry(&p.corners, direction), p.owner))
             .filter(|(at, _)| *at < distance)

@@ -1,6 +1,6 @@
 //! Places of targets on the map: crosswalks, road, junction. Distances are to the target's box centre.
 
-use crate::geometry::p2;
+use crate::geometry::{LastPlace, p2};
 use crate::road::network::Road;
 use crate::table::TableBuilder;
 use crate::target::rows::Rows;
@@ -15,10 +15,14 @@ const ON_CROSSWALK_M: f64 = 1.0;
 pub fn write(drive: &Drive, road: &Road, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(drive, table);
     let centre = |t: &Track, r: usize| Some(p2(t.motion.x[r], t.motion.y[r])).filter(|p| p.is_finite());
-    let distance = rows.numbers(|t, r| centre(t, r).map_or(f64::NAN, |p| road.distance_to_crosswalk(p)));
+    let (to_crosswalk, on_road, in_junction) = (LastPlace::new(), LastPlace::new(), LastPlace::new());
+    let distance = |p| to_crosswalk.at(p, || road.distance_to_crosswalk(p));
+    let distance = rows.numbers(|t, r| centre(t, r).map_or(f64::NAN, distance));
     let on = distance.map(|&d| if d.is_nan() { Tri::Unknown } else { Tri::from(d <= ON_CROSSWALK_M) });
     table.flag(id::TARGET_ON_CROSSWALK, on);
     table.number(id::TARGET_DISTANCE_TO_CROSSWALK, distance);
-    table.flag(id::TARGET_ON_ROAD, rows.flags(|t, r| centre(t, r).map(|p| road.on_road(p)).into()));
-    table.flag(id::TARGET_IN_JUNCTION, rows.flags(|t, r| centre(t, r).map(|p| road.in_junction(p)).into()));
+    let on_road = |p| on_road.at(p, || road.on_road(p));
+    table.flag(id::TARGET_ON_ROAD, rows.flags(|t, r| centre(t, r).map(on_road).into()));
+    let in_junction = |p| in_junction.at(p, || road.in_junction(p));
+    table.flag(id::TARGET_IN_JUNCTION, rows.flags(|t, r| centre(t, r).map(in_junction).into()));
 }

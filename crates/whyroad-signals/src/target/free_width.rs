@@ -26,12 +26,7 @@ struct Edges {
 }
 
 fn is_road(road: &Road, p: P2) -> bool {
-    let shoulder = || {
-        road.lanes_near(p, 0.0).into_iter().any(|l| {
-            let lane = &road.lanes[l];
-            lane.kind == LaneKind::Shoulder && lane.area.as_ref().is_some_and(|a| a.contains(p))
-        })
-    };
+    let shoulder = || road.on_lane(p, |lane| lane.kind == LaneKind::Shoulder);
     road.on_road(p) || road.junctions.iter().any(|j| j.contains(p)) || shoulder()
 }
 

@@ -2,7 +2,7 @@
 //! ego's driven path, and along and beside the ego's lane.
 
 use crate::ego::motion::{EgoMotion, given_or_slope};
-use crate::geometry::{OrientedBox, P2, Projection, p2, wrap};
+use crate::geometry::{OrientedBox, P2, Projection, Window, p2, wrap};
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
@@ -139,10 +139,6 @@ const PATH_MARGIN_M: f64 = 0.3;
 /// Points around a footprint are this close, m.
 const BAND_STEP_M: f64 = 0.5;
 
-fn corner_reach(footprint: &OrientedBox) -> f64 {
-    footprint.radius() + 3.0
-}
-
 impl Surroundings<'_> {
     /// Places `track` in all its rows; `times` in seconds by frame.
     pub fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
@@ -179,11 +175,11 @@ impl Surroundings<'_> {
         if beside.low > widest || beside.high < -widest {
             return None;
         }
-        let reach = corner_reach(footprint);
+        let window = self.window(footprint, at);
         let corners = footprint.corners();
         // Arc length and how far inside the band (negative: outside), point by point around the footprint.
         let probe = |p: P2| {
-            let on = self.path.line.project_between(p, at.s - reach, at.s + reach);
+            let on = self.path.line.project_within(p, window);
             let margin = if (on.s - ego_s).abs() <= self.ego.length / 2.0 { 0.0 } else { PATH_MARGIN_M };
             (on.s, half + margin - on.lateral.abs())
         };
@@ -211,14 +207,20 @@ impl Surroundings<'_> {
         extent
     }
 
+    /// Where on the path a part of a footprint can be whose centre is there.
+    fn window(&self, footprint: &OrientedBox, at: &Projection) -> Window {
+        let reach = footprint.radius() + 3.0;
+        self.path.line.window(at.s - reach, at.s + reach)
+    }
+
     /// Extents of a footprint along and beside the path around its foot point: first and last arc length, and place.
     fn extents(&self, footprint: &OrientedBox, at: &Projection) -> (f64, f64, Beside) {
         let heading = self.path.heading_at(at.s);
         let mut beside = Beside { lateral: at.lateral, low: at.lateral, high: at.lateral, heading };
         let (mut near, mut far) = (at.s, at.s);
-        let reach = corner_reach(footprint);
+        let window = self.window(footprint, at);
         for corner in footprint.corners() {
-            let on = self.path.line.project_between(corner, at.s - reach, at.s + reach);
+            let on = self.path.line.project_within(corner, window);
             (near, far) = (near.min(on.s), far.max(on.s));
             (beside.low, beside.high) = (beside.low.min(on.lateral), beside.high.max(on.lateral));
         }

@@ -93,10 +93,49 @@ fn boxes() -> impl Strategy<Value = Vec<OrientedBox>> {
     prop::collection::vec(one, 2..14)
 }
 
+/// [`View::before`] without ranges of directions: every piece is asked.
+fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
+    let to = place - v.eye;
+    let distance = to.norm();
+    let direction = to * (1.0 / distance.max(1e-9));
+    let met = v.pieces.iter().filter(|p| p.nearest < distance && p.sector.contains(direction));
+    let met = met.map(|p| (entry(&p.corners, direction), p.owner)).filter(|(at, _)| *at < distance);
+    met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, owner)| owner)
+}
+
 const LINES: usize = 600;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 120, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn ranges_of_directions_leave_no_piece_out(
+        many in prop::collection::vec((-PI..PI, 1.0..60.0_f64, -PI..PI, 0.0..40.0_f64), 1..150),
+        places in prop::collection::vec((-PI..PI, 0.0..80.0_f64), 60),
+    ) {
+        let mut v = View::from(p2(0.0, 0.0));
+        for (k, (angle, r, h, l)) in many.iter().enumerate() {
+            if k % 3 == 0 {
+                let (a, along) = (P2::from_heading(*angle) * *r, P2::from_heading(*h) * *l);
+                v.add_wall(Owner::Building(k), a, a + along);
+            } else {
+                v.add_box(Owner::Target(k), at(r * angle.cos(), r * angle.sin(), *h, l / 4.0 + 0.2, 1.0));
+            }
+        }
+        // Also along the very edges of pieces, and along the axes, where ranges border on each other.
+        let corners: Vec<P2> = v.pieces.iter().flat_map(|p| &p.corners).map(|c| *c * 1.5).collect();
+        let around = places.iter().map(|(angle, r)| P2::from_heading(*angle) * *r);
+        let axes = [p2(50.0, 0.0), p2(0.0, 50.0), p2(-50.0, 0.0), p2(0.0, -50.0), p2(-50.0, -0.0)];
+        for place in around.chain(corners).chain(axes) {
+            prop_assert_eq!(v.before(place, |_| true), before_one_by_one(&v, place));
+        }
+        for piece in &v.pieces {
+            let near: Vec<Owner> = v.pieces_in(piece.sector.ranges()).map(|p| p.owner).collect();
+            for other in v.pieces.iter().filter(|o| piece.sector.shared(&o.sector).is_some()) {
+                prop_assert!(near.contains(&other.owner));
+            }
+        }
+    }
 
     #[test]
     fn shares_are_those_of_sight_lines_tried_one_by_one(candidates in boxes()) {
