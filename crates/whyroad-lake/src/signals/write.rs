@@ -8,6 +8,7 @@ use arrow_array::{
     ArrayRef, BooleanArray, DictionaryArray, Float64Array, Int64Array, RecordBatch, StringArray, UInt16Array,
     UInt32Array,
 };
+use arrow_buffer::{BooleanBuffer, NullBuffer};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, Encoding};
@@ -139,8 +140,13 @@ fn write_file(
 fn repeats(column: &Column) -> bool {
     let Column::Number(values) = column else { return true };
     let sample = &values[..values.len().min(8192)];
-    let distinct: HashSet<u64> = sample.iter().map(|x| x.to_bits()).collect();
-    distinct.len() * 8 < sample.len()
+    let mut distinct = HashSet::new();
+    // Of most columns the first few rows tell.
+    !sample.is_empty()
+        && sample.iter().all(|x| {
+            distinct.insert(x.to_bits());
+            distinct.len() * 8 < sample.len()
+        })
 }
 
 fn repeated(text: &str, n: usize) -> ArrayRef {
@@ -153,7 +159,11 @@ fn repeated(text: &str, n: usize) -> ArrayRef {
 fn array(column: Option<&Column>, kind: &Column, n: usize) -> ArrayRef {
     match (kind, column) {
         (Column::Number(_), Some(Column::Number(v))) => {
-            Arc::new(v.iter().map(|x| (!x.is_nan()).then_some(*x)).collect::<Float64Array>())
+            let known = v
+                .iter()
+                .any(|x| x.is_nan())
+                .then(|| NullBuffer::new(BooleanBuffer::collect_bool(v.len(), |i| !v[i].is_nan())));
+            Arc::new(Float64Array::new(v.clone().into(), known))
         }
         (Column::Number(_), _) => Arc::new(Float64Array::new_null(n)),
         (Column::Flag(_), Some(Column::Flag(v))) => {
