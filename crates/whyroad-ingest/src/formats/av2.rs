@@ -342,10 +342,10 @@ fn tracks(
             let mut stated = Vec::with_capacity(cuboids.len());
             for c in &cuboids {
                 let class = classes::class_of(&c.category).unwrap_or_else(|| {
-                    *unknown_categories.entry(c.category.clone()).or_default() += 1;
+                    *unknown_categories.entry(c.category.to_string()).or_default() += 1;
                     Default::default()
                 });
-                stated.push((class, c.category.as_str()));
+                stated.push((class, &*c.category));
             }
             let mut track = Track::default();
             track.state_classes(stated);

@@ -4,14 +4,15 @@ use super::classes::EGO;
 use crate::assemble::se3::unit;
 use crate::encodings::columns::Columns;
 use crate::report::RowCount;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 /// One cuboid.
 #[derive(Clone, Debug)]
 pub(super) struct Cuboid {
     pub time: i64,
-    pub track: String,
-    pub category: String,
+    pub track: Rc<str>,
+    pub category: Rc<str>,
     /// Length, width, height, m; NaN where the row's size is no size.
     pub size: [f64; 3],
     /// Rotation object to ego.
@@ -55,12 +56,13 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
         has_points,
         ..Annotations::default()
     };
-    let mut seen: HashSet<(i64, String)> = HashSet::with_capacity(times.len());
+    let (mut ids, mut names) = (Words::default(), Words::default());
+    let mut seen: HashSet<(i64, usize)> = HashSet::with_capacity(times.len());
     for i in 0..times.len() {
         let translation = [t[0][i], t[1][i], t[2][i]];
         let rotation = unit([q[0][i], q[1][i], q[2][i], q[3][i]]);
         let (Some(time), Some(track), Some(q), true) =
-            (times[i], tracks[i].clone(), rotation, translation.iter().all(|v| v.is_finite()))
+            (times[i], &tracks[i], rotation, translation.iter().all(|v| v.is_finite()))
         else {
             out.count.drop_rows("invalid", 1);
             out.invalid_example.get_or_insert_with(|| {
@@ -74,7 +76,8 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
             });
             continue;
         };
-        if !seen.insert((time, track.clone())) {
+        let (number, track) = ids.word(track);
+        if !seen.insert((time, number)) {
             out.count.drop_rows("duplicate", 1);
             out.duplicate_example.get_or_insert_with(|| format!("{track} at {time}"));
             continue;
@@ -85,14 +88,27 @@ pub(super) fn read(file: &Columns) -> Result<Annotations, String> {
         let cuboid = Cuboid {
             time,
             track,
-            category: categories[i].clone().unwrap_or_default(),
+            category: names.word(categories[i].as_deref().unwrap_or_default()).1,
             size: if sized { raw_size } else { [f64::NAN; 3] },
             q,
             t: translation,
             points: points[i],
         };
-        if cuboid.category == EGO { out.ego.push(cuboid) } else { out.objects.push(cuboid) }
+        if &*cuboid.category == EGO { out.ego.push(cuboid) } else { out.objects.push(cuboid) }
     }
     out.count.keep("ego", out.ego.len());
     Ok(out)
+}
+
+/// Texts of which there are few, each held once.
+#[derive(Default)]
+struct Words<'a>(HashMap<&'a str, (usize, Rc<str>)>);
+
+impl<'a> Words<'a> {
+    /// Its number in the order of appearance, and the one copy of it.
+    fn word(&mut self, text: &'a str) -> (usize, Rc<str>) {
+        let next = self.0.len();
+        let (number, word) = self.0.entry(text).or_insert_with(|| (next, Rc::from(text)));
+        (*number, Rc::clone(word))
+    }
 }
