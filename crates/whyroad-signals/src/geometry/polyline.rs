@@ -10,6 +10,8 @@ pub struct Polyline {
     blocks: Vec<Block>,
     /// Of each segment, one divided by its squared length.
     inverse: Vec<f64>,
+    /// Unit vectors of the segments.
+    directions: Vec<P2>,
 }
 
 /// Number of segments per block.
@@ -108,7 +110,12 @@ impl Polyline {
         let last = kept.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&kept[i..=(i + BLOCK).min(last)]));
         let inverse = s.windows(2).map(|w| 1.0 / ((w[1] - w[0]) * (w[1] - w[0]))).collect();
-        Some(Self { blocks: blocks.collect(), points: kept, s, inverse })
+        let unit = |w: &[P2]| {
+            let d = w[1] - w[0];
+            d * (1.0 / d.norm())
+        };
+        let directions = kept.windows(2).map(unit).collect();
+        Some(Self { blocks: blocks.collect(), points: kept, s, inverse, directions })
     }
 
     /// The points.
@@ -130,20 +137,15 @@ impl Polyline {
         self.s.partition_point(|&v| v <= s).clamp(1, self.points.len() - 1) - 1
     }
 
-    fn direction(&self, segment: usize) -> P2 {
-        let d = self.points[segment + 1] - self.points[segment];
-        d * (1.0 / d.norm())
-    }
-
     /// The point at arc length `s`, on the straight continuation outside.
     pub fn point_at(&self, s: f64) -> P2 {
         let i = self.segment_at(s);
-        self.points[i] + self.direction(i) * (s - self.s[i])
+        self.points[i] + self.directions[i] * (s - self.s[i])
     }
 
     /// Direction of the segment at `s`, rad.
     pub fn heading_at(&self, s: f64) -> f64 {
-        self.direction(self.segment_at(s)).heading()
+        self.directions[self.segment_at(s)].heading()
     }
 
     /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points do not jump.

@@ -6,6 +6,7 @@ use crate::road::network::Road;
 use crate::road::on_road::{OnRoad, within_horizon};
 use crate::road::way::{Way, beside};
 use crate::table::TableBuilder;
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 use whyroad_model::Tri;
 use whyroad_model::catalogue::{
@@ -100,9 +101,12 @@ fn parts(road: &Road, lane: usize) -> bool {
     })
 }
 
-fn to_split(on: &OnRoad<'_>, way: &Way, front: f64) -> f64 {
-    let splits =
-        |k: &usize| !on.road.lanes[way.steps[*k].lane].in_junction && parts(on.road, way.steps[*k].lane);
+/// `splits` has by lane what [`parts`] says, once it was asked.
+fn to_split(on: &OnRoad<'_>, splits: &[OnceCell<bool>], way: &Way, front: f64) -> f64 {
+    let splits = |k: &usize| {
+        let lane = way.steps[*k].lane;
+        !on.road.lanes[lane].in_junction && *splits[lane].get_or_init(|| parts(on.road, lane))
+    };
     let at = (0..way.steps.len()).filter(|&k| way.steps[k].to >= front).find(splits);
     at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].to - front))
 }
@@ -213,7 +217,8 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
 /// Writes `map.on_ramp`, `merge_zone`, `distance_to_merge`, `distance_to_split`, `facility_change`.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let merges = on.ahead(|_, way, front| to_merge(on, way, front));
-    let splits = on.ahead(|_, way, front| to_split(on, way, front));
+    let parting = vec![OnceCell::new(); on.road.lanes.len()];
+    let splits = on.ahead(|_, way, front| to_split(on, &parting, way, front));
     let covered = on.map.complete_for.iter().any(|k| k == "ramp")
         || on
             .map
