@@ -1,0 +1,70 @@
+"""Drivers, vehicles and trips of the trial, drawn from a seed. Egos are passenger cars of the traffic like any
+other.
+"""
+
+MODEL = {
+    "Krauss": 'carFollowModel="Krauss" sigma="0.4"',
+    "IDM": 'carFollowModel="IDM" delta="4" sigma="0"',
+    "EIDM": 'carFollowModel="EIDM"',
+    "ACC": 'carFollowModel="ACC"',
+}
+
+
+def types(model, lateral):
+    follow = MODEL[model]
+    side = ' latAlignment="center" minGapLat="0.5"' if lateral == "sublane" else ""
+    return [
+        f'<vType id="car" vClass="passenger" length="4.5" width="1.8" minGap="2.2" tau="1.1" accel="2.4" decel="4.0" speedFactor="normc(1.0,0.08,0.8,1.2)" {follow}{side}/>',
+        f'<vType id="quick" vClass="passenger" length="4.7" width="1.9" minGap="1.8" tau="0.9" accel="3.0" decel="4.5" speedFactor="normc(1.15,0.06,1.0,1.3)" lcSpeedGain="3" lcAssertive="2" {follow}{side}/>',
+        f'<vType id="van" vClass="delivery" length="6.2" width="2.1" minGap="2.5" tau="1.3" accel="1.8" decel="3.6" speedFactor="normc(0.92,0.05,0.8,1.0)" {follow}{side}/>',
+        f'<vType id="truck" vClass="truck" length="13.5" width="2.5" minGap="3" tau="1.5" accel="1.0" decel="3.2" maxSpeed="24" {follow}{side}/>',
+        f'<vType id="coach" vClass="bus" length="12" width="2.5" minGap="3" tau="1.4" accel="1.2" decel="3.5" maxSpeed="23" {follow}{side}/>',
+        f'<vType id="cycle" vClass="bicycle" length="1.7" width="0.6" minGap="0.8" maxSpeed="5.0"{side}/>',
+        '<vType id="walker" vClass="pedestrian" length="0.4" width="0.5" speedFactor="normc(1.0,0.12,0.7,1.3)"/>',
+    ]
+
+
+def roads(net, motorway):
+    """Where trips may begin and end: the network's rim where it has one, else any road of 60 m or more."""
+    usable = [e for e in net.getEdges() if e.allows("passenger") and e.getLength() > (100 if motorway else 50)]
+    starts = [e for e in usable if not [i for i in e.getIncoming() if i.getFromNode() is not e.getToNode()]]
+    ends = [e for e in usable if not [o for o in e.getOutgoing() if o.getToNode() is not e.getFromNode()]]
+    if len(starts) < 2 and not motorway or len(starts) < 1:
+        starts = usable
+    if len(ends) < 2:
+        ends = usable
+    return sorted(e.getID() for e in starts), sorted(e.getID() for e in ends)
+
+
+def trips(draw, net, name, seconds, rate, people, egos):
+    motorway = max(e.getSpeed() for e in net.getEdges()) > 25
+    starts, ends = roads(net, motorway)
+    lanes = {e.getID(): e.getLaneNumber() for e in net.getEdges()}
+    rows, chosen = [], 0
+    count = int(seconds * rate)
+    spacing = max(1, int(count * 0.6 / egos))
+    weight = [lanes[s] for s in starts]
+    for i in range(count):
+        t = i / rate
+        while True:
+            start, end = draw.choices(starts, weight)[0], draw.choice(ends)
+            if start != end and net.getShortestPath(net.getEdge(start), net.getEdge(end))[0]:
+                break
+        kind = draw.choices(["car", "quick", "van", "truck"], [6, 3, 1.5, 1.5 if motorway else 0.6])[0]
+        ego = 10 < t < seconds - 50 and i % spacing == 0 and chosen < egos
+        chosen += ego
+        rows.append((t, f'<trip id="{f"ego{chosen}" if ego else f"v{i}"}" type="{"car" if ego and chosen % 3 else "quick" if ego else kind}" depart="{t:.1f}" '
+                        f'from="{start}" to="{end}" departLane="{"best" if not motorway else "random"}" departSpeed="{"max" if motorway else "desired"}"/>'))
+    if not motorway:
+        for i in range(int(seconds / 25)):
+            start, end = draw.sample(starts, 2)[0], draw.choice(ends)
+            stop = f'<stop lane="{start}_0" endPos="{0.7 * net.getEdge(start).getLength():.0f}" duration="9"/>' if net.getEdge(start).getLane(0).allows("bus") else ""
+            rows.append((i * 25 + 4, f'<trip id="b{i}" type="coach" depart="{i * 25 + 4}" from="{start}" to="{end}">{stop}</trip>'))
+        for i in range(int(seconds / 14)):
+            start, end = draw.choice(starts), draw.choice(ends)
+            rows.append((i * 14 + 2, f'<trip id="k{i}" type="cycle" depart="{i * 14 + 2}" from="{start}" to="{end}"/>'))
+    walks = sorted(e.getID() for e in net.getEdges() if people and e.allows("pedestrian") and not e.getFunction())
+    for i in range(int(seconds * people)):
+        start, end = draw.sample(walks, 2)
+        rows.append((i / people, f'<person id="p{i}" type="walker" depart="{i / people:.1f}"><walk from="{start}" to="{end}"/></person>'))
+    return [text for _, text in sorted(rows, key=lambda r: r[0])], [f"ego{i + 1}" for i in range(chosen)]

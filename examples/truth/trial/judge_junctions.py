@@ -1,0 +1,154 @@
+"""turn.*, intersection_interaction.* and roundabout.*: passages of junctions by the network's links, and its table
+of who crosses whom.
+"""
+
+import math
+
+from world import Box, bend, off_line
+
+I = "reactive_agent.intersection_interaction."
+
+
+def samples(w, link):
+    out, done = [], 0.0
+    points = [p for lane in w.net.path(link) for p in w.net.lanes[lane].points]
+    for (ax, ay), (bx, by) in zip(points, points[1:]):
+        length = math.hypot(bx - ax, by - ay)
+        n = max(1, int(length / 0.5))
+        out += [(done + length * i / n, ax + (bx - ax) * i / n, ay + (by - ay) * i / n) for i in range(n)]
+        done += length
+    return out + ([(done, *points[-1])] if points else [])
+
+
+def met(w, ego, p):
+    """Vehicles whose link is a foe of the ego's: times at which both get to where their paths come within 1 m of
+    each other.
+    """
+    own_lanes = w.net.path(p.link)
+    for name, passages in w.passing.items():
+        if name == ego:
+            continue
+        for q in passages:
+            if q.node.id != p.node.id or abs(q.first - p.first) > 600 or q.link.lane == p.link.lane:
+                continue
+            its = w.net.path(q.link)
+            if not any(b in p.node.foes.get(a, ()) for a in own_lanes for b in its):
+                continue
+            line = samples(w, q.link)
+            spot = next(((d, e) for d, x, y in samples(w, p.link) for e, u, v in line if abs(x - u) < 1 and abs(y - v) < 1), None)
+            if spot is None:
+                continue
+            a, b = w.later(ego, p.first, spot[0]), w.later(name, q.first, spot[1])
+            must = any(t in p.node.yields.get(s, ()) for s in own_lanes for t in its) or w.letter(p.link, p.first) == "g"
+            yield Box(name=name, q=q, mine=a, its=b, must=must, apart=abs(a - b) / 10)
+
+
+def leaf_of(w, ego, p, m):
+    me, it = w.rows[ego][p.first], w.rows[m.name][m.q.first]
+    facing = abs(bend(me.angle, it.angle)) > 135
+    same_exit = p.link.b == m.q.link.b
+    if p.turned > 45 and facing:
+        return "unprotected_left"
+    if p.turned < -45 and same_exit:
+        return "right_vs_straight"
+    return "cross_conflict" if not same_exit or p.node.on_ring else None
+
+
+def junctions(w, ego, lead):
+    rows, net = w.rows[ego], w.net
+    yield from rings(w, ego)
+    for p in w.passing[ego]:
+        if not p.node.real:
+            continue
+        into, out = w.later(ego, p.first, w.length(ego) / 2), w.later(ego, p.last, w.length(ego) / 2)
+        near = False
+        for m in met(w, ego, p):
+            if w.kind(m.name) == "bicycle":
+                near |= m.apart < 8
+                continue
+            leaf = leaf_of(w, ego, p, m)
+            waiting = [k for k in range(m.its - 15, m.its + 1) if k in rows and rows[k].v < 1.5 and (rows[k].lane.startswith(":") or net.lanes[rows[k].lane].length - rows[k].pos < 9
+                       and rows[k].lane == p.link.lane) and (rows[k].lane.startswith(":") or w.letter(p.link, k) in (None, "G", "g", "s"))]
+            waits = m.must and m.its < m.mine and len(waiting) > 5
+            # A passage of the ring's other vehicles: each joint of a ring is a crossing of its own.
+            sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45)
+            near |= m.apart < 8 or waits
+            if sure:
+                yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
+            if m.apart < 10 or waits:
+                # In a ring each joint is a junction of its own; which of them the encounter belongs to is open.
+                joints = [q for q in w.passing[ego] if q.node.on_ring and abs(q.first - p.first) < 200] if p.node.on_ring else [p]
+                for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):
+                    for q in joints:
+                        yield w.entry(I + each, ego, q.first, q.first, q.last, m.name, optional=True)
+        if p.node.on_ring or not p.began:
+            continue
+        yield from turn(w, ego, p, lead, into, out, near)
+
+
+def turn(w, ego, p, lead, into, out, near):
+    rows, net = w.rows[ego], w.net
+    walkers = any(w.first(i).person and math.hypot(w.rows[i][k].x - rows[k].x, w.rows[i][k].y - rows[k].y) < 14
+                  for k in range(p.first - 20, p.last, 5) if k in rows for i in w.at[k] if not i.startswith("ego"))
+    short = not p.whole or p.first - min(rows) < 100
+    if abs(p.turned) < 45:
+        before = [rows[k] for k in range(into - 60, into) if k in rows]
+        if not before or before and min(o.v for o in before) < 0.3:
+            return
+        adjusted = max(o.v for o in before) - min(o.v for o in before) > 1.0
+        held = [k for k in range(into - 80, into) if w.letter(p.link, k) not in (None, "G", "g", "s", "o", "O")] if p.link.tl else []
+        yield w.entry("proactive.turn.straight", ego, into - 30, into, out + 20, optional=bool(near or adjusted or held or walkers or short or abs(p.turned) > 38))
+        return
+    if 38 < abs(p.turned) < 52 or 128 < abs(p.turned) < 142:
+        short = True
+    mine = rows[p.first].angle
+    # Whose traffic crosses a left turn: who comes from ahead, other than from the road that the ego turns into. At
+    # 120 degrees that is open.
+    from_ahead = [abs(bend(mine, net.heading(e.lanes[0]))) for e in p.node.roads if e.b == p.node.id and e.id != p.link.a and e.a != net.edges[p.link.b].b
+                  and any(net.lanes[x].cars for x in e.lanes)]
+    oncoming = any(angle > 135 for angle in from_ahead)
+    if p.turned > 45 and not oncoming and any(angle > 105 for angle in from_ahead):
+        short = True
+    protected = p.link.tl and w.letter(p.link, p.first) == "G"
+    if abs(p.turned) > 135:
+        leaf = "uturn"
+    elif p.turned < 0:
+        leaf = "right_normal"
+    else:
+        leaf = "left_normal" if not oncoming or protected else "left_unprotected"
+    base = rows[max(min(rows), p.first - 1)].angle
+    starts = next((k for k in range(p.first, p.last + 1) if k in rows and abs(bend(base, rows[k].angle)) > 1), p.first)
+    # On the left, which turn crosses oncoming traffic is mirrored; the leaves' names are not.
+    leaves = [leaf] if not leaf.startswith("left") or not (net.left_hand or short) else ["left_normal", "left_unprotected"]
+    for each in leaves:
+        yield w.entry(f"proactive.turn.{each}", ego, into - 30, starts - 5, out + 20, optional=bool(near or walkers or short or len(leaves) > 1 or len(p.node.comes) > 4))
+
+
+def rings(w, ego):
+    rows, net = w.rows[ego], w.net
+    on = lambda o: o.lane.rsplit("_", 1)[0] in net.ring or o.lane.startswith(":") and o.lane in net.lanes and net.node_of(o.lane).on_ring
+    keys, runs = sorted(rows), []
+    for k in keys:
+        if on(rows[k]):
+            if runs and k - runs[-1][-1] <= 1:
+                runs[-1].append(k)
+            else:
+                runs.append([k])
+    for run in runs:
+        a, b = run[0], run[-1]
+        if not any(rows[k].lane.rsplit("_", 1)[0] in net.ring for k in run):
+            continue
+        whole_in, whole_out = w.later(ego, a, w.length(ego)), w.later(ego, b, w.length(ego))
+        began, left = a - 30 in rows, b + 10 in rows
+        way = w.way(ego)
+        start = next((k for k in keys if way[a] - way[k] <= 30 - w.length(ego) / 2), a)
+        if a - 1 in rows:
+            yield w.entry("proactive.roundabout.entry", ego, start, start, whole_in, optional=not began)
+        if b + 1 in rows:
+            blink = next((k for k in run if k > b - 80 and all(rows[u].blink & (2 if net.left_hand else 1) for u in range(k, b) if u in rows)), None)
+            centre = w.later(ego, b, w.length(ego) / 2)
+            key = blink if blink is not None and blink < b else centre - 30
+            yield w.entry("proactive.roundabout.exit", ego, max(key, a), max(key, a), whole_out, optional=not left)
+        moved = [c for c in w.changes[ego] if a <= c.k <= b and c.a.rsplit("_", 1)[0] in net.ring]
+        if moved:
+            yield w.entry("proactive.roundabout.lane_in_roundabout", ego, a, a, b, optional=a - 1 not in rows or b + 1 not in rows)

@@ -1,0 +1,234 @@
+"""lane_change.*, merge_interaction.* and cutin.*: who crosses which line, with the simulator's reason."""
+
+import math
+
+from world import bend, off_line
+
+P, C = "proactive.lane_change.", "reactive_agent.cutin."
+ALL = ("navigation", "efficiency", "overtake", "escape")
+
+
+def ramp(w, edge):
+    """Ramps by their type; where a network has no types, a road of at most 22.3 m/s that is joined to one above 25
+    m/s.
+    """
+    e = w.net.edges[edge]
+    if e.kind:
+        return e.kind.endswith("_link")
+    limit = lambda x: max((w.net.lanes[l].limit for l in x.lanes), default=0)
+    ends = [r for n in (e.a, e.b) for r in (w.net.nodes[n].roads if n in w.net.nodes else ())]
+    return limit(e) < 22.3 and any(limit(r) > 25 for r in ends if r is not e)
+
+
+def edge_of(lane):
+    return lane.rsplit("_", 1)[0]
+
+
+def from_ramp(w, lane):
+    """A mainline lane that only a ramp feeds: acceleration or weaving lane, or one that joins for good."""
+    feeds = [l for links in w.net.out.values() for l in links if l.to == lane]
+    return w.net.lanes[lane].accel or bool(feeds) and all(ramp(w, l.a) for l in feeds)
+
+
+def to_ramp(w, lane):
+    links = w.net.out.get(lane, [])
+    return bool(links) and all(ramp(w, l.b) for l in links) and not ramp(w, edge_of(lane))
+
+
+def visits(w, ego):
+    out = []
+    for k in sorted(w.rows[ego]):
+        lane = w.rows[ego][k].lane
+        if not out or out[-1][0] != lane:
+            out.append([lane, k, k])
+        out[-1][2] = k
+    return out
+
+
+def leaves_route(w, ego, c):
+    """Metres until the lane that it leaves stops leading where the ego drives; None if the log does not tell."""
+    rows, edges = w.rows[ego], [edge_of(c.a)]
+    for k in sorted(rows):
+        if k > c.k and not rows[k].lane.startswith(":") and edge_of(rows[k].lane) != edges[-1]:
+            edges.append(edge_of(rows[k].lane))
+    lanes, metres = {c.a}, w.net.lanes[c.a].length - rows[c.k].pos
+    for there in edges[1:]:
+        lanes = {l.to for lane in lanes for l in w.net.out.get(lane, []) if l.b == there}
+        if not lanes:
+            return metres
+        metres += w.net.lanes[min(lanes)].length
+    return None
+
+
+def changes(w, ego, lead):
+    rows, mine = w.rows[ego], [c for c in w.changes[ego] if c.k in w.rows[ego]]
+    for n, c in enumerate(mine):
+        if c.a.startswith(":") or edge_of(c.a) != edge_of(c.b):
+            start = c.k - 30
+            for leaf in ALL:
+                yield w.entry(P + leaf, ego, start, start, c.k + 30, optional=True)
+            continue
+        old, new = w.net.lanes[c.a], w.net.lanes[c.b]
+        shift = lambda k: abs(off_line(old.points, rows[k].x, rows[k].y)[1])
+        began = c.k
+        while began - 1 in rows and rows[began - 1].lane == c.a and shift(began - 1) > 0.3 and began > c.k - 60:
+            began -= 1
+        bit = (2 if new.index > old.index else 1) if not w.net.left_hand else (1 if new.index > old.index else 2)
+        start = began - 20
+        blink = [k for k in range(began - 200, c.k) if k in rows and rows[k].blink & bit]
+        if blink and all(k in blink or k not in rows for k in range(began, c.k)):
+            start = began
+            while start - 1 in blink:
+                start -= 1
+            start = min(start, began)
+        end = next((k for k in range(c.k, c.k + 80) if k in rows and off_line(new.points, rows[k].x, rows[k].y)[0] < 0.3), c.k + 20) + 20
+        close = any(abs(o.k - c.k) < 70 for o in mine if o is not c)
+        node = w.net.nodes.get(w.net.edges[edge_of(c.a)].b)
+        at_node = node is not None and node.real and (old.length - rows[c.k].pos < 2.5 * rows[c.k].v or rows[c.k].pos < 2 * rows[c.k].v)
+        vague = close or at_node or rows[c.k].v < 3 or start - 20 not in rows or c.k + 30 not in rows or edge_of(c.a) in w.net.ring
+        off = leaves_route(w, ego, c)
+        leaf, target, sure = None, None, not vague
+        if from_ramp(w, c.a) or to_ramp(w, c.b) or ramp(w, edge_of(c.a)):
+            sure = False
+        elif c.reason == "strategic" and off is not None and off <= 500:
+            leaf = "navigation"
+        elif c.reason == "speedGain":
+            name = lead.get(began, (None, 0))[0]
+            its = w.rows.get(name, {}).get(began)
+            if its and its.lane == c.a and lead[began][1] < 70 and its.v + 5 / 3.6 < old.limit * 1.05:
+                leaf, target = ("overtake", name) if passed(w, ego, name, c.k) else ("efficiency", None)
+                queue = min(rows[k].v for k in range(began - 30, c.k + 60) if k in rows) < 2
+                later = max((rows[k].v for k in range(c.k, c.k + 120) if k in rows), default=0)
+                sure = sure and not queue and (leaf == "overtake" or later > its.v + 2)
+        if leaf:
+            yield w.entry(P + leaf, ego, start, start, end, target, optional=not sure)
+        elif sure:
+            # That it changes lane is plain, why is not: any variant of the L2.
+            yield w.entry(P[:-1], ego, start, start, end)
+        if not leaf or not sure or leaf != "navigation":
+            for each in ALL:
+                yield w.entry(P + each, ego, start, start, end, optional=True)
+
+
+def passed(w, ego, name, k0):
+    rows, its = w.rows[ego], w.rows[name]
+    for k in range(k0, k0 + 300):
+        if k in rows and k in its:
+            a = math.radians(rows[k].angle)
+            dx, dy = its[k].x - rows[k].x, its[k].y - rows[k].y
+            if dx * math.sin(a) + dy * math.cos(a) < -0.5 and math.hypot(dx, dy) < 30:
+                return True
+    return False
+
+
+def facilities(w, ego):
+    """merge_interaction.*: over the nodes at which the ego changes between ramp and mainline, and zippers."""
+    rows, seen = w.rows[ego], visits(w, ego)
+    M = "proactive.merge_interaction."
+    roads = [v for v in seen if not v[0].startswith(":")]
+    for i, (lane, a, b) in enumerate(roads[1:], 1):
+        was = roads[i - 1]
+        if edge_of(was[0]) == edge_of(lane):
+            continue
+        if ramp(w, edge_of(was[0])) and not ramp(w, edge_of(lane)):
+            stays = [v for v in roads[i:] if v[0] == lane or edge_of(v[0]) == edge_of(lane)]
+            off = next((c for c in w.changes[ego] if c.k >= a and c.a == lane), None)
+            leaves = any(ramp(w, edge_of(v[0])) for v in roads[i + 1:i + 4])
+            if off is not None and from_ramp(w, lane) and off.k - b <= 2:
+                came = w.later(ego, a, w.length(ego) / 2)
+                yield w.entry(M + "normal_merge", ego, came, came, off.k + 20, optional=min(rows) > a - 20 or not stays or leaves)
+            else:
+                yield w.entry(M + "normal_merge", ego, a, a, a + 50, optional=True)
+        if ramp(w, edge_of(lane)) and not ramp(w, edge_of(was[0])):
+            moved = [c for c in w.changes[ego] if c.b == was[0] and c.k <= was[2] and to_ramp(w, c.b)]
+            # Into a lane that leads to the ramp only: over its line, or where it begins ahead of the ego's lane.
+            n = i - 1
+            while n > 0 and to_ramp(w, roads[n - 1][0]):
+                n -= 1
+            start = moved[-1].k if moved else w.later(ego, roads[n][1], w.length(ego) / 2) if to_ramp(w, roads[n][0]) else a - 50
+            done = w.later(ego, a, w.length(ego) / 2)
+            yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows)
+            if start < a - 100:
+                yield w.entry(M + "split_exit", ego, a - 50, a - 50, done, optional=True)
+    for p in w.passing[ego]:
+        if p.node.kind != "zipper":
+            continue
+        foes = set(p.node.foes.get(p.link.via, ()))
+        beside = [n for n, qs in w.passing.items() for q in qs if n != ego and q.node.id == p.node.id and q.link.via in foes and abs(q.first - p.first) < 60]
+        close = [n for n, qs in w.passing.items() for q in qs if n != ego and q.node.id == p.node.id and q.link.via in foes and abs(q.first - p.first) < 25]
+        if foes:
+            start = p.first - 50
+            yield w.entry(M + "zipper_merge", ego, start, start, w.later(ego, p.last, w.length(ego)), optional=len(close) < 1 or not beside)
+
+
+def cut_ins(w, ego):
+    rows, own_changes = w.rows[ego], [c.k for c in w.changes[ego]]
+    for name, made in list(w.changes.items()):
+        its = w.rows.get(name)
+        if name == ego or not its or w.kind(name) == "bicycle":
+            continue
+        for c in made:
+            if c.k not in rows or c.k not in its or math.hypot(rows[c.k].x - its[c.k].x, rows[c.k].y - its[c.k].y) > 110:
+                continue
+            drives = {rows[k].lane for k in range(c.k - 5, c.k + 80) if k in rows}
+            if c.b not in drives:
+                continue
+            new = w.net.lanes[c.b]
+            crosses = c.k
+            while crosses - 1 in its and crosses > c.k - 40 and off_line(new.points, its[crosses - 1].x, its[crosses - 1].y)[0] - w.width(name) / 2 < new.width / 2:
+                crosses -= 1
+            k = crosses
+            if k not in rows:
+                continue
+            a = math.radians(rows[k].angle)
+            gap = (its[k].x - rows[k].x) * math.sin(a) + (its[k].y - rows[k].y) * math.cos(a) - w.length(name)
+            if gap < -w.length(name) or gap > max(55, 2.2 * rows[k].v) or abs(bend(rows[k].angle, its[k].angle)) > 50:
+                continue
+            near = []
+            for u in range(k - 30, k + 31):
+                if u in rows and u in its:
+                    g = (its[u].x - rows[u].x) * math.sin(a) + (its[u].y - rows[u].y) * math.cos(a) - w.length(name)
+                    closing = rows[u].v - its[u].v
+                    near.append(min(g / closing if closing > 0.1 else 99, 2.5 * g / max(rows[u].v, 0.1)))
+            if min(near, default=99) > 6.5:
+                continue
+            between = [i for i in w.at[k] if i not in (ego, name) and w.rows[i][k].lane in drives and not w.rows[i][k].person and
+                       0 < (w.rows[i][k].x - rows[k].x) * math.sin(a) + (w.rows[i][k].y - rows[k].y) * math.cos(a) < gap + w.length(name)]
+            closing = rows[k].v - its[k].v
+            ttc = gap / closing if closing > 0 else math.inf
+            own = any(abs(x - c.k) < 50 for x in own_changes)
+            sure = (not own and not between and 1.5 < gap < max(45, 1.8 * rows[k].v) and min(near) < 4.5 and rows[k].v > 3 and its[k].v > 2 and not c.b.startswith(":")
+                    and c.b == rows[k].lane and k - 20 in rows and k + 20 in rows and not any(abs(o.k - c.k) < 60 for o in made if o is not c))
+            leaf = "urgent" if ttc < 3 else "slow"
+            if 2.4 < ttc < 3.7:
+                sure = False
+            if w.kind(name) in ("truck", "bus"):
+                leaf = "large_vehicle"
+            if from_ramp(w, c.a) and not from_ramp(w, rows[k].lane):
+                leaf = "ramp"
+            stopped = any(u in its and its[u].v < 0.3 for u in range(k - 120, k))
+            slow_stream = max((rows[u].v for u in range(k - 200, k) if u in rows), default=99) < 9.5
+            sure = sure and not stopped and not slow_stream
+            end = next((u for u in range(k, k + 80) if u in its and off_line(new.points, its[u].x, its[u].y)[0] < 0.5), k + 30)
+            if sure:
+                yield w.entry(C + leaf, ego, k - (20 if leaf == "urgent" else 50), k, end, name)
+            for each in ("urgent", "slow", "large_vehicle", "ramp", "from_stationary", "congestion", "intersection"):
+                # The variants exclude each other only by precedence, which the taxonomy leaves to the primary leaf.
+                if not sure or each in ("urgent", "slow") and leaf in ("large_vehicle", "ramp") or each == "large_vehicle" and leaf == "ramp" and w.kind(name) in ("truck", "bus"):
+                    yield w.entry(C + each, ego, k - 50, k, end, name, optional=True)
+    yield from joins(w, ego)
+
+
+def joins(w, ego):
+    """Vehicles that join the ego's lane at a node (ramp without a lane of its own, roundabout): closer than 2 s
+    ahead, whether that is a cut-in is open; at a zipper, taking turns is not one.
+    """
+    for p in w.passing[ego]:
+        if p.node.kind == "zipper":
+            continue
+        for name, passages in w.passing.items():
+            for q in passages:
+                if name != ego and q.node.id == p.node.id and q.link.to == p.link.to and q.link.lane != p.link.lane and 0 < p.first - q.first < 45:
+                    k = q.first
+                    for leaf in ("slow", "urgent", "ramp", "intersection", "large_vehicle", "from_stationary"):
+                        yield w.entry(C + leaf, ego, k - 20, k, q.last + 20, name, optional=True)

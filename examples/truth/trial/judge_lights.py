@@ -1,0 +1,81 @@
+"""traffic_light.*: the link that the ego took, the letters it showed, the ego's own speed, and who stood before it
+in its lane.
+"""
+
+from judge_traffic import stood
+
+T = "reactive_rule.traffic_light."
+
+
+def before_it(w, ego, k, bicycles=False):
+    me = w.rows[ego][k]
+    return [i for i in w.at[k] if i != ego and w.rows[i][k].lane == me.lane and w.rows[i][k].pos > me.pos and not w.rows[i][k].person and (bicycles or w.kind(i) != "bicycle")]
+
+
+def lights(w, ego):
+    rows = w.rows[ego]
+    previous = min(rows)
+    for p in w.passing[ego]:
+        if not p.whole:
+            continue
+        begin, previous = previous, p.last
+        if not p.link.tl:
+            continue
+        approach = [k for k in range(begin, p.first) if k in rows and not rows[k].lane.startswith(":")]
+        left = lambda k: w.net.lanes[rows[k].lane].length - rows[k].pos if rows[k].lane in w.net.lanes else 999
+        on_last = [k for k in approach if rows[k].lane.rsplit("_", 1)[0] == p.link.a]
+        halts = [(a, b) for a, b in stood(rows, 3) if a in approach]
+        for n, (a, b) in enumerate(halts):
+            moved_over = rows[a].lane != p.link.lane
+            far = a not in on_last or left(a) > 9.5
+            letter = w.letter(p.link, a)
+            mixed = moved_over or len(before_it(w, ego, a)) != len(before_it(w, ego, a, True))
+            if not before_it(w, ego, a) and letter in ("r", "y", "u") and (not far or a in on_last and left(a) < 15):
+                slow = a
+                while slow - 1 in rows and any(rows[u].a < -0.5 for u in range(slow - 5, slow) if u in rows):
+                    slow -= 1
+                turned = w.turned_to(p.link, a, "ryu")
+                key = max(slow - 5, turned)
+                yellow = w.letter(p.link, max(slow, turned)) == "y"
+                edge = turned and abs((slow - turned) - 30) < 8
+                again = n and slow - halts[n - 1][1] < 60 or max(rows[u].v for u in range(slow - 20, slow + 1) if u in rows) < 4
+                for leaf in ("red_stop", "yellow_stop"):
+                    sure = leaf == ("yellow_stop" if yellow else "red_stop") and not (again or edge or mixed or far)
+                    if sure or again or edge or mixed or far:
+                        yield w.entry(T + leaf, ego, key - 20, key, a + 10, optional=not sure)
+            green = next((k for k in range(a, b + 30) if w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
+            if green is None or a not in on_last and left(a) > 60:
+                continue
+            start = next((k for k in range(min(b, b), b + 30) if k in rows and rows[k].a > 0.5), b)
+            key = max(start - 5, green)
+            off = any(rows[k].v > 3 for k in range(b, b + 70) if k in rows)
+            ahead = before_it(w, ego, min(green, max(rows)))
+            again = any(start < h[0] < start + 100 for h in halts[n + 1:])
+            if not ahead:
+                yield w.entry(T + "resume_first", ego, key - 20, key, key + 30, optional=mixed or left(a) > 9.5 or start - green > 40 or b - a < 15 or not off or again)
+            else:
+                yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=mixed or start - green > 200 or b - a < 15 or not off or again or start < green + 3)
+        rolling = [k for k in on_last if left(k) < 80 and k > (halts[-1][1] + 60 if halts else 0)]
+        if not rolling:
+            continue
+        # Green as it comes: it counts where it slowed before and the light turned green; a steady green with no
+        # adjustment is none.
+        v = [rows[k].v for k in rolling]
+        turned = next((k for k in range(rolling[0] - 50, p.first) if k > 0 and w.letter(p.link, k) in ("G", "g") and w.letter(p.link, k - 1) not in ("G", "g")), None)
+        dip = max(v) - min(v) > 1.0
+        if turned is None and not dip or rows[p.first].v < 4.5:
+            continue
+        led = any(before_it(w, ego, k) for k in range(rolling[0], p.first, 5) if k in rows)
+        key = max(turned or rolling[0], rolling[0])
+        slowed = max(rows[k].v for k in range(key - 60, key + 1) if k in rows) - rows[key].v
+        sure = turned is not None and turned >= rolling[0] and slowed > 2.2 and not led and rows[p.first].v > 5.5 and rows[key].v > 2.5
+        yield w.entry(T + "green_pass", ego, key - 20, key, p.first, optional=not sure)
+    # Halts at a light after the last whole passage: the link that it wants is not known.
+    for a, b in stood(rows, 3):
+        if a > previous or not any(p.first > a and p.whole for p in w.passing[ego]):
+            slow = a
+            while slow - 1 in rows and any(rows[u].a < -0.3 for u in range(slow - 5, slow) if u in rows):
+                slow -= 1
+            for leaf in ("red_stop", "yellow_stop", "resume_first", "resume_follow"):
+                key = slow - 5 if "stop" in leaf else b - 5
+                yield w.entry(T + leaf, ego, key - 20, key, (a if "stop" in leaf else b) + 10, optional=True)

@@ -1,0 +1,207 @@
+"""following.*, crossings of people and riders, and near misses."""
+
+import math
+
+from world import bend, spans
+
+F = "reactive_agent.following."
+
+
+def leads(w, ego):
+    """By time (leader, gap): the simulator's leader where it is on a lane that the ego itself drives within the
+    next 30 s.
+    """
+    rows, out, visits = w.rows[ego], {}, []
+    for k in sorted(rows):
+        if not visits or visits[-1][0] != rows[k].lane:
+            visits.append((rows[k].lane, k))
+    for k, o in rows.items():
+        its = w.rows.get(o.leader, {}).get(k) if o.leader else None
+        if its is None or not o.gap < 100:
+            continue
+        own = {lane for lane, since in visits if k <= since < k + 300} | {o.lane}
+        if its.lane in own or o.gap < 12 and abs(bend(o.angle, its.angle)) < 45:
+            out[k] = (o.leader, o.gap)
+    return out
+
+
+def stood(rows, least=5):
+    return [(a, b) for a, b in spans([k for k, o in rows.items() if o.v < 0.3], gap=5) if b - a >= least]
+
+
+def following(w, ego, lead):
+    rows = w.rows[ego]
+    motor = {k: v for k, v in lead.items() if w.kind(v[0]) != "bicycle"}
+    own_change = {k for c in w.changes[ego] for k in range(c.k - 20, c.k + 21)}
+    yield from steady(w, ego, motor, own_change)
+    yield from creeping(w, ego, motor)
+    halts = stood(rows)
+    behind = lambda k, reach=15: next((motor[u] for u in range(k, k + 8) if u in motor and motor[u][1] < reach), None)
+    stretches = congested(rows, halts, behind)
+    for a, b, n in stretches:
+        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or max(rows[k].v for k in range(a, b) if k in rows) < 1.5)
+    inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches)
+    for a, b in halts:
+        at = behind(a, 18)
+        if at is None or a - 30 not in rows:
+            continue
+        name, gap = at
+        its = w.rows[name]
+        halted = next((s for s in stood(its, 3) if s[0] <= a + 40 and s[1] >= a), None)
+        fast = max(rows[k].v for k in range(a - 100, a) if k in rows)
+        if halted and fast > 1.5:
+            h = halted[0]
+            if h > a:
+                h = next((k for k in sorted(its) if h - 100 < k <= h and all(its[u].v < 2 for u in range(k, h) if u in its)), h)
+            elif h in rows:
+                # Already standing before the ego comes near: the first moment with TTC < 5 s.
+                ttc = lambda k: motor[k][1] / rows[k].v if k in motor and motor[k][0] == name and rows[k].v > 0.1 else math.inf
+                if not ttc(h) < 5:
+                    h = next((k for k in range(h, a) if k in rows and ttc(k) < 5), h)
+            hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
+            changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
+            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10)
+        starts = next((k for k in range(a, b + 40) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
+        went = any(rows[k].v > 2 for k in range(b, b + 60) if k in rows)
+        if starts is not None and b - a >= 8 and went:
+            yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name,
+                          optional=gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a)
+
+
+def released(w, ego, k):
+    """Whether a light at the end of its lane lets the ego's queue go: then its leaf is resume_follow."""
+    p = next((p for p in w.passing[ego] if p.first >= k), None)
+    lanes = [w.rows[ego][k].lane] if p is None else []
+    if p is not None:
+        return bool(p.link.tl)
+    return any(l.tl for lane in lanes for l in w.net.out.get(lane, []))
+
+
+def steady(w, ego, motor, own_change):
+    rows = w.rows[ego]
+
+    def test(k, f):
+        """The thresholds, made `f` times as wide."""
+        name, gap = motor[k]
+        o, its = rows[k], w.rows[name][k]
+        return (gap < 3 * f * o.v or gap < 15) and o.v > 3.5 / f and abs(o.a) < 1 * f and abs(o.v - its.v) < 2 * f and its.v > 2
+
+    names = {name for name, _ in motor.values()}
+    for name in names:
+        mine = [k for k in motor if motor[k][0] == name]
+        exact = spans([k for k in mine if test(k, 1)], gap=5)
+        strict = spans([k for k in mine if test(k, 0.85)], gap=3)
+        loose = spans([k for k in mine if test(k, 1.15)], gap=10)
+        done = []
+        for a, b in strict:
+            if b - a < 40 or own_change & set(range(a, b)):
+                continue
+            whole = next((s for s in exact if s[0] <= a and s[1] >= b), (a, b))
+            around = next((s for s in loose if s[0] <= a and s[1] >= b), (a, b))
+            if around in done:
+                continue
+            done.append(around)
+            yield w.entry(F + "steady", ego, whole[0], whole[0], whole[1] + 1, name)
+        for a, b in loose:
+            if b - a >= 20:
+                # Where the long relation is broken by a moment of harder braking, two episodes are as right as one.
+                yield w.entry(F + "steady", ego, a, a, b + 1, name, optional=True)
+                for s in exact:
+                    if a <= s[0] and s[1] <= b and s[1] - s[0] >= 20:
+                        yield w.entry(F + "steady", ego, s[0], s[0], s[1] + 1, name, optional=True)
+
+
+def creeping(w, ego, motor):
+    rows = w.rows[ego]
+    near = lambda k: motor[k][1] < 15 or motor[k][1] < 3 * rows[k].v
+    loose = spans([k for k in motor if 0.25 < rows[k].v < 4 and near(k)], gap=3)
+    for a, b in loose:
+        if b - a < 40:
+            continue
+        sure = [s for s in spans([k for k in range(a, b + 1) if k in motor and 0.4 < rows[k].v < 3.3 and near(k)]) if s[1] - s[0] >= 58]
+        yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None, optional=not sure)
+
+
+def congested(rows, halts, behind):
+    """Stretches with two or more stops behind a lead within 60 s of each other, never above 30 km/h between."""
+    out = []
+    for a, b in halts:
+        if behind(a) is None:
+            continue
+        if out and a - out[-1][1] < 600 and all(rows[k].v < 8.6 for k in range(out[-1][1], a) if k in rows):
+            out[-1][1], out[-1][2] = b, out[-1][2] + 1
+        else:
+            out.append([a, b, 1])
+    return [tuple(s) for s in out if s[2] >= 2]
+
+
+def braking(w, ego, lead):
+    for name in {n for n, _ in lead.values()}:
+        if w.kind(name) == "bicycle":
+            continue
+        its = w.rows[name]
+        for a, b in spans([k for k in its if its[k].a < -2.7]):
+            strict = [k for k in range(a, b + 1) if its[k].a < -3.3]
+            exact = next((k for k in range(a, b + 1) if its[k].a <= -3), a)
+            followed = all(lead.get(k, (None,))[0] == name for k in range(exact - 10, exact))
+            if b - a >= 3 and exact in lead and lead[exact][0] == name:
+                near = lead[exact][1] < 3 * w.rows[ego][exact].v
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not followed or not near)
+
+
+def track(w, name, a, b):
+    return [(k, w.rows[name][k]) for k in range(a, b + 1) if k in w.rows[name]]
+
+
+def people(w, ego):
+    """vru_crossing: the track of a person (or rider) crosses the ego's own within 4 s, or the ego stands for it.
+    Required only for people on a crossing, when the ego plainly slowed for them and no light held it.
+    """
+    yield from braking(w, ego, leads(w, ego))
+    rows = w.rows[ego]
+    mine = sorted(rows)
+    for name in w.rows:
+        person = w.first(name).person
+        if name == ego or not person and w.kind(name) != "bicycle":
+            continue
+        its = w.rows[name]
+        shared = [k for k in mine if k in its]
+        if not shared or min(math.hypot(rows[k].x - its[k].x, rows[k].y - its[k].y) for k in shared) > 30:
+            continue
+        for p in w.passing[ego]:
+            lo, hi = p.first - 200, p.last + 60
+            place = None
+            for k in range(max(lo, mine[0]), min(hi, mine[-1]), 2):
+                o = rows[k]
+                for u in range(k - 150, k + 80, 2):
+                    q = its.get(u)
+                    if q and abs(q.x - o.x) + abs(q.y - o.y) < 2.5 and 30 < abs(bend(o.angle, q.angle)) < 150 and q.v > 0.3:
+                        if place is None or abs(u - k) < abs(place[1] - place[0]):
+                            place = (k, u)
+            if place is None:
+                continue
+            k, u = place
+            band = next((t for t in range(u - 150, u + 1) if t in its and t in rows and math.hypot(its[t].x - its[u].x, its[t].y - its[u].y) < 7
+                         and math.hypot(rows[t].x - rows[k].x, rows[t].y - rows[k].y) < 50), None)
+            if band is None or k < band:
+                continue
+            before = [rows[t].v for t in range(u - 60, k + 1) if t in rows]
+            slowed = bool(before) and max(before) - min(before) > 2.5
+            green = w.letter(p.link, u) in (None, "G", "g")
+            sure = person and w.net.on_crossing(its[u].lane) and 8 < k - u < 35 and slowed and green
+            for leaf in ("crosswalk",) if sure else ("crosswalk", "horizontal", "diagonal"):
+                yield w.entry(f"reactive_agent.vru_crossing.{leaf}", ego, band, band, u + 30, name, optional=not sure)
+            break
+
+
+def near_misses(w, ego):
+    """The simulator's surrogate measures: every encounter near the thresholds leaves room, all else is no near miss."""
+    for c in w.ssm:
+        if ego not in (c.get("ego"), c.get("foe")):
+            continue
+        other = c.get("foe") if c.get("ego") == ego else c.get("ego")
+        for part in ("minTTC", "PET"):
+            m = c.find(part)
+            if m is not None and m.get("time") not in (None, "NA"):
+                k = round(float(m.get("time")) * 10)
+                yield w.entry("safety.near_miss.general", ego, k - 20, k, k + 20, other, optional=True)

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Generates the trial's drives with known truth: `python3 make.py develop|held OUT_DIR [NETWORK ...]`.
+
+Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
+other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
+committed: `manifest.txt` has the SHA-256 of each file, and `make.py check OUT_DIR` compares. Each run: fcd, net, tls,
+egos.txt, truth.jsonl.
+"""
+
+import gzip
+import hashlib
+import os
+import random
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import sumo
+
+sys.path.append(os.path.join(sumo.SUMO_HOME, "tools"))
+import sumolib  # noqa: E402
+
+import judge  # noqa: E402
+from demand import trips, types  # noqa: E402
+from networks import SETS, document, tool  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+FCD = "id,x,y,z,angle,type,speed,pos,acceleration,lane,edge,signals,leaderID,leaderSpeed,leaderGap"
+EGOS = 24
+RADIUS_M = 120
+
+
+def build(maker, draw, work):
+    options = maker(work, draw)
+    tool("netconvert", "--node-files", work / "nod.xml", "--edge-files", work / "edg.xml",
+         *(["--connection-files", work / "con.xml"] if (work / "con.xml").exists() else []),
+         "--output-file", work / "net.xml", "--offset.disable-normalization", "--plain.extend-edge-shape", *options)
+
+
+def simulate(work, draw, seed, seconds, step, model, lateral, rate, people):
+    net = sumolib.net.readNet(str(work / "net.xml"))
+    rows, egos = trips(draw, net, None, seconds, rate, people, EGOS)
+    document(work / "trips.xml", "routes", types(model, lateral) + rows)
+    lights = re.findall(r'<tlLogic id="([^"]+)"', (work / "net.xml").read_text())
+    document(work / "lights.add.xml", "additional", [f'<timedEvent type="SaveTLSStates" source="{i}" dest="{work}/tls.xml"/>' for i in lights])
+    names = ",".join(egos)
+    tool("sumo", "--net-file", work / "net.xml", "--route-files", work / "trips.xml", "--additional-files", work / "lights.add.xml",
+         "--step-length", step, "--end", seconds, "--seed", seed, *(["--lateral-resolution", 0.8] if lateral == "sublane" else ["--lanechange.duration", lateral]),
+         "--time-to-teleport", -1, "--collision.action", "warn", "--collision.check-junctions", "--ignore-route-errors", "--pedestrian.model", "striping",
+         "--fcd-output", work / "fcd.xml", "--fcd-output.attributes", FCD, "--fcd-output.max-leader-distance", 120,
+         "--device.fcd.explicit", names, "--device.fcd.radius", RADIUS_M,
+         "--device.ssm.explicit", names, "--device.ssm.file", work / "ssm.xml", "--device.ssm.measures", "TTC DRAC PET", "--device.ssm.thresholds", "2.2 99 1.6",
+         "--device.ssm.range", 60, "--device.ssm.extratime", 3, "--lanechange-output", work / "lanechange.xml", "--collision-output", work / "collisions.xml",
+         "--no-step-log", "--duration-log.disable", "--no-warnings")
+    return egos
+
+
+def store(text, target):
+    with open(target, "wb") as raw, gzip.GzipFile(filename="", mode="wb", fileobj=raw, mtime=0, compresslevel=9) as packed:
+        packed.write(re.sub(r"<!--.*?-->\s*", "", text, flags=re.S).encode())
+
+
+def generate(group, out, only):
+    for name, (maker, seed, seconds, step, model, lateral, rate, people) in SETS[group].items():
+        if only and name not in only:
+            continue
+        target = out / group / name
+        target.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory() as folder:
+            work, draw = Path(folder), random.Random(seed)
+            build(maker, draw, work)
+            egos = simulate(work, draw, seed, seconds, step, model, lateral, rate, people)
+            egos, lines = judge.derive(work, name, egos, lateral)
+            # The leader, lane and reasons are the simulator's knowledge, not a recording's.
+            store(re.sub(r' (?:leaderID|leaderSpeed|leaderGap|lane|edge|pos)="[^"]*"', "", (work / "fcd.xml").read_text()), target / "fcd.xml.gz")
+            for kind in ("net", "tls"):
+                if (work / f"{kind}.xml").exists():
+                    store((work / f"{kind}.xml").read_text(), target / f"{kind}.xml.gz")
+            document(target / "trial.rou.xml", "routes", types(model, lateral))
+        (target / "truth.jsonl").write_text("\n".join(lines) + "\n")
+        (target / "egos.txt").write_text(" ".join(egos) + "\n")
+        print(group, name, len(egos), "egos", len(lines) - 1, "entries", sum(f.stat().st_size for f in target.iterdir()), "bytes", flush=True)
+
+
+def sums(out):
+    """By path: what `generate` writes, and nothing that `measure` leaves beside it."""
+    kinds = ("*.xml.gz", "*.rou.xml", "truth.jsonl", "egos.txt")
+    found = sorted(f for group in SETS for kind in kinds for f in (out / group).glob(f"*/{kind}"))
+    return {f.relative_to(out).as_posix(): hashlib.sha256(f.read_bytes()).hexdigest() for f in found}
+
+
+def main():
+    match sys.argv[1:]:
+        case [("develop" | "held") as group, out, *only]:
+            generate(group, Path(out), only)
+        case ["record", out]:
+            (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))
+        case ["check", out]:
+            lines = [line.split(" ", 1) for line in (HERE / "manifest.txt").read_text().splitlines() if not line.startswith("#")]
+            faults = sorted({v: k for k, v in lines}.items() ^ sums(Path(out)).items())
+            print(*faults, f"{len(lines)} files, {len(faults)} faults", sep="\n")
+            return 1 if faults or not lines else 0
+        case _:
+            sys.exit(__doc__)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,293 @@
+"""Road networks of the trial: other makers' shapes, none of them used by `traffic/` or `roads/`.
+
+Each function writes plain node, edge and connection files into a folder and returns the options for netconvert. Towns
+of netgenerate get mixed kinds of junctions, lanes and limits from a seed, because netgenerate itself gives one kind
+to all.
+"""
+
+import math
+import os
+import re
+import subprocess
+import xml.etree.ElementTree as ET
+
+import sumo
+
+
+def tool(name, *args):
+    subprocess.run([os.path.join(sumo.SUMO_HOME, "bin", name), *map(str, args)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def document(path, tag, rows):
+    path.write_text(f"<{tag}>\n" + "\n".join(rows) + f"\n</{tag}>\n")
+
+
+def node(name, x, y, kind="priority"):
+    return f'<node id="{name}" x="{x:.2f}" y="{y:.2f}" type="{kind}"/>'
+
+
+def edge(name, start, end, lanes, speed, kind="", priority=5, shape=(), bay=0):
+    """A road one way; with `bay`, one more lane on the far side over its last metres."""
+    points = f' shape="{" ".join(f"{x:.2f},{y:.2f}" for x, y in shape)}"' if shape else ""
+    more = (f' type="{kind}"' if kind else "") + points
+    return f'<edge id="{name}" from="{start}" to="{end}" numLanes="{lanes + bool(bay)}" speed="{speed}" priority="{priority}"{more}>{widening(lanes, bay)}</edge>'
+
+
+def widening(lanes, bay):
+    names = lambda n: " ".join(map(str, range(n)))
+    return f'<split pos="0" lanes="{names(lanes)}"/><split pos="{-bay}" lanes="{names(lanes + 1)}"/>' if bay else ""
+
+
+def link(start, end, a, b):
+    return f'<connection from="{start}" to="{end}" fromLane="{a}" toLane="{b}"/>'
+
+
+def generated(work, draw, kinds, limits, lanes, *options, bay=0):
+    """A town of netgenerate whose junctions and roads are mixed: `kinds`, `limits` (m/s) and `lanes` are drawn
+    from, per junction and road.
+    """
+    tool("netgenerate", *options, "--seed", draw.randrange(10**6), "--plain-output-prefix", work / "raw")
+    nodes = ET.parse(work / "raw.nod.xml").getroot()
+    edges = ET.parse(work / "raw.edg.xml").getroot()
+    arms = {}
+    for e in edges.iter("edge"):
+        arms.setdefault(e.get("to"), set()).add(e.get("from"))
+    for n in nodes.iter("node"):
+        n.attrib.pop("tl", None)
+        for name in ("tlType", "tlLayout", "shape"):
+            n.attrib.pop(name, None)
+        n.set("type", draw.choice(kinds) if len(arms.get(n.get("id"), ())) >= 3 else "priority")
+    roads = {}
+    for e in edges.iter("edge"):
+        key = tuple(sorted((e.get("from"), e.get("to"))))
+        if key not in roads:
+            roads[key] = (draw.choice(lanes), draw.choice(limits))
+        count, limit = roads[key]
+        for lane in list(e):
+            e.remove(lane)
+        wide = bay and count < 3 and len(arms.get(e.get("to"), ())) >= 3
+        e.set("numLanes", str(count + bool(wide)))
+        for pos, n in ((0, count), (-bay, count + 1)) if wide else ():
+            ET.SubElement(e, "split", pos=str(pos), lanes=" ".join(map(str, range(n))))
+        e.set("speed", str(limit))
+        e.set("priority", str(3 + count * 2 + (limit > 14)))
+        e.attrib.pop("type", None)
+    ET.ElementTree(nodes).write(work / "nod.xml")
+    ET.ElementTree(edges).write(work / "edg.xml")
+    return []
+
+
+def two_way(rows, a, b, lanes, speed, kind="", priority=5, back=None, shape=(), bays=(0, 0)):
+    rows.append(edge(f"{a}{b}", a, b, lanes, speed, kind, priority, shape, bays[0]))
+    rows.append(edge(f"{b}{a}", b, a, back or lanes, speed, kind, priority, list(reversed(shape)), bays[1]))
+
+
+def random_town(work, draw):
+    return generated(work, draw, ["priority", "traffic_light", "allway_stop", "right_before_left", "priority"], [8.33, 13.89, 16.67], [1, 1, 2, 3],
+                     "--rand", "--rand.iterations", 45, "--rand.min-distance", 90, "--rand.max-distance", 210, "--rand.min-angle", 40,
+                     "--rand.neighbor-dist4", 12, "--rand.neighbor-dist3", 6) + ["--tls.default-type", "actuated", "--junctions.corner-detail", 5]
+
+
+def web_town(work, draw):
+    return generated(work, draw, ["priority", "priority", "traffic_light"], [13.89, 11.11], [1, 2],
+                     "--spider", "--spider.arm-number", 7, "--spider.circle-number", 3, "--spider.space-radius", 110) + ["--junctions.corner-detail", 5]
+
+
+def left_grid(work, draw):
+    return generated(work, draw, ["traffic_light", "priority", "allway_stop"], [13.89, 13.89, 8.33], [1, 2],
+                     "--grid", "--grid.x-number", 3, "--grid.y-number", 3, "--grid.x-length", 150, "--grid.y-length", 120, "--grid.attach-length", 130,
+                     "--perturb-x", "norm(0,14)", "--perturb-y", "norm(0,10)", bay=35) + [
+        "--lefthand", "--sidewalks.guess", "--crossings.guess", "--no-turnarounds"]
+
+
+def avenue(work, draw):
+    """A main road with bays, sharp turn lanes and lanes that shift sideways where it widens and narrows; acute
+    side roads; a U-turn place.
+    """
+    s = 16.67
+    nodes = [node("w", -420, 10), node("a", -180, 0, "traffic_light"), node("b", 60, 15, "traffic_light"), node("c", 290, -10), node("e", 520, -30),
+             node("an", -120, 190), node("as", -240, -150), node("bn", 160, 170), node("bs", -10, -160), node("cn", 380, 130), node("cs", 330, -190)]
+    edges = []
+    two_way(edges, "w", "a", 2, s, "highway.primary", 9, back=2, bays=(60, 0))
+    two_way(edges, "a", "b", 3, s, "highway.primary", 9, back=2, shape=[(-100, 14), (-20, -4)], bays=(0, 50))
+    two_way(edges, "b", "c", 2, s, "highway.primary", 9, back=3, shape=[(150, 22), (220, -6)], bays=(40, 0))
+    two_way(edges, "c", "e", 3, s, "highway.primary", 9, back=2)
+    for a, b, lanes in (("an", "a", 2), ("as", "a", 1), ("bn", "b", 1), ("bs", "b", 2), ("cn", "c", 1), ("cs", "c", 1)):
+        two_way(edges, a, b, lanes, 13.89, "highway.tertiary", 5)
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    return ["--junctions.corner-detail", 5, "--tls.left-green.time", 6]
+
+
+def ring(edges, nodes, name, x, y, radius, lanes, arms, speed=8.33):
+    """A roundabout anti-clockwise around (x, y), with a node at each arm's angle (degrees)."""
+    angles = sorted(arms)
+    for i, a in enumerate(angles):
+        nodes.append(node(f"{name}{i}", x + radius * math.cos(math.radians(a)), y + radius * math.sin(math.radians(a))))
+    for i, a in enumerate(angles):
+        b = angles[(i + 1) % len(angles)]
+        sweep = (b - a) % 360
+        shape = [(x + radius * math.cos(math.radians(a + sweep * k / 8)), y + radius * math.sin(math.radians(a + sweep * k / 8))) for k in range(9)]
+        edges.append(edge(f"{name}r{i}", f"{name}{i}", f"{name}{(i + 1) % len(angles)}", lanes, speed, "highway.secondary", 9, shape))
+
+
+def ring_town(work, draw):
+    """Two roundabouts, one of two lanes and one small, joined by streets with a bend, and a priority junction
+    between.
+    """
+    nodes, edges = [], []
+    ring(edges, nodes, "p", 0, 0, 26, 2, [10, 95, 180, 260])
+    ring(edges, nodes, "q", 320, 40, 15, 1, [5, 120, 190, 280], 7.0)
+    ends = {"P1": (40, 210), "P2": (-230, 10), "P3": (-60, -210), "Q0": (560, 60), "Q1": (240, 230), "Q3": (360, -190), "M": (165, 90), "N": (150, 240)}
+    nodes += [node(n, *xy) for n, xy in ends.items()]
+    for a, b, lanes in (("P1", "p1", 2), ("P2", "p2", 2), ("P3", "p3", 1), ("Q0", "q0", 1), ("Q1", "q1", 1), ("Q3", "q3", 1), ("N", "M", 1)):
+        two_way(edges, a, b, lanes, 13.89, "highway.secondary", 5)
+    two_way(edges, "p0", "M", 1, 13.89, "highway.secondary", 5, shape=[(80, 30), (120, 75)])
+    two_way(edges, "M", "q2", 1, 13.89, "highway.secondary", 5, shape=[(220, 95), (270, 60)])
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    return ["--roundabouts.guess", "--junctions.corner-detail", 5, "--no-turnarounds"]
+
+
+def weave_motorway(work, draw):
+    """On-ramp and exit joined by one auxiliary lane (weaving), a lane that ends (zipper), a sideways shift of all
+    lanes, a plain exit.
+    """
+    s = 33.33
+    nodes = [node("a", -900, 0), node("b", -300, 5), node("c", 20, 0), node("d", 420, -30), node("z", 800, -20, "zipper"), node("f", 1150, 30), node("g", 1500, 40),
+             node("r", -520, -90), node("x", 260, -110), node("y", 1380, -80)]
+    edges = [edge("ab", "a", "b", 3, s, "highway.motorway", 13), edge("bc", "b", "c", 4, s, "highway.motorway", 13),
+             edge("cd", "c", "d", 3, s, "highway.motorway", 13, [(140, 0), (220, -14), (320, -28)]), edge("dz", "d", "z", 3, s, "highway.motorway", 13),
+             edge("zf", "z", "f", 2, s, "highway.motorway", 13, [(900, -12), (1000, 26)]), edge("fg", "f", "g", 2, s, "highway.motorway", 13),
+             edge("rb", "r", "b", 1, 22.22, "highway.motorway_link", 9, [(-420, -40), (-340, -8)]),
+             edge("cx", "c", "x", 1, 16.67, "highway.motorway_link", 9, [(110, -25)]), edge("fy", "f", "y", 1, 16.67, "highway.motorway_link", 9, [(1260, 0)])]
+    links = [link("rb", "bc", 0, 0), *(link("ab", "bc", i, i + 1) for i in range(3)), link("bc", "cx", 0, 0), *(link("bc", "cd", i + 1, i) for i in range(3)),
+             link("dz", "zf", 0, 0), link("dz", "zf", 1, 1), link("dz", "zf", 2, 1), link("zf", "fg", 0, 0), link("zf", "fg", 1, 1), link("zf", "fy", 0, 0)]
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    document(work / "con.xml", "connections", links)
+    return []
+
+
+def osm_motorway(work, draw):
+    """Typed like an import from OpenStreetMap: two carriageways, acceleration and deceleration lanes guessed by
+    netconvert, a bridge across.
+    """
+    s = 36.11
+    nodes, edges = [], []
+    for side, y, way in (("n", 14, -1), ("s", -14, 1)):
+        for i, x in enumerate((-1100, -420, -120, 260, 560, 1100)):
+            bend = 40 * math.sin(x / 520)
+            nodes.append(node(f"{side}{i}", x, y + bend))
+        order = range(5) if way > 0 else range(4, -1, -1)
+        for i in order:
+            a, b = (i, i + 1) if way > 0 else (i + 1, i)
+            edges.append(edge(f"{side}{a}{b}", f"{side}{a}", f"{side}{b}", 2 if side == "n" else 3, s, "highway.motorway", 13))
+    nodes += [node("u", -200, -130), node("v", 480, -130), node("o", -140, 160), node("t", 420, 170)]
+    edges += [edge("exs", "s1", "u", 1, 13.89, "highway.motorway_link", 9, [(-330, -60)]), edge("ens", "v", "s4", 1, 19.44, "highway.motorway_link", 9, [(500, -60)]),
+              edge("exn", "n3", "o", 1, 13.89, "highway.motorway_link", 9, [(120, 80)]), edge("enn", "t", "n2", 1, 19.44, "highway.motorway_link", 9, [(120, 90), (20, 40)])]
+    # Where the exit leaves before the entry's node, the ramps of netconvert do not overlap.
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    return ["--ramps.guess", "--ramps.ramp-length", 170, "--ramps.min-highway-speed", 25]
+
+
+def city_grid(work, draw):
+    return generated(work, draw, ["traffic_light", "traffic_light", "priority"], [13.89, 16.67], [2, 2, 1, 3],
+                     "--grid", "--grid.x-number", 3, "--grid.y-number", 2, "--grid.x-length", 190, "--grid.y-length", 140, "--grid.attach-length", 160,
+                     "--perturb-x", "norm(0,20)", "--perturb-y", "norm(0,16)", bay=45) + [
+        "--sidewalks.guess", "--crossings.guess", "--tls.default-type", "static", "--junctions.corner-detail", 5]
+
+
+def old_town(work, draw):
+    return generated(work, draw, ["right_before_left", "priority", "allway_stop", "traffic_light"], [8.33, 11.11, 13.89], [1, 1, 2],
+                     "--rand", "--rand.iterations", 60, "--rand.min-distance", 70, "--rand.max-distance", 160, "--rand.min-angle", 30,
+                     "--rand.neighbor-dist3", 8, "--rand.neighbor-dist5", 2) + ["--no-turnarounds"]
+
+
+def left_rings(work, draw):
+    """Left-hand traffic: netconvert mirrors the driving side, so a ring runs clockwise; four small roundabouts on
+    a square and a signalled middle.
+    """
+    nodes, edges = [], []
+    for name, x, y in (("p", 0, 0), ("q", 260, 0)):
+        angles = [0, 90, 180, 270]
+        for i, a in enumerate(angles):
+            nodes.append(node(f"{name}{i}", x + 20 * math.cos(math.radians(a)), y + 20 * math.sin(math.radians(a))))
+        for i, a in enumerate(angles):
+            shape = [(x + 20 * math.cos(math.radians(a - 90 * k / 6)), y + 20 * math.sin(math.radians(a - 90 * k / 6))) for k in range(7)]
+            edges.append(edge(f"{name}r{i}", f"{name}{i}", f"{name}{(i - 1) % 4}", 1, 8.33, "highway.tertiary", 9, shape))
+    ends = {"A": (-220, 10), "B": (10, 220), "C": (-20, -220), "D": (500, -10), "E": (250, 210), "F": (280, -230)}
+    nodes += [node(n, *xy) for n, xy in ends.items()] + [node("m", 130, 6, "traffic_light"), node("mn", 140, 150), node("ms", 120, -150)]
+    for a, b in (("A", "p2"), ("B", "p1"), ("C", "p3"), ("D", "q0"), ("E", "q1"), ("F", "q3"), ("p0", "m"), ("m", "q2"), ("mn", "m"), ("ms", "m")):
+        two_way(edges, a, b, 1, 13.89, "highway.tertiary", 5)
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    return ["--lefthand", "--roundabouts.guess", "--no-turnarounds", "--junctions.corner-detail", 5]
+
+
+def clover_motorway(work, draw):
+    """Half a cloverleaf: loops join and leave through one weaving lane; a lane joins for good after a long ramp;
+    the left lane ends.
+    """
+    s = 30.56
+    nodes = [node("a", -800, 0), node("b", -120, 0), node("c", 130, 0), node("d", 520, 20), node("e", 900, 20), node("f", 1300, -10),
+             node("la", -30, 190), node("lb", 60, 190), node("r", 200, -160)]
+    edges = [edge("ab", "a", "b", 2, s, "highway.trunk", 12), edge("bc", "b", "c", 3, s, "highway.trunk", 12), edge("cd", "c", "d", 2, s, "highway.trunk", 12, [(260, 0), (380, 16)]),
+             edge("de", "d", "e", 3, s, "highway.trunk", 12), edge("ef", "e", "f", 2, s, "highway.trunk", 12, [(1050, 22), (1180, -6)]),
+             edge("lb1", "la", "b", 1, 11.11, "highway.trunk_link", 8, [(-60, 150), (-190, 120), (-280, 40), (-240, -22), (-180, -16)]),
+             edge("cl", "c", "lb", 1, 11.11, "highway.trunk_link", 8, [(190, -14), (270, -20), (330, 40), (260, 110), (130, 150)]),
+             edge("rd", "r", "d", 1, 22.22, "highway.trunk_link", 8, [(330, -70), (450, 0)])]
+    links = [link("lb1", "bc", 0, 0), link("ab", "bc", 0, 1), link("ab", "bc", 1, 2), link("bc", "cl", 0, 0), link("bc", "cd", 1, 0), link("bc", "cd", 2, 1),
+             link("rd", "de", 0, 0), link("cd", "de", 0, 1), link("cd", "de", 1, 2), link("de", "ef", 0, 0), link("de", "ef", 1, 1)]
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    document(work / "con.xml", "connections", links)
+    return []
+
+
+def hill_motorway(work, draw):
+    """Four lanes in S-bends, a plain exit without a lane of its own, a two-lane exit, an on-ramp whose lane ends,
+    without any typed edge.
+    """
+    s = 27.78
+    nodes = [node("a", -900, 0), node("b", -350, 60), node("c", 100, 0), node("d", 420, 30), node("e", 800, 0), node("f", 1200, 80),
+             node("x", -150, -60), node("y", 640, -90), node("r", 80, -150)]
+    edges = [edge("ab", "a", "b", 4, s, "", 12, [(-760, 10), (-560, 70)]), edge("bc", "b", "c", 4, s, "", 12, [(-200, 40), (-60, -4)]), edge("cd", "c", "d", 4, s, "", 12),
+             edge("de", "d", "e", 3, s, "", 12, [(560, 34), (680, 0)]), edge("ef", "e", "f", 3, s, "", 12, [(930, 0), (1080, 70)]),
+             edge("bx", "b", "x", 1, 16.67, "", 6, [(-260, 30)]), edge("dy", "d", "y", 2, 19.44, "", 6, [(500, 10), (590, -50)]), edge("re", "r", "c", 1, 19.44, "", 6, [(20, -70), (60, -20)])]
+    links = [*(link("ab", "bc", i, i) for i in range(4)), link("ab", "bx", 0, 0), *(link("bc", "cd", i, i) for i in range(1, 4)), link("bc", "cd", 0, 0), link("re", "cd", 0, 0),
+             link("cd", "dy", 0, 0), link("cd", "dy", 1, 1), *(link("cd", "de", i + 1, i) for i in range(3)), *(link("de", "ef", i, i) for i in range(3))]
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    document(work / "con.xml", "connections", [l for l in links if l])
+    return []
+
+
+def star_town(work, draw):
+    return generated(work, draw, ["allway_stop", "priority", "traffic_light", "priority_stop"], [13.89], [1, 2],
+                     "--spider", "--spider.arm-number", 5, "--spider.circle-number", 3, "--spider.space-radius", 140, "--spider.omit-center") + [
+        "--tls.default-type", "actuated"]
+
+
+# Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
+# people)
+SETS = {
+    "develop": {
+        "random": (random_town, 31, 300, 0.1, "IDM", 3, 0.9, 0),
+        "web": (web_town, 47, 240, 0.1, "Krauss", "sublane", 0.8, 0),
+        "leftgrid": (left_grid, 53, 260, 0.1, "Krauss", 2.5, 0.6, 0.15),
+        "avenue": (avenue, 61, 260, 0.05, "EIDM", 3, 0.9, 0),
+        "rings": (ring_town, 71, 240, 0.1, "IDM", 2, 0.6, 0),
+        "weave": (weave_motorway, 83, 150, 0.1, "EIDM", 4, 1.1, 0),
+        "osmway": (osm_motorway, 97, 150, 0.2, "ACC", 3, 1.3, 0),
+    },
+    "held": {
+        "citygrid": (city_grid, 1031, 260, 0.1, "EIDM", 3, 0.8, 0.2),
+        "oldtown": (old_town, 1049, 260, 0.05, "IDM", 3, 0.6, 0),
+        "leftrings": (left_rings, 1061, 240, 0.1, "Krauss", 3, 0.45, 0),
+        "star": (star_town, 1069, 240, 0.1, "ACC", 2.5, 0.6, 0),
+        "clover": (clover_motorway, 1087, 150, 0.2, "Krauss", 3, 0.9, 0),
+        "hillway": (hill_motorway, 1091, 150, 0.1, "IDM", "sublane", 1.2, 0),
+    },
+}
