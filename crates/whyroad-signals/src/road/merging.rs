@@ -152,10 +152,28 @@ impl Role {
         (self.joined || self.acceleration) && (self.leaves || self.deceleration)
     }
 
+    /// Weaves, and no tag says that it is a lane of its own.
+    fn weaving_only(self) -> bool {
+        self.weaves() && !self.aside()
+    }
+
     /// Beside the through lanes: a ramp, or a lane to gain or lose speed.
     fn aside(self) -> bool {
         self.ramp || self.acceleration || self.deceleration
     }
+}
+
+/// True when the lane begins beside a through lane: nothing leads to it, or whatever does leads on into the lane beside
+/// it as well, at once or over a short piece.
+fn begins_beside(road: &Road, lane: usize) -> bool {
+    let next = |l: usize| road.lanes[l].successors.iter().copied();
+    let before = |l: usize| road.lanes[l].predecessors.iter().copied();
+    let near: Vec<usize> = road.lanes[lane].neighbours.into_iter().flatten().collect();
+    let goes_on = |p: usize| {
+        let reached = next(p).chain(next(p).flat_map(|l| road.lanes[l].successors.iter().copied()));
+        reached.chain(before(p).flat_map(next).flat_map(next)).any(|l| near.contains(&l))
+    };
+    before(lane).all(goes_on)
 }
 
 fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone {
@@ -167,7 +185,7 @@ fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone
         MapMergeZone::Weaving
     } else if role.acceleration || (role.joined && ends <= ZONE_M && ends.is_finite()) {
         MapMergeZone::Acceleration
-    } else if role.deceleration || (role.leaves && on.road.lanes[lane].predecessors.is_empty()) {
+    } else if role.deceleration || (role.leaves && begins_beside(on.road, lane)) {
         MapMergeZone::Deceleration
     } else if ends <= DROP_M {
         MapMergeZone::LaneDrop
@@ -193,17 +211,37 @@ fn calm(on: &OnRoad<'_>, merges: &[f64], splits: &[f64]) -> Vec<Option<MapFacili
     (0..on.frames()).map(|i| (on.ego.is_known(i) && around(i)).then_some(MapFacilityChange::None)).collect()
 }
 
+/// Whether the ego is beside the main road, by frame; unknown in junctions and off the lanes. A weaving lane belongs to
+/// the ramp for an ego that comes from a ramp or leaves by one: it joins where it moves off that lane, leaves where it
+/// moves onto it, and does neither when it goes from ramp to ramp. For one that only uses it, it is a lane like others.
+fn sides(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<bool>> {
+    let lane_at = |i: usize| on.lanes.at(i).map(|at| at.lane).filter(|&l| !on.road.lanes[l].in_junction);
+    let frames: Vec<usize> = (0..on.frames()).filter(|&i| lane_at(i).is_some()).collect();
+    let role = |i: usize| lane_at(i).map_or_else(Role::default, |l| roles[l]);
+    let mut sides = vec![None; on.frames()];
+    let same = |a: &usize, b: &usize| role(*a).weaving_only() == role(*b).weaving_only();
+    let runs: Vec<&[usize]> = frames.chunk_by(same).collect();
+    for (n, run) in runs.iter().enumerate() {
+        let beyond = |other: Option<&&[usize]>, end: fn(&[usize]) -> Option<&usize>| {
+            other.and_then(|r| end(r)).is_some_and(|&i| role(i).aside())
+        };
+        let to_ramp = beyond(n.checked_sub(1).and_then(|b| runs.get(b)), <[usize]>::last)
+            || beyond(runs.get(n + 1), <[usize]>::first);
+        for &i in *run {
+            sides[i] = Some(if role(i).weaving_only() { to_ramp } else { role(i).aside() });
+        }
+    }
+    sides
+}
+
 /// Changes between ramp and main road, one value per frame.
 fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
     let mut codes: Vec<Option<MapFacilityChange>> =
         (0..on.frames()).map(|i| on.ego.is_known(i).then_some(MapFacilityChange::None)).collect();
-    let aside = |i: usize| {
-        let lane = on.lanes.at(i)?.lane;
-        (!on.road.lanes[lane].in_junction).then(|| roles[lane].aside())
-    };
+    let aside = sides(on, roles);
     let mut before = None;
     for i in 0..on.frames() {
-        let Some(now) = aside(i) else { continue };
+        let Some(now) = aside[i] else { continue };
         if before.is_some_and(|b| b != now) {
             let code = if now { MapFacilityChange::MainToRamp } else { MapFacilityChange::RampToMain };
             let near = |j: &usize| (on.times[*j] - on.times[i]).abs() <= CHANGE_S + 0.01;

@@ -87,11 +87,29 @@ fn swings(values: &[f64]) -> usize {
     count
 }
 
+/// Lateral position in the lanes by row, m, without the step from one lane's centre line to the next: a move across a
+/// line counts with the sideways travel `across`.
+fn within_lanes(places: &[Option<LanePlace>], across: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    (0..places.len())
+        .map(|r| {
+            if let (Some(now), Some(before)) = (&places[r], r.checked_sub(1).and_then(|b| places[b].as_ref()))
+            {
+                let step = across[r] - across[r - 1];
+                let moved = if now.lane == before.lane { now.lateral - before.lateral } else { step };
+                sum += if moved.is_nan() { 0.0 } else { moved };
+            }
+            sum
+        })
+        .collect()
+}
+
 fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<Tri> {
     if places.is_empty() {
         return vec![Tri::False; target.places.len()];
     }
     let across = sideways(road, target, places, times);
+    let within = within_lanes(places, &across);
     let time = |r: usize| times[target.track.frames[r] as usize];
     let mut first = 0;
     (0..across.len())
@@ -103,10 +121,9 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
             while time(r) - time(first) > SWINGS_WITHIN_S {
                 first += 1;
             }
-            // A lane that shifts to the side moves its vehicles across its own direction; who weaves also moves in it.
-            let beside = places[first..=r].iter().flatten().map(|p| p.lateral);
-            let (low, high) = beside.fold((f64::MAX, f64::MIN), |(low, high), l| (low.min(l), high.max(l)));
-            Tri::from(high - low >= SWING_M && swings(&across[first..=r]) >= SWINGS)
+            // A lane that shifts to the side moves its vehicles across its own direction, and a centre line with a
+            // corner moves them in it for a moment; who weaves swings in both.
+            Tri::from(swings(&across[first..=r]) >= SWINGS && swings(&within[first..=r]) >= SWINGS)
         })
         .collect()
 }

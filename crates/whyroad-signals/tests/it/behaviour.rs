@@ -1,6 +1,6 @@
 //! What targets and the ego do over time, traffic and the light's history, against motions
 //! given by formulas. Expected values are worked out in the comments.
-use crate::scene::{Table, add, car, drive, map, near, road};
+use crate::scene::{Table, add, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
 use whyroad_model::Nanos;
 use whyroad_model::ObjectClass::Truck;
@@ -276,4 +276,22 @@ fn a_target_turns_by_its_heading() {
     assert_eq!(t.category("right", "target.turns", 30), Some("none"));
     assert_eq!(t.category("right", "target.turns", 60), Some("right"));
     assert_eq!(t.category("straight", "target.turns", 60), Some("straight"));
+}
+
+#[test]
+fn lanes_that_shift_to_and_fro_make_nobody_weave() {
+    // The road itself swings by 3 m to either side every 80 m, with corners; who keeps its centre does not weave, who
+    // swings by 1 m about it does.
+    let kink = |x: f64| 3.0 * (1.0 - ((x / 40.0).rem_euclid(2.0) - 1.0).abs() * 2.0);
+    let points: Vec<(f64, f64)> = (0..=8).map(|i| (f64::from(i) * 40.0, kink(f64::from(i) * 40.0))).collect();
+    let mut d = drive(150, |t| (10.0 * t, kink(10.0 * t), 0.0));
+    let heading = move |x: f64| ((kink(x + 1.0) - kink(x - 1.0)) / 2.0).atan();
+    car(&mut d, "keeps", move |t| (30.0 + 10.0 * t, kink(30.0 + 10.0 * t), heading(30.0 + 10.0 * t)));
+    car(&mut d, "swings", move |t| {
+        (20.0 + 10.0 * t, kink(20.0 + 10.0 * t) + (PI * t / 2.0).sin(), heading(20.0 + 10.0 * t))
+    });
+    d.map = Some(map(vec![lane("only", &points, 3.5)]));
+    let t = Table::of(&d);
+    assert_eq!(when_of(&t, "keeps", "target.weaves", 150), None);
+    assert!(when_of(&t, "swings", "target.weaves", 150).is_some());
 }

@@ -275,3 +275,48 @@ fn room_between_two_boxes() {
     near(Table::of(&d).ego("map.free_width_ahead", 20), 10.5, 0.03);
     assert_eq!(Table::of(&d).ego_flag("map.crosswalk_signalised", 20), False);
 }
+
+/// A weaving lane w from x = 0 to 300 to the right of the main lane m, which goes on from -300 to 600; a ramp comes onto
+/// w and another leaves it.
+fn weaving() -> Vec<Lane> {
+    let mut lanes = vec![
+        lane("before", &[(-300.0, 3.5), (0.0, 3.5)], 3.5),
+        lane("m", &[(0.0, 3.5), (300.0, 3.5)], 3.5),
+        lane("after", &[(300.0, 3.5), (600.0, 3.5)], 3.5),
+        lane("w", &[(0.0, 0.0), (300.0, 0.0)], 3.5),
+        lane("on", &[(-200.0, -40.0), (0.0, 0.0)], 3.5),
+        lane("off", &[(300.0, 0.0), (500.0, -40.0)], 3.5),
+    ];
+    beside(&mut lanes, "m", "w");
+    for (a, b) in [("before", "m"), ("m", "after"), ("on", "w"), ("w", "off")] {
+        link(&mut lanes, a, b);
+    }
+    tag(&mut lanes, "on", "ramp");
+    tag(&mut lanes, "off", "ramp");
+    lanes
+}
+
+#[test]
+fn a_weaving_lane_is_the_ramps_for_who_joins_or_leaves_by_it() {
+    // 10 m a second from x = -100 to 500; y by where it drives.
+    let side = |x: f64| match x {
+        x if x < 0.0 => 0.2 * x,
+        x if x > 300.0 => -0.2 * (x - 300.0),
+        _ => 0.0,
+    };
+    let over = |x: f64, from: f64| 3.5 * ((x - from) / 40.0).clamp(0.0, 1.0);
+    let changes = |y: &dyn Fn(f64) -> f64| {
+        let heading = |x: f64| ((y(x + 0.5) - y(x - 0.5)) / 1.0).atan();
+        let mut d = drive(600, |t| (-100.0 + 10.0 * t, y(-100.0 + 10.0 * t), heading(-100.0 + 10.0 * t)));
+        d.map = Some(map(weaving()));
+        let t = Table::of(&d);
+        (t.span("map.facility_change", "ramp_to_main"), t.span("map.facility_change", "main_to_ramp"))
+    };
+    // Joins half way through the lane, at x = 150 or 25 s; leaves likewise; from ramp to ramp; aside and back.
+    let (joins, leaves) = changes(&|x| if x < 130.0 { side(x) } else { over(x, 130.0) });
+    assert!(joins.is_some_and(|(a, b)| a > 230 && b < 270) && leaves.is_none(), "{joins:?} {leaves:?}");
+    let (joins, leaves) = changes(&|x| if x < 170.0 { 3.5 - over(x, 130.0) } else { side(x) });
+    assert!(joins.is_none() && leaves.is_some_and(|(a, b)| a > 230 && b < 270), "{joins:?} {leaves:?}");
+    assert_eq!(changes(&side), (None, None), "it never was on the main road");
+    assert_eq!(changes(&|x| 3.5 - over(x, 60.0) + over(x, 200.0)), (None, None), "it never was on a ramp");
+}
