@@ -98,6 +98,14 @@ fn approach(on: &OnRoad<'_>, crossing: &Crossing, frame: usize) -> Option<Vec<us
     Some(std::iter::once(last).chain(beside(on.road, last)).collect())
 }
 
+/// The lane by which the ego leaves junction `crossing`, as far as the drive shows.
+fn exit(on: &OnRoad<'_>, crossing: &Crossing, frame: usize) -> Option<usize> {
+    let (way, s) = on.ways.at(frame)?;
+    let inside = |k: &usize| crossing.arms.inside.binary_search(&way.steps[*k].lane).is_ok();
+    let first = (way.step_at(s)..way.steps.len()).find(inside)?;
+    (first..way.steps.len()).find(|k| !inside(k)).map(|k| way.steps[k].lane)
+}
+
 fn crosswalk_lights(on: &OnRoad<'_>, crossings: &[Crossing], frame: usize) -> Tri {
     let (s, front) = (on.path.ego_s[frame], on.ego.front());
     let ahead =
@@ -146,7 +154,9 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     };
     table.flag(id::MAP_JUNCTION_IRREGULAR, on.flags(|i| within(i, HORIZON_M).map_or(Tri::False, irregular)));
     let opposed = |i: usize, c: &Crossing| match approach(on, c, i).and_then(|lanes| lanes.first().copied()) {
-        Some(lane) if !c.arms.inside.is_empty() => Tri::from(c.arms.is_opposed(on.road, lane)),
+        Some(lane) if !c.arms.inside.is_empty() => {
+            Tri::from(c.arms.is_opposed(on.road, lane, exit(on, c, i)))
+        }
         _ => Tri::Unknown,
     };
     table

@@ -133,15 +133,24 @@ impl JunctionArms {
         reached.difference(&own).count()
     }
 
-    /// True when some lane leads in against the direction in which `approach` does: traffic may come from opposite.
-    pub fn is_opposed(&self, road: &Road, approach: usize) -> bool {
+    /// True when some lane leads in against the direction in which `approach` does: traffic may come from opposite. Who
+    /// comes from the arm into which the ego turns (that of its lane `exit`) does not cross its way.
+    pub fn is_opposed(&self, road: &Road, approach: usize, exit: Option<usize>) -> bool {
         let into = |lane: usize| {
             let line = &road.lanes[lane].centre;
             let before = (line.length() - DIRECTION_M).max(0.0);
             (line.point_at(line.length()) - line.point_at(before)).heading()
         };
         let own = into(approach);
-        self.entries.iter().any(|&l| wrap(into(l) - own).abs() >= AGAINST_RAD)
+        // A junction of two arms is a bend, in which both ways of the one road meet.
+        let left_by = exit.and_then(|e| self.arm_of(e)).filter(|_| self.count() > 2);
+        let crosses = |l: usize| {
+            // Straight on, the arm by which the ego leaves is the one opposite: it says nothing of other turns.
+            let against = wrap(into(l) - own).abs();
+            against >= AGAINST_RAD
+                && (against >= PI - OPPOSITE_RAD || left_by.is_none() || self.arm_of(l) != left_by)
+        };
+        self.entries.iter().any(|&l| crosses(l))
     }
 
     fn arm_of(&self, outside: usize) -> Option<usize> {
