@@ -9,6 +9,7 @@ pub(crate) mod frames;
 pub(crate) mod geodesy;
 pub(crate) mod geometry;
 pub(crate) mod junctions;
+pub(crate) mod key_frames;
 pub(crate) mod lane_lights;
 pub(crate) mod layers;
 pub(crate) mod plausibility;

@@ -118,6 +118,26 @@ impl Sampled {
         }
     }
 
+    /// Leaves only these samples, in this order.
+    pub fn keep_rows(&mut self, rows: &[usize]) {
+        for list in [
+            &mut self.times,
+            &mut self.x,
+            &mut self.y,
+            &mut self.z,
+            &mut self.heading,
+            &mut self.vx,
+            &mut self.vy,
+            &mut self.forward,
+            &mut self.length,
+            &mut self.width,
+            &mut self.height,
+            &mut self.points,
+        ] {
+            *list = rows.iter().map(|&i| list[i]).collect();
+        }
+    }
+
     /// Motion at each of the frames; unknown where the object is not there.
     pub fn motion_at(&self, frames: &[f64], max_gap_s: f64) -> Motion {
         let at = |v: &[f64]| linear(&self.times, v, frames, max_gap_s);

@@ -29,7 +29,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 1;
+const REVISION: u32 = 2;
 /// Nothing is interpolated over more than this, s: two steps of the slowest sets (2 Hz) with room for jitter.
 const MAX_GAP_S: f64 = 0.6;
 /// Bytes of a pickle that are searched for the parts of a scenario.
@@ -143,7 +143,12 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
 
     let sdc = metadata.and_then(|m| m.get("sdc_id")).and_then(|v| v.id());
     let mut read = Tracks::read(all_tracks, &times, sdc.as_deref(), bytes.len());
-    read.finish(&frames.seconds, MAX_GAP_S);
+    let key_step_s = read.key_frames.map_or(0.0, |k| k.step as f64 * frames.native_step_s);
+    if read.key_frames.is_some() {
+        report.diagnostics.push(findings::key_frames(&label, key_step_s));
+    }
+    let max_gap_s = MAX_GAP_S.max(1.2 * key_step_s);
+    read.finish(&frames.seconds, max_gap_s);
     report.diagnostics.extend(findings::of_tracks(&label, &read));
     report.diagnostics.extend(impossible_speeds(&label, &read.impossible));
     report.tables.push(read.count);
@@ -152,7 +157,7 @@ fn read_scenario(path: &Path, options: &Options, report: &mut SourceReport) -> O
         width_m: median(&e.width),
         height_m: median(&e.height),
         reference_to_centre_m: 0.0,
-        motion: e.motion_at(&frames.seconds, MAX_GAP_S),
+        motion: e.motion_at(&frames.seconds, max_gap_s),
         known_at: e.lags(&frames.seconds),
         ..Ego::default()
     });

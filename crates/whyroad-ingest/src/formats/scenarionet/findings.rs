@@ -15,6 +15,7 @@ pub(crate) const CODES: &[&str] = &[
     "scenarionet.tracks.type",
     "scenarionet.ego.missing",
     "scenarionet.map.invalid",
+    "scenarionet.key_frames",
 ];
 
 pub(super) fn io(file: &str, e: &std::io::Error) -> Diagnostic {
@@ -65,6 +66,17 @@ pub(super) fn schema(file: &str, pointer: &str, what: &str) -> Diagnostic {
         "check the file with MetaDrive's ScenarioDescription.sanity_check",
     ))
     .at(place)
+}
+
+pub(super) fn key_frames(file: &str, step_s: f64) -> Diagnostic {
+    Diagnostic::note(
+        "scenarionet.key_frames",
+        Bilingual::new(
+            format!("目标只在每 {step_s:.1} 秒的关键帧上标注，其间为直线插值；只采用关键帧"),
+            format!("objects were annotated at key frames every {step_s:.1} s and interpolated between; only the key frames are used"),
+        ),
+    )
+    .in_file(file)
 }
 
 /// Everything about the objects.

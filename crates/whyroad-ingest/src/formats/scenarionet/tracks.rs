@@ -1,6 +1,7 @@
 //! `tracks`: one dict an object, with arrays as long as the scenario.
 
 use crate::assemble::frames::{Sample, Sampled};
+use crate::assemble::key_frames::KeyFrames;
 use crate::encodings::pickle::Value;
 use crate::report::RowCount;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,6 +20,8 @@ pub(super) struct Tracks {
     /// Objects that could not be used, the first in words.
     pub invalid_example: Option<String>,
     pub unknown_types: BTreeSet<String>,
+    /// Rows that were measured, where the rest is interpolated; see [`KeyFrames`].
+    pub key_frames: Option<KeyFrames>,
     /// The ego that the metadata name is not there.
     pub ego_missing: Option<String>,
 }
@@ -70,6 +73,7 @@ impl Tracks {
                 }
             }
         }
+        out.take_out_interpolated(times);
         if out.ego.is_none() {
             out.ego_missing = Some(sdc.unwrap_or_default().to_owned());
         }
@@ -117,6 +121,14 @@ impl Tracks {
             }
         }
         Ok(sampled)
+    }
+
+    fn take_out_interpolated(&mut self, times: &[f64]) {
+        self.key_frames = KeyFrames::find(self.objects.iter().map(|(_, _, o)| o), times);
+        let Some(key_frames) = self.key_frames else { return };
+        for object in self.objects.iter_mut().map(|(_, _, o)| o).chain(&mut self.ego) {
+            key_frames.keep(object, times);
+        }
     }
 
     /// Brings the objects to frames.
