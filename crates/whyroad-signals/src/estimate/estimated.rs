@@ -20,6 +20,14 @@ const REAR_TO_CENTRE_M: f64 = 1.2;
 /// Rows from which the noise of one kind of object is told by that kind alone.
 const ENOUGH_ROWS: usize = 300;
 
+/// Rows from which one object's own noise is told.
+const ENOUGH_OF_ONE: usize = 23;
+/// A track this much noisier than its kind, and by this much in all, m, is badly tracked: its own noise counts.
+const BADLY_TRACKED: f64 = 2.0;
+const BADLY_TRACKED_M: f64 = 0.05;
+/// The same per second between its rows: over longer steps maneuvers leave residuals too, m/s.
+const BADLY_TRACKED_MPS: f64 = 0.5;
+
 /// Noise of the measurements of a drive, estimated from its own residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveNoise {
@@ -125,7 +133,7 @@ pub fn estimated(drive: &Drive) -> Estimated<'_> {
     }
     let mut estimated: Vec<Track> = Vec::with_capacity(tracks.len());
     for (i, (track, measured)) in tracks.iter().zip(&measured).enumerate() {
-        let noise = kind(track.class);
+        let noise = of_one(kind(track.class), measured);
         if noise.is_negligible() && measured.is_complete() {
             let mut exact = track.clone();
             complete_motion(&mut exact.motion, &measured.times, &track.length_m, track.class);
@@ -271,6 +279,21 @@ fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> Dri
         vehicles: of(true),
         others: of(false),
     }
+}
+
+/// The noise of one track: that of its kind, or its own where it is badly tracked (a box that jumps to and fro along a
+/// long vehicle).
+fn of_one(kind: LogNoise, measured: &Measured) -> LogNoise {
+    let known = measured.x.iter().filter(|x| x.is_finite()).count();
+    let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };
+    if known < ENOUGH_OF_ONE {
+        return kind;
+    }
+    let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * (last - first) / known as f64);
+    let compact = measured.compact();
+    let own = noise::estimate(std::iter::once(compact.rows(0..compact.times.len()))).position;
+    let bad = own.deviation() > least && own.deviation() > BADLY_TRACKED * kind.position.deviation();
+    if bad { LogNoise { position: own, ..kind } } else { kind }
 }
 
 fn next_of(
