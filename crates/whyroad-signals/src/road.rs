@@ -19,6 +19,7 @@ pub mod merging;
 pub mod network;
 pub mod on_road;
 pub mod open_area;
+pub mod own_shift;
 pub mod path;
 pub mod profile;
 pub mod roadside;

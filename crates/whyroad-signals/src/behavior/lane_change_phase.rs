@@ -4,6 +4,7 @@ use crate::behavior::lane_change_intention::formed;
 use crate::road::ego_lane::{OVER_LINE_M, lateral_extent};
 use crate::road::lane_change::{self, Side};
 use crate::road::network::Road;
+use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::GAP_S;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -16,6 +17,8 @@ use whyroad_model::road_map::LaneKind;
 const CENTRED_M: f64 = 0.3;
 /// Farther off the centre than this it has left it, m.
 const LEFT_CENTRE_M: f64 = 0.5;
+/// Share of its offset that an attempt must have been steered.
+const OWN_SHARE: f64 = 0.4;
 /// An excursion longer than this is a way of driving, s.
 const LONGEST_S: f64 = 20.0;
 /// The turn back is where the offset falls this much under its peak, m.
@@ -111,6 +114,15 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     let (left, right) = on.corridor.widths_at(on.s);
     let over = if x.side == 0 { high > left + OVER_LINE_M } else { low < -right - OVER_LINE_M };
     if off(peak) <= LEFT_CENTRE_M && !over {
+        return None;
+    }
+    // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.
+    let place = |i: usize| OnWay { position: ego.position[i], direction: scene.around.path.ego_heading[i] };
+    let span = |from: usize, to: usize| (from..=to).step_by(3).map(place).collect::<Vec<_>>();
+    let last = x.end.min(ego.len() - 1);
+    let out = most_shifted(&span(x.first, peak), &span(peak, peak), sign);
+    let back = most_shifted(&span(peak, peak), &span(peak, last), -sign);
+    if out.max(back) < OWN_SHARE * off(peak) {
         return None;
     }
     let turned = (peak..x.end).rfind(|&i| off(i) >= off(peak) - TURNED_BACK_M)?;

@@ -2,6 +2,7 @@
 
 use crate::behavior::ego_offset::unrolled;
 use crate::ego::motion::DERIVATIVE_REACH_S;
+use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::slope;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
@@ -12,6 +13,10 @@ use whyroad_model::catalogue::id;
 const MEDIAN_OVER_S: f64 = 5.0;
 /// ... of which this much must be known, s.
 const MEDIAN_LEAST_S: f64 = 1.0;
+/// What it steered itself is looked for from 5 s before to this long after, s, in steps of
+const AFTER_S: f64 = 2.0;
+/// this, s.
+const STEP_S: f64 = 0.5;
 /// Lateral acceleration beyond the road's that is an emergency, m/s2.
 const SWERVE_MPS2: f64 = 3.0;
 /// Its rate that is one, m/s3, with a deviation of
@@ -49,11 +54,31 @@ fn deviations(times: &[f64], offset: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// Each deviation from the line of the lane, but no more of it than the ego's own steering made: where lines wander or
+/// lanes fork, an ego that drives straight on deviates from nothing.
+fn steered(scene: &Interaction<'_>, deviations: Vec<f64>) -> Vec<f64> {
+    let (ego, times, path) = (scene.around.ego, scene.times, scene.around.path);
+    let place = |i: usize| OnWay { position: ego.position[i], direction: path.ego_heading[i] };
+    let steps = |seconds: f64| (seconds / STEP_S) as usize;
+    let at = |i: usize, seconds: f64| {
+        let row = times.partition_point(|t| *t < times[i] + seconds - 1e-6);
+        (row < times.len() && (times[row] - times[i] - seconds).abs() < STEP_S).then_some(row)
+    };
+    let own = |i: usize, sign: f64| {
+        let before = (2..=steps(MEDIAN_OVER_S)).filter_map(|k| at(i, -(k as f64) * STEP_S));
+        let after = (0..=steps(AFTER_S)).filter_map(|k| at(i, k as f64 * STEP_S));
+        most_shifted(&before.map(place).collect::<Vec<_>>(), &after.map(place).collect::<Vec<_>>(), sign)
+    };
+    let limited =
+        |(i, d): (usize, f64)| if d.is_nan() { d } else { d.signum() * d.abs().min(own(i, d.signum())) };
+    deviations.into_iter().enumerate().map(limited).collect()
+}
+
 /// Writes `ego.lateral_deviation`, `swerve`.
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let (ego, times) = (scene.around.ego, scene.times);
     let Some(lanes) = scene.around.lanes else { return };
-    let deviation = deviations(times, &unrolled(scene));
+    let deviation = steered(scene, deviations(times, &unrolled(scene)));
     let beyond_road = |i: usize| {
         let v = ego.forward_speed[i];
         lanes.at(i).map_or(f64::NAN, |on| {

@@ -10,6 +10,12 @@ use whyroad_model::catalogue::id;
 
 /// Below this forward speed a vehicle reverses, m/s (as `ego.meta_longitudinal`).
 const REVERSE_MPS: f64 = -0.3;
+/// Who drives forwards faster than this, m/s,
+const FORWARD_MPS: f64 = 2.0;
+/// less than this long before or after does not go backwards: its box jumps, s.
+const CHANGE_OF_GEAR_S: f64 = 1.0;
+/// Less than this backwards is a tracker's jitter or a car that rocks as it stops, m.
+const REVERSE_LEAST_M: f64 = 1.0;
 /// A stand of at least this long is parking or waiting, s.
 const PARKED_S: f64 = 5.0;
 /// ... and counts for this long after its end, s.
@@ -21,14 +27,42 @@ const SUDDEN_LEAST_MPS: f64 = 1.0;
 /// Half width of the mean over the acceleration, s.
 const MEAN_REACH_S: f64 = 0.2;
 
-fn reverses(is_vehicle: bool, forward_speed: f64) -> Tri {
+/// By row, whether a vehicle goes backwards: in one stretch for at least [`REVERSE_LEAST_M`]. A shorter stretch that the
+/// beginning or the end of the track cuts off is unknown.
+fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> {
+    let n = forward_speed.len();
     if !is_vehicle {
-        Tri::False
-    } else if forward_speed.is_nan() {
-        Tri::Unknown
-    } else {
-        Tri::from(forward_speed < REVERSE_MPS)
+        return vec![Tri::False; n];
     }
+    let mut out: Vec<Tri> =
+        forward_speed.iter().map(|v| if v.is_nan() { Tri::Unknown } else { Tri::False }).collect();
+    let mut start = 0;
+    while start < n {
+        let back = |i: &usize| forward_speed[*i] < REVERSE_MPS;
+        let end = (start..n).find(|i| !back(i)).unwrap_or(n);
+        if end > start {
+            let step = |i: usize| -forward_speed[i] * (times[(i + 1).min(n - 1)] - times[i]);
+            let far = (start..end).map(step).sum::<f64>() >= REVERSE_LEAST_M;
+            let cut =
+                start == 0 || end == n || forward_speed[start - 1].is_nan() || forward_speed[end].is_nan();
+            let near = |i: &usize| {
+                let away = if *i < start { times[start] - times[*i] } else { times[*i] - times[end - 1] };
+                away <= CHANGE_OF_GEAR_S
+            };
+            let jumps = (0..start).chain(end..n).filter(near).any(|i| forward_speed[i] > FORWARD_MPS);
+            out[start..end].fill(if jumps {
+                Tri::False
+            } else if far {
+                Tri::True
+            } else if cut {
+                Tri::Unknown
+            } else {
+                Tri::False
+            });
+        }
+        start = end + 1;
+    }
+    out
 }
 
 fn was_parked(standing: &Standing, r: usize) -> Tri {
@@ -64,10 +98,15 @@ pub fn write(scene: &Interaction<'_>, standing: &[Standing], table: &mut TableBu
             smooth(&times, &t.accel, MEAN_REACH_S)
         })
         .collect();
-    table.flag(
-        id::TARGET_REVERSES,
-        rows.flags(|t, r| reverses(t.class.is_vehicle(), t.motion.forward_speed(r))),
-    );
+    let backwards: Vec<Vec<Tri>> = targets
+        .iter()
+        .map(|t| {
+            let times: Vec<f64> = t.track.frames.iter().map(|&f| scene.times[f as usize]).collect();
+            let speeds: Vec<f64> = (0..times.len()).map(|r| t.track.motion.forward_speed(r)).collect();
+            reverses(t.track.class.is_vehicle(), &times, &speeds)
+        })
+        .collect();
+    table.flag(id::TARGET_REVERSES, rows.spread(targets, Tri::Unknown, |k, r, _| backwards[k][r]));
     table.flag(id::TARGET_STARTS, rows.spread(targets, Tri::Unknown, |k, r, _| standing[k].moves_off[r]));
     table.number(id::TARGET_TIME_STANDING, rows.spread(targets, f64::NAN, |k, r, _| standing[k].time[r]));
     table.flag(

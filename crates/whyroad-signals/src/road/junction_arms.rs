@@ -102,7 +102,8 @@ impl JunctionArms {
         self.arms.len()
     }
 
-    /// 5 arms or more, no two of them opposite, or two of them less than 50 deg apart.
+    /// 5 arms or more, no two of them opposite, or two of them less than 50 deg apart. With two arms it is a bend, or
+    /// a crosswalk that the map draws as a junction.
     pub fn is_irregular(&self) -> bool {
         let mut bearings: Vec<f64> = self.arms.iter().map(|a| a.1).collect();
         bearings.sort_by(f64::total_cmp);
@@ -110,8 +111,8 @@ impl JunctionArms {
         let apart = |i: usize, j: usize| wrap(bearings[i] - bearings[j]).abs();
         let pairs = || (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
         n >= 5
-            || (n >= 2 && !pairs().any(|(i, j)| PI - apart(i, j) <= OPPOSITE_RAD))
-            || pairs().any(|(i, j)| apart(i, j) < ACUTE_RAD)
+            || (n >= 3 && !pairs().any(|(i, j)| PI - apart(i, j) <= OPPOSITE_RAD))
+            || (n >= 3 && pairs().any(|(i, j)| apart(i, j) < ACUTE_RAD))
     }
 
     /// Arms that the lanes `from` (of one approach) lead to, other than the one that they are of.

@@ -6,6 +6,7 @@ use crate::geometry::P2;
 use crate::road::corridor::Corridor;
 use crate::road::lanes::LanePlace;
 use crate::road::network::Road;
+use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::GAP_S;
 use whyroad_model::catalogue::value::EgoLaneChange;
 
@@ -19,6 +20,12 @@ const SETTLED_S: f64 = 2.0;
 const PAUSE_S: f64 = 0.5;
 /// It must move across by this much, m: less is the map's joint, not the actor.
 const LEAST_SHIFT_M: f64 = 1.5;
+/// Of it, this much by its own steering, m: where a lane forks off or ends, who drives straight on is in another lane.
+const LEAST_OWN_SHIFT_M: f64 = 0.7;
+/// Its steering is looked at from this long before it crosses to this long after, s.
+const AROUND_S: f64 = 5.0;
+/// Slower, its velocity does not tell its direction, m/s.
+const DIRECTION_MPS: f64 = 0.5;
 /// Time in the new lane to count, s, unless the recording ends.
 const LEAST_STAY_S: f64 = 1.0;
 /// No lane change is longer on either side of the line, s.
@@ -87,6 +94,21 @@ impl Rows<'_> {
         let at = corridor.line.project(self.position[row]);
         let left = P2::from_heading(corridor.line.smooth_heading_at(at.s, 2.0)).left();
         (sign * at.lateral, sign * self.velocity[row].dot(left))
+    }
+
+    /// How far it moved towards `sign` by its own steering around row `k`, at most, m; `None` where it stands meanwhile, so
+    /// that its direction is not known all the time.
+    fn by_own_steering(&self, k: usize, sign: f64) -> Option<f64> {
+        let near = |row: &usize| (self.times[*row] - self.times[k]).abs() <= AROUND_S;
+        let rows = |all: std::ops::Range<usize>| all.filter(near).step_by(3);
+        if rows(0..self.times.len()).any(|row| self.velocity[row].norm() < DIRECTION_MPS) {
+            return None;
+        }
+        let place =
+            |row: usize| OnWay { position: self.position[row], direction: self.velocity[row].heading() };
+        let (before, after): (Vec<OnWay>, Vec<OnWay>) =
+            (rows(0..k).map(place).collect(), rows(k..self.times.len()).map(place).collect());
+        (!before.is_empty() && !after.is_empty()).then(|| most_shifted(&before, &after, sign))
     }
 
     /// First row of the change whose first row in the new lane is `k`.
@@ -178,7 +200,8 @@ pub fn found(road: &Road, rows: &Rows<'_>) -> Vec<Change> {
         let (start, end) = (rows.beginning(road, &from, k, earliest, sign), rows.end(&to, k, latest, sign));
         let shift = rows.across(&from, end - 1, sign).0 - rows.across(&from, start, sign).0;
         let stayed = latest == n || rows.times[latest] - rows.times[k] >= LEAST_STAY_S;
-        if shift >= LEAST_SHIFT_M && stayed {
+        let steered = rows.by_own_steering(k, sign).is_none_or(|m| m >= LEAST_OWN_SHIFT_M);
+        if shift >= LEAST_SHIFT_M && steered && stayed {
             let side = if side == 0 { Side::Left } else { Side::Right };
             changes.push(Change { start, crossing: k, end, side });
         }

@@ -19,8 +19,22 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     let mut areas: Vec<Polygon> =
         parks.filter_map(|f| Polygon::new(f.boundary.iter().map(|p| p2(p.x, p.y)))).collect();
     areas.extend(on.road.drivable.iter().cloned());
+    // The lane that the ego was on last leads on to lanes that the map does not have.
+    let mut cut = false;
+    let cut_off: Vec<bool> = (0..on.frames())
+        .map(|frame| {
+            if let Some(at) = on.lanes.places[frame] {
+                let leads_out = on.lane(at.lane).is_some_and(|l| !l.successors.is_empty());
+                cut = leads_out && on.road.lanes[at.lane].successors.is_empty();
+            }
+            cut
+        })
+        .collect();
     let open = |frame: usize| {
         let at = on.ego.position[frame];
+        if cut_off[frame] && !on.map.covers("parking") {
+            return Tri::Unknown;
+        }
         let lane_near = || {
             let near = on.road.lanes_near(at, LANE_NEAR_M);
             near.into_iter().any(|l| {

@@ -12,6 +12,8 @@ use crate::road::network::interpolate;
 const SPACING_M: f64 = 0.5;
 /// Length of the continuation at either end, m.
 const CONTINUATION_M: f64 = 160.0;
+/// Heights are means over this far either side, m: altitude is the noisiest part of a pose.
+const HEIGHT_REACH_M: f64 = 3.0;
 /// Over this distance the continuation comes from the ego's offset to the lane's centre, m.
 const FADE_M: f64 = 20.0;
 /// Targets are sought on the path this far behind and ahead of the ego, m.
@@ -116,7 +118,8 @@ impl DrivenPath {
         if ascending.is_empty() {
             return Vec::new();
         }
-        let (s, z): (Vec<f64>, Vec<f64>) = ascending.into_iter().unzip();
+        let (s, raw): (Vec<f64>, Vec<f64>) = ascending.into_iter().unzip();
+        let z = evened(&s, &raw);
         self.line.arc_lengths().iter().map(|&at| interpolate(&s, &z, at)).collect()
     }
 
@@ -134,6 +137,20 @@ impl DrivenPath {
     pub fn heading_at(&self, s: f64) -> f64 {
         self.line.smooth_heading_at(s, 1.0)
     }
+}
+
+/// Heights with the noise of single poses taken out: at each place the line through those around it.
+fn evened(s: &[f64], z: &[f64]) -> Vec<f64> {
+    let at = |i: usize| {
+        let reach = HEIGHT_REACH_M.min(s[i] - s[0]).min(s[s.len() - 1] - s[i]) + 1e-9;
+        let (from, to) =
+            (s.partition_point(|v| *v < s[i] - reach), s.partition_point(|v| *v <= s[i] + reach));
+        // Where the car crawled there are many poses in one place: weighted by what each covers of the way.
+        let weight = |k: usize| s[(k + 1).min(s.len() - 1)] - s[k.saturating_sub(1)];
+        let total: f64 = (from..to).map(weight).sum();
+        if total <= 0.0 { z[i] } else { (from..to).map(|k| weight(k) * z[k]).sum::<f64>() / total }
+    };
+    (0..s.len()).map(at).collect()
 }
 
 /// The driven path, continued along the ego's lanes where it has any.

@@ -15,6 +15,8 @@ use whyroad_model::road_map::Lane;
 const GRADE_REACH_M: f64 = 5.0;
 /// A chord this much shorter at the end of the map still gives a grade, m.
 const LEAST_CHORD_M: f64 = 3.0;
+/// No road is steeper; beyond it the heights are wrong. The steepest street of the world has 0.35.
+const STEEPEST: f64 = 0.35;
 /// How far ahead grades are looked at, m.
 const GRADE_AHEAD_M: f64 = 60.0;
 /// How far ahead widths are looked at, m.
@@ -75,6 +77,10 @@ impl Profile<'_> {
 
     /// Grade of the road at `ds` ahead of the ego's centre; of its path where it has no lane with heights.
     fn grade(&self, frame: usize, ds: f64) -> Option<f64> {
+        self.raw_grade(frame, ds).filter(|g| g.abs() <= STEEPEST)
+    }
+
+    fn raw_grade(&self, frame: usize, ds: f64) -> Option<f64> {
         if let Some(at) = self.on.lanes.at(frame) {
             return self.lane_grade(at, at.s + ds);
         }

@@ -18,6 +18,8 @@ const SLOPE: f64 = 0.04;
 const BEND: f64 = 0.01;
 /// Bends of one direction that are nearer together are one, m: the middle of a bend made of two arcs is no straight.
 const BEND_MERGE_M: f64 = 10.0;
+/// A bend turns the road by at least this, rad: 15 deg; less is a wiggle of the way driven.
+const LEAST_TURN_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Half of the 500 m over which a mountain road is judged, m.
 const AROUND_M: f64 = 250.0;
 /// Number of bends that suffices although not all of the 500 m was driven (taxonomy, mountain).
@@ -109,6 +111,9 @@ fn bends(places: &[PathPoint], path: &DrivenPath) -> Vec<PathPart> {
             _ => parts.push(part),
         }
     }
+    parts.retain(|p| {
+        wrap(path.heading_at(p.to + 1.0) - path.heading_at(p.from - 1.0)).abs() >= LEAST_TURN_RAD
+    });
     parts
 }
 
