@@ -11,8 +11,8 @@ const STRAIGHT_M: f64 = 1e-3;
 const STEPS: std::ops::RangeInclusive<usize> = 2..=20;
 /// Fewer corners say nothing.
 const LEAST_CORNERS: usize = 30;
-/// Share of the corners that may be off the grid: of objects that were not interpolated, such as the recording car.
-const STRAY: f64 = 0.02;
+/// Share of the objects whose corners must all be key frames; others, as the recording car, were not interpolated.
+const OBJECTS: f64 = 0.8;
 
 /// Rows of a scenario that were measured: every `step`, from `phase` on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,15 +24,17 @@ pub(crate) struct KeyFrames {
 impl KeyFrames {
     /// Found in the corners of all objects; `None` when these are anywhere. `times` are those of the scenario's rows.
     pub fn find<'a>(objects: impl Iterator<Item = &'a Sampled>, times: &[f64]) -> Option<Self> {
-        let rows: Vec<usize> = objects.flat_map(|o| corners(o, times)).collect();
-        if rows.len() < LEAST_CORNERS {
-            return None;
-        }
-        let on_grid = |step: usize, phase: usize| rows.iter().filter(|&&r| r % step == phase).count();
+        let mut by_object: Vec<Vec<usize>> = objects.map(|o| corners(o, times)).collect();
+        by_object.retain(|rows| !rows.is_empty());
+        let least = (OBJECTS * by_object.len() as f64).ceil() as usize;
         STEPS.rev().find_map(|step| {
-            let phase = (0..step).max_by_key(|&p| on_grid(step, p))?;
-            let stray = rows.len() - on_grid(step, phase);
-            (stray as f64 <= STRAY * rows.len() as f64).then_some(Self { step, phase })
+            let fits = |phase: usize| {
+                let fitting = by_object.iter().filter(|rows| rows.iter().all(|r| r % step == phase));
+                fitting.fold((0, 0), |(objects, corners), rows| (objects + 1, corners + rows.len()))
+            };
+            let (phase, (objects, corners)) =
+                (0..step).map(|phase| (phase, fits(phase))).max_by_key(|(_, fit)| *fit)?;
+            (objects >= least && corners >= LEAST_CORNERS).then_some(Self { step, phase })
         })
     }
 
@@ -118,6 +120,10 @@ mod tests {
     fn a_log_that_was_measured_in_every_row_has_none() {
         let objects = [braking(1, 0), braking(1, 0), braking(1, 0)];
         assert_eq!(KeyFrames::find(objects.iter(), &times()), None);
+        // The recording car as one of many objects.
+        let mut mixed = vec![braking(1, 0)];
+        mixed.extend((0..5).map(|_| braking(5, 0)));
+        assert_eq!(KeyFrames::find(mixed.iter(), &times()), Some(KeyFrames { step: 5, phase: 0 }));
         let mut ego = braking(1, 0);
         assert!(!KeyFrames { step: 5, phase: 0 }.keep(&mut ego, &times()), "it is not on the grid");
         assert_eq!(ego.times.len(), 101);
