@@ -12,6 +12,7 @@ impl Lake {
     pub fn holds(&self, id: &DriveId) -> bool {
         self.folders_of(id).is_ok_and(|folders| !folders.is_empty())
             || self.last_catalogue().find(id).is_some()
+            || self.mirror.as_ref().is_some_and(|m| m.has_images(id.as_str()).unwrap_or(false))
     }
 
     /// [`Lake::remove_drive`] of several drives: each pack that holds some of them is written again once.
@@ -24,6 +25,9 @@ impl Lake {
         }
         // First: without its folder, a replaced drive would be seen as its pack still has it.
         self.unpack_away(ids)?;
+        if let Some(mirror) = &self.mirror {
+            ids.iter().for_each(|id| mirror.forget_images(id.as_str()));
+        }
         ids.iter().try_for_each(|id| self.remove_folders(id))
     }
 

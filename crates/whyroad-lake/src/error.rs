@@ -13,6 +13,11 @@ pub const CODES: &[&str] = &[
     "lake.row_order",
     "lake.mined_version",
     "lake.io",
+    "lake.url",
+    "lake.s3_feature",
+    "lake.storage",
+    "lake.conditional_writes",
+    "lake.changed_meanwhile",
 ];
 
 /// A lake operation that could not be done at all.
@@ -76,6 +81,31 @@ pub enum LakeError {
         /// Its reason.
         source: std::io::Error,
     },
+    /// Not a URL that a lake can have. The URL is not repeated: it may hold a secret.
+    #[error("{}", .0.en)]
+    Url(Bilingual),
+    /// This build has no object stores.
+    #[error("{0}: this build has no support for S3")]
+    NoS3(String),
+    /// The object store refused or failed, also after repetitions.
+    #[error("{url}: {reason}")]
+    Storage {
+        /// The lake.
+        url: String,
+        /// What it answered, without anything secret.
+        reason: String,
+    },
+    /// The object store ignores the conditions of writes, so that two writers would overwrite each other.
+    #[error("{0}: the object store does not support conditional writes (If-Match, If-None-Match)")]
+    Unconditional(String),
+    /// Another process changed the same at the same time.
+    #[error("{url}: changed by another process at the same time: {}", .what.join(", "))]
+    ChangedMeanwhile {
+        /// The lake.
+        url: String,
+        /// Folders of drives, files, or `packs`.
+        what: Vec<String>,
+    },
 }
 
 impl LakeError {
@@ -102,6 +132,11 @@ impl LakeError {
             LakeError::RowOrder { .. } => "lake.row_order",
             LakeError::MinedVersion { .. } => "lake.mined_version",
             LakeError::Io { .. } => "lake.io",
+            LakeError::Url(_) => "lake.url",
+            LakeError::NoS3(_) => "lake.s3_feature",
+            LakeError::Storage { .. } => "lake.storage",
+            LakeError::Unconditional(_) => "lake.conditional_writes",
+            LakeError::ChangedMeanwhile { .. } => "lake.changed_meanwhile",
         }
     }
 
@@ -120,6 +155,11 @@ impl LakeError {
                 format!("事件表版本为 {found}，本程序只能读取版本 {}", crate::mined::EPISODES_VERSION)
             }
             LakeError::Io { source, .. } => format!("文件系统出错：{source}"),
+            LakeError::Url(why) => why.zh.clone(),
+            LakeError::NoS3(url) => format!("{url}：此版本的程序未启用 S3"),
+            LakeError::Storage { reason, .. } => format!("对象存储出错：{reason}"),
+            LakeError::Unconditional(_) => "该对象存储不支持条件写入（If-Match、If-None-Match）".to_owned(),
+            LakeError::ChangedMeanwhile { what, .. } => format!("另一进程同时作了改动：{}", what.join("、")),
         };
         let hint = match self {
             LakeError::NotALake(_) => Bilingual::new(
@@ -143,6 +183,27 @@ impl LakeError {
                 "用 `whyroad mine --out DIR --force` 重新生成该文件夹（信号已保存，很快完成）",
                 "run `whyroad mine --out DIR --force` again; stored signals make it fast",
             ),
+            LakeError::Url(_) => Bilingual::new(
+                "写作 `s3://BUCKET/PREFIX`；凭据与地址由环境变量或 ~/.aws 给出",
+                "write `s3://BUCKET/PREFIX`; credentials and endpoint come from the environment or ~/.aws",
+            ),
+            LakeError::NoS3(_) => Bilingual::new(
+                "使用发布的程序，或用 `cargo build --release --features s3` 编译",
+                "use a released binary, or build with `cargo build --release --features s3`",
+            ),
+            LakeError::Storage { .. } => Bilingual::new(
+                "检查凭据、AWS_REGION、AWS_ENDPOINT_URL 与存储桶；再次运行同一命令即可，已发布的不会重复",
+                "check credentials, AWS_REGION, AWS_ENDPOINT_URL and the bucket; run the same command again: what \
+                 is published is not repeated",
+            ),
+            LakeError::Unconditional(_) => Bilingual::new(
+                "升级该对象存储，或改用支持条件写入的存储",
+                "update the object store, or use one that supports conditional writes",
+            ),
+            LakeError::ChangedMeanwhile { .. } => Bilingual::new(
+                "再次运行同一命令：它从现在的数据湖开始",
+                "run the same command again: it starts from the lake as it is now",
+            ),
             LakeError::Io { .. } => {
                 Bilingual::new("检查路径、权限与磁盘空间", "check the path, permissions and free space")
             }
@@ -155,7 +216,13 @@ impl LakeError {
             | LakeError::RowOrder { path, .. }
             | LakeError::MinedVersion { path, .. }
             | LakeError::Io { path, .. } => d.in_file(path.display().to_string()),
-            LakeError::DriveMissing(_) | LakeError::DriveInvalid { .. } => d,
+            LakeError::Storage { url, .. }
+            | LakeError::Unconditional(url)
+            | LakeError::ChangedMeanwhile { url, .. } => d.in_file(url.clone()),
+            LakeError::DriveMissing(_)
+            | LakeError::DriveInvalid { .. }
+            | LakeError::Url(_)
+            | LakeError::NoS3(_) => d,
         }
     }
 }

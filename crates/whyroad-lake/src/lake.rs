@@ -4,6 +4,7 @@ use crate::columns::Table;
 use crate::manifest::{DriveManifest, LakeMarker};
 use crate::packs::lock;
 use crate::packs::places::{Packs, Place};
+use crate::storage::{self, Intent, MediaStore, Mirror, StorageUrl};
 use crate::tables::{clips, ego, frames, road_map, states, tracks};
 use crate::{DriveFacts, LAKE_VERSION, LAYOUTS, LakeError, PACKED_VERSION};
 use crate::{clip_metadata, file, leftovers, validity};
@@ -24,6 +25,8 @@ pub(crate) const MANIFEST: &str = "drive.json";
 pub struct Lake {
     dir: PathBuf,
     pub(crate) packs: Arc<Packs>,
+    /// Of a lake in an object store, whose folder is then one of this process.
+    pub(crate) mirror: Option<Arc<Mirror>>,
 }
 
 /// What [`Lake::write_drive`] did.
@@ -38,9 +41,26 @@ pub enum WriteOutcome {
 }
 
 impl Lake {
-    /// Opens an existing lake.
+    /// Opens an existing lake: a folder, or the URL of one in an object store (`s3://bucket/prefix`).
+    ///
+    /// # Errors
+    /// Where it is not a lake, cannot be read, or is of a version that this build does not read.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
-        let (lake, version) = Self::of_any_version(dir.as_ref())?;
+        match StorageUrl::of(dir.as_ref()) {
+            Some(url) => {
+                let url = url?;
+                let mirror = Mirror::open(storage::objects(&url)?)?;
+                let none = || LakeError::NotALake(PathBuf::from(url.to_string()));
+                let mut lake = Self::open_folder(mirror.as_ref().ok_or_else(none)?.dir())?;
+                lake.mirror = mirror.map(Arc::new);
+                Ok(lake)
+            }
+            None => Self::open_folder(dir.as_ref()),
+        }
+    }
+
+    fn open_folder(dir: &Path) -> Result<Self, LakeError> {
+        let (lake, version) = Self::of_any_version(dir)?;
         if !LAYOUTS.contains(&version) {
             let formats = lake.outdated_formats();
             return Err(LakeError::version(&lake.dir.join(MARKER), version, formats));
@@ -54,9 +74,12 @@ impl Lake {
     /// # Errors
     /// As [`Lake::open`].
     pub fn ready(&self) -> Result<(), LakeError> {
+        if let Some(mirror) = &self.mirror {
+            mirror.ready()?;
+        }
         match Self::of_any_version(&self.dir)? {
             (_, version) if LAYOUTS.contains(&version) => self.catalogue().map(drop),
-            _ => Self::open(&self.dir).map(drop),
+            _ => Self::open_folder(&self.dir).map(drop),
         }
     }
 
@@ -71,29 +94,80 @@ impl Lake {
             Err(e) => return Err(LakeError::io(&path)(e)),
         };
         let marker: LakeMarker = serde_json::from_str(&text).map_err(|e| LakeError::broken(&path, e))?;
-        Ok((Self { dir: dir.to_owned(), packs: Arc::default() }, marker.version))
+        Ok((Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None }, marker.version))
     }
 
     /// Opens the lake for writing, making an empty one if it does not exist. What a killed process left half written
     /// is removed. An older lake becomes one of this version: each of its drives is refused by readers until it is
     /// written again.
+    ///
+    /// What is written into a lake in an object store is not there before [`Lake::publish`].
+    ///
+    /// # Errors
+    /// As [`Lake::open`], and where the lake cannot be written.
     pub fn create_or_open(dir: impl AsRef<Path>) -> Result<Self, LakeError> {
-        let dir = dir.as_ref();
+        let Some(url) = StorageUrl::of(dir.as_ref()) else {
+            return Self::create_or_open_folder(dir.as_ref());
+        };
+        Self::over(Mirror::create_or_open(storage::objects(&url?)?)?)
+    }
+
+    /// The lake of a process's copy, made where it is empty.
+    pub(crate) fn over(mirror: Mirror) -> Result<Self, LakeError> {
+        let mut lake = Self::create_or_open_folder(mirror.dir())?;
+        lake.mirror = Some(Arc::new(mirror));
+        lake.publish()?;
+        Ok(lake)
+    }
+
+    /// Publishes what was written into a lake in an object store since the last time: readers find all of it or none.
+    /// Nothing to do for a lake in a folder.
+    ///
+    /// # Errors
+    /// [`LakeError::ChangedMeanwhile`] names drives that another process changed at the same time; all others are
+    /// published. After any other error, calling it again is right whether or not it was published.
+    pub fn publish(&self) -> Result<(), LakeError> {
+        self.publish_as(Intent::Write)
+    }
+
+    /// [`Lake::publish`] of a deletion: objects of what was removed are removed as well, at once.
+    ///
+    /// # Errors
+    /// As [`Lake::publish`]; where another process changed one of the drives, nothing is deleted.
+    pub fn publish_removal(&self) -> Result<(), LakeError> {
+        self.publish_as(Intent::Delete)
+    }
+
+    pub(crate) fn publish_as(&self, intent: Intent) -> Result<(), LakeError> {
+        self.mirror.as_ref().map_or(Ok(()), |mirror| mirror.publish(intent))
+    }
+
+    /// The images in a lake in an object store; `None` for a lake in a folder.
+    pub fn stored_images(&self) -> Option<MediaStore> {
+        self.mirror.as_ref().map(|mirror| mirror.images())
+    }
+
+    /// The lake as people name it: its folder or its URL.
+    pub fn name(&self) -> String {
+        self.mirror.as_ref().map_or_else(|| self.dir.display().to_string(), |mirror| mirror.url())
+    }
+
+    fn create_or_open_folder(dir: &Path) -> Result<Self, LakeError> {
         match Self::of_any_version(dir) {
             Err(LakeError::NotALake(_)) => {
                 fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?
             }
             Ok((lake, version)) if LAYOUTS.contains(&version) => {
                 leftovers::remove(&lake.dir.join("drives"));
-                return Self::open(dir);
+                return Self::open_folder(dir);
             }
             Ok((lake, older)) if older < LAKE_VERSION => leftovers::remove(&lake.dir.join("drives")),
-            Ok(_) => return Self::open(dir),
+            Ok(_) => return Self::open_folder(dir),
             Err(e) => return Err(e),
         }
         let marker = LakeMarker { format: "whyroad-lake".to_owned(), version: LAKE_VERSION };
         write_json(&dir.join(MARKER), &marker)?;
-        Ok(Self { dir: dir.to_owned(), packs: Arc::default() })
+        Ok(Self { dir: dir.to_owned(), packs: Arc::default(), mirror: None })
     }
 
     /// Makes the folder of packs; from now on, a build that does not know of packs refuses the lake.
@@ -118,7 +192,7 @@ impl Lake {
         formats.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// The lake's folder.
+    /// The lake's folder; of a lake in an object store, a folder of this process.
     pub fn dir(&self) -> &Path {
         &self.dir
     }

@@ -25,6 +25,7 @@ pub mod sheet;
 pub mod signals;
 mod size;
 mod stamp;
+pub mod storage;
 mod tables;
 mod validity;
 

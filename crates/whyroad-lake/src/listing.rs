@@ -23,19 +23,28 @@ impl Lake {
     /// # Errors
     /// Where the drive is missing or cannot be read.
     pub fn entry(&self, id: &DriveId) -> Result<DriveEntry, LakeError> {
-        self.at_place(id, |place| {
-            let Place::Loose(dir) = place else {
-                let catalogue = self.catalogue()?;
-                let at = catalogue.find(id).ok_or_else(|| LakeError::DriveMissing(id.clone()))?;
-                return Ok(catalogue.entry(at));
-            };
-            let manifest = self.current(id, place)?;
-            let path = dir.join("frames.parquet");
-            let (_, footer) = file::open(&path, frames::ROW_ORDER)?
-                .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
-            let (start, end) = file::span(&path, footer.metadata(), Some(0))?;
-            Ok(DriveEntry { bytes: size_of(dir), ..manifest.entry(start, end) })
-        })
+        let Some(mirror) = &self.mirror else { return self.at_place(id, |place| self.entry_at(id, place)) };
+        // A listing fetches one small table of a drive and not all of it.
+        let folder = format!("drives/{id}");
+        self.checked_dir(id)?;
+        mirror.fetch_files(&folder, |name| name == "frames.parquet")?;
+        let entry = self.entry_at(id, &self.place_as_it_is(id)?)?;
+        let bytes = if entry.pack.is_none() { mirror.bytes(&folder) } else { entry.bytes };
+        Ok(DriveEntry { bytes, ..entry })
+    }
+
+    fn entry_at(&self, id: &DriveId, place: &Place) -> Result<DriveEntry, LakeError> {
+        let Place::Loose(dir) = place else {
+            let catalogue = self.catalogue()?;
+            let at = catalogue.find(id).ok_or_else(|| LakeError::DriveMissing(id.clone()))?;
+            return Ok(catalogue.entry(at));
+        };
+        let manifest = self.current(id, place)?;
+        let path = dir.join("frames.parquet");
+        let (_, footer) = file::open(&path, frames::ROW_ORDER)?
+            .ok_or_else(|| LakeError::broken(&path, "the file is missing"))?;
+        let (start, end) = file::span(&path, footer.metadata(), Some(0))?;
+        Ok(DriveEntry { bytes: size_of(dir), ..manifest.entry(start, end) })
     }
 }
 

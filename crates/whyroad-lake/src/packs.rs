@@ -10,7 +10,7 @@
 
 mod catalogue;
 mod compact;
-mod fingerprint;
+pub(crate) mod fingerprint;
 pub(crate) mod lock;
 mod member;
 mod open_pack;
@@ -64,8 +64,14 @@ impl Lake {
         self.catalogue().unwrap_or_else(|_| Arc::clone(&guard(&self.packs.catalogue)))
     }
 
+    /// Fetches a drive's folder or a pack of a lake in an object store.
+    pub(crate) fn fetch(&self, folder: &str) -> Result<(), LakeError> {
+        self.mirror.as_ref().map_or(Ok(()), |mirror| mirror.fetch_folder(folder))
+    }
+
     fn open_pack(&self, name: &str) -> Result<Arc<OpenPack>, LakeError> {
         let dir = self.packs_dir().join(name);
+        self.fetch(&format!("{FOLDER}/{name}"))?;
         let mut open = guard(&self.packs.open);
         if let Some(at) = open.iter().position(|p| p.dir == dir) {
             let pack = open.remove(at);
@@ -80,6 +86,13 @@ impl Lake {
 
     /// Where a drive is now.
     pub(crate) fn place(&self, id: &DriveId) -> Result<Place, LakeError> {
+        self.checked_dir(id)?;
+        self.fetch(&format!("drives/{id}"))?;
+        self.place_as_it_is(id)
+    }
+
+    /// [`Lake::place`] without fetching anything from an object store but packs.
+    pub(crate) fn place_as_it_is(&self, id: &DriveId) -> Result<Place, LakeError> {
         let dir = self.checked_dir(id)?;
         if dir.join(MANIFEST).is_file() {
             return Ok(Place::Loose(dir));

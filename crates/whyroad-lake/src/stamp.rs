@@ -20,6 +20,10 @@ pub struct Stamp {
 impl Lake {
     /// The stamp of a drive as it is now.
     pub fn stamp(&self, id: &DriveId) -> Result<Stamp, LakeError> {
+        if let Some(mirror) = &self.mirror {
+            // While the store cannot be asked, the drives are as they were.
+            let _ = mirror.refresh();
+        }
         self.at_place(id, |place| match place {
             Place::Loose(dir) => {
                 let path = dir.join(MANIFEST);

@@ -11,6 +11,7 @@ use super::open_pack::{OpenPack, SIGNALS};
 use super::splice::Schemas;
 use super::{fingerprint, lock, write};
 use crate::lake::{MANIFEST, remove_dir};
+use crate::storage::Intent;
 use crate::{Lake, LakeError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -95,6 +96,9 @@ impl Lake {
         options: &CompactionOptions,
         done: impl Fn(usize, usize) + Sync,
     ) -> Result<Compaction, LakeError> {
+        if let Some(mirror) = &self.mirror {
+            mirror.fetch_loose()?;
+        }
         self.mark_packed()?;
         let _lock = lock::packing(self.dir())?;
         let mut out = Compaction { removed: self.remove_unnamed()?, ..Compaction::default() };
@@ -128,12 +132,14 @@ impl Lake {
         let sources = self.sources(&catalogue, &rewritten, &folders, &BTreeSet::new())?;
         if sources.is_empty() && rewritten.is_empty() {
             out.count(&catalogue);
+            self.publish_as(Intent::Compact)?;
             return Ok(out);
         }
         let written = self.write_packs(&catalogue, sources, options, &done)?;
-        let catalogue = self.publish(&catalogue, &rewritten, written.entries, written.next_pack)?;
+        let catalogue = self.put_catalogue(&catalogue, &rewritten, written.entries, written.next_pack)?;
         self.remove_packed(written.packed)?;
         out.removed += self.remove_unnamed()?;
+        self.publish_as(Intent::Compact)?;
         out.written = written.packs;
         out.packed = loose - written.left.len();
         out.left = written.left;
@@ -161,7 +167,7 @@ impl Lake {
         let sources = self.sources(&catalogue, &rewritten, &BTreeMap::new(), ids)?;
         let options = CompactionOptions::default();
         let written = self.write_packs(&catalogue, sources, &options, &|_, _| ())?;
-        self.publish(&catalogue, &rewritten, written.entries, written.next_pack)?;
+        self.put_catalogue(&catalogue, &rewritten, written.entries, written.next_pack)?;
         self.remove_unnamed().map(drop)
     }
 
@@ -240,6 +246,7 @@ impl Lake {
                 continue;
             }
             // Not through the cache: every pack is needed once.
+            self.fetch(&format!("{}/{name}", super::FOLDER))?;
             let pack = Arc::new(OpenPack::read(self.packs_dir().join(&name))?);
             for at in positions {
                 let entry = catalogue.entry(at);
@@ -337,7 +344,7 @@ impl Lake {
     }
 
     /// Puts a catalogue in place that has `entries` instead of the drives of the packs written again.
-    fn publish(
+    fn put_catalogue(
         &self,
         old: &Catalogue,
         rewritten: &BTreeSet<String>,

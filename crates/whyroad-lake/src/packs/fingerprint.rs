@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 /// The same as long as a file is not replaced; empty where it does not exist.
-pub(super) fn identity(file: &Path) -> String {
+pub(crate) fn identity(file: &Path) -> String {
     fs::metadata(file).map(|data| of(&data)).unwrap_or_default()
 }
 

@@ -1,0 +1,130 @@
+//! Camera images in an object store: one object per image, handed out by links that end soon. Which image somebody may
+//! see is decided before; a link opens nothing but its one object.
+
+use super::mirror::Mirror;
+use super::{Objects, StorageUrl, in_parallel, objects};
+use crate::LakeError;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Objects that are remembered as existing.
+const MOST_KNOWN: usize = 100_000;
+
+/// An image in an object store.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkedMedia {
+    /// Key of the object under the prefix of its store.
+    pub key: String,
+}
+
+/// A prefix with images.
+#[derive(Clone, Debug)]
+pub struct MediaStore {
+    objects: Arc<dyn Objects>,
+    /// Folder of the images in the store, with a slash; may be empty.
+    folder: String,
+    known: Arc<Mutex<BTreeSet<String>>>,
+}
+
+impl MediaStore {
+    /// Images at a URL; `folder` is below its prefix.
+    ///
+    /// # Errors
+    /// Where this build has no object stores, or credentials are missing.
+    pub fn open(url: &StorageUrl, folder: &str) -> Result<Self, LakeError> {
+        let folder = if folder.is_empty() { String::new() } else { format!("{folder}/") };
+        Ok(Self { objects: objects(url)?, folder, known: Arc::default() })
+    }
+
+    /// The image of this name, if it is in the store. A name that leads out of the folder is not.
+    ///
+    /// # Errors
+    /// Where the store cannot be asked.
+    pub fn find(&self, name: &str) -> Result<Option<LinkedMedia>, LakeError> {
+        let leads_out = |part: &str| part.is_empty() || part == "." || part == "..";
+        if name.split('/').any(leads_out) || name.contains(['\\', '?', '#']) {
+            return Ok(None);
+        }
+        let key = format!("{}{name}", self.folder);
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if !known().contains(&key) {
+            if !self.objects.exists(&key)? {
+                return Ok(None);
+            }
+            let mut known = known();
+            if known.len() >= MOST_KNOWN {
+                known.clear();
+            }
+            known.insert(key.clone());
+        }
+        Ok(Some(LinkedMedia { key }))
+    }
+
+    /// Scheme, host and port of the links: where a page must be allowed to load images from.
+    ///
+    /// # Errors
+    /// Where credentials are missing.
+    pub fn origin(&self) -> Result<String, LakeError> {
+        let link = self.objects.link("x", Duration::from_secs(1))?;
+        let end = link.find("://").and_then(|at| link[at + 3..].find('/').map(|end| at + 3 + end));
+        Ok(link.get(..end.unwrap_or(link.len())).unwrap_or_default().to_owned())
+    }
+
+    /// An address that opens this one image for this long.
+    ///
+    /// # Errors
+    /// Where credentials are missing.
+    pub fn link(&self, media: &LinkedMedia, lifetime: Duration) -> Result<String, LakeError> {
+        self.objects.link(&media.key, lifetime)
+    }
+
+    /// The image itself; `None` where it is gone.
+    ///
+    /// # Errors
+    /// Where the store cannot be asked.
+    pub fn read(&self, media: &LinkedMedia) -> Result<Option<Vec<u8>>, LakeError> {
+        Ok(self.objects.get(&media.key)?.map(|(content, _)| content))
+    }
+}
+
+impl Mirror {
+    /// The images that were copied into the lake.
+    pub(crate) fn images(&self) -> MediaStore {
+        MediaStore { objects: Arc::clone(&self.objects), folder: "media/".to_owned(), known: Arc::default() }
+    }
+
+    /// Uploads the images that this process has copied into the lake. Before the table that names them is published.
+    pub(super) fn publish_images(&self) -> Result<(), LakeError> {
+        let dir = self.dir().join("media");
+        let (mut files, mut todo) = (Vec::new(), vec![dir.clone()]);
+        while let Some(folder) = todo.pop() {
+            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() { todo.push(path) } else { files.push(path) }
+            }
+        }
+        in_parallel(&files, |file| {
+            let key = key_of(file, self.dir());
+            self.objects.upload(file, &key)?;
+            fs::remove_file(file).map_err(LakeError::io(file))
+        })
+    }
+
+    /// Whether the store has images of a drive, which the manifest does not tell.
+    pub(crate) fn has_images(&self, id: &str) -> Result<bool, LakeError> {
+        Ok(!self.objects.list(&format!("media/{id}/"))?.is_empty())
+    }
+
+    /// Has the images of a drive removed with the next deletion that is published.
+    pub(crate) fn forget_images(&self, id: &str) {
+        self.state().removed.insert(id.to_owned());
+    }
+}
+
+fn key_of(file: &Path, root: &Path) -> String {
+    let inside: PathBuf = file.strip_prefix(root).unwrap_or(file).to_owned();
+    inside.components().map(|c| c.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
