@@ -77,6 +77,9 @@ pub fn derive_signals(
         Ok(())
     });
     let Ok(()) = kept;
+    if let Err(e) = lake.publish() {
+        errors.push(e.diagnostic());
+    }
     (derived, errors)
 }
 

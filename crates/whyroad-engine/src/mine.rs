@@ -113,7 +113,7 @@ pub fn mine_drives(lake: &Lake, rules: &RuleSet, options: &MineOptions, ids: &[D
         },
     );
     let Ok(()) = kept;
-    out.diagnostics.extend(miner.unwritable());
+    out.diagnostics.extend(miner.published().or_else(|| miner.unwritable()));
     out
 }
 
@@ -141,7 +141,7 @@ pub fn mine_each<E: Send>(
             Ok(())
         }
     })?;
-    diagnostics.extend(miner.unwritable());
+    diagnostics.extend(miner.published().or_else(|| miner.unwritable()));
     Ok(diagnostics)
 }
 
@@ -191,6 +191,13 @@ impl<'a> Miner<'a> {
     pub fn drive(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
         let mined = std::panic::catch_unwind(AssertUnwindSafe(|| self.mine_one(id)));
         mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
+    }
+
+    /// Publishes what the lake keeps of the results, where it is in an object store; a warning where that fails.
+    pub fn published(&self) -> Option<Diagnostic> {
+        let e = self.lake.publish().err()?;
+        let of_lake = e.diagnostic();
+        Some(Diagnostic { severity: whyroad_model::Severity::Warning, ..of_lake })
     }
 
     /// A warning where the lake could not keep something.
@@ -320,7 +327,5 @@ fn unwritable(lake: &Lake) -> Diagnostic {
     );
     let hint =
         Bilingual::new("检查该文件夹的写权限与磁盘空间", "check the folder's permissions and free space");
-    Diagnostic::warning("mine.store.unwritable", message)
-        .in_file(lake.dir().display().to_string())
-        .with_hint(hint)
+    Diagnostic::warning("mine.store.unwritable", message).in_file(lake.name()).with_hint(hint)
 }

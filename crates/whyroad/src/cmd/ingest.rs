@@ -10,12 +10,13 @@ use crate::{Global, output};
 pub(crate) use arguments::Args;
 use report::{json_report, text_report};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use whyroad_ingest::SourceReport;
-use whyroad_lake::Lake;
+use whyroad_lake::{Lake, LakeError};
 use whyroad_model::{Diagnostic, Severity};
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
-    let (sources, problems) = whyroad_ingest::find_sources(args.format, &args.paths);
+    let (sources, mut problems) = whyroad_ingest::find_sources(args.format, &args.paths);
     if args.options.drive_id.is_some() && sources.len() > 1 {
         let n = sources.len();
         return Err(stop(
@@ -28,8 +29,15 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         return Ok(output::FINDINGS);
     }
     let facts = args.meta.as_deref().map(meta::read).transpose()?;
-    let lake = Lake::create_or_open(&args.lake)?;
+    let lake = match Lake::create_or_open(&args.lake) {
+        Ok(lake) => lake,
+        Err(e) => {
+            tell!("{}", render_text(&e.diagnostic(), global.lang));
+            return Ok(output::FINDINGS);
+        }
+    };
 
+    let mut published = Instant::now();
     let bar = output::progress(sources.len());
     let mut reports = Vec::with_capacity(sources.len());
     for batch in whyroad_ingest::batches(&sources) {
@@ -42,6 +50,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             bar.set_position((bar.position() + 1).min(last - 1));
         });
         bar.set_position(last);
+        // What is published is not lost with the process. An error here is reported at the end, if it is still one.
+        if published.elapsed() >= PUBLISH_EVERY {
+            let conflict = lake.publish().err().filter(is_conflict).map(|e| e.diagnostic());
+            bar.suspend(|| print_diagnostics(global, conflict.as_slice()));
+            problems.extend(conflict);
+            published = Instant::now();
+        }
     }
     bar.finish_and_clear();
 
@@ -49,7 +64,6 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         DataFormat::Text => output::put(&text_report(&reports, global.lang)),
         DataFormat::Json => output::put_json(&json_report(&reports, global.lang))?,
     }
-    let mut problems = problems;
     if let Some(facts) = facts {
         let found = meta::state(&lake, facts)?;
         for d in &found {
@@ -57,7 +71,22 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
         problems.extend(found);
     }
+    if let Err(e) = lake.publish() {
+        problems.push(e.diagnostic());
+        tell!("{}", render_text(&e.diagnostic(), global.lang));
+        if !is_conflict(&e) {
+            return Ok(output::FINDINGS);
+        }
+    }
     Ok(exit_code(&reports, &problems))
+}
+
+/// Time between two publications into an object store.
+const PUBLISH_EVERY: Duration = Duration::from_secs(20);
+
+/// Another process has written the same drive; all others are published.
+fn is_conflict(e: &LakeError) -> bool {
+    matches!(e, LakeError::ChangedMeanwhile { .. })
 }
 
 /// Diagnostics to stderr; notes only with `--verbose`.

@@ -67,6 +67,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             anyhow::Ok(())
         },
     )?;
+    keep(&lake, global);
     args.print.put(&summaries, || {
         let mut text = String::new();
         if clip.is_none() {
@@ -83,6 +84,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         (true, true) => output::FINDINGS,
         (true, false) => output::lost_input(),
     })
+}
+
+/// Publishes the signals that were derived on the way, where the lake is in an object store; without them, the next
+/// call derives them again.
+pub(crate) fn keep(lake: &Lake, global: &Global) {
+    if let Err(e) = lake.publish() {
+        tell!("{}", render_text(&e.diagnostic(), global.lang));
+    }
 }
 
 pub(crate) fn drive_of(lake: &Lake, clip: &str) -> Option<DriveId> {

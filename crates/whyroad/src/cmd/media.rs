@@ -116,6 +116,7 @@ fn add(lang: Lang, a: &Add) -> anyhow::Result<ExitCode> {
             bail!(e.text().get(lang).to_owned());
         }
     };
+    lake.publish()?;
     say_rejected(&done.rejected, lang);
     let (camera, added, replaced, rejected) = (&a.camera, done.added, done.replaced, done.rejected.len());
     let counts = json!({

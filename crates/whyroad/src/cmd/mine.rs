@@ -5,7 +5,7 @@ pub(super) mod plan;
 mod sequences;
 pub(super) mod table;
 
-use crate::output::reason::stop;
+use crate::output::reason::{folders_only, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, framework_folder, output};
 use plan::CustomRule;
@@ -175,6 +175,7 @@ impl Args {
 /// Mines, and writes the folder.
 pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     let Some(out) = &args.out else { return Err(stop("缺少 --out", "--out is missing")) };
+    folders_only([out])?;
     let (framework, faults) = framework_folder::load(global)?;
     let (catalogue, _) = Catalogue::parse(&framework.signals_yaml);
     let mut findings: Vec<Diagnostic> = faults;

@@ -2,7 +2,7 @@
 //! page; the same numbers as text, JSON and tables.
 
 use crate::cmd::dataset::query::Queries;
-use crate::output::reason::{cannot_make, cannot_write, stop};
+use crate::output::reason::{cannot_make, cannot_write, folders_only, stop};
 use crate::output::{Print, render_text};
 use crate::{Global, analytics, framework_folder, output};
 use anyhow::Context as _;
@@ -95,6 +95,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Ok(lake) => lake,
         Err(e) => return Ok(refuse(&e.diagnostic(), global.lang)),
     };
+    folders_only([&args.mined, &args.out])?;
     let Some(mined) = MinedFolder::open(&args.mined) else {
         let (dir, file) = (args.mined.display(), MinedFile::Episodes.name());
         return Err(stop(
@@ -129,6 +130,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
+    super::inspect::keep(&lake, global);
     let written = json!({
         "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len(), "analytics": analytics,
     });

@@ -2,7 +2,9 @@
 //! and `main` prints. Findings about the user's data are diagnostics, not these.
 
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use whyroad_lake::storage::StorageUrl;
 use whyroad_model::{Bilingual, Lang};
 
 /// Set once, when the command line has been read: `anyhow` displays errors without asking in which language.
@@ -32,6 +34,22 @@ impl From<Bilingual> for Reason {
 /// A reason, Chinese first.
 pub(crate) fn reason(zh: impl Into<String>, en: impl Into<String>) -> Reason {
     Reason(Bilingual::new(zh, en))
+}
+
+/// Refuses the URL of an object store where a command reads or writes folders only.
+pub(crate) fn folders_only<'a>(paths: impl IntoIterator<Item = &'a PathBuf>) -> anyhow::Result<()> {
+    let Some(path) = paths.into_iter().find(|p| StorageUrl::of(p).is_some()) else { return Ok(()) };
+    // It may hold a secret if it is not a valid one.
+    let shown = StorageUrl::of(path).and_then(Result::ok).map_or_else(String::new, |url| format!("{url}: "));
+    Err(stop(
+        format!(
+            "{shown}此处只能用文件夹；数据湖（--lake）与 `serve --media` 可用 URL。请先复制，例如 `aws s3 sync URL DIR`"
+        ),
+        format!(
+            "{shown}a folder is needed here; only a lake (--lake) and `serve --media` can be a URL. Copy it first, \
+             for example with `aws s3 sync URL DIR`"
+        ),
+    ))
 }
 
 /// Ends a command with a reason.

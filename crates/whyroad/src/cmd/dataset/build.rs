@@ -2,7 +2,7 @@
 
 use super::{licences, print, query, refused};
 use crate::output::Print;
-use crate::output::reason::{cannot_read, cannot_write, no_project, stop};
+use crate::output::reason::{cannot_read, cannot_write, folders_only, no_project, stop};
 use crate::store_args::{error as reported, open_store};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
@@ -82,7 +82,21 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     };
     spec.labels.drafts |= a.drafts;
     let licences = licences(global)?;
+    folders_only(a.media.iter().chain([&a.out]))?;
     let lake = Lake::open(&a.lake)?;
+    let with_cameras = matches!(spec.sample.images, spec::Images::Cameras | spec::Images::CamerasOrBev);
+    if lake.stored_images().is_some() && with_cameras && a.media.is_empty() {
+        return Err(stop(
+            format!(
+                "数据集只从文件夹读取相机图片：`aws s3 sync {}/media DIR`，再加 --media DIR",
+                lake.name()
+            ),
+            format!(
+                "a release takes camera images from folders only: `aws s3 sync {}/media DIR`, then --media DIR",
+                lake.name()
+            ),
+        ));
+    }
     let mut streams = Vec::new();
     for source in &a.labels {
         streams.extend(open(source, a.project.as_deref(), global.lang)?);

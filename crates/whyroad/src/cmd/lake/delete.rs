@@ -3,7 +3,7 @@
 
 use super::audit::{self, Deleted};
 use super::holders;
-use crate::output::reason::{cannot_read, reason};
+use crate::output::reason::{cannot_read, folders_only, reason};
 use crate::output::{Print, render_text};
 use crate::{Global, output, store_args};
 use anyhow::{Context as _, anyhow, bail};
@@ -68,6 +68,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
             return Ok(output::FINDINGS);
         }
     };
+    folders_only(args.mined.iter().chain(&args.media).chain(&args.releases).chain(&args.backups))?;
     let (drives, undated) = selected(&lake, &args);
     let folders = mined_folders(&args.mined)?;
     let store = args.store.as_deref().map(|s| store_args::open_store(s, lang)).transpose()?;
@@ -111,7 +112,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         }
     }
     unknown.retain(|id| !mined.contains(*id));
-    let file = args.audit.clone().unwrap_or_else(|| args.lake.join("deletions.jsonl"));
+    let file = args.audit.clone().unwrap_or_else(|| lake.dir().join("deletions.jsonl"));
     // After a kill behind the last step there is nothing left but to say so.
     if !unknown.is_empty()
         && !audit::unfinished(&file)
@@ -127,6 +128,7 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     }
 
     audit::put(&file, "begun", args.request.as_deref(), &counts)?;
+    lake.publish()?;
     if let Some(store) = &store {
         for id in &drives {
             deletion::delete_drive(store, id).map_err(|p| store_args::error(&p, lang))?;
@@ -149,7 +151,9 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         })?;
     }
     lake.remove_drives(&drives)?;
+    lake.publish_removal()?;
     audit::put(&file, "done", args.request.as_deref(), &counts)?;
+    lake.publish()?;
     args.print.put(&counts, || text(&counts, false, lang))?;
     Ok(outcome(&counts))
 }
