@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use whyroad_lake::mined::MinedFile;
+use whyroad_lake::storage::{LinkedMedia, MediaStore, StorageUrl};
 use whyroad_lake::{Lake, LakeError, MinedFolder, Stamp};
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodePage};
 use whyroad_model::scene::MediaFrame;
@@ -28,6 +29,18 @@ pub enum MinedFolderError {
         /// Why.
         source: std::io::Error,
     },
+    /// An object store with images cannot be used.
+    #[error("{0}")]
+    Storage(#[from] LakeError),
+}
+
+/// A camera image in an object store.
+#[derive(Clone, Debug)]
+pub struct StoredImage {
+    /// The store.
+    pub store: MediaStore,
+    /// The image in it.
+    pub media: LinkedMedia,
 }
 
 /// Recordings of one lake.
@@ -35,6 +48,7 @@ pub struct LakeRecordings {
     lake: Lake,
     mined: Vec<PathBuf>,
     media: Vec<PathBuf>,
+    stores: Vec<MediaStore>,
     drives: Mutex<VecDeque<CachedDrive>>,
 }
 
@@ -46,8 +60,8 @@ struct CachedDrive {
 }
 
 impl LakeRecordings {
-    /// Drives of `lake`; `mined` are folders that `whyroad mine` wrote, or folders of such folders; `media` are folders
-    /// with the camera images that the lake names.
+    /// Drives of `lake`; `mined` are folders that `whyroad mine` wrote, or folders of such folders; `media` are
+    /// folders, or URLs of prefixes in an object store, with the camera images that the lake names.
     pub fn open(lake: Lake, mined: &[PathBuf], media: &[PathBuf]) -> Result<Self, MinedFolderError> {
         for dir in mined {
             let found = MinedFolder::find(dir)
@@ -56,9 +70,16 @@ impl LakeRecordings {
                 return Err(MinedFolderError::NoResults(dir.clone()));
             }
         }
-        let own = lake.media_dir();
-        let media = media.iter().chain([&own]).cloned().collect();
-        Ok(Self { lake, mined: mined.to_vec(), media, drives: Mutex::default() })
+        let (mut folders, mut stores) = (Vec::new(), Vec::new());
+        for place in media {
+            match StorageUrl::of(place) {
+                Some(url) => stores.push(MediaStore::open(&url?, "")?),
+                None => folders.push(place.clone()),
+            }
+        }
+        folders.push(lake.media_dir());
+        stores.extend(lake.stored_images());
+        Ok(Self { lake, mined: mined.to_vec(), media: folders, stores, drives: Mutex::default() })
     }
 
     /// A drive.
@@ -144,6 +165,40 @@ impl LakeRecordings {
             .filter_map(|(root, path)| Some((root, path.canonicalize().ok()?)))
             .find(|(root, path)| path.starts_with(root) && path.is_file())
             .map(|(_, path)| path)
+    }
+
+    /// A camera image in one of the object stores: one image per object, never a video.
+    ///
+    /// # Errors
+    /// Where a store cannot be asked.
+    pub fn stored_image(
+        &self,
+        drive: &DriveId,
+        frame: &MediaFrame,
+    ) -> Result<Option<StoredImage>, LakeError> {
+        if self.stores.is_empty() || crate::media::image_kind_by_extension(Path::new(&frame.uri)).is_none() {
+            return Ok(None);
+        }
+        for store in &self.stores {
+            for name in [format!("{drive}/{}", frame.uri), frame.uri.clone()] {
+                if let Some(media) = store.find(&name)? {
+                    return Ok(Some(StoredImage { store: store.clone(), media }));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Where links to images in object stores lead: scheme, host and port.
+    ///
+    /// # Errors
+    /// Where credentials are missing.
+    pub fn image_origins(&self) -> Result<Vec<String>, LakeError> {
+        let mut origins: Vec<String> =
+            self.stores.iter().map(MediaStore::origin).collect::<Result<_, _>>()?;
+        origins.sort();
+        origins.dedup();
+        Ok(origins)
     }
 
     /// Mined folders by name, as they are now. One that cannot be read at the moment has none.

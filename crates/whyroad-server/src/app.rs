@@ -15,7 +15,7 @@ use crate::service::webhooks::tls::Trust;
 use crate::store::{Store, Tx, vault};
 use crate::{secret, values};
 use std::sync::Arc;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 
@@ -60,6 +60,8 @@ pub struct App {
     pub reach: Reach,
     /// What makes faces and plates in images unreadable; images are shown as they are without it.
     pub blur: Option<Blur>,
+    /// How images in object stores are linked.
+    pub image_links: ImageLinks,
     /// Whose certificates webhooks believe.
     pub trust: Trust,
     /// Which source of the client address is trusted.
@@ -83,6 +85,21 @@ pub enum LeaseClock {
     Store,
     /// The service's own: for tests, which turn it.
     Service,
+}
+
+/// How images in object stores are linked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImageLinks {
+    /// How long a link works.
+    pub lifetime: Duration,
+    /// Scheme, host and port of the stores: the page may load images from there.
+    pub origins: Vec<String>,
+}
+
+impl Default for ImageLinks {
+    fn default() -> Self {
+        Self { lifetime: Duration::from_secs(60), origins: vec![] }
+    }
 }
 
 /// Whether cookies are for HTTPS only.
@@ -136,6 +153,7 @@ impl App {
             cookies: Cookies::Plain,
             reach: Reach::default(),
             blur: None,
+            image_links: ImageLinks::default(),
             trust: Trust::default(),
             origin: Origin::Connection,
             log: Arc::new(|_| {}),

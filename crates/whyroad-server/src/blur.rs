@@ -51,6 +51,24 @@ impl Blur {
         made.map(|()| kept)
     }
 
+    /// The image to be shown in place of one in an object store, which `read` fetches. As it was, it does not stay.
+    pub fn stored_image(&self, name: &str, read: impl FnOnce() -> Answer<Vec<u8>>) -> Answer<PathBuf> {
+        let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or("img");
+        let content = read()?;
+        let key = format!("{}\n{}", self.program.display(), secret::hash_bytes(&content));
+        let kept = self.cache.join(format!("{}.{extension}", secret::hash(&key)));
+        if kept.is_file() {
+            return Ok(kept);
+        }
+        let file = self.cache.join(format!("{}.in.{extension}", secret::id()?));
+        let turn = self.turn()?;
+        let written = std::fs::write(&file, content).map_err(|e| failed(&e.to_string()));
+        let made = written.and_then(|()| self.make(&file, &kept, extension));
+        let _ = std::fs::remove_file(&file);
+        drop(turn);
+        made.map(|()| kept)
+    }
+
     fn make(&self, file: &Path, kept: &Path, extension: &str) -> Answer<()> {
         let aside = self.cache.join(format!("{}.part.{extension}", secret::id()?));
         let made = self.run(file, &aside);

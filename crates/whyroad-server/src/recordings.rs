@@ -4,6 +4,7 @@
 use crate::domain::scene::SignalAbout;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 use whyroad_label::check::Recorded;
 use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
@@ -16,6 +17,26 @@ pub struct Similar {
     pub nearest: Vec<(EpisodeRecord, f64)>,
     /// Episodes that were compared.
     pub compared: u64,
+}
+
+/// A camera image in an object store: one image, never a video.
+pub trait StoredImage {
+    /// Its name in the store; it ends as the image's format does.
+    fn name(&self) -> &str;
+
+    /// An address that opens this image alone, for this long.
+    fn link(&self, lifetime: Duration) -> Result<String, Bilingual>;
+
+    /// The image itself; `None` where it is gone.
+    fn read(&self) -> Result<Option<Vec<u8>>, Bilingual>;
+}
+
+/// Where a camera image is.
+pub enum CameraImage {
+    /// A file on this machine.
+    File(PathBuf),
+    /// An object of an object store.
+    Stored(Box<dyn StoredImage>),
 }
 
 /// Recorded drives and what is derived from them.
@@ -91,6 +112,15 @@ pub trait Recordings: Send + Sync {
 
     /// The file of a camera frame, where it is on this machine.
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf>;
+
+    /// A camera frame that is in an object store.
+    fn stored_image(
+        &self,
+        _drive: &DriveId,
+        _frame: &MediaFrame,
+    ) -> Result<Option<Box<dyn StoredImage>>, Bilingual> {
+        Ok(None)
+    }
 }
 
 /// First and last of the frame times of a drive.

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 use whyroad_dataset::similar::{self, EpisodeDescriptor};
 use whyroad_engine::label_drives::LabelDrives;
-use whyroad_engine::recordings::{LakeRecordings, MinedFolderError};
+use whyroad_engine::recordings::{self, LakeRecordings, MinedFolderError};
 use whyroad_framework::Framework;
 use whyroad_label::check::{Recorded, Recordings as _};
 use whyroad_label::draft;
@@ -14,7 +15,7 @@ use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePag
 use whyroad_model::scene::MediaFrame;
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, ScenarioId, SignalTable};
 use whyroad_server::domain::scene::{SignalAbout, SignalKind};
-use whyroad_server::recordings::{Recordings, Similar, span_of};
+use whyroad_server::recordings::{Recordings, Similar, StoredImage, span_of};
 use whyroad_signals::{Catalogue, SignalKind as Kind};
 
 /// What the service sees of a lake.
@@ -42,6 +43,13 @@ impl ServiceRecordings {
             framework,
             descriptors: Mutex::default(),
         })
+    }
+}
+
+impl ServiceRecordings {
+    /// See [`LakeRecordings::image_origins`].
+    pub(crate) fn image_origins(&self) -> Result<Vec<String>, LakeError> {
+        self.lake.image_origins()
     }
 }
 
@@ -105,6 +113,23 @@ impl ServiceRecordings {
         }
         kept.extend(episodes.iter().zip(&made).map(|(e, d)| (key(e), d.clone())));
         Ok(made)
+    }
+}
+
+/// An image that the engine found in an object store.
+struct LinkableImage(recordings::StoredImage);
+
+impl StoredImage for LinkableImage {
+    fn name(&self) -> &str {
+        &self.0.media.key
+    }
+
+    fn link(&self, lifetime: Duration) -> Result<String, Bilingual> {
+        self.0.store.link(&self.0.media, lifetime).map_err(in_words)
+    }
+
+    fn read(&self) -> Result<Option<Vec<u8>>, Bilingual> {
+        self.0.store.read(&self.0.media).map_err(in_words)
     }
 }
 
@@ -189,6 +214,15 @@ impl Recordings for ServiceRecordings {
             Err(why) => return Some(Err(why)),
         };
         Some(self.nearest(episode, page.episodes, limit))
+    }
+
+    fn stored_image(
+        &self,
+        drive: &DriveId,
+        frame: &MediaFrame,
+    ) -> Result<Option<Box<dyn StoredImage>>, Bilingual> {
+        let found = self.lake.stored_image(drive, frame).map_err(in_words)?;
+        Ok(found.map(|image| Box::new(LinkableImage(image)) as Box<dyn StoredImage>))
     }
 
     fn media(&self, drive: &DriveId, frame: &MediaFrame) -> Option<PathBuf> {

@@ -13,7 +13,7 @@ use std::io::Write;
 /// Bodies smaller than this are not compressed.
 const SMALL: usize = 1400;
 /// What the page may load and do.
-const PAGE_POLICY: &str = "default-src 'self'; img-src 'self' blob: data:; media-src 'self' blob:; \
+const PAGE_POLICY: &str = "media-src 'self' blob:; \
     style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
 /// What an answer of the API may, if a browser is led to show it.
 const API_POLICY: &str = "default-src 'none'; frame-ancestors 'none'; sandbox";
@@ -66,12 +66,25 @@ pub(super) fn deliver(reply: Reply, kind: ReplyKind, accepted: &Accepted) -> Res
     put(HeaderName::from_static("cross-origin-opener-policy"), "same-origin");
     put(HeaderName::from_static("cross-origin-resource-policy"), "same-origin");
     let page = matches!(kind, ReplyKind::Page(_));
-    put(header::CONTENT_SECURITY_POLICY, if page { PAGE_POLICY } else { API_POLICY });
+    if page {
+        let mut images = "default-src 'self'; img-src 'self' blob: data:".to_owned();
+        for origin in &reply.image_origins {
+            images = images + " " + origin;
+        }
+        put(header::CONTENT_SECURITY_POLICY, &format!("{images}; {PAGE_POLICY}"));
+    } else {
+        put(header::CONTENT_SECURITY_POLICY, API_POLICY);
+    }
+    if let Some(location) = &reply.location {
+        put(header::LOCATION, location);
+    }
     put(
         header::CACHE_CONTROL,
         match kind {
             ReplyKind::Page(Keep::Forever) => "public, max-age=31536000, immutable",
             ReplyKind::Page(Keep::Ask) => "no-cache",
+            // A link ends, and must not be found afterwards.
+            _ if reply.location.is_some() => "no-store",
             ReplyKind::Read => "private, no-cache",
             ReplyKind::Done => "no-store",
         },

@@ -17,6 +17,10 @@ pub struct Reply {
     pub stream: Option<Stream>,
     /// `set-cookie` headers.
     pub cookies: Vec<String>,
+    /// Where the browser finds it instead, with status 307; not to be kept.
+    pub location: Option<String>,
+    /// Origins from which a page may load images, besides its own.
+    pub image_origins: Vec<String>,
     /// File name, where the browser is to store it.
     pub file_name: Option<String>,
 }

@@ -114,7 +114,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     let accepted = Accepted::of(&parts.headers, head);
     let path = parts.uri.path();
     let Some(path) = path.strip_prefix(ROOT).filter(|p| p.is_empty() || p.starts_with('/')) else {
-        return outside(&parts.method, path, &accepted);
+        return outside(&app, &parts.method, path, &accepted);
     };
     let refuse = |p: &Problem| deliver(problem(p), ReplyKind::Done, &accepted);
     if parts.uri.query().is_some_and(|q| q.len() > QUERY) {
@@ -172,14 +172,15 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
 }
 
 /// What is not the API: the page.
-fn outside(method: &Method, path: &str, accepted: &Accepted) -> Response<Body> {
+fn outside(app: &App, method: &Method, path: &str, accepted: &Accepted) -> Response<Body> {
     if path == "/api" || path.starts_with("/api/") {
         return deliver(problem(&Problem::missing()), ReplyKind::Done, accepted);
     }
     if method != Method::GET && method != Method::HEAD {
         return deliver(problem(&wrong_method()), ReplyKind::Done, accepted);
     }
-    let (reply, keep) = pages::page(path);
+    let (mut reply, keep) = pages::page(path);
+    reply.image_origins.clone_from(&app.image_links.origins);
     deliver(reply, ReplyKind::Page(keep), accepted)
 }
 

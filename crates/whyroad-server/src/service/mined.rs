@@ -8,6 +8,7 @@ use crate::domain::mined::{
 use crate::domain::project::Project;
 use crate::domain::workflow::{Actor, Role, Seen, State};
 use crate::problem::{Answer, Problem};
+use crate::recordings::CameraImage;
 use crate::secret;
 use crate::service::tasks::TaskRow;
 use crate::service::{answer, create, scene, seen, texts};
@@ -16,7 +17,6 @@ use crate::url::encoded;
 use crate::values;
 use std::collections::HashMap;
 use std::io::Write;
-use std::path::PathBuf;
 use whyroad_model::messages::{EpisodeCursor, EpisodeFilter, EpisodeRecord, VerdictKind};
 use whyroad_model::{DriveId, Nanos, ScenarioId};
 
@@ -207,14 +207,14 @@ fn image_url(project: &str, name: EpisodeName<'_>, camera: &str, index: usize) -
     )
 }
 
-/// The file of image `index` of `camera` of an episode. Refused, as the episode is, to who does Stage I of it.
+/// Image `index` of `camera` of an episode. Refused, as the episode is, to who does Stage I of it.
 pub fn image(
     app: &App,
     project: &Project,
     (name, user): (EpisodeName<'_>, &str),
     camera: &str,
     index: usize,
-) -> Answer<PathBuf> {
+) -> Answer<CameraImage> {
     let t = as_task(app, project, &find(app, name)?)?;
     let (row, who) = (t.clone(), user.to_owned());
     // Images come by the dozen: a write only for who has not opened the episode.

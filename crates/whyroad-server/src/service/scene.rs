@@ -15,10 +15,10 @@ use crate::app::App;
 use crate::domain::scene::{CameraFrame, CameraView, EgoView, LightView, MetaView, SceneView};
 use crate::domain::workflow::Stage;
 use crate::problem::{Answer, Problem};
+use crate::recordings::CameraImage;
 use crate::service::tasks::TaskRow;
 use columns::{number, tracks, word};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 use whyroad_model::scene::{FRAME_RATE_HZ, MediaFrame, TurnSignal};
 use whyroad_model::{ClipId, Column, Drive, FrameRange, Nanos, SignalTable};
@@ -212,12 +212,18 @@ fn cameras(t: &TaskRow, stage: Stage, drive: &Drive, times: &[Nanos]) -> Vec<Cam
     out
 }
 
-/// The file of image `index` of `camera` among those that may be seen.
-pub fn image(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<PathBuf> {
+/// Where image `index` of `camera` among those that may be seen is. No other image can be named, wherever they are.
+pub fn image(app: &App, t: &TaskRow, camera: &str, index: usize) -> Answer<CameraImage> {
     let Shown { drive, frames } = shown(app, t)?;
     let all = images(&drive, &drive.times[frames.start..frames.end]);
     let found =
         all.iter().find(|(name, _)| *name == camera).and_then(|(_, frames)| frames.get(index).copied());
     let frame = found.ok_or_else(Problem::missing)?;
-    app.recordings.media(&drive.meta.drive_id, frame).ok_or_else(Problem::missing)
+    let id = &drive.meta.drive_id;
+    if let Some(file) = app.recordings.media(id, frame) {
+        return Ok(CameraImage::File(file));
+    }
+    let stored = app.recordings.stored_image(id, frame);
+    let stored = stored.map_err(|why| Problem::new(502, "media.storage", why.zh, why.en))?;
+    stored.map(CameraImage::Stored).ok_or_else(Problem::missing)
 }

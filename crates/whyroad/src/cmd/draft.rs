@@ -226,7 +226,12 @@ pub(super) struct LakeImages(pub LakeRecordings);
 
 impl Images for LakeImages {
     fn image(&self, drive: &Drive, frame: &MediaFrame) -> Option<(ImageKind, Vec<u8>)> {
-        let path = self.0.media(&drive.meta.drive_id, frame)?;
+        let id = &drive.meta.drive_id;
+        let Some(path) = self.0.media(id, frame) else {
+            let stored = self.0.stored_image(id, frame).ok()??;
+            let kind = kind_of(Path::new(&stored.media.key))?;
+            return Some((kind, stored.store.read(&stored.media).ok()??));
+        };
         let kind = kind_of(&path)?;
         Some((kind, std::fs::read(path).ok()?))
     }

@@ -6,6 +6,7 @@ mod oidc;
 
 use crate::analytics::ServiceReports;
 use crate::output::reason::{cannot_listen, cannot_write, reason};
+use crate::output::render_text;
 use crate::recordings::ServiceRecordings;
 use crate::{Global, output, store_args};
 use anyhow::Context as _;
@@ -18,7 +19,7 @@ use std::time::Duration;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::App;
-use whyroad_server::app::Origin;
+use whyroad_server::app::{ImageLinks, Origin};
 use whyroad_server::blur::Blur;
 use whyroad_server::service::webhooks::Reach;
 
@@ -31,9 +32,12 @@ pub(crate) struct Args {
     /// Folder that `whyroad mine` wrote, or a folder of such folders: tasks can be made from these; may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     mined: Vec<PathBuf>,
-    /// Folder with the camera images that the lake names: the folder of the recorded logs; may be repeated
+    /// Folder or s3:// URL with the camera images that the lake names: where the recorded logs are; may be repeated
     #[arg(long, value_name = "DIR", requires = "lake")]
     media: Vec<PathBuf>,
+    /// Seconds for which a link to an image in an object store works
+    #[arg(long, value_name = "S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
+    media_link_seconds: u64,
     /// Address to listen on. Beyond this machine, put a proxy with TLS in front
     #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
@@ -73,15 +77,26 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let own = Some(at).filter(|at| at.ip().is_loopback() && !args.https);
     let oidc = args.oidc.provider(own, global.lang)?;
     let (lake, mined) = match &args.lake {
-        Some(dir) => (Lake::open(dir)?, args.mined.clone()),
+        Some(dir) => match Lake::open(dir) {
+            Ok(lake) => (lake, args.mined.clone()),
+            Err(e) => {
+                tell!("{}", render_text(&e.diagnostic(), global.lang));
+                return Ok(output::FINDINGS);
+            }
+        },
         None => first_run::bundled(global, framework, &args.store.data)?,
     };
     let drives = lake.drive_ids().len();
     let reports = ServiceReports::new(lake.clone(), framework, mined.clone());
     let recordings = Arc::new(ServiceRecordings::open(lake, framework, &mined, &args.media)?);
     let store = args.store.open(global.lang)?;
+    let image_links = ImageLinks {
+        lifetime: Duration::from_secs(args.media_link_seconds),
+        origins: recordings.image_origins()?,
+    };
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
     app.oidc = oidc;
+    app.image_links = image_links;
     if let Some(program) = args.blur {
         let cache = args.store.data.join("blurred");
         app.blur = Some(Blur::new(program, cache.clone()).with_context(|| cannot_write(cache.display()))?);

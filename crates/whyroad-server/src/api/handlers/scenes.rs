@@ -4,9 +4,10 @@ use super::tasks::look;
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::problem::{Answer, Problem};
+use crate::recordings::{CameraImage, StoredImage};
 use crate::service::tasks::TaskRow;
 use crate::service::{mined, pickers, projects, scene};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Largest image that is served.
@@ -59,14 +60,38 @@ fn index(call: &Call<'_>) -> Answer<usize> {
 }
 
 /// An image as it may be seen: blurred where a program for that is set, or not at all.
-fn send(call: &Call<'_>, file: PathBuf) -> Answer<Reply> {
-    // A whole video would show what comes after: only images are served.
-    let media = match file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("jpg" | "jpeg") => "image/jpeg",
-        Some("png") => "image/png",
-        Some("webp") => "image/webp",
-        _ => return Err(Problem::missing()),
+fn send(call: &Call<'_>, image: CameraImage) -> Answer<Reply> {
+    match image {
+        CameraImage::File(file) => send_file(call, file),
+        CameraImage::Stored(image) => send_stored(call, &*image),
+    }
+}
+
+/// A whole video would show what comes after: only images are served.
+fn media_type(name: &Path) -> Answer<&'static str> {
+    match name.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("jpg" | "jpeg") => Ok("image/jpeg"),
+        Some("png") => Ok("image/png"),
+        Some("webp") => Ok("image/webp"),
+        _ => Err(Problem::missing()),
+    }
+}
+
+/// A link that ends soon; of an image that must be blurred there is none, since it would show what it was before.
+fn send_stored(call: &Call<'_>, image: &dyn StoredImage) -> Answer<Reply> {
+    let failed = |why: whyroad_model::Bilingual| Problem::new(502, "media.storage", why.zh, why.en);
+    let media = media_type(Path::new(image.name()))?;
+    let Some(blur) = &call.app.blur else {
+        let link = image.link(call.app.image_links.lifetime).map_err(failed)?;
+        return Ok(Reply { status: 307, location: Some(link), ..Reply::default() });
     };
+    let read = || image.read().map_err(failed)?.ok_or_else(Problem::missing);
+    let file = blur.stored_image(image.name(), read)?;
+    Ok(Reply::bytes(media, std::fs::read(&file).map_err(|_| Problem::missing())?))
+}
+
+fn send_file(call: &Call<'_>, file: PathBuf) -> Answer<Reply> {
+    let media = media_type(&file)?;
     let file = call.app.blur.as_ref().map_or(Ok(file.clone()), |blur| blur.image(&file))?;
     let size = std::fs::metadata(&file).map_err(|_| Problem::missing())?.len();
     if size > MAX_PICTURE {
