@@ -42,6 +42,7 @@ mod parts;
 mod recorded;
 mod robustness;
 mod rules;
+mod s3;
 mod scenario_mining;
 mod signals;
 mod stage_one;

@@ -130,7 +130,7 @@ fn number(body: &[u8]) -> usize {
     std::str::from_utf8(text).unwrap().parse().unwrap()
 }
 
-fn lock(annotator: &mut Annotator, task: &str) {
+pub(crate) fn lock(annotator: &mut Annotator, task: &str) {
     assert!(annotator.save(), "{:?}", annotator.refused);
     let body = json!({"fence": annotator.fence, "action": "lock_stage1"});
     annotator.client.post(&format!("{task}/actions"), &body).good();

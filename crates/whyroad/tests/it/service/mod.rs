@@ -39,10 +39,17 @@ impl Service {
     /// The same on a lake and a mined folder of the test's own.
     pub fn start_mined(lake: &Path, mined: &Path, arguments: &[&str]) -> Self {
         let drives = ["--lake", lake.to_str().unwrap(), "--mined", mined.to_str().unwrap()];
-        Self::run(&[&drives[..], arguments].concat())
+        Self::run(&[&drives[..], arguments].concat(), &[])
     }
 
-    fn run(arguments: &[&str]) -> Self {
+    /// [`Service::start_on`] with these environment variables.
+    pub fn start_in(lake: &Path, arguments: &[&str], environment: &[(String, String)]) -> Self {
+        let mined = demo().join("mined");
+        let drives = ["--lake", lake.to_str().unwrap(), "--mined", mined.to_str().unwrap()];
+        Self::run(&[&drives[..], arguments].concat(), environment)
+    }
+
+    fn run(arguments: &[&str], environment: &[(String, String)]) -> Self {
         // A bench may measure another build than its own.
         let program = std::env::var_os("WHYROAD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_whyroad").into());
         let mut child = Command::new(program)
@@ -50,6 +57,7 @@ impl Service {
             .args(arguments)
             .env_remove("WHYROAD_FRAMEWORK")
             .env_remove("WHYROAD_LANG")
+            .envs(environment.iter().map(|(name, value)| (name, value)))
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
@@ -97,7 +105,7 @@ pub fn demo() -> &'static Path {
     let dir = DEMO.get_or_init(|| {
         let dir = tempfile::tempdir().unwrap();
         // A service without a lake prepares the bundled drives before it listens.
-        drop(Service::run(&["--data", dir.path().to_str().unwrap()]));
+        drop(Service::run(&["--data", dir.path().to_str().unwrap()], &[]));
         let mined = MinedFolder::open(dir.path().join("demo/mined")).unwrap();
         let all = mined.episodes().unwrap().map(Result::unwrap);
         let few: Vec<_> =
