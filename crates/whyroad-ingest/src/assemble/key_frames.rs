@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn key_frames_are_found_and_what_lies_between_is_taken_out() {
-        let mut objects = vec![braking(5, 0), braking(5, 0), braking(5, 0)];
+        let mut objects = [braking(5, 0), braking(5, 0), braking(5, 0)];
         let found = KeyFrames::find(objects.iter(), &times());
         assert_eq!(found, Some(KeyFrames { step: 5, phase: 0 }));
         assert!(found.is_some_and(|k| k.keep(&mut objects[0], &times())));

@@ -240,8 +240,8 @@ fn changes(on: &OnRoad<'_>, roles: &[Role]) -> Vec<Option<MapFacilityChange>> {
         (0..on.frames()).map(|i| on.ego.is_known(i).then_some(MapFacilityChange::None)).collect();
     let aside = sides(on, roles);
     let mut before = None;
-    for i in 0..on.frames() {
-        let Some(now) = aside[i] else { continue };
+    for (i, side) in aside.iter().enumerate() {
+        let Some(now) = *side else { continue };
         if before.is_some_and(|b| b != now) {
             let code = if now { MapFacilityChange::MainToRamp } else { MapFacilityChange::RampToMain };
             let near = |j: &usize| (on.times[*j] - on.times[i]).abs() <= CHANGE_S + 0.01;

@@ -269,7 +269,7 @@ fn a_target_turns_by_its_heading() {
         (s.min(40.0) + 10.0 * a.sin(), -10.0 + 10.0 * a.cos() - on, -a)
     });
     car(&mut d, "straight", |t| (8.0 * t, 3.5, 0.0));
-    let mut m = map(vec![crate::scene::lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
+    let mut m = map(vec![lane("far", &[(900.0, 900.0), (950.0, 900.0)], 3.5)]);
     m.junctions = vec![crate::scene::area("j", &[(39.0, -11.0), (56.0, -11.0), (56.0, 8.0), (39.0, 8.0)])];
     d.map = Some(m);
     let t = Table::of(&d);
