@@ -19,6 +19,8 @@ const CENTRED_M: f64 = 0.3;
 const LEFT_CENTRE_M: f64 = 0.5;
 /// Share of its offset that an attempt must have been steered.
 const OWN_SHARE: f64 = 0.4;
+/// Rows before and after an attempt in which the ego drives along its lane: 2 s at 10 Hz.
+const ALONG_ROWS: usize = 20;
 /// An excursion longer than this is a way of driving, s.
 const LONGEST_S: f64 = 20.0;
 /// The turn back is where the offset falls this much under its peak, m.
@@ -119,8 +121,9 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.
     let place = |i: usize| OnWay { position: ego.position[i], direction: scene.around.path.ego_heading[i] };
     let span = |from: usize, to: usize| (from..=to).step_by(3).map(place).collect::<Vec<_>>();
-    let last = x.end.min(ego.len() - 1);
-    let out = most_shifted(&span(x.first, peak), &span(peak, peak), sign);
+    // From before it left the centre to after it was back, where it drives along the lane.
+    let (first, last) = (x.first.saturating_sub(ALONG_ROWS), (x.end + ALONG_ROWS).min(ego.len() - 1));
+    let out = most_shifted(&span(first, peak), &span(peak, peak), sign);
     let back = most_shifted(&span(peak, peak), &span(peak, last), -sign);
     if out.max(back) < OWN_SHARE * off(peak) {
         return None;
