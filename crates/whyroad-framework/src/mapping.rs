@@ -20,6 +20,7 @@ mod read;
 
 pub use read::{MAPPING_CODES, read_mapping};
 
+use crate::{Framework, ResolvedSpec};
 use std::collections::BTreeMap;
 use whyroad_model::ScenarioId;
 
@@ -34,6 +35,9 @@ pub struct ClassMapping {
     pub changes: BTreeMap<ScenarioId, ClassChange>,
     /// 16 hexadecimal digits of a hash of the changes: labels that were carried along by them say so.
     pub mark: String,
+    /// Ids of the records that a label of each class after the change has to have (the last column of TAXONOMY.md);
+    /// a class that is not here asks for none. [`ClassMapping::requiring`] fills it.
+    pub records: BTreeMap<ScenarioId, Vec<String>>,
 }
 
 /// What becomes of a class.
@@ -56,6 +60,14 @@ pub struct SplitPart {
 }
 
 impl ClassMapping {
+    /// With the records that the classes of `framework`, the one after the change, require.
+    #[must_use]
+    pub fn requiring(mut self, framework: &Framework) -> Self {
+        let ids = |spec: &ResolvedSpec| spec.records.iter().map(|r| r.id.clone()).collect();
+        self.records = framework.specs.iter().map(|(id, spec)| (id.clone(), ids(spec))).collect();
+        self
+    }
+
     /// What becomes of `id`: its own change, or that of the nearest class above it that is renamed.
     pub fn change(&self, id: &ScenarioId) -> Option<ClassChange> {
         if let Some(change) = self.changes.get(id) {

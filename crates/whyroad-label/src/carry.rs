@@ -19,7 +19,8 @@ pub enum Carried {
         /// Class after.
         to: ScenarioId,
     },
-    /// The class is split, and the label has what none or several of the parts ask for.
+    /// The class is split, and the label has what none or several of the parts ask for; or the class after requires a
+    /// record that the label does not have, then it is the only part.
     Undecided {
         /// Class before.
         from: ScenarioId,
@@ -54,6 +55,9 @@ pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
             }
         },
     };
+    if to != from && undecided.is_none() && lacks_records(mapping, label, &to) {
+        undecided = Some(vec![to.clone()]);
+    }
     let secondary = secondary(mapping, label, &mut undecided);
     if to == from && !secondary && undecided.is_none() {
         return Carried::Same;
@@ -68,6 +72,16 @@ pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
         Some(parts) => Carried::Undecided { from, to, parts },
         None => Carried::Moved { from, to },
     }
+}
+
+/// True when a label that states a decision lacks a record that `class` requires.
+fn lacks_records(mapping: &ClassMapping, label: &Value, class: &ScenarioId) -> bool {
+    let filled = label.pointer(pointer::RECORDS);
+    label.pointer(pointer::DRIVING_DECISION).is_some()
+        && mapping
+            .records
+            .get(class)
+            .is_some_and(|ids| ids.iter().any(|id| filled.is_none_or(|f| f[id].is_null())))
 }
 
 /// The class that a label names, where it is one.
@@ -177,12 +191,14 @@ mod tests {
             ]
             .into(),
             mark: "0123456789abcdef".into(),
+            records: [(id("a.b.x"), vec!["grade".to_owned()])].into(),
         }
     }
 
     fn label(l3: &str, longitudinal: &str) -> Value {
         json!({
             "scenario": {"l1": "a", "l2": "b", "l3": l3, "full_id": format!("a.b.{l3}")},
+            "records": {"grade": 4.0},
             "driving_decision": {"longitudinal": longitudinal, "lateral": null},
             "secondary_scenarios": ["a.b.c", "a.z.z"],
             "provenance": {"source": "person", "versions": {"taxonomy": "1.0.0"}},
@@ -210,6 +226,15 @@ mod tests {
         assert_eq!((to, parts.len()), (id("a.b"), 3));
         // The L2 is known, the variant is not: never the first part, never the last.
         assert_eq!(open["scenario"], json!({"l1": "a", "l2": "b", "l3": null}));
+    }
+
+    #[test]
+    fn a_record_that_the_class_after_requires_is_for_a_person() {
+        let mut lacking = label("c", "resume");
+        lacking["records"] = json!({});
+        let Carried::Undecided { to, parts, .. } = carry(&mapping(), &mut lacking) else { panic!() };
+        assert_eq!((&to, parts), (&id("a.b.x"), vec![id("a.b.x")]));
+        assert_eq!(lacking["scenario"]["l3"], "x");
     }
 
     #[test]

@@ -29,6 +29,7 @@ fn renamed() -> (Framework, ClassMapping) {
         to: "3.0.0".into(),
         changes: [(id("reactive_agent.cutin.urgent"), change)].into(),
         mark: "00000000000000aa".into(),
+        ..ClassMapping::default()
     };
     (Framework::from_files(&files).0.unwrap(), mapping)
 }

@@ -151,11 +151,19 @@ fn one(
         State::Submitted | State::InCheck | State::Rework | State::Checked | State::InAudit | State::Accepted
     );
     let (from, to) = match &draft {
-        Carried::Moved { from, to } => (from.to_string(), to.to_string()),
-        _ => (from, class.to_string()),
+        Carried::Moved { from, to } | Carried::Undecided { from, to, .. } => {
+            (from.to_string(), to.to_string())
+        }
+        Carried::Same => (from, class.to_string()),
     };
     let mut note = format!("{from} -> {to}; {} -> {} [{}]", mapping.from, mapping.to, mapping.mark);
-    if let Carried::Undecided { from, parts, .. } = &draft {
+    // A record that the class after requires is asked for before a label is handed in.
+    let undecided = match &draft {
+        Carried::Undecided { to, parts, .. } if !handed_in && parts == std::slice::from_ref(to) => None,
+        Carried::Undecided { from, parts, .. } => Some((from, parts)),
+        Carried::Same | Carried::Moved { .. } => None,
+    };
+    if let Some((from, parts)) = undecided {
         let parts: Vec<String> = parts.iter().map(ToString::to_string).collect();
         note = format!("{note}: {}", parts.join(" | "));
         out.undecided.push(UndecidedTask {

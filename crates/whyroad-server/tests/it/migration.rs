@@ -19,6 +19,7 @@ fn mapping(of: &str, change: ClassChange, mark: &str) -> ClassMapping {
         to: "2.0.0".into(),
         changes: [(id(of), change)].into(),
         mark: mark.into(),
+        ..ClassMapping::default()
     }
 }
 
@@ -73,6 +74,16 @@ pub fn classes_are_carried_along_and_what_is_undecided_goes_to_people(world: &Wo
     assert!(again.moved.is_empty() && again.undecided.is_empty() && again.settings == 0, "{again:?}");
     let longer = admin.get(&format!("/tasks/{}/history", tasks[0])).fine();
     assert_eq!(longer["items"].as_array().unwrap().len(), history["items"].as_array().unwrap().len());
+
+    // A record that the class after requires: what was handed in without it goes back to its author.
+    let owing = mapping(FAST, ClassChange::To(id(URGENT)), "00000000000000cc");
+    let owing = ClassMapping { records: [(id(URGENT), vec!["grade".to_owned()])].into(), ..owing };
+    let dry = migrate(store, &owing, MigrationRun::Dry, world.app.now()).unwrap();
+    assert_eq!(dry.undecided.iter().map(|u| (&u.task, u.rework)).collect::<Vec<_>>(), {
+        let mut back = [(&tasks[0], true), (&tasks[1], true)];
+        back.sort();
+        back
+    });
 
     // A split that no label decides: what was handed in goes back to its author, what was not stays where it is.
     let part = |to: &str| SplitPart { to: id(to), when: BTreeMap::new() };

@@ -80,7 +80,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
     let name = args.mapping.display().to_string();
     let text = std::fs::read_to_string(&args.mapping).with_context(|| cannot_read(&name))?;
     let mapping = match read_mapping(&name, &text, before.as_ref(), &framework.taxonomy) {
-        Ok(mapping) => mapping,
+        Ok(mapping) => mapping.requiring(&framework),
         Err(found) => {
             for d in &found {
                 tell!("{}", output::render_text(d, global.lang));
