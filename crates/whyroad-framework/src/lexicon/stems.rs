@@ -1,5 +1,5 @@
-//! Stems of what the ego does (`stems` of `schema/decision_lexicon.yaml`), for words that no phrase holds. They support a
-//! decision and never contradict one.
+//! Stems of what the ego does (`stems` of `schema/decision_lexicon.yaml`), for words that no phrase holds. They support
+//! a decision and never contradict one.
 
 use super::{Says, Words};
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! Drafts in the background. Deriving a draft takes a second or so, and a lead makes hundreds of tasks at once: these
-//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made one after the
-//! other beside the service's work. Whoever opens a pending task before its turn has its draft made then.
+//! are stored at once, pending, without reading their drives, and their drafts and small pictures are made one after
+//! the other beside the service's work. Whoever opens a pending task before its turn has its draft made then.
 
 use crate::app::App;
 use crate::problem::{Answer, Problem};

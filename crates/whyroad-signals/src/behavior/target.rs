@@ -27,8 +27,8 @@ const SUDDEN_LEAST_MPS: f64 = 1.0;
 /// Half width of the mean over the acceleration, s.
 const MEAN_REACH_S: f64 = 0.2;
 
-/// By row, whether a vehicle goes backwards: in one stretch for at least [`REVERSE_LEAST_M`]. A shorter stretch that the
-/// beginning or the end of the track cuts off is unknown.
+/// By row, whether a vehicle goes backwards: in one stretch for at least [`REVERSE_LEAST_M`]. A shorter stretch that
+/// the beginning or the end of the track cuts off is unknown.
 fn reverses(is_vehicle: bool, times: &[f64], forward_speed: &[f64]) -> Vec<Tri> {
     let n = forward_speed.len();
     if !is_vehicle {

@@ -96,8 +96,8 @@ impl Rows<'_> {
         (sign * at.lateral, sign * self.velocity[row].dot(left))
     }
 
-    /// How far it moved towards `sign` by its own steering around row `k`, at most, m; `None` where it stands meanwhile, so
-    /// that its direction is not known all the time.
+    /// How far it moved towards `sign` by its own steering around row `k`, at most, m; `None` where it stands
+    /// meanwhile, so that its direction is not known all the time.
     fn by_own_steering(&self, k: usize, sign: f64) -> Option<f64> {
         let near = |row: &usize| (self.times[*row] - self.times[k]).abs() <= AROUND_S;
         let rows = |all: std::ops::Range<usize>| all.filter(near).step_by(3);

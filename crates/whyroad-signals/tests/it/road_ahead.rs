@@ -276,8 +276,8 @@ fn room_between_two_boxes() {
     assert_eq!(Table::of(&d).ego_flag("map.crosswalk_signalised", 20), False);
 }
 
-/// A weaving lane w from x = 0 to 300 to the right of the main lane m, which goes on from -300 to 600; a ramp comes onto
-/// w and another leaves it.
+/// A weaving lane w from x = 0 to 300 to the right of the main lane m, which goes on from -300 to 600; a ramp comes
+/// onto w and another leaves it.
 fn weaving() -> Vec<Lane> {
     let mut lanes = vec![
         lane("before", &[(-300.0, 3.5), (0.0, 3.5)], 3.5),

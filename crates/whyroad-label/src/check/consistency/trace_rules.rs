@@ -147,8 +147,8 @@ pub(in crate::check) fn states_decision(
     reading.mentions.iter().filter(inside).any(|m| says_label(m, lexicon, label))
 }
 
-/// A word that no phrase holds says of the ego what the label decides: its stem does, in a clause where the trace decides
-/// and in which nobody else acts before it.
+/// A word that no phrase holds says of the ego what the label decides: its stem does, in a clause where the trace
+/// decides and in which nobody else acts before it.
 fn by_stem(text: &str, reading: &Reading, lexicon: &Lexicon, label: &View<'_>, facts: &TextFacts) -> bool {
     let end = reading.end.min(text.len());
     let Some(part) = text.get(reading.decision_from.min(end)..end) else { return false };
