@@ -4,6 +4,26 @@ use crate::pair::PairTable;
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
 use std::collections::BTreeMap;
 
+/// The first clause of what a signal means: what it is, without how it is computed. A signal that the clause refers to
+/// by its id is named by the first clause of its own meaning, which `meaning` gives.
+pub fn short_meaning<'m>(text: &str, meaning: impl Fn(&str) -> Option<&'m str>) -> String {
+    let clause = first_clause(text);
+    let short = |id: &str| meaning(id).map(first_clause).filter(|words| !words.is_empty());
+    let other = clause.split(|c: char| !is_id_character(c)).find_map(|id| Some((id, short(id)?)));
+    other.map_or_else(|| clause.to_owned(), |(id, words)| clause.replace(id, words))
+}
+
+/// True for a character that ids of signals are made of.
+pub fn is_id_character(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_' || c == '.'
+}
+
+fn first_clause(text: &str) -> &str {
+    let stops = [". ", ", ", ": ", "; ", " (", "。", "，", "：", "；", "（"];
+    let end = stops.iter().filter_map(|s| text.find(s)).filter(|&i| i > 0).min().unwrap_or(text.len());
+    text[..end].trim_end_matches(['.', '。'])
+}
+
 /// Name of the column with the standard deviations of a number signal, in its unit, beside that of the signal. A signal
 /// without one is exact.
 pub fn deviation_name(signal: &str) -> String {

@@ -2,6 +2,7 @@
 
 use crate::markup::Markup;
 use std::collections::BTreeMap;
+use whyroad_model::signal::short_meaning;
 use whyroad_model::units::{Dimension, Unit};
 use whyroad_model::{Bilingual, Column, Displayed, FrameRange, SignalTable, TrackId, Tri};
 
@@ -34,27 +35,14 @@ pub struct Span {
     pub keyframe: usize,
 }
 
-/// What a signal is called: the first clause of its meaning, other signals in it by theirs; its id without a meaning.
+/// What a signal is called: its meaning, shortened; its id without a meaning.
 fn caption(infos: &BTreeMap<String, SignalInfo>, name: &str) -> Bilingual {
     let in_words = |zh: bool| {
-        let clause_of = |id: &str| {
-            let meaning = &infos.get(id)?.meaning;
-            let clause = first_clause(if zh { &meaning.zh } else { &meaning.en });
-            (!clause.is_empty()).then_some(clause)
-        };
-        let Some(clause) = clause_of(name) else { return name.to_owned() };
-        let is_id = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
-        let other = clause.split(|c: char| !is_id(c)).find_map(|id| Some((id, clause_of(id)?)));
-        other.map_or_else(|| clause.to_owned(), |(id, words)| clause.replace(id, words))
+        let meaning = |id: &str| infos.get(id).map(|i| if zh { &*i.meaning.zh } else { &*i.meaning.en });
+        let words = meaning(name).map(|text| short_meaning(text, meaning)).filter(|words| !words.is_empty());
+        words.unwrap_or_else(|| name.to_owned())
     };
     Bilingual::new(in_words(true), in_words(false))
-}
-
-/// The first clause of a text.
-fn first_clause(text: &str) -> &str {
-    let stops = [". ", ", ", ": ", "; ", " (", "。", "，", "：", "；", "（"];
-    let end = stops.iter().filter_map(|s| text.find(s)).filter(|&i| i > 0).min().unwrap_or(text.len());
-    text[..end].trim_end_matches(['.', '。'])
 }
 
 /// The plot of signal `name`, with its value at the keyframe in the caption.

@@ -1,14 +1,8 @@
 //! A condition of a rule in words, from the catalogue's meaning of the signal that it measures.
 
 use whyroad_model::Bilingual;
+use whyroad_model::signal::{is_id_character, short_meaning};
 use whyroad_signals::Catalogue;
-
-/// The first clause of a text: what a signal is, without how it is computed.
-fn first_clause(text: &str) -> &str {
-    let stops = [". ", ", ", ": ", "; ", " (", "。", "，", "：", "；", "（"];
-    let end = stops.iter().filter_map(|s| text.find(s)).filter(|&i| i > 0).min().unwrap_or(text.len());
-    text[..end].trim_end_matches(['.', '。'])
-}
 
 /// Words of the rule language that a sentence cannot keep: a condition with one of them is no single comparison.
 const SYNTAX: [&str; 14] = [
@@ -35,12 +29,11 @@ pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingu
         let words = in_words(what, catalogue)?;
         return Some(Bilingual::new(format!("不成立：{}", words.zh), format!("not so: {}", words.en)));
     }
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
-    if condition.split(|c: char| !is_name(c)).any(|word| SYNTAX.contains(&word)) {
+    if condition.split(|c: char| !is_id_character(c)).any(|word| SYNTAX.contains(&word)) {
         return None;
     }
     let mut names: Vec<&str> =
-        condition.split(|c: char| !is_name(c)).filter(|w| catalogue.get(w).is_some()).collect();
+        condition.split(|c: char| !is_id_character(c)).filter(|w| catalogue.get(w).is_some()).collect();
     names.sort_unstable();
     names.dedup();
     if names.is_empty() {
@@ -48,24 +41,16 @@ pub(super) fn in_words(condition: &str, catalogue: &Catalogue) -> Option<Bilingu
     }
     // A name may be the beginning of another.
     names.sort_by_key(|name| std::cmp::Reverse(name.len()));
-    // A meaning may refer to that of another signal.
-    let whole = |text: &str, zh: bool| -> String {
-        let clause = first_clause(text);
-        let inner = clause.split(|c: char| !is_name(c)).find_map(|w| Some((w, catalogue.get(w)?)));
-        inner.map_or_else(
-            || clause.to_owned(),
-            |(w, d)| clause.replace(w, first_clause(if zh { &d.meaning.zh } else { &d.meaning.en })),
-        )
-    };
     let said = |zh: bool| {
+        let meaning = |id: &str| catalogue.get(id).map(|d| if zh { &*d.meaning.zh } else { &*d.meaning.en });
         // Two steps, so that a name in the words of another is not replaced again.
         let mut text = bars(condition);
         for (i, name) in names.iter().enumerate() {
             text = text.replace(name, &format!("\u{1}{i}\u{2}"));
         }
         for (i, name) in names.iter().enumerate() {
-            let meaning = catalogue.get(name).map(|d| if zh { &d.meaning.zh } else { &d.meaning.en });
-            text = text.replace(&format!("\u{1}{i}\u{2}"), &whole(meaning.map_or(name, |m| m.as_str()), zh));
+            let words = short_meaning(meaning(name).unwrap_or(name), meaning);
+            text = text.replace(&format!("\u{1}{i}\u{2}"), &words);
         }
         text
     };
