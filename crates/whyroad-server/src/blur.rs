@@ -40,37 +40,37 @@ impl Blur {
             about.modified().ok().and_then(|t| t.duration_since(UNIX_EPOCH).ok()).map_or(0, |d| d.as_nanos());
         // Another program or a changed image is another result.
         let key = format!("{}\n{}\n{changed}\n{}", self.program.display(), file.display(), about.len());
-        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("img");
-        let kept = self.cache.join(format!("{}.{extension}", secret::hash(&key)));
-        if kept.is_file() {
-            return Ok(kept);
-        }
-        let turn = self.turn()?;
-        let made = if kept.is_file() { Ok(()) } else { self.make(file, &kept, extension) };
-        drop(turn);
-        made.map(|()| kept)
+        self.once(&key, extension(file), |kept| self.make(file, kept))
     }
 
     /// The image to be shown in place of one in an object store, which `read` fetches. As it was, it does not stay.
     pub fn stored_image(&self, name: &str, read: impl FnOnce() -> Answer<Vec<u8>>) -> Answer<PathBuf> {
-        let extension = Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or("img");
+        let extension = extension(Path::new(name));
         let content = read()?;
         let key = format!("{}\n{}", self.program.display(), secret::hash_bytes(&content));
-        let kept = self.cache.join(format!("{}.{extension}", secret::hash(&key)));
+        self.once(&key, extension, |kept| {
+            let file = self.cache.join(format!("{}.in.{extension}", secret::id()?));
+            let written = std::fs::write(&file, content).map_err(|e| failed(&e.to_string()));
+            let made = written.and_then(|()| self.make(&file, kept));
+            let _ = std::fs::remove_file(&file);
+            made
+        })
+    }
+
+    /// What is kept under `key`, made by `make` if nobody has made it until its turn.
+    fn once(&self, key: &str, extension: &str, make: impl FnOnce(&Path) -> Answer<()>) -> Answer<PathBuf> {
+        let kept = self.cache.join(format!("{}.{extension}", secret::hash(key)));
         if kept.is_file() {
             return Ok(kept);
         }
-        let file = self.cache.join(format!("{}.in.{extension}", secret::id()?));
         let turn = self.turn()?;
-        let written = std::fs::write(&file, content).map_err(|e| failed(&e.to_string()));
-        let made = written.and_then(|()| self.make(&file, &kept, extension));
-        let _ = std::fs::remove_file(&file);
+        let made = if kept.is_file() { Ok(()) } else { make(&kept) };
         drop(turn);
         made.map(|()| kept)
     }
 
-    fn make(&self, file: &Path, kept: &Path, extension: &str) -> Answer<()> {
-        let aside = self.cache.join(format!("{}.part.{extension}", secret::id()?));
+    fn make(&self, file: &Path, kept: &Path) -> Answer<()> {
+        let aside = self.cache.join(format!("{}.part.{}", secret::id()?, extension(file)));
         let made = self.run(file, &aside);
         let done = made.and_then(|()| {
             if std::fs::metadata(&aside).is_ok_and(|m| m.len() > 0) && same_format(file, &aside) {
@@ -117,6 +117,10 @@ impl Blur {
         *running += 1;
         Ok(Turn(self))
     }
+}
+
+fn extension(file: &Path) -> &str {
+    file.extension().and_then(|e| e.to_str()).unwrap_or("img")
 }
 
 /// One of the programs that may run.
