@@ -6,6 +6,7 @@ use crate::domain::project::Project;
 use crate::domain::task::{CreateTasks, Created, LostEpisode};
 use crate::domain::workflow::Position;
 use crate::problem::{Answer, Problem};
+use crate::recordings::span_of;
 use crate::service::tasks::{self, Entry, TaskRow};
 use crate::service::{history, projects, thumbnail, veil};
 use crate::store::Tx;
@@ -277,8 +278,7 @@ impl LastDrive {
             }
         };
         let source = self.0.insert(source);
-        let times = &source.drive.times;
-        within(episode, times.first().zip(times.last()).map(|(first, last)| (*first, *last)))?;
+        within(episode, span_of(&source.drive.times).ok())?;
         Ok(source)
     }
 }
