@@ -1,12 +1,12 @@
 //! Camera images in an object store: one object per image, handed out by links that end soon. Which image somebody may
 //! see is decided before; a link opens nothing but its one object.
 
-use super::mirror::Mirror;
+use super::mirror::{Mirror, collect};
 use super::{Objects, StorageUrl, in_parallel, objects};
 use crate::LakeError;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -99,16 +99,13 @@ impl Mirror {
     /// Uploads the images that this process has copied into the lake. Before the table that names them is published.
     pub(super) fn publish_images(&self) -> Result<(), LakeError> {
         let dir = self.dir().join("media");
-        let (mut files, mut todo) = (Vec::new(), vec![dir.clone()]);
-        while let Some(folder) = todo.pop() {
-            for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-                let path = entry.path();
-                if path.is_dir() { todo.push(path) } else { files.push(path) }
-            }
+        let mut images = BTreeMap::new();
+        if dir.is_dir() {
+            collect(&dir, "media/", &mut images)?;
         }
-        in_parallel(&files, |file| {
-            let key = key_of(file, self.dir());
-            self.objects.upload(file, &key)?;
+        let images: Vec<(String, PathBuf)> = images.into_iter().collect();
+        in_parallel(&images, |(key, file)| {
+            self.objects.upload(file, key)?;
             fs::remove_file(file).map_err(LakeError::io(file))
         })
     }
@@ -122,9 +119,4 @@ impl Mirror {
     pub(crate) fn forget_images(&self, id: &str) {
         self.state().removed.insert(id.to_owned());
     }
-}
-
-fn key_of(file: &Path, root: &Path) -> String {
-    let inside: PathBuf = file.strip_prefix(root).unwrap_or(file).to_owned();
-    inside.components().map(|c| c.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
 }

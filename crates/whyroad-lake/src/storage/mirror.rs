@@ -308,7 +308,11 @@ fn found_lake(objects: &dyn Objects) -> Result<(), LakeError> {
 
 /// The files of a lake's folder by path. A name with a leading dot is one that is being written; images are not among
 /// the files of the manifest.
-fn collect(dir: &Path, prefix: &str, found: &mut BTreeMap<String, PathBuf>) -> Result<(), LakeError> {
+pub(super) fn collect(
+    dir: &Path,
+    prefix: &str,
+    found: &mut BTreeMap<String, PathBuf>,
+) -> Result<(), LakeError> {
     for entry in fs::read_dir(dir).map_err(LakeError::io(dir))? {
         let entry = entry.map_err(LakeError::io(dir))?;
         let name = entry.file_name().to_string_lossy().into_owned();
