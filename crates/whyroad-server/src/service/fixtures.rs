@@ -22,45 +22,11 @@ use whyroad_model::messages::{CocLabel, EpisodeCursor, EpisodeFilter, EpisodePag
 use whyroad_model::scene::{Ego, MediaFrame, Motion};
 use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 
-/// Nothing is asked of it here.
-struct NoDrives;
-
-impl Recordings for NoDrives {
-    fn drive(&self, id: &DriveId) -> Result<Arc<Drive>, Bilingual> {
-        Err(Bilingual::same(format!("no drive {id}")))
-    }
-    fn signals(&self, _: &Drive) -> SignalTable {
-        unreachable!("no drive was given")
-    }
-    fn about(&self, _: &str) -> Option<SignalAbout> {
-        None
-    }
-    fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
-        unreachable!("no drive was given")
-    }
-    fn mined(&self) -> Vec<String> {
-        vec![]
-    }
-    fn episode_count(&self, _: &str, _: &EpisodeFilter) -> Option<Result<u64, Bilingual>> {
-        None
-    }
-    fn episodes(
-        &self,
-        _: &str,
-        _: &EpisodeFilter,
-        _: Option<EpisodeCursor>,
-        _: usize,
-    ) -> Option<Result<EpisodePage, Bilingual>> {
-        None
-    }
-    fn media(&self, _: &DriveId, _: &MediaFrame) -> Option<PathBuf> {
-        None
-    }
-}
-
-/// Drives of two frames around the fixtures' keyframes, all but `absent`; counts how often it is read and derived.
+/// No drives, or where there are some all but `absent`, of two frames around the fixtures' keyframes; counts how often
+/// they are read and derived.
 #[derive(Default)]
 pub struct Counted {
+    some: bool,
     pub read: AtomicUsize,
     pub derived: AtomicUsize,
 }
@@ -76,6 +42,9 @@ impl Recordings for Counted {
         Ok(Arc::new(drive))
     }
     fn span(&self, id: &DriveId) -> Result<(Nanos, Nanos), Bilingual> {
+        if !self.some {
+            return Err(Bilingual::same(format!("no drive {id}")));
+        }
         if id.as_str() == "absent" {
             return Err(Bilingual::same("no such drive"));
         }
@@ -83,6 +52,7 @@ impl Recordings for Counted {
         Ok((time("2026-01-01T00:00:00Z"), time("2026-01-01T00:00:09Z")))
     }
     fn signals(&self, _: &Drive) -> SignalTable {
+        assert!(self.some, "no drive was given");
         self.derived.fetch_add(1, Ordering::SeqCst);
         SignalTable::default()
     }
@@ -90,6 +60,7 @@ impl Recordings for Counted {
         None
     }
     fn draft(&self, _: &Drive, _: &SignalTable, _: &EpisodeRecord, _: Lang) -> CocLabel {
+        assert!(self.some, "no drive was given");
         let draft = json!({
             "version": "2.1.0", "clip_id": "d_000",
             "scenario": {"l1": "reactive_agent", "l2": "cutin", "l3": "normal"},
@@ -123,7 +94,7 @@ impl Recordings for Counted {
 /// The service with such drives, and a folder for its store.
 pub fn counted() -> (App, Arc<Counted>, tempfile::TempDir) {
     let (mut app, dir) = app();
-    let recordings = Arc::new(Counted::default());
+    let recordings = Arc::new(Counted { some: true, ..Counted::default() });
     app.recordings = Arc::clone(&recordings) as Arc<dyn Recordings>;
     (app, recordings, dir)
 }
@@ -161,7 +132,7 @@ pub fn app() -> (App, tempfile::TempDir) {
     let server = SERVER.with_borrow(|s| s.as_ref().map(|s| StoreLocation::parse(&s.database())));
     let place = server.unwrap_or_else(|| StoreLocation::File(dir.path().join("s.db")));
     let store = Store::open_keeping(&place, dir.path()).unwrap();
-    let app = App::new(store, Framework::bundled(), Arc::new(NoDrives)).unwrap();
+    let app = App::new(store, Framework::bundled(), Arc::new(Counted::default())).unwrap();
     let insert = "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('p', 'p', '', '{}', '{}', 0)";
     app.store.write(move |tx| tx.run(insert, &[])).unwrap();
     (app, dir)
