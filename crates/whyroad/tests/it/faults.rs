@@ -5,11 +5,11 @@
 
 use crate::service::http::Client;
 use crate::service::storm::{Annotator, Progress};
-use crate::service::{Service, annotators, first_project};
+use crate::service::{Service, crew};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -18,15 +18,6 @@ use std::time::{Duration, Instant};
 
 /// Annotators of a storm.
 const PEOPLE: usize = 6;
-
-/// Signs up `PEOPLE` annotators with a task each.
-fn crew(at: SocketAddr) -> (Client, String, Vec<Annotator>) {
-    let mut admin = Client::set_up(at, "admin");
-    let project = first_project(&mut admin);
-    let tokens = annotators(&mut admin, at, &project, 0..PEOPLE);
-    let crew = tokens.iter().map(|t| Annotator::begin(at, t, &project)).collect();
-    (admin, project, crew)
-}
 
 /// All of them save as fast as they can while `fault` runs, which is told how far each has come; a refusal or a broken
 /// connection ends one's storm.
@@ -100,7 +91,7 @@ fn kill_9_in_an_autosave_storm_loses_nothing_that_was_acknowledged() {
     let data = tempfile::tempdir().unwrap();
     let arguments = ["--data", data.path().to_str().unwrap()];
     let service = Service::start(&arguments);
-    let (_, project, mut crew) = crew(service.at);
+    let (_, project, mut crew) = crew(service.at, PEOPLE);
     let mut service = Some(service);
     for round in 0..3 {
         storm(&mut crew, |progress| {
@@ -134,7 +125,7 @@ fn a_full_disk_is_told_and_what_was_saved_before_stays() {
         return;
     };
     let service = Service::start(&["--data", disk.0.to_str().unwrap()]);
-    let (mut admin, project, mut crew) = crew(service.at);
+    let (mut admin, project, mut crew) = crew(service.at, PEOPLE);
     storm(&mut crew, |progress| each_saves(progress, &so_far(progress), 3));
     // Fill what is left.
     let filler = disk.0.join("filler");
@@ -180,7 +171,7 @@ fn a_database_that_restarts_is_waited_for() {
     let Some(mut server) = crate::postgres::Server::start() else { return };
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(&["--store", &server.database(), "--data", data.path().to_str().unwrap()]);
-    let (mut admin, project, mut crew) = crew(service.at);
+    let (mut admin, project, mut crew) = crew(service.at, PEOPLE);
     for _ in 0..2 {
         storm(&mut crew, |progress| {
             let before = so_far(progress);
@@ -204,7 +195,7 @@ fn a_database_that_restarts_is_waited_for() {
 fn slow_clients_do_not_hold_up_the_others() {
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(&["--data", data.path().to_str().unwrap()]);
-    let (_, _, mut crew) = crew(service.at);
+    let (_, _, mut crew) = crew(service.at, PEOPLE);
     let at = service.at;
     let stop = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -244,7 +235,7 @@ fn a_service_told_to_stop_finishes_what_it_has_begun() {
     let data = tempfile::tempdir().unwrap();
     let arguments = ["--data", data.path().to_str().unwrap()];
     let service = Service::start(&arguments);
-    let (_, project, mut crew) = crew(service.at);
+    let (_, project, mut crew) = crew(service.at, PEOPLE);
     let pid = service.pid().to_string();
     let mut service = Some(service);
     storm(&mut crew, |progress| {

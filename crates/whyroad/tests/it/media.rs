@@ -4,7 +4,7 @@
 
 use crate::service::http::Client;
 use crate::service::storm::Annotator;
-use crate::service::{Service, annotators, demo, first_project};
+use crate::service::{Service, crew, demo};
 use crate::session::{Run, whyroad_in, whyroad_with};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -77,10 +77,8 @@ fn pictures_after_the_keyframe_are_kept_back_in_stage_one() {
     let data = at.join("data");
     let folders = ["--data", data.to_str().unwrap(), "--media", at.to_str().unwrap()];
     let service = Service::start_on(&at.join("lake"), &folders);
-    let mut admin = Client::set_up(service.at, "admin");
-    let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
-    let mut annotator = Annotator::begin(service.at, &token, &project);
+    let (_, _, mut crew) = crew(service.at, 1);
+    let mut annotator = crew.remove(0);
     let task = format!("/tasks/{}", annotator.task);
 
     let first = frames(&mut annotator.client, &task);

@@ -2,9 +2,7 @@
 //! what an annotator gets of a task with its keyframe at that moment is the same, byte for byte.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::service::http::Client;
-use crate::service::storm::Annotator;
-use crate::service::{Service, annotators, first_project};
+use crate::service::{Service, crew};
 use crate::session::whyroad_in;
 use serde_json::json;
 use std::fmt::Write;
@@ -114,10 +112,8 @@ fn stage_one(rates: Rates, future: Future) -> Vec<(String, String)> {
         &at.join("mined"),
         &["--data", at.join("data").to_str().unwrap()],
     );
-    let mut admin = Client::set_up(service.at, "admin");
-    let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
-    let mut annotator = Annotator::begin(service.at, &token, &project);
+    let (_, project, mut crew) = crew(service.at, 1);
+    let mut annotator = crew.remove(0);
     let task = annotator.task.clone();
     let plain = |text: String| text.replace(&task, "TASK").replace(&project, "PROJECT");
     let mut out: Vec<(String, String)> = ["scene", "map", "thumbnail"]

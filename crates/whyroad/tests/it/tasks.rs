@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used)] // in a test a panic is the report
 
 use crate::service::http::Client;
-use crate::service::storm::Annotator;
-use crate::service::{Service, annotators, demo, first_project, mined_folder};
+use crate::service::{Service, crew, demo, mined_folder};
 use crate::session::{Run, whyroad_in};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -121,10 +120,8 @@ fn a_backup_of_a_running_service_restores_whole_or_not_at_all() {
     let dir = tempfile::tempdir().unwrap();
     let at = dir.path();
     let service = Service::start(&["--data", at.join("one").to_str().unwrap()]);
-    let mut admin = Client::set_up(service.at, "admin");
-    let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
-    let mut annotator = Annotator::begin(service.at, &token, &project);
+    let (_, _, mut crew) = crew(service.at, 1);
+    let mut annotator = crew.remove(0);
     for _ in 0..5 {
         assert!(annotator.save(), "{:?}", annotator.refused);
     }

@@ -5,8 +5,7 @@ use super::store::{Fault, Proxy, Store};
 use crate::dataset_images::lake_with_images;
 use crate::media::lock;
 use crate::service::http::{Answer, Client};
-use crate::service::storm::Annotator;
-use crate::service::{Service, annotators, first_project};
+use crate::service::{Service, crew};
 use serde_json::Value;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -71,10 +70,8 @@ fn links_are_short_lived_for_one_image_and_never_for_the_future() {
     let environment = store.environment(watching.port, &at.join("cache"));
     let arguments = ["--data", &data, "--media", "s3://fleet/logs", "--media-link-seconds", "45"];
     let service = Service::start_in(&at.join("lake"), &arguments, &environment);
-    let mut admin = Client::set_up(service.at, "admin");
-    let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
-    let mut annotator = Annotator::begin(service.at, &token, &project);
+    let (_, _, mut crew) = crew(service.at, 1);
+    let mut annotator = crew.remove(0);
     let task = format!("/tasks/{}", annotator.task);
 
     let first = frames(&mut annotator.client, &task);
@@ -145,10 +142,8 @@ fn blurred_images_are_sent_and_not_linked() {
     let environment = store.environment(store.port, &at.join("cache"));
     let arguments = ["--data", &data, "--media", "s3://fleet/logs", "--blur", &program];
     let service = Service::start_in(&at.join("lake"), &arguments, &environment);
-    let mut admin = Client::set_up(service.at, "admin");
-    let project = first_project(&mut admin);
-    let token = annotators(&mut admin, service.at, &project, 0..1).remove(0);
-    let mut annotator = Annotator::begin(service.at, &token, &project);
+    let (_, _, mut crew) = crew(service.at, 1);
+    let mut annotator = crew.remove(0);
     let task = format!("/tasks/{}", annotator.task);
     for frame in frames(&mut annotator.client, &task).iter().take(3) {
         let answer = get(&mut annotator.client, frame["url"].as_str().unwrap());

@@ -13,6 +13,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
+use storm::Annotator;
 use whyroad_lake::MinedFolder;
 use whyroad_lake::mined::{Existing, MinedFolderWriter};
 
@@ -151,6 +152,15 @@ pub fn annotators(admin: &mut Client, at: SocketAddr, project: &str, numbers: Ra
         own.post("/tokens", &json!({"name": "test"})).good()["token"].as_str().unwrap().to_owned()
     };
     numbers.map(tokens).collect()
+}
+
+/// Sets a new service up: its admin, its first project, and this many annotators with a task each.
+pub fn crew(at: SocketAddr, people: usize) -> (Client, String, Vec<Annotator>) {
+    let mut admin = Client::set_up(at, "admin");
+    let project = first_project(&mut admin);
+    let tokens = annotators(&mut admin, at, &project, 0..people);
+    let crew = tokens.iter().map(|t| Annotator::begin(at, t, &project)).collect();
+    (admin, project, crew)
 }
 
 /// The id of the first project of a service; created, with tasks from its mined folder, if it has none.
