@@ -79,7 +79,9 @@ pub(in crate::check) fn judge(
         _ => None,
     };
     if let Some(label) = not_stated {
-        sink(TraceVerdict::NotStated { label, start: reading.decision_from, end: reading.end });
+        // What is told afterwards may begin before the mark.
+        let start = reading.decision_from.min(reading.end);
+        sink(TraceVerdict::NotStated { label, start, end: reading.end });
     }
 }
 
