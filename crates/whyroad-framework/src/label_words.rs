@@ -2,15 +2,22 @@
 //! things, sides, states, colours, hindsight, placeholders. What follows from them is decided by the label checks.
 
 mod aftermath;
+mod clauses;
+mod compared;
 mod compile;
 
 pub use aftermath::{Aftermath, TellWord};
+pub use clauses::{Clauses, Divider};
+pub use compared::{CharSet, Compared, hashed};
 
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
+use std::ops::Range;
+use whyroad_model::decision::Longitudinal;
 use whyroad_model::{Bilingual, Diagnostic, yaml};
 
-use crate::lexicon::trie::Trie;
+use crate::lexicon::trie::{Found, Trie};
+use crate::lexicon::units::Units;
 
 /// Letters and digits of a placeholder; the list is checked against it.
 const LONGEST_PLACEHOLDER: usize = 32;
@@ -35,6 +42,23 @@ impl GroupSet {
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
+}
+
+/// Kinds of things that the checks ask for by name; empty where the file has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KnownKinds {
+    /// Whoever drives before the ego.
+    pub lead: GroupSet,
+    /// Whoever waits in a row.
+    pub queue: GroupSet,
+    /// Any vehicle.
+    pub vehicle: GroupSet,
+    /// Vehicles that are not in the ego's lane.
+    pub elsewhere: GroupSet,
+    /// What causes no decision by itself: gaps and lanes.
+    pub no_cause: GroupSet,
+    /// Lights.
+    pub light: GroupSet,
 }
 
 /// A group of words for one kind of thing.
@@ -114,12 +138,22 @@ pub struct LabelWords {
     pub kinds: BTreeMap<String, GroupSet>,
     names: BTreeMap<String, Bilingual>,
     placeholders: HashSet<String>,
+    /// The first two letters of each, sorted.
+    placeholder_starts: Vec<[char; 2]>,
     trie: Trie,
     roles: Vec<WordRole>,
     reasons: Trie,
     scene: Trie,
     /// What tells of events after the decision.
     pub aftermath: Aftermath,
+    /// How texts are divided.
+    pub clauses: Clauses,
+    /// Kinds that the checks ask for.
+    pub known: KnownKinds,
+    /// By decision, what brings it about; a decision that is not here can have any cause.
+    pub causes: Vec<(Longitudinal, GroupSet)>,
+    /// What texts are compared without.
+    pub compared: Compared,
 }
 
 impl LabelWords {
@@ -140,8 +174,14 @@ impl LabelWords {
     }
 
     /// Gives the words of `text` to `take` in order, never overlapping.
-    pub fn hits(&self, text: &str, mut take: impl FnMut(WordHit)) {
-        self.trie.find(text, |f| take(WordHit { role: self.roles[f.word], start: f.start, end: f.end }));
+    pub fn hits(&self, text: &str, take: impl FnMut(WordHit)) {
+        self.hits_in(&Units::of(text), 0..text.len(), take);
+    }
+
+    /// The same in a part of a text that has been cut, which begins and ends between units.
+    pub fn hits_in(&self, units: &Units, bytes: Range<usize>, mut take: impl FnMut(WordHit)) {
+        let hit = |f: Found| WordHit { role: self.roles[f.word], start: f.start, end: f.end };
+        self.trie.find_in(units, bytes, |f| take(hit(f)));
     }
 
     /// True when there are no words at all: nothing can be said about a text then.
@@ -160,12 +200,23 @@ impl LabelWords {
         let Some(first) = letters.next() else { return true };
         let (mut same, mut digits, mut count) = (true, first.is_ascii_digit(), 1_usize);
         for c in letters {
-            same &= c.to_lowercase().eq(first.to_lowercase());
-            digits &= c.is_ascii_digit();
+            same = same && c.to_lowercase().eq(first.to_lowercase());
+            digits = digits && c.is_ascii_digit();
             count += 1;
-            // A longer text is none of the list; most texts end here.
-            if !same && !digits && count > LONGEST_PLACEHOLDER {
-                return false;
+            if !same && !digits {
+                // Most texts end here: they begin otherwise than any of the list, or are longer.
+                let begins = count == 2 && is_plain(first) && is_plain(c);
+                if begins
+                    && self
+                        .placeholder_starts
+                        .binary_search(&[first, c].map(|c| c.to_ascii_lowercase()))
+                        .is_err()
+                {
+                    return false;
+                }
+                if count > LONGEST_PLACEHOLDER {
+                    return false;
+                }
             }
         }
         (same && count > 1) || digits || self.placeholders.contains(&compile::bare(text))
@@ -184,6 +235,11 @@ impl LabelWords {
         self.reasons.find(text, |_| any = true);
         any
     }
+}
+
+/// A letter that is its own lower case, or one of ASCII.
+fn is_plain(c: char) -> bool {
+    c.is_ascii() || !c.is_uppercase()
 }
 
 /// The file as written.
@@ -205,6 +261,9 @@ struct File {
     unchanged: Words,
     hindsight: RawHindsight,
     aftermath: aftermath::RawAftermath,
+    clauses: clauses::RawClauses,
+    causes: BTreeMap<String, Vec<String>>,
+    compared: compared::RawCompared,
     placeholder: Words,
     plain: Words,
     scene: Words,

@@ -6,6 +6,7 @@ mod compile;
 pub(crate) mod expand;
 mod stems;
 pub(crate) mod trie;
+pub mod units;
 
 pub use compile::{Hit, Role};
 pub use stems::Stems;

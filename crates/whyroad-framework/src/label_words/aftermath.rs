@@ -3,8 +3,10 @@
 use super::Words;
 use super::compile::{expanded, trie};
 use crate::lexicon::trie::Trie;
+use crate::lexicon::units::Units;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use whyroad_model::Bilingual;
 
 /// What a word says of the clause it is in.
@@ -32,9 +34,14 @@ pub struct Aftermath {
 }
 
 impl Aftermath {
-    /// Gives the words of a clause of a trace to `take`: what each says, first byte, one past its last byte.
-    pub fn trace_hits(&self, text: &str, mut take: impl FnMut(TellWord, usize, usize)) {
-        self.trace.find(text, |f| take(self.tells[f.word], f.start, f.end));
+    /// Gives the words of a clause of a trace, `bytes`, to `take`: what each says, first byte, one past its last byte.
+    pub fn trace_hits(
+        &self,
+        units: &Units,
+        bytes: Range<usize>,
+        mut take: impl FnMut(TellWord, usize, usize),
+    ) {
+        self.trace.find_in(units, bytes, |f| take(self.tells[f.word], f.start, f.end));
     }
 }
 

@@ -1,10 +1,11 @@
 //! From the lists of `schema/label_words.yaml` to one search.
 
-use super::{File, GroupSet, LabelWords, ObjectGroup, SaidState, WordRole};
+use super::{File, GroupSet, KnownKinds, LabelWords, ObjectGroup, SaidState, WordRole};
 use crate::lexicon::expand::choices;
 use crate::lexicon::trie::Trie;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use whyroad_model::Bilingual;
+use whyroad_model::decision::Longitudinal;
 
 /// Groups of things that a set can hold.
 const MAX_GROUPS: usize = 64;
@@ -55,6 +56,30 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         *known = known.with(set);
     }
 
+    let mut causes = Vec::new();
+    for (decision, members) in &raw.causes {
+        let mut set = GroupSet::default();
+        for member in members {
+            match kinds.get(member) {
+                Some(kind) => set = set.with(*kind),
+                None => b.unknown_group(member),
+            }
+        }
+        match Longitudinal::from_id(decision) {
+            Some(d) => causes.push((d, set)),
+            None => b.unknown_decision(decision),
+        }
+    }
+    let kind = |id: &str| kinds.get(id).copied().unwrap_or_default();
+    let known = KnownKinds {
+        lead: kind("lead"),
+        queue: kind("queue"),
+        vehicle: kind("vehicle"),
+        elsewhere: kind("oncoming").with(kind("parked_vehicle")).with(kind("broken_down")),
+        no_cause: kind("gap").with(kind("lane")),
+        light: kind("light"),
+    };
+
     let Builder { texts, mut problems } = b;
     let trie = trie(texts.keys().map(String::as_str), &mut problems);
     let mut reasons: Vec<String> =
@@ -62,7 +87,9 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     reasons.sort_unstable();
     reasons.dedup();
     let reasons = self::trie(reasons.iter().map(String::as_str), &mut problems);
-    let placeholders = raw.placeholder.all().map(bare).collect();
+    let placeholders: HashSet<String> = raw.placeholder.all().map(bare).collect();
+    let mut placeholder_starts: Vec<[char; 2]> = placeholders.iter().filter_map(|p| first_two(p)).collect();
+    placeholder_starts.sort_unstable();
     let roles = texts.into_values().collect();
     let mut scene: Vec<String> = raw.scene.all().flat_map(|p| expanded(p, &mut problems)).collect();
     scene.sort_unstable();
@@ -70,12 +97,35 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
     let scene = self::trie(scene.iter().map(String::as_str), &mut problems);
     let aftermath = raw.aftermath.compile(&mut problems);
     let names = raw.names.iter().map(|(id, n)| (id.clone(), Bilingual::new(&n.zh, &n.en))).collect();
-    (LabelWords { objects, kinds, names, placeholders, trie, roles, reasons, scene, aftermath }, problems)
+    let compared = raw.compared.compile();
+    let clauses = raw.clauses.compile();
+    let words = LabelWords {
+        objects,
+        kinds,
+        names,
+        placeholders,
+        placeholder_starts,
+        trie,
+        roles,
+        reasons,
+        scene,
+        aftermath,
+        clauses,
+        known,
+        causes,
+        compared,
+    };
+    (words, problems)
 }
 
 /// A text without spaces and punctuation, in lower case: how placeholders are compared.
 pub(super) fn bare(text: &str) -> String {
     text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+fn first_two(text: &str) -> Option<[char; 2]> {
+    let mut chars = text.chars();
+    Some([chars.next()?, chars.next()?])
 }
 
 fn groups(raw: &File, b: &mut Builder) -> Vec<ObjectGroup> {
@@ -150,6 +200,13 @@ impl Builder {
                 }
             }
         }
+    }
+
+    fn unknown_decision(&mut self, name: &str) {
+        self.problems.push(Bilingual::new(
+            format!("causes 中的 '{name}' 不是纵向决策"),
+            format!("'{name}' in causes is not a longitudinal decision"),
+        ));
     }
 
     fn unknown_group(&mut self, name: &str) {

@@ -3,8 +3,10 @@
 
 use super::expand::{Plain, expand};
 use super::trie::Trie;
+use super::units::Units;
 use super::{File, Lexicon, Says};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
@@ -70,9 +72,10 @@ pub struct Hit {
 }
 
 impl Lexicon {
-    /// Gives the words of `text` to `take` in order.
-    pub fn hits(&self, text: &str, mut take: impl FnMut(Hit)) {
-        self.trie.find(text, |f| {
+    /// Gives the words of a part of a text to `take` in order, never overlapping. The part begins and ends between
+    /// units.
+    pub fn hits(&self, units: &Units, bytes: Range<usize>, mut take: impl FnMut(Hit)) {
+        self.trie.find_in(units, bytes, |f| {
             let p = &self.patterns[f.word];
             take(Hit { role: p.role, side: p.side, start: f.start, end: f.end });
         });

@@ -1,22 +1,38 @@
-//! Finds words in a text: leftmost, longest, whole words where they are of Latin letters. A trie of characters,
-//! because traces are short and most characters start no word of the lexicon: an automaton over bytes
+//! Finds words in a text: leftmost, longest, whole words where they are of Latin letters. A trie over units
+//! ([`super::units`]), because traces are short and most units start no word of the lexicon: an automaton over bytes
 //! (aho-corasick, tried first) spends its time waiting for its large tables.
+
+use super::units::{Unit, Units};
+use std::ops::Range;
 
 /// No word ends here.
 const NONE: u32 = u32::MAX;
+const SPACE: u64 = b' ' as u64;
+/// Bits of the filter of beginnings, as a power of two.
+const FILTER_BITS: u32 = 18;
 
 #[derive(Clone, Debug, Default)]
 pub struct Trie {
-    /// By character: 0, or one more than its place in `entries`. Characters beyond the table start no word.
-    starts: Vec<u16>,
-    /// The same for two ASCII characters, `first * 128 + second`: every Latin letter starts some word, so this
-    /// is where most Latin words of a text are recognized as none of ours.
-    pairs: Vec<u16>,
-    /// Nodes to which one character or a pair leads, so that the two tables above stay half as large.
-    entries: Vec<u32>,
+    /// By character: 0, or one more than its place in `starts`. Characters beyond the table start no word.
+    characters: Vec<u16>,
+    /// The same by runs of Latin letters: an open table of keys and places, of a power of two.
+    runs: Vec<(u64, u16)>,
+    /// What one unit leads to.
+    starts: Vec<Start>,
+    /// Which pairs of a first and a second unit begin a word (behind a space: a first and a third): most texts end
+    /// here. A set bit may lie, a bit that is not set does not.
+    filter: Vec<u64>,
     nodes: Vec<Node>,
     /// Edges of all nodes, those of one node side by side and sorted.
-    edges: Vec<(char, u32)>,
+    keys: Vec<u64>,
+    children: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    node: u32,
+    /// The word of this unit alone.
+    word: u32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -34,143 +50,163 @@ pub struct Found {
     pub end: usize,
 }
 
-/// Lower-case Latin letters; nothing else has case here.
-fn fold(c: char) -> char {
-    c.to_ascii_lowercase()
+/// Spreads the bits of a key.
+fn mixed(key: u64) -> u64 {
+    let z = (key ^ (key >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z ^ (z >> 29)
 }
 
-fn is_latin(c: char) -> bool {
-    c.is_ascii_alphanumeric() || c == '_'
+/// The filter's bit of two units.
+fn pair(first: u64, second: u64, behind_space: bool) -> usize {
+    let both = first.rotate_left(25) ^ second ^ u64::from(behind_space) << 50;
+    (mixed(both) >> (64 - FILTER_BITS)) as usize
 }
 
 impl Trie {
-    /// A trie of `words`, which are in lower case, sorted and different. `None` when there are too many.
+    /// A trie of `words`, which are in lower case and different. `None` when there are too many.
     pub fn new<'w>(words: impl Iterator<Item = &'w str>) -> Option<Self> {
-        let words: Vec<Vec<char>> = words.map(|w| w.chars().collect()).collect();
-        let mut trie = Self { starts: vec![0; 0x1_0000], pairs: vec![0; 128 * 128], ..Self::default() };
+        let mut words: Vec<(Vec<u64>, u32)> =
+            words.zip(0..).map(|(w, i)| (Units::of(w).all().iter().map(|u| u.key).collect(), i)).collect();
+        words.sort_unstable();
+        let mut trie = Self {
+            characters: vec![0; 0x1_0000],
+            filter: vec![0; (1 << FILTER_BITS) / 64],
+            ..Self::default()
+        };
+        let mut runs = Vec::new();
         // Sorted words with a common beginning stand side by side: each node is a range of them.
         let mut from = 0;
         while from < words.len() {
-            let Some(&first) = words[from].first() else {
+            let Some(&first) = words[from].0.first() else {
                 from += 1;
                 continue;
             };
-            let to = from + words[from..].iter().take_while(|w| w.first() == Some(&first)).count();
+            let to = from + words[from..].iter().take_while(|w| w.0.first() == Some(&first)).count();
             let node = trie.add(&words, from, to, 1)?;
-            *trie.starts.get_mut(first as usize)? = trie.entry(node)?;
-            if first.is_ascii() {
-                let n = trie.nodes[node as usize];
-                for edge in n.edges..n.edges + n.count {
-                    let (second, child) = trie.edges[edge as usize];
-                    if second.is_ascii() {
-                        trie.pairs[first as usize * 128 + second as usize] = trie.entry(child)?;
-                    }
-                }
+            trie.starts.push(Start { node, word: trie.nodes[node as usize].word });
+            let place = u16::try_from(trie.starts.len()).ok()?;
+            if (Unit { key: first, start: 0 }).is_latin() {
+                runs.push((first, place));
+            } else {
+                *trie.characters.get_mut(usize::try_from(first).ok()?)? = place;
+            }
+            for (word, _) in &words[from..to] {
+                let bit = match word.as_slice() {
+                    [_, SPACE, third, ..] => pair(first, *third, true),
+                    [_, second, ..] => pair(first, *second, false),
+                    _ => continue,
+                };
+                trie.filter[bit / 64] |= 1 << (bit % 64);
             }
             from = to;
+        }
+        trie.runs = vec![(0, 0); (runs.len() * 2).next_power_of_two()];
+        let mask = trie.runs.len() - 1;
+        for (key, place) in runs {
+            let mut slot = mixed(key) as usize & mask;
+            while trie.runs[slot].1 != 0 {
+                slot = (slot + 1) & mask;
+            }
+            trie.runs[slot] = (key, place);
         }
         Some(trie)
     }
 
-    /// What the tables hold for `node`.
-    fn entry(&mut self, node: u32) -> Option<u16> {
-        self.entries.push(node);
-        u16::try_from(self.entries.len()).ok()
-    }
-
-    fn add(&mut self, words: &[Vec<char>], from: usize, to: usize, depth: usize) -> Option<u32> {
-        let word = if words[from].len() == depth { u32::try_from(from).ok()? } else { NONE };
+    fn add(&mut self, words: &[(Vec<u64>, u32)], from: usize, to: usize, depth: usize) -> Option<u32> {
+        let is_word = words[from].0.len() == depth;
+        let word = if is_word { words[from].1 } else { NONE };
         let mut children = Vec::new();
-        let mut at = if word == NONE { from } else { from + 1 };
+        let mut at = from + words[from..to].iter().take_while(|w| w.0.len() == depth).count();
         while at < to {
-            let c = words[at][depth];
-            let end = at + words[at..to].iter().take_while(|w| w[depth] == c).count();
-            children.push((c, self.add(words, at, end, depth + 1)?));
+            let key = words[at].0[depth];
+            let end = at + words[at..to].iter().take_while(|w| w.0[depth] == key).count();
+            children.push((key, self.add(words, at, end, depth + 1)?));
             at = end;
         }
         let node = Node {
-            edges: u32::try_from(self.edges.len()).ok()?,
+            edges: u32::try_from(self.keys.len()).ok()?,
             count: u32::try_from(children.len()).ok()?,
             word,
         };
-        self.edges.extend(children);
+        self.keys.extend(children.iter().map(|c| c.0));
+        self.children.extend(children.iter().map(|c| c.1));
         self.nodes.push(node);
         u32::try_from(self.nodes.len() - 1).ok()
     }
 
     /// Gives the words of `text` to `take`, in order, never overlapping.
-    pub fn find(&self, text: &str, mut take: impl FnMut(Found)) {
-        if self.starts.is_empty() {
-            return;
-        }
+    pub fn find(&self, text: &str, take: impl FnMut(Found)) {
+        self.find_in(&Units::of(text), 0..text.len(), take);
+    }
+
+    /// The same in a part of a text that has been cut, which begins and ends between units.
+    pub fn find_in(&self, units: &Units, bytes: Range<usize>, mut take: impl FnMut(Found)) {
+        let units = units.part(bytes);
+        let Some(end) = units.len().checked_sub(1).filter(|_| !self.starts.is_empty()) else { return };
         let mut at = 0;
-        let mut after_latin = false;
-        while let Some(c) = text[at..].chars().next() {
-            let next = at + c.len_utf8();
-            let found = match self.starts.get(fold(c) as usize) {
-                None | Some(0) => None,
-                // A Latin word starts where no Latin letter precedes it.
-                Some(_) if after_latin && is_latin(c) => None,
-                Some(&entry) => self.longest(self.node(entry), text, at, next),
-            };
+        while at < end {
+            let found = self.start(units[at]).and_then(|s| self.longest(s, units, at, end));
             match found {
-                Some(f) => {
-                    take(f);
-                    after_latin = text[..f.end].chars().next_back().is_some_and(is_latin);
-                    at = f.end;
-                }
-                // Nothing starts inside a Latin word.
-                None if is_latin(c) => {
-                    let rest = &text.as_bytes()[next..];
-                    at = next + rest.iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
-                    after_latin = true;
-                }
-                None => {
-                    after_latin = false;
+                Some((word, next)) => {
+                    take(Found { word: word as usize, start: units[at].start, end: units[next].start });
                     at = next;
                 }
+                None => at += 1,
             }
         }
     }
 
-    /// The node of an entry other than 0.
-    fn node(&self, entry: u16) -> usize {
-        self.entries[usize::from(entry) - 1] as usize
-    }
-
-    /// The longest word from `start` on; `at` is behind its first character, which led to `node`.
-    fn longest(&self, mut node: usize, text: &str, start: usize, mut at: usize) -> Option<Found> {
-        let mut best = None;
-        let mut last = text[start..].chars().next()?;
-        loop {
-            let n = self.nodes[node];
-            let next = text[at..].chars().next();
-            // A Latin word ends where no Latin letter follows.
-            if n.word != NONE && !(is_latin(last) && next.is_some_and(is_latin)) {
-                best = Some(Found { word: n.word as usize, start, end: at });
-            }
-            let Some(c) = next else { return best };
-            if at == start + 1 && last.is_ascii() && c.is_ascii() {
-                match self.pairs[fold(last) as usize * 128 + fold(c) as usize] {
-                    0 => return best,
-                    entry => node = self.node(entry),
+    fn start(&self, unit: Unit) -> Option<Start> {
+        let place = if unit.is_latin() {
+            let mask = self.runs.len().checked_sub(1)?;
+            let mut slot = mixed(unit.key) as usize & mask;
+            loop {
+                match self.runs[slot] {
+                    (_, 0) => return None,
+                    (key, place) if key == unit.key => break place,
+                    _ => slot = (slot + 1) & mask,
                 }
-                at += 1;
-                last = c;
-                continue;
             }
-            let edges = &self.edges[n.edges as usize..(n.edges + n.count) as usize];
-            let Ok(edge) = edges.binary_search_by_key(&fold(c), |e| e.0) else { return best };
-            node = edges[edge].1 as usize;
-            at += c.len_utf8();
-            last = c;
+        } else {
+            *self.characters.get(usize::try_from(unit.key).ok()?)?
+        };
+        self.starts.get(usize::from(place).checked_sub(1)?).copied()
+    }
+
+    fn has(&self, bit: usize) -> bool {
+        self.filter[bit / 64] >> (bit % 64) & 1 != 0
+    }
+
+    /// The longest word from unit `at` on, and the unit behind it.
+    fn longest(&self, start: Start, units: &[Unit], at: usize, end: usize) -> Option<(u32, usize)> {
+        let mut best = (start.word != NONE).then_some((start.word, at + 1));
+        let key = |i: usize| if i < end { units[i].key } else { u64::MAX };
+        let second = key(at + 1);
+        let first = units[at].key;
+        let may_go_on = self.has(pair(first, second, false))
+            || (second == SPACE && self.has(pair(first, key(at + 2), true)));
+        if !may_go_on {
+            return best;
         }
+        let (mut node, mut next) = (start.node as usize, at + 1);
+        while next < end {
+            let n = self.nodes[node];
+            let edges = n.edges as usize..(n.edges + n.count) as usize;
+            let Ok(edge) = self.keys[edges.clone()].binary_search(&units[next].key) else { break };
+            node = self.children[edges.start + edge] as usize;
+            next += 1;
+            if self.nodes[node].word != NONE {
+                best = Some((self.nodes[node].word, next));
+            }
+        }
+        best
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lexicon::units::is_latin;
     use proptest::prelude::*;
 
     /// The same by trying every word at every place.
@@ -182,7 +218,7 @@ mod tests {
             let start = chars[i].0;
             let fits = |w: &&str| {
                 let n = w.chars().count();
-                let same = text[start..].chars().take(n).map(fold).eq(w.chars());
+                let same = text[start..].chars().take(n).map(|c| c.to_ascii_lowercase()).eq(w.chars());
                 let cut_before = latin_at(i.checked_sub(1)) && latin_at(Some(i));
                 let cut_after = w.chars().last().is_some_and(is_latin) && latin_at(Some(i + n));
                 same && !cut_before && !cut_after

@@ -13,6 +13,7 @@ use super::{Checker, Recorded};
 use crate::counterfactual::{Removed, counterfactual};
 use serde::Serialize;
 use whyroad_framework::check::{Document, Slot};
+use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CocLabel, CriticalComponent, DrivingDecision};
@@ -176,7 +177,7 @@ impl Checker<'_> {
     /// For each phrase that says what the ego does, the decisions that it may mean.
     fn said(&self, label: &CocLabel) -> Vec<Vec<Said>> {
         let lexicon = &self.framework.lexicon;
-        let reading = read(&label.coc_trace, lexicon);
+        let reading = read(&label.coc_trace, &Units::of(&label.coc_trace), lexicon);
         let asserted = reading.mentions.iter().filter(|m| m.force == Force::Asserted && !m.by_other);
         let mut out: Vec<Vec<Said>> = asserted
             .filter(|m| m.start >= reading.decision_from && !lexicon.phrases[m.phrase].supports_only)
@@ -226,7 +227,7 @@ impl Checker<'_> {
     fn against_speed(&self, label: &CocLabel, recorded: &Recorded) -> Option<(QualityKind, Diagnostic)> {
         let lexicon = &self.framework.lexicon;
         let text = &label.coc_trace;
-        let reading = read(text, lexicon);
+        let reading = read(text, &Units::of(text), lexicon);
         let times = &recorded.drive.times;
         let keyframe = frame_at(times, label.keyframe.timestamp).min(times.len().checked_sub(1)?);
         let mut own = reading
@@ -272,7 +273,7 @@ impl Checker<'_> {
         };
         let text = label.critical_components.iter().map(|c| c.description.as_str());
         let all = text.chain([label.coc_trace.as_str()]);
-        if all.map(|t| super::reading::read(t, words).groups).any(|g| g.meets(sought)) {
+        if all.map(|t| super::reading::read(t, &Units::of(t), words).groups).any(|g| g.meets(sought)) {
             return None;
         }
         let m = most.distance_m;

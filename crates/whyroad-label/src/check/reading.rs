@@ -2,7 +2,8 @@
 //! what is said under an "if" or denied is marked as such, and the checks leave it alone.
 
 use whyroad_framework::LabelWords;
-use whyroad_framework::label_words::{GroupSet, SaidState, WordRole};
+use whyroad_framework::label_words::{Divider, GroupSet, SaidState, WordRole};
+use whyroad_framework::lexicon::units::Units;
 
 /// A thing that a text names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,15 +52,25 @@ const CLAUSE_ENDS: [char; 13] = ['，', '。', '；', '：', '、', '！', '？'
 const BETWEEN_CHINESE: usize = 2;
 const BETWEEN_LATIN: usize = 12;
 
-/// Reads `text` with `words`, in one pass.
-pub(super) fn read(text: &str, words: &LabelWords) -> TextFacts {
+/// Reads `text`, cut into `units`, with `words`, in one pass.
+pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
     let mut out = TextFacts::default();
     let mut clause = Clause::default();
     let mut last_end = 0;
-    words.hits(text, |hit| {
-        if text[last_end..hit.start].contains(CLAUSE_ENDS) {
+    let mut marks = units.marks().iter().peekable();
+    words.hits_in(units, 0..text.len(), |hit| {
+        // What a word has in it divides nothing.
+        let (mut divides, mut ends) = (false, false);
+        while let Some(mark) = marks.next_if(|m| m.start < hit.start) {
+            if mark.start >= last_end
+                && let Some(divider) = words.clauses.divides(*mark)
+            {
+                divides |= divider != Divider::Aside;
+                ends |= divider == Divider::Sentence;
+            }
+        }
+        if divides {
             clause.close(&mut out);
-            let ends = text[last_end..hit.start].contains(['.', ';', '。', '；', '!', '！']);
             let sentence = if ends { out.named.len() } else { clause.sentence };
             clause = Clause { number: clause.number + 1, sentence, ..Clause::default() };
         }
@@ -263,7 +274,7 @@ mod tests {
 
     fn said(text: &str) -> Vec<String> {
         let words = &Framework::bundled().label_words;
-        let facts = read(text, words);
+        let facts = read(text, &Units::of(text), words);
         facts
             .named
             .iter()

@@ -68,12 +68,12 @@ impl Rulebook<'_> {
         let texts = Texts::of(label, words);
         placeholder::components(label, &texts, words, lexicon, sink);
         text::duplicates(label, &texts, words, sink);
-        let mut reading = label.trace.get().map(|t| trace::read(t, lexicon));
+        let mut reading = label.trace.get().map(|t| trace::read(t, &texts.units, lexicon));
         let after = label
             .trace
             .get()
             .zip(reading.as_mut())
-            .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts.trace, r, words, lexicon));
+            .and_then(|(text, r)| trace_rules::aftermath(text, label, &texts, r, words, lexicon));
         cause_text::hindsight(label, &texts, after, sink);
         cause_text::unobserved(label, words, sink);
         let another_class = class.is_some_and(|c| text::class(&texts, words, c, sink));
@@ -93,7 +93,7 @@ impl Rulebook<'_> {
         }
         let Some(reading) = reading else { return };
         let states =
-            trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts.trace, sink);
+            trace_rules::trace(label, lexicon, &self.framework.decisions, &reading, &texts, words, sink);
         let decides =
             |from: usize, to: usize| trace_rules::states_decision(&reading, lexicon, label, from, to);
         if states && !cause_text::circular(label, &texts, words, &decides, sink) && !another_class {

@@ -4,21 +4,28 @@ use super::reading::{self, TextFacts};
 use super::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::lexicon::units::Units;
 
 /// The texts of a label as read, once for all rules.
 pub(super) struct Texts {
     /// In the order of the label's parts.
     pub components: Vec<TextFacts>,
     pub trace: TextFacts,
+    /// The trace in units.
+    pub units: Units,
 }
 
 impl Texts {
     pub fn of(label: &View<'_>, words: &LabelWords) -> Self {
-        let facts = |t: Option<&str>| t.map(|t| reading::read(t, words)).unwrap_or_default();
-        Self {
-            components: label.parts.iter().map(|c| facts(c.description.get())).collect(),
-            trace: facts(label.trace.get()),
-        }
+        let mut units = Units::default();
+        let mut facts = |text: Option<&str>| {
+            let text = text.unwrap_or_default();
+            units.cut(text);
+            reading::read(text, &units, words)
+        };
+        let components = label.parts.iter().map(|c| facts(c.description.get())).collect();
+        let trace = facts(label.trace.get());
+        Self { components, trace, units }
     }
 
     /// Groups that answer for what the components name, absent things too.
@@ -30,8 +37,7 @@ impl Texts {
     /// Groups that answer for what the components say is there. `beside`: for somebody on one side of the ego, who is
     /// not the lead.
     pub fn components_there(&self, words: &LabelWords, beside: bool) -> GroupSet {
-        let kind = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
-        let before = kind("lead").with(kind("queue"));
+        let before = words.known.lead.with(words.known.queue);
         let all = self.components.iter().flat_map(TextFacts::there);
         let all = all.filter(|n| !beside || !words.objects[n.group].own.meets(before));
         all.fold(GroupSet::default(), |set, n| set.with(words.objects[n.group].near))

@@ -138,3 +138,23 @@ fn what_follows_the_decision_is_an_event_or_is_not() {
     );
     assert!(missed.len() <= 2 && flagged.is_empty());
 }
+
+/// What happened later is reported in the first sentence, and the last one states no decision: every combination of
+/// decisions is checked to its end.
+#[test]
+fn hindsight_may_precede_the_last_sentence() {
+    let checker = Checker::new(Framework::bundled());
+    for along in ["yield_to_agent", "stop_for_obstacle", "lead_following", "resume"] {
+        let label = json!({
+            "version": "2.1.0",
+            "clip_id": "clip_1",
+            "scenario": { "l1": "reactive_agent", "l2": "vru_crossing", "l3": "horizontal" },
+            "time_range": { "start_timestamp": "2026-01-15T10:30:10.000Z", "end_timestamp": "2026-01-15T10:30:14.000Z" },
+            "keyframe": { "timestamp": "2026-01-15T10:30:10.000Z", "frame_idx": 100, "type": "reactive" },
+            "driving_decision": { "longitudinal": along, "lateral": "in_lane_nudge", "lateral_direction": "left" },
+            "critical_components": [{ "id": "c1", "description": "前头一个大坑，占了半条车道" }],
+            "coc_trace": "赶紧刹停，自车加速抢着会过去。前头一个大坑，",
+        });
+        assert!(!checker.check_text(&label.to_string()).is_empty(), "{along}");
+    }
+}

@@ -14,6 +14,15 @@ use whyroad_model::label_fields::{name, pointer};
 
 /// Component ids are unique: each names one component.
 pub(in crate::check) fn ids(label: &View<'_>, sink: &mut dyn Sink) {
+    // Most labels have a few components, all with different ids.
+    let few = label.parts.len() <= 8;
+    let repeats = |i: usize| {
+        let id = label.parts[i].id.get();
+        id.is_some() && label.parts[..i].iter().any(|c| c.id.get() == id)
+    };
+    if few && !(1..label.parts.len()).any(repeats) {
+        return;
+    }
     let mut seen: HashMap<&str, usize> = HashMap::new();
     for c in &label.parts {
         let Some(id) = c.id.get() else { continue };
@@ -207,6 +216,9 @@ pub(in crate::check) fn second_keyframe(label: &View<'_>, class: Option<&Prescri
 
 /// Secondary triggers are classes, and others than the primary one.
 pub(in crate::check) fn secondary(label: &View<'_>, classes: &ClassIndex, sink: &mut dyn Sink) {
+    if label.secondary.is_empty() {
+        return;
+    }
     let s = &label.scenario;
     let primary = [s.l1.get(), s.l2.get(), s.l3.get()].into_iter().flatten().collect::<Vec<_>>().join(".");
     for (i, id) in label.secondary.iter().enumerate().filter_map(|(i, s)| Some((i, s.get()?))) {

@@ -3,11 +3,11 @@
 
 use crate::check::consistency::trace_rules::decision_name;
 use crate::check::overlap;
-use crate::check::reading::{Named, TextFacts};
+use crate::check::reading::Named;
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::label_words::{GroupSet, SaidState};
+use whyroad_framework::label_words::{Clauses, Divider, KnownKinds, SaidState};
 use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
@@ -76,9 +76,7 @@ pub(in crate::check) fn proximate(label: &View<'_>, texts: &Texts, words: &Label
     if label.longitudinal != Slot::Is(Longitudinal::StopForRegulation) {
         return;
     }
-    let group = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
-    let (lead, queue, vehicle) = (group("lead"), group("queue"), group("vehicle"));
-    let elsewhere = group("oncoming").with(group("parked_vehicle")).with(group("broken_down"));
+    let KnownKinds { lead, queue, vehicle, elsewhere, .. } = words.known;
     let holds = |n: &Named| {
         let own = words.objects[n.group].own;
         let is_lead =
@@ -118,13 +116,13 @@ pub(in crate::check) fn circular(
     sink: &mut dyn Sink,
 ) -> bool {
     let Some(text) = label.trace.get() else { return false };
-    if words.is_empty() || gives_cause(text, &texts.trace, words, decision_in) {
+    if words.is_empty() || gives_cause(text, texts, words, decision_in) {
         return false;
     }
     // What no list knows may still be a cause: words that the components have, apart from those of the decision.
     let apart = |at: usize| !decision_in(at.saturating_sub(6), at + 6);
-    if overlap::shared(label, text, &apart) >= if text.is_ascii() { 1 } else { 2 }
-        || overlap::says_more(text, &apart)
+    if overlap::shared(label, text, &words.compared, &apart) >= if text.is_ascii() { 1 } else { 2 }
+        || overlap::says_more(text, &words.compared, &apart)
     {
         return false;
     }
@@ -138,124 +136,42 @@ pub(in crate::check) fn circular(
     true
 }
 
-/// Words that are followed by the reason, wherever they are.
-const BECAUSE: [&str; 9] =
-    ["因为", "由于", "鉴于", "考虑到", "because", "since ", "due to", "owing to", "given that"];
-
-/// With these a part says what the ego has to do or wants, and no cause of it.
-const OWN_DUTY: [&str; 26] = [
-    "自车要",
-    "自车需",
-    "自车应",
-    "自车必须",
-    "自车得",
-    "自车想",
-    "自车打算",
-    "自车准备",
-    "自车判断",
-    "自车决定",
-    "本车要",
-    "本车需",
-    "本车应",
-    "需要",
-    "应该",
-    "the ego has to",
-    "the ego needs to",
-    "the ego must",
-    "the ego should",
-    "the ego wants to",
-    "the ego is going to",
-    "the ego intends to",
-    "the ego decides to",
-    "we have to",
-    "we need to",
-    "we must",
-];
-
 /// Some part of the text names a cause and is not the decision itself.
 fn gives_cause(
     text: &str,
-    facts: &TextFacts,
+    texts: &Texts,
     words: &LabelWords,
     decision_in: &dyn Fn(usize, usize) -> bool,
 ) -> bool {
-    let group = |id: &str| words.kinds.get(id).copied().unwrap_or_default();
-    let no_cause = group("gap").with(group("lane"));
-    let mut bounds: Vec<usize> = vec![0];
-    for (at, c) in text.char_indices() {
-        if matches!(c, '，' | '。' | '；' | '：' | '！' | ',' | '.' | ';' | ':' | '!') {
-            bounds.push(at + c.len_utf8());
-        }
-    }
-    bounds.push(text.len());
-    let part_gives = |w: &[usize]| {
-        let (from, to) = (w[0], w[1]);
-        let names = facts
-            .named
-            .iter()
-            .any(|n| (from..to).contains(&n.start) && !words.objects[n.group].own.meets(no_cause));
-        names && !decision_in(from, to) && !is_own_duty(&text[from..to])
+    let part_gives = |from: usize, to: usize| {
+        let names = texts.trace.named.iter().any(|n| {
+            (from..to).contains(&n.start) && !words.objects[n.group].own.meets(words.known.no_cause)
+        });
+        names && !decision_in(from, to) && !is_own_duty(&text[from..to], &words.clauses)
     };
-    if bounds.windows(2).any(part_gives) {
+    let ends = || words.clauses.ends(&texts.units, &[Divider::Sentence, Divider::Clause], text.len());
+    let mut from = 0;
+    if ends().any(|to| part_gives(std::mem::replace(&mut from, to), to)) {
         return true;
     }
     // Most traces end here. Otherwise the reason may stand in one part with the decision: "slows because of the bend".
     let lower = text.to_ascii_lowercase();
-    for word in BECAUSE.iter().chain(&[" and ", " but ", " while "]) {
-        bounds.extend(lower.match_indices(word).map(|(at, _)| at));
+    let mut bounds: Vec<usize> = std::iter::once(0).chain(ends()).collect();
+    for word in words.clauses.because.iter().chain(&words.clauses.beside) {
+        bounds.extend(lower.match_indices(word.as_str()).map(|(at, _)| at));
     }
     bounds.sort_unstable();
-    bounds.windows(2).any(part_gives)
+    bounds.windows(2).any(|w| part_gives(w[0], w[1]))
 }
 
 /// A part that says what the ego has to do or wants.
-fn is_own_duty(part: &str) -> bool {
+fn is_own_duty(part: &str, clauses: &Clauses) -> bool {
     let begins =
         |text: &str, word: &str| text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
     let part = part.trim_start_matches(|c: char| !c.is_alphanumeric());
-    let because = BECAUSE.iter().find(|w| begins(part, w));
+    let because = clauses.because.iter().find(|w| begins(part, w));
     let part = because.map_or(part, |w| part[w.len()..].trim_start());
-    OWN_DUTY.iter().any(|w| begins(part, w))
-}
-
-/// Kinds of things that bring about a longitudinal decision, by the names of schema/label_words.yaml; none where
-/// anything can.
-fn kinds_of(decision: Longitudinal) -> &'static [&'static str] {
-    match decision {
-        Longitudinal::YieldToAgent => &["vehicle", "vru", "animal"],
-        Longitudinal::LeadFollowing => &["vehicle", "vru", "weather"],
-        Longitudinal::StopForRegulation => &[
-            "light",
-            "sign",
-            "facility",
-            "stop_line",
-            "crosswalk",
-            "waiting_area",
-            "route",
-            "junction",
-            "site",
-        ],
-        Longitudinal::StopForObstacle => &["obstacle", "site", "vehicle", "animal", "vru", "road_kind"],
-        Longitudinal::RoadSpeedAdaptation => &[
-            "road_shape",
-            "surface",
-            "weather",
-            "lighting",
-            "occlusion",
-            "ramp",
-            "roundabout",
-            "junction",
-            "crosswalk",
-            "site",
-            "sign",
-            "facility",
-            "route",
-            "obstacle",
-            "roadside",
-        ],
-        Longitudinal::AccelerationForPassing => &["vehicle", "vru"],
-        _ => &[],
-    }
+    clauses.own_duty.iter().any(|w| begins(part, w))
 }
 
 /// The components that are named as the cause of the longitudinal decision speak of something that can cause it.
@@ -267,10 +183,7 @@ pub(in crate::check) fn kind(
     sink: &mut dyn Sink,
 ) {
     let Some(decision) = label.longitudinal.get() else { return };
-    let wanted = kinds_of(decision)
-        .iter()
-        .filter_map(|k| words.kinds.get(*k))
-        .fold(GroupSet::default(), |set, k| set.with(*k));
+    let Some(&(_, wanted)) = words.causes.iter().find(|(d, _)| *d == decision) else { return };
     if wanted.is_empty() || texts.components.is_empty() {
         return;
     }

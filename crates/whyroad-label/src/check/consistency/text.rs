@@ -8,7 +8,7 @@ use crate::check::view::View;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::GroupSet;
+use whyroad_framework::label_words::{Compared, GroupSet, hashed};
 use whyroad_model::Bilingual;
 use whyroad_model::decision::Longitudinal;
 use whyroad_model::label_fields::pointer;
@@ -25,13 +25,6 @@ const LEAST_CHARACTERS: usize = 9;
 const FEW_CHARACTERS: usize = 7;
 /// Words without articles, pronouns and auxiliaries.
 const LEAST_CONTENT: usize = 4;
-/// Those.
-const EMPTY_WORDS: [&str; 44] = [
-    "a", "an", "the", "of", "for", "us", "our", "we", "is", "are", "was", "has", "have", "had", "and", "in",
-    "on", "to", "at", "it", "its", "that", "which", "who", "with", "by", "from", "as", "be", "been", "being",
-    "there", "this", "these", "those", "just", "now", "very", "quite", "some", "still", "already", "my",
-    "me",
-];
 
 /// No component is said twice.
 pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &LabelWords, sink: &mut dyn Sink) {
@@ -50,12 +43,21 @@ pub(in crate::check) fn duplicates(label: &View<'_>, texts: &Texts, words: &Labe
     if !may_repeat {
         return;
     }
+    let outlines: Vec<Outline> = label
+        .parts
+        .iter()
+        .take(COMPARED)
+        .filter_map(|c| Some(Outline::of(c.description.get()?, &words.compared)))
+        .collect();
+    if !outlines.iter().enumerate().any(|(i, o)| outlines[..i].iter().any(|other| o.may_be_alike(other))) {
+        return;
+    }
     let all: Vec<(usize, Pieces)> = label
         .parts
         .iter()
         .zip(&texts.components)
         .take(COMPARED)
-        .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts))))
+        .filter_map(|(c, facts)| Some((c.index, pieces(c.description.get()?, facts, &words.compared))))
         .collect();
     for (i, (index, own)) in all.iter().enumerate() {
         let Some((first, _)) = all[..i].iter().find(|(_, other)| is_alike(own, other)) else { continue };
@@ -76,41 +78,71 @@ struct Pieces {
     units: Vec<u64>,
     /// Pairs of them.
     pairs: Vec<u64>,
-    /// Units that are no [`EMPTY_WORDS`].
+    /// Units that are not empty words.
     content: Vec<u64>,
     is_latin: bool,
     /// Groups that it names, with side and colour: texts that differ in these differ.
     named: Vec<Said>,
 }
 
+/// Which units and pairs of units a text has, as bits: a bit that is missing is a unit that is missing. Most components
+/// are told apart by it.
+#[derive(Clone, Copy, Default)]
+struct Outline {
+    units: [u64; 2],
+    pairs: [u64; 4],
+    /// Units that are surely not empty words.
+    content: [u64; 2],
+    /// With repetitions.
+    count: usize,
+}
+
+impl Outline {
+    fn of(text: &str, words: &Compared) -> Self {
+        let mut out = Self::default();
+        let mut last = None;
+        each_unit(text, words, |unit| {
+            let bits = unit.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let (word, bit) = ((bits >> 63) as usize, 1 << (bits >> 57 & 63));
+            out.units[word] |= bit;
+            if !words.may_be_empty(unit) {
+                out.content[word] |= bit;
+            }
+            if let Some(last) = last.replace(unit) {
+                let bits = pair_of(last, unit).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                out.pairs[(bits >> 62) as usize] |= 1 << (bits >> 56 & 63);
+            }
+            out.count += 1;
+        });
+        out
+    }
+
+    /// False where [`is_alike`] is false, whatever the texts name.
+    fn may_be_alike(&self, other: &Self) -> bool {
+        let missing = |a: &[u64], b: &[u64]| -> usize {
+            a.iter().zip(b).map(|(a, b)| (a & !b).count_ones() as usize).sum()
+        };
+        // Of the shorter list at most this share is missing in the other. Which one is shorter is not known here, nor
+        // how often a unit is repeated.
+        let few =
+            |a: &[u64], b: &[u64], count: usize| missing(a, b) as f64 <= (1.0 - ALIKE) * count as f64 + 1e-6;
+        few(&self.units, &other.units, self.count)
+            || few(&other.units, &self.units, other.count)
+            || few(&self.pairs, &other.pairs, self.count)
+            || few(&other.pairs, &self.pairs, other.count)
+            || missing(&self.content, &other.units) == 0
+            || missing(&other.content, &self.units) == 0
+    }
+}
+
 /// Group, side, color.
 type Said = (usize, Option<bool>, Option<usize>);
 
-fn pieces(text: &str, facts: &TextFacts) -> Pieces {
+fn pieces(text: &str, facts: &TextFacts, words: &Compared) -> Pieces {
     let mut units: Vec<u64> = Vec::new();
-    let mut word = 0_u64;
-    for c in text.chars() {
-        if c.is_ascii_alphanumeric() {
-            word = hashed(word, c);
-            continue;
-        }
-        if word != 0 {
-            units.push(word);
-            word = 0;
-        }
-        // Particles make no difference.
-        if c.is_alphanumeric() && !"的了着正在已经把从被一个辆台条只名位有是也就来去".contains(c)
-        {
-            units.push(u64::from(c) | 1 << 40);
-        }
-    }
-    if word != 0 {
-        units.push(word);
-    }
-    let mut pairs: Vec<u64> =
-        units.windows(2).map(|w| w[0].wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17) ^ w[1]).collect();
-    let empty = EMPTY_WORDS.map(hash);
-    let mut content: Vec<u64> = units.iter().copied().filter(|u| !empty.contains(u)).collect();
+    each_unit(text, words, |unit| units.push(unit));
+    let mut pairs: Vec<u64> = units.windows(2).map(|w| pair_of(w[0], w[1])).collect();
+    let mut content: Vec<u64> = units.iter().copied().filter(|u| !words.is_empty_word(*u)).collect();
     for list in [&mut units, &mut pairs, &mut content] {
         list.sort_unstable();
         list.dedup();
@@ -121,13 +153,30 @@ fn pieces(text: &str, facts: &TextFacts) -> Pieces {
     Pieces { units, pairs, content, is_latin: text.is_ascii(), named }
 }
 
-/// The hash of a word, going on with `c`.
-fn hashed(word: u64, c: char) -> u64 {
-    word.wrapping_mul(0x0100_0000_01b3).wrapping_add(u64::from(c.to_ascii_lowercase()) + 1)
+/// Gives each word of Latin letters and each character that is not a particle to `take`, hashed.
+fn each_unit(text: &str, words: &Compared, mut take: impl FnMut(u64)) {
+    let mut word = 0_u64;
+    for c in text.chars() {
+        if c.is_ascii_alphanumeric() {
+            word = hashed(word, c);
+            continue;
+        }
+        if word != 0 {
+            take(word);
+            word = 0;
+        }
+        // Particles make no difference.
+        if !c.is_ascii() && c.is_alphanumeric() && !words.particles.contains(c) {
+            take(u64::from(c) | 1 << 40);
+        }
+    }
+    if word != 0 {
+        take(word);
+    }
 }
 
-fn hash(word: &str) -> u64 {
-    word.chars().fold(0, hashed)
+fn pair_of(first: u64, second: u64) -> u64 {
+    first.wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(17) ^ second
 }
 
 fn is_alike(a: &Pieces, b: &Pieces) -> bool {
@@ -179,11 +228,9 @@ pub(in crate::check) fn unrelated(
         return false;
     }
     // Other words may still be shared.
-    if label
-        .trace
-        .get()
-        .is_some_and(|t| overlap::shared(label, t, &|_| true) >= if t.is_ascii() { 1 } else { 2 })
-    {
+    if label.trace.get().is_some_and(|t| {
+        overlap::shared(label, t, &words.compared, &|_| true) >= if t.is_ascii() { 1 } else { 2 }
+    }) {
         return false;
     }
     sink.report(Finding::warning("label.text.unrelated", pointer::COC_TRACE), &|| {
@@ -251,19 +298,19 @@ fn differs(label: &View<'_>, texts: &Texts, words: &LabelWords, until: usize, si
         let colour = word.next().filter(|c| "白黑红蓝灰银黄绿".contains(*c))?;
         (word.as_str() == "车").then_some(colour)
     };
-    let given: Vec<char> = label
-        .parts
-        .iter()
-        .zip(&texts.components)
-        .flat_map(|(c, f)| f.there().filter_map(|n| painted(c.description.get(), n)))
-        .collect();
-    let other_car =
-        |n: &Named| painted(Some(text), n).is_some_and(|c| !given.is_empty() && !given.contains(&c));
+    let given = || {
+        let parts = label.parts.iter().zip(&texts.components);
+        parts.flat_map(move |(c, f)| f.there().filter_map(move |n| painted(c.description.get(), n)))
+    };
+    let other_car = |n: &Named| {
+        painted(Some(text), n).is_some_and(|c| given().next().is_some() && !given().any(|g| g == c))
+    };
     let differs = |n: &&Named| {
         if !words.objects[n.group].named {
             return false;
         }
-        let same = meant(n);
+        // Most are said without either.
+        let same = if n.side.is_some() || n.colour.is_some() { meant(n) } else { Vec::new() };
         let side = n.side.is_some_and(|s| {
             same.iter().any(|c| c.side == Some(!s)) && !same.iter().any(|c| c.side == Some(s))
         });
@@ -293,7 +340,9 @@ fn other_light<'t>(
     words: &LabelWords,
     until: usize,
 ) -> Option<&'t Named> {
-    let light = words.kinds.get("light")?;
+    if !texts.trace.groups.meets(words.known.light) {
+        return None;
+    }
     let colour = |text: Option<&str>, n: &Named| {
         let word = text?.get(n.start..n.end)?.to_lowercase();
         let last = |names: &[&str]| names.iter().filter_map(|w| word.rfind(w)).max();
@@ -305,7 +354,7 @@ fn other_light<'t>(
             .max()
             .map(|(_, i)| i)
     };
-    let is_light = |n: &&Named| words.objects[n.group].own.meets(*light);
+    let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label
         .parts
         .iter()

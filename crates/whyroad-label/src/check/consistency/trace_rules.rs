@@ -1,9 +1,10 @@
 //! Rules of the trace text (LABELING.md 7): its form, and what it says against the decisions.
 
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
-use crate::check::reading::TextFacts;
+use crate::check::texts::Texts;
 use crate::check::view::View;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::label_words::Divider;
 use whyroad_framework::lexicon::Lexicon;
 use whyroad_framework::{DecisionSets, LabelWords};
 use whyroad_model::Bilingual;
@@ -14,7 +15,7 @@ use whyroad_model::label_fields::{name, pointer};
 pub(in crate::check) fn aftermath(
     text: &str,
     label: &View<'_>,
-    facts: &TextFacts,
+    texts: &Texts,
     reading: &mut Reading,
     words: &LabelWords,
     lexicon: &Lexicon,
@@ -30,7 +31,7 @@ pub(in crate::check) fn aftermath(
         }
         _ => Some(false),
     };
-    let found = aftermath::find(text, facts, reading, words, &decides, &resumes)?;
+    let found = aftermath::find(text, texts, reading, words, &decides, &resumes)?;
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);
     Some(found)
@@ -43,7 +44,8 @@ pub(in crate::check) fn trace(
     lexicon: &Lexicon,
     names: &DecisionSets,
     reading: &Reading,
-    facts: &TextFacts,
+    texts: &Texts,
+    words: &LabelWords,
     sink: &mut dyn Sink,
 ) -> bool {
     let Some(text) = label.trace.get() else { return false };
@@ -104,7 +106,7 @@ pub(in crate::check) fn trace(
         };
         if !unreadable {
             let not_stated = matches!(v, TraceVerdict::NotStated { .. });
-            if not_stated && by_stem(text, reading, lexicon, label, facts) {
+            if not_stated && by_stem(text, reading, lexicon, label, texts, words) {
                 return;
             }
             none |= not_stated;
@@ -118,7 +120,7 @@ pub(in crate::check) fn trace(
     // A short one may still hold all three: "yellow, far away, stopping".
     let too_short = short
         && (none && seen.length < limits.too_short_below / 2
-            || !found && (seen.length < limits.too_short_below / 3 || facts.words == 0));
+            || !found && (seen.length < limits.too_short_below / 3 || texts.trace.words == 0));
     if too_short {
         sink.report(Finding::error("label.trace.too_short", pointer::COC_TRACE), &|| {
             Words::new(
@@ -149,18 +151,26 @@ pub(in crate::check) fn states_decision(
 
 /// A word that no phrase holds says of the ego what the label decides: its stem does, in a clause where the trace
 /// decides and in which nobody else acts before it.
-fn by_stem(text: &str, reading: &Reading, lexicon: &Lexicon, label: &View<'_>, facts: &TextFacts) -> bool {
+fn by_stem(
+    text: &str,
+    reading: &Reading,
+    lexicon: &Lexicon,
+    label: &View<'_>,
+    texts: &Texts,
+    words: &LabelWords,
+) -> bool {
     let end = reading.end.min(text.len());
-    let Some(part) = text.get(reading.decision_from.min(end)..end) else { return false };
-    let mut from = reading.decision_from.min(end);
-    for clause in part.split_inclusive(['，', '。', '；', '：', '、', ',', ';', ':', '.', '+']).take(24)
-    {
-        let to = from + clause.len();
+    let begin = reading.decision_from.min(end);
+    let kinds = [Divider::Sentence, Divider::Clause, Divider::Item, Divider::Aside];
+    let ends = words.clauses.ends(&texts.units, &kinds, end).filter(|to| *to > begin && *to <= end);
+    let mut from = begin;
+    for to in ends.take(24) {
+        let Some(clause) = text.get(from..to) else { return false };
         let stem = lexicon.stems.find(clause, label.longitudinal.get(), label.lateral.get());
         let acts = |at: usize| {
             // Behind "therefore" whoever is named is the object.
             !(reading.marked && from == reading.decision_from)
-                && facts.there().any(|n| n.start >= from && n.start < from + at)
+                && texts.trace.there().any(|n| n.start >= from && n.start < from + at)
         };
         let denied =
             reading.mentions.iter().any(|m| (from..to).contains(&m.start) && m.force == Force::Negated);

@@ -4,6 +4,7 @@ use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
 use crate::draft::is_draft;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
+use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::{Framework, LabelWords, Lexicon};
 use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::pointer;
@@ -57,7 +58,7 @@ fn is_one_word(text: &str) -> bool {
 
 fn says_something(text: &str, lexicon: &Lexicon) -> bool {
     let mut any = false;
-    lexicon.hits(text, |hit| {
+    lexicon.hits(&Units::of(text), 0..text.len(), |hit| {
         use whyroad_framework::lexicon::Role;
         any |= matches!(hit.role, Role::Agent | Role::Ego | Role::Phrase(_));
     });

@@ -5,6 +5,7 @@
 
 use super::{Force, Mention, Reading};
 use crate::check::reading::TextFacts;
+use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::TellWord;
 
@@ -33,24 +34,16 @@ const SUBJECTS: [&str; 22] = [
     "and",
     "then",
 ];
-/// Ends of clauses, besides the words of [`JOINTS`].
-const ENDS: [char; 13] = ['，', '。', '；', '：', '！', '？', ',', '.', ';', ':', '!', '?', '—'];
-/// A reason goes on to the end of its sentence; a purpose or a plan ends with its clause.
-const REASONS: [&str; 9] =
-    ["因为", "由于", "鉴于", "毕竟", "because", "since", "given that", "due to", "owing to"];
 /// Clauses behind the decision that are read, and bytes of one.
 const MOST_CLAUSES: usize = 24;
 const LONGEST_CLAUSE: usize = 1000;
-/// Words that begin a clause within a sentence.
-const JOINTS: [&str; 8] =
-    [" and ", " but ", " then ", " until ", " though ", " which ", " while ", " only to "];
 
 /// The first words behind the decision that report an event, as bytes of `text`.
 ///
 /// `decides`: the mention states the label's decision. `resumes`: it says to go on again, or to stop or slow.
 pub(in crate::check::consistency) fn find(
     text: &str,
-    facts: &TextFacts,
+    texts: &Texts,
     reading: &Reading,
     words: &LabelWords,
     decides: &dyn Fn(&Mention) -> bool,
@@ -80,7 +73,8 @@ pub(in crate::check::consistency) fn find(
     // A trace in the past tense tells its decision in it, too.
     let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end]));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
-    let mut start = clause_end(text, decided);
+    let clause_end = |from: usize| words.clauses.clause_end(&texts.units, from, text.len());
+    let mut start = clause_end(decided);
     // "Because ..." goes on to the end of its sentence.
     let mut because = false;
     // A few clauses: a trace that goes on for longer is reported for that.
@@ -88,7 +82,7 @@ pub(in crate::check::consistency) fn find(
         if start >= text.len() {
             break;
         }
-        let end = clause_end(text, start + text[start..].chars().next()?.len_utf8());
+        let end = clause_end(start + text[start..].chars().next()?.len_utf8());
         let clause = &text[start..end];
         because &= !clause.starts_with(['.', ';', '!', '?', '。', '；', '！', '？']);
         let own = reading.mentions.iter().filter(|m| (start..end).contains(&m.start) && !m.by_other);
@@ -102,9 +96,9 @@ pub(in crate::check::consistency) fn find(
         if clause.len() > LONGEST_CLAUSE {
             break;
         }
-        match told(clause, start, facts, words, own_decision, in_past) {
+        match told(clause, start, texts, words, own_decision, in_past) {
             Told::Event(from, to) if !because => return Some((start + from, start + to)),
-            Told::Exempt => because |= REASONS.iter().any(|w| clause.contains(w)),
+            Told::Exempt => because |= words.clauses.reason.iter().any(|w| clause.contains(w.as_str())),
             _ => {}
         }
         start = end;
@@ -123,14 +117,15 @@ enum Told {
 fn told(
     clause: &str,
     offset: usize,
-    facts: &TextFacts,
+    texts: &Texts,
     words: &LabelWords,
     own_decision: bool,
     in_past: bool,
 ) -> Told {
     let mut out = Told::Nothing;
     let mut ends = Vec::new();
-    words.aftermath.trace_hits(clause, |tell, start, end| {
+    words.aftermath.trace_hits(&texts.units, offset..offset + clause.len(), |tell, start, end| {
+        let (start, end) = (start - offset, end - offset);
         ends.push((start, end));
         if !matches!(out, Told::Nothing) {
             return;
@@ -141,7 +136,7 @@ fn told(
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
             TellWord::Event if !own_decision => Told::Event(start, end),
             TellWord::PastOfSubject
-                if !(own_decision && in_past) && has_subject(clause, start, offset, facts) =>
+                if !(own_decision && in_past) && has_subject(clause, start, offset, &texts.trace) =>
             {
                 Told::Event(start, end)
             }
@@ -157,7 +152,7 @@ fn told(
         let (start, end) = (at, at + word.len());
         at = end + 1;
         let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
-        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, facts) {
+        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, &texts.trace) {
             return Told::Event(start, end);
         }
     }
@@ -185,18 +180,4 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts) -> 
         return last.len() < before.len() && has_subject(clause, before.len() - last.len(), offset, facts);
     }
     SUBJECTS.iter().any(|s| last.eq_ignore_ascii_case(s))
-}
-
-/// Byte at which the clause ends that holds `from`: its punctuation, or the word that joins the next.
-fn clause_end(text: &str, from: usize) -> usize {
-    let rest = &text[from..];
-    let mark = rest
-        .char_indices()
-        .find(|(at, c)| {
-            // "1.5 m" goes on.
-            ENDS.contains(c) && !(*c == '.' && rest[at + 1..].starts_with(|d: char| d.is_ascii_digit()))
-        })
-        .map_or(rest.len(), |(at, _)| at);
-    let joint = JOINTS.iter().filter_map(|j| rest[..mark].find(j)).min();
-    from + joint.unwrap_or(mark)
 }

@@ -1,5 +1,6 @@
 //! Where a trace names decisions, and how firmly it says them of the ego.
 
+use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::lexicon::{Hit, Lexicon, Role};
 use whyroad_model::decision::LateralDirection;
 
@@ -94,8 +95,8 @@ struct Reader<'l> {
     governs: bool,
 }
 
-/// Reads `text` with the words of `lexicon`.
-pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
+/// Reads `text`, cut into `units`, with the words of `lexicon`.
+pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Reading {
     let mut r = Reader {
         lexicon,
         text,
@@ -115,7 +116,7 @@ pub(in crate::check) fn read(text: &str, lexicon: &Lexicon) -> Reading {
     };
     let text_end = text.trim_end().trim_end_matches(['。', '.', '!', '！', ' ']).len();
     r.out.end = text_end;
-    lexicon.hits(&text[..text_end], |hit| r.take(hit));
+    lexicon.hits(units, 0..text_end, |hit| r.take(hit));
     r.end_clause();
     // The last clause states the decision (LABELING.md 7): without a subject of its own, it is the ego's.
     let last = r.clause;

@@ -3,6 +3,7 @@
 
 use super::*;
 use whyroad_framework::lexicon::Lexicon;
+use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
 fn lexicon() -> Lexicon {
@@ -18,7 +19,7 @@ fn verdicts(lexicon: &Lexicon, decision: &str, text: &str) -> String {
     let expected = usize::from(along.is_some()) + usize::from(across.is_some()) + usize::from(side.is_some());
     assert_eq!(expected, decision.split('/').filter(|p| *p != "-").count(), "{decision}");
     let mut out = Vec::new();
-    judge(&read(text, lexicon), lexicon, along, across, side, &mut |v| {
+    judge(&read(text, &Units::of(text), lexicon), lexicon, along, across, side, &mut |v| {
         out.push(match v {
             TraceVerdict::OtherDecision { label, start, end, .. } => {
                 format!("other {label}: {}", &text[start..end])
@@ -371,7 +372,7 @@ fn sentences_are_read_as_a_person_reads_them() {
             (found != *expected).then(|| {
                 format!(
                     "{decision}: {text}\n  expected {expected}\n  found    {found}\n  {:?}",
-                    read(text, &lexicon)
+                    read(text, &Units::of(text), &lexicon)
                 )
             })
         })
@@ -400,9 +401,9 @@ fn lengths_and_numbers_are_counted_as_a_reader_would() {
 fn identifiers_are_seen() {
     let lexicon = lexicon();
     let text = "前方行人横穿，因此让行（yield_to_agent）。";
-    let (s, e) = read(text, &lexicon).decision_id.unwrap();
+    let (s, e) = read(text, &Units::of(text), &lexicon).decision_id.unwrap();
     assert_eq!(&text[s..e], "yield_to_agent");
-    assert_eq!(read("resume and turn", &lexicon).decision_id, None);
+    assert_eq!(read("resume and turn", &Units::of("resume and turn"), &lexicon).decision_id, None);
 }
 
 #[test]

@@ -1,0 +1,110 @@
+//! How texts are divided into clauses, and words that say of a clause whether it gives a reason (`clauses` of
+//! `schema/label_words.yaml`).
+
+use super::Words;
+use crate::lexicon::units::{Mark, Unit, Units};
+use serde::Deserialize;
+
+/// What a punctuation mark ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Divider {
+    /// A sentence.
+    Sentence,
+    /// A clause.
+    Clause,
+    /// An item of a list.
+    Item,
+    /// What stands before an aside, or before what is added.
+    Aside,
+}
+
+/// Dividers, and words at which a clause begins.
+#[derive(Clone, Debug, Default)]
+pub struct Clauses {
+    dividers: Vec<(char, Divider)>,
+    /// Keys of the units of each, a space before and behind.
+    joints: Vec<Vec<u64>>,
+    /// Words that are followed by a reason, wherever they are, in lower case.
+    pub because: Vec<String>,
+    /// Words that join what has nothing to do with the reason before them, in lower case.
+    pub beside: Vec<String>,
+    /// Words of [`Clauses::because`] after which the reason goes on to the end of its sentence.
+    pub reason: Vec<String>,
+    /// Beginnings of a part that says what the ego has to do or wants.
+    pub own_duty: Vec<String>,
+}
+
+impl Clauses {
+    /// What a mark ends.
+    pub fn divides(&self, mark: Mark) -> Option<Divider> {
+        self.dividers.iter().find(|(sign, _)| *sign == mark.sign).map(|d| d.1)
+    }
+
+    /// Ends of the parts of a text between marks of these kinds, behind the mark; the last part ends with the text.
+    pub fn ends<'u>(
+        &'u self,
+        units: &'u Units,
+        kinds: &'u [Divider],
+        text_end: usize,
+    ) -> impl Iterator<Item = usize> + 'u {
+        let marks = units.marks().iter().filter(|m| self.divides(**m).is_some_and(|d| kinds.contains(&d)));
+        marks.map(|m| m.end()).chain([text_end])
+    }
+
+    /// Byte at which the clause ends that holds `from`: its mark, the word that joins the next, or the end of the text.
+    pub fn clause_end(&self, units: &Units, from: usize, text_end: usize) -> usize {
+        let ends = |m: &&Mark| {
+            m.start >= from
+                && matches!(self.divides(**m), Some(Divider::Sentence | Divider::Clause | Divider::Aside))
+        };
+        let mark = units.marks().iter().find(ends).map_or(text_end, |m| m.start);
+        let clause = units.part(from..mark);
+        let joint = (0..clause.len()).find(|i| self.is_joint(&clause[*i..]));
+        joint.map_or(mark, |i| clause[i].start)
+    }
+
+    /// The units begin with a joint. The last unit is the one behind the clause.
+    fn is_joint(&self, units: &[Unit]) -> bool {
+        units[0].key == u64::from(b' ')
+            && self.joints.iter().any(|joint| {
+                joint.len() < units.len() && units.iter().zip(joint).all(|(unit, key)| unit.key == *key)
+            })
+    }
+}
+
+/// The lists as written.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawClauses {
+    sentence: String,
+    clause: String,
+    item: String,
+    aside: String,
+    joint: Words,
+    because: Words,
+    beside: Words,
+    reason: Words,
+    own_duty: Words,
+}
+
+impl RawClauses {
+    pub(super) fn compile(&self) -> Clauses {
+        let kinds = [
+            (&self.sentence, Divider::Sentence),
+            (&self.clause, Divider::Clause),
+            (&self.item, Divider::Item),
+            (&self.aside, Divider::Aside),
+        ];
+        let list = |w: &Words| w.all().map(str::to_lowercase).collect::<Vec<_>>();
+        Clauses {
+            dividers: kinds.iter().flat_map(|(signs, d)| signs.chars().map(|c| (c, *d))).collect(),
+            joints: (self.joint.all())
+                .map(|j| Units::of(&format!(" {j} ")).all().iter().map(|u| u.key).collect())
+                .collect(),
+            because: list(&self.because),
+            beside: list(&self.beside),
+            reason: list(&self.reason),
+            own_duty: list(&self.own_duty),
+        }
+    }
+}
