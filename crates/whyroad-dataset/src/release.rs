@@ -100,7 +100,8 @@ pub fn drive_ids(batch: &RecordBatch) -> Result<impl Iterator<Item = &str>, Data
     Ok(column.iter().flatten())
 }
 
-/// The row groups of one data file.
+/// The row groups of one data file, until the first that cannot be read: a Parquet reader that failed would fail again
+/// without end.
 pub(crate) fn open<'a>(
     path: &Path,
     columns: Option<&[&str]>,
@@ -128,7 +129,13 @@ pub(crate) fn open<'a>(
         Some(mask) => builder.with_projection(mask),
         None => builder,
     };
-    let reader = builder.build().map_err(|e| broken(&e))?;
+    let mut reader = Some(builder.build().map_err(|e| broken(&e))?);
     let path = path.to_owned();
-    Ok(reader.map(move |batch| batch.map_err(|e| DatasetError::broken(&path, e))))
+    Ok(std::iter::from_fn(move || {
+        let batch = reader.as_mut()?.next()?;
+        Some(batch.map_err(|e| {
+            reader = None;
+            DatasetError::broken(&path, e)
+        }))
+    }))
 }

@@ -69,6 +69,24 @@ fn a_changed_missing_or_extra_file_is_found() {
 }
 
 #[test]
+fn a_file_damaged_anywhere_is_found_and_reading_it_ends() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    fleet.build(&out).unwrap();
+    let data = content(&out).into_keys().find(|name| name.starts_with("data/train")).unwrap();
+    let whole = std::fs::read(out.join(&data)).unwrap();
+    for position in (100..whole.len()).step_by(whole.len() / 40) {
+        let mut bytes = whole.clone();
+        bytes[position] = !bytes[position];
+        std::fs::write(out.join(&data), &bytes).unwrap();
+        let found = codes(&out);
+        assert!(found.contains(&"dataset.file.hash"), "byte {position}: {found:?}");
+        // Besides, the file that cannot be read and the samples that it lacks, each said once.
+        assert!(found.len() <= 4, "byte {position}: {found:?}");
+    }
+}
+
+#[test]
 fn a_leak_between_splits_is_found() {
     // A release whose test file is a copy of its training file, with a manifest that agrees: only reading finds it.
     let fleet = Fleet::town();
