@@ -78,10 +78,18 @@ impl LicenceTable {
         let id = &licence.id;
         if !licence.permits.contains(&spec.purpose) {
             let purpose = word(spec.purpose);
-            return Some(forbidden(
-                format!("许可 {id} 不允许用途 {purpose}"),
-                format!("licence {id} does not permit the purpose {purpose}"),
-            ));
+            let permitted = licence.permits.iter().map(|u| word(*u)).collect::<Vec<_>>().join(", ");
+            let d = Diagnostic::error(
+                "dataset.licence.forbidden",
+                Bilingual::new(
+                    format!("许可 {id} 不允许用途 {purpose}"),
+                    format!("licence {id} does not permit the purpose {purpose}"),
+                ),
+            );
+            return Some(d.with_hint(Bilingual::new(
+                format!("用 licences.allow 只取其他许可的数据，或将 purpose 设为它允许的用途：{permitted}"),
+                format!("leave such data out with licences.allow, or set a purpose that it permits: {permitted}"),
+            )));
         }
         None
     }
@@ -133,10 +141,6 @@ impl LicenceTable {
             }
         }
     }
-}
-
-fn forbidden(zh: String, en: String) -> Diagnostic {
-    Diagnostic::error("dataset.licence.forbidden", Bilingual::new(zh, en))
 }
 
 fn word(purpose: Use) -> &'static str {

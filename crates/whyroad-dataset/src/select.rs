@@ -78,8 +78,12 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
     let ids: BTreeSet<String> = out.licences.values().cloned().collect();
     for id in &ids {
         if let Some(licence) = table.find(id)
-            && let Some(d) = table.objection(licence, &spec.licences)
+            && let Some(mut d) = table.objection(licence, &spec.licences)
         {
+            let under = out.licences.iter().filter(|(_, l)| *l == id).map(|(d, _)| labels.drives.get(*d));
+            let (first, n) = (under.clone().min().unwrap_or_default(), under.count());
+            d.message.zh += &format!("：{n} 个行程，例如 {first}");
+            d.message.en += &format!(": {n} drives, for example {first}");
             out.refused.push(d);
         }
     }
