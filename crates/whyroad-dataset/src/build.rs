@@ -7,7 +7,7 @@ mod work;
 
 use crate::dedup::deduplicate;
 use crate::freeze::manifest::Manifest;
-use crate::item::Dropped;
+use crate::item::{Dropped, SplitName};
 use crate::labels::{self, LabelStream, Labels, Names};
 use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
@@ -192,16 +192,29 @@ fn report_groups(state: &mut State<'_>, report: &split::SplitReport) {
         );
     }
     let spec = &state.inputs.spec.split;
-    for (name, share) in [("train", spec.train), ("val", spec.val), ("test", spec.test)] {
-        if share > 0.0 && report.samples.get(name) == Some(&0) {
-            let (n, largest) = (report.components, report.largest_component);
-            state.diagnostics.push(Diagnostic::warning(
-                "dataset.split.empty",
-                Bilingual::new(
-                    format!("划分 {name} 为空：只有 {n} 个连通分组，最大的有 {largest} 个样本"),
-                    format!("split {name} is empty: there are {n} groups that cannot be separated, the largest has {largest} samples"),
-                ),
-            ));
+    for (split, share) in SplitName::ALL.into_iter().zip([spec.train, spec.val, spec.test]) {
+        let (name, given) = (split.name(), report.samples.get(split.name()).copied().unwrap_or(0));
+        let left = state.labels.items.iter().any(|i| i.kept() && i.split == Some(split));
+        if share <= 0.0 || left {
+            continue;
         }
+        let (n, largest) = (report.components, report.largest_component);
+        let message = if given == 0 {
+            Bilingual::new(
+                format!("划分 {name} 为空：只有 {n} 个连通分组，最大的有 {largest} 个样本"),
+                format!(
+                    "split {name} is empty: there are {n} groups that cannot be separated, the largest has \
+                     {largest} samples"
+                ),
+            )
+        } else {
+            Bilingual::new(
+                format!("划分 {name} 为空：它的 {given} 个样本都在去重或均衡时舍去"),
+                format!(
+                    "split {name} is empty: its {given} samples were all dropped as duplicates or by a cap"
+                ),
+            )
+        };
+        state.diagnostics.push(Diagnostic::warning("dataset.split.empty", message));
     }
 }

@@ -88,7 +88,9 @@ impl LicenceTable {
             );
             return Some(d.with_hint(Bilingual::new(
                 format!("用 licences.allow 只取其他许可的数据，或将 purpose 设为它允许的用途：{permitted}"),
-                format!("leave such data out with licences.allow, or set a purpose that it permits: {permitted}"),
+                format!(
+                    "leave such data out with licences.allow, or set a purpose that it permits: {permitted}"
+                ),
             )));
         }
         None

@@ -120,6 +120,16 @@ fn a_near_duplicate_across_splits_never_reaches_training() {
 }
 
 #[test]
+fn a_split_that_loses_all_its_samples_as_duplicates_is_reported() {
+    let mut fleet = Fleet::new(&[plan("a", 0.0, 12.0), plan("b", 300.0, 12.0)]);
+    fleet.spec_text = "split: {train: 0.5, val: 0.5, test: 0, by: [drive]}\n".into();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.counts.by_split.get("train"), Some(&0));
+    let empty: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.split.empty").collect();
+    assert!(matches!(empty[..], [d] if d.message.en.starts_with("split train is empty: its")), "{empty:?}");
+}
+
+#[test]
 fn a_label_that_no_longer_validates_is_found() {
     let fleet = Fleet::town();
     let out = fleet.out("release");
