@@ -70,6 +70,7 @@ pub fn draft_with_seed(
 
     let target = episode.target_id.as_ref().and_then(|id| drive.track(id)).map(|t| t.class);
     let asked = decision::Asked {
+        names: &framework.decisions,
         typical: &typical,
         allowed: framework.decision_table.leaves.get(class),
         mandated: spec.and_then(|s| s.lateral),

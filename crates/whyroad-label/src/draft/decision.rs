@@ -2,6 +2,7 @@
 //! the reason is taken from the class's typical decisions, and where they offer none, nothing is guessed.
 
 use whyroad_framework::decision_table::ClassDecisions;
+use whyroad_framework::decisions::DecisionSets;
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::messages::DrivingDecision;
@@ -31,6 +32,8 @@ pub enum LongitudinalMotion {
 
 /// What the class and the target say of the decision.
 pub(super) struct Asked<'a> {
+    /// What decisions are called.
+    pub names: &'a DecisionSets,
     pub typical: &'a TypicalDecisions,
     /// Which decisions go with the class; `None` where the framework has no table.
     pub allowed: Option<&'a ClassDecisions>,
@@ -66,8 +69,8 @@ pub(super) fn infer(
     let (motion, began) = longitudinal_motion(signals, keyframe);
     // What the class cannot do without is decided, whatever the motion of 6 s shows.
     let longitudinal = choose(motion, asked).or_else(|| asked.only_longitudinal());
-    note_longitudinal(motion, began, longitudinal, notes);
-    let (lateral, lateral_direction) = lateral(signals, keyframe, asked.typical, asked.mandated, notes);
+    note_longitudinal(motion, began, longitudinal, asked.names, notes);
+    let (lateral, lateral_direction) = lateral(signals, keyframe, asked, notes);
     let lateral = lateral.or_else(|| asked.only_lateral());
     DrivingDecision { longitudinal, lateral, lateral_direction }
 }
@@ -161,39 +164,54 @@ fn note_longitudinal(
     motion: LongitudinalMotion,
     began_s: f64,
     chosen: Option<Longitudinal>,
+    names: &DecisionSets,
     notes: &mut Vec<Bilingual>,
 ) {
-    let (zh, en) = match motion {
-        LongitudinalMotion::Keeps => ("自车速度无明显变化", "the ego's speed does not change"),
-        LongitudinalMotion::Slows => ("自车开始减速", "the ego slows"),
-        LongitudinalMotion::Stops => ("自车减速至停车", "the ego slows to a stop"),
-        LongitudinalMotion::Starts => ("自车起步", "the ego moves off"),
-        LongitudinalMotion::SpeedsUp => ("自车开始加速", "the ego speeds up"),
-        LongitudinalMotion::Unknown => ("自车运动未知", "the ego's motion is unknown"),
+    let began = |zh: &str, en: &str| {
+        Bilingual::new(
+            format!("关键帧后 {began_s:.1} s 自车{zh}"),
+            format!("{began_s:.1} s after the keyframe the ego {en}"),
+        )
     };
-    let chosen = match chosen {
-        Some(d) => d.id(),
-        None => "null",
-    };
-    notes.push(Bilingual::new(
-        format!("纵向决策由运动推断：关键帧后 {began_s:.1} s {zh} → {chosen}，请确认"),
-        format!(
-            "longitudinal decision from motion: {began_s:.1} s after the keyframe {en} -> {chosen}; confirm"
+    let seen = match motion {
+        LongitudinalMotion::Keeps => Bilingual::new(
+            "关键帧后 6 s 内自车速度无明显变化",
+            "within 6 s of the keyframe the ego's speed does not change",
         ),
-    ));
+        LongitudinalMotion::Slows => began("开始减速", "slows"),
+        LongitudinalMotion::Stops => began("减速至停车", "slows to a stop"),
+        LongitudinalMotion::Starts => began("起步", "moves off"),
+        LongitudinalMotion::SpeedsUp => began("开始加速", "speeds up"),
+        LongitudinalMotion::Unknown => Bilingual::new("自车运动未知", "the ego's motion is unknown"),
+    };
+    let name = chosen.and_then(|d| names.longitudinal(d)).map(|text| &text.name);
+    notes.push(match name {
+        Some(name) => Bilingual::new(
+            format!("{}：纵向决策据此填为“{}”，请确认", seen.zh, name.zh),
+            format!("{}: taken as the longitudinal decision \"{}\"; confirm", seen.en, name.en),
+        ),
+        None => Bilingual::new(
+            format!("{}：纵向决策留空，请确认", seen.zh),
+            format!("{}: the longitudinal decision is left empty; confirm", seen.en),
+        ),
+    });
 }
 
 fn lateral(
     signals: &SignalTable,
     keyframe: usize,
-    typical: &TypicalDecisions,
-    mandated: Option<Lateral>,
+    asked: &Asked<'_>,
     notes: &mut Vec<Bilingual>,
 ) -> (Option<Lateral>, Option<LateralDirection>) {
-    if let Some(lateral) = mandated {
+    if let Some(lateral) = asked.mandated {
+        let name =
+            asked.names.lateral(lateral).map_or_else(|| Bilingual::same(lateral.id()), |t| t.name.clone());
         notes.push(Bilingual::new(
-            format!("横向决策由标注规格规定：{lateral}；方向请确认"),
-            format!("the labelling spec prescribes the lateral decision {lateral}; state its direction"),
+            format!("横向决策由标注规格规定：{}；方向请确认", name.zh),
+            format!(
+                "the labelling spec prescribes the lateral decision \"{}\"; state its direction",
+                name.en
+            ),
         ));
         return (Some(lateral), None);
     }
@@ -209,12 +227,18 @@ fn lateral(
     ];
     for (lateral, direction) in found {
         let Some(direction) = direction.filter(|d| lateral.directions().contains(d)) else { continue };
-        let usual = typical.lateral.contains(&lateral);
+        let usual = asked.typical.lateral.contains(&lateral);
+        let way = match (lateral, direction) {
+            (_, LateralDirection::Uturn) => Bilingual::new("掉头", "makes a U-turn"),
+            (Lateral::Turn, LateralDirection::Left) => Bilingual::new("左转", "turns left"),
+            (Lateral::Turn, LateralDirection::Right) => Bilingual::new("右转", "turns right"),
+            (_, LateralDirection::Left) => Bilingual::new("向左换道", "changes to the left lane"),
+            (_, LateralDirection::Right) => Bilingual::new("向右换道", "changes to the right lane"),
+        };
         notes.push(Bilingual::new(
             format!(
-                "关键帧后 6 s 内自车{}（{}）{}",
-                if lateral == Lateral::Turn { "转弯" } else { "换道" },
-                direction.id(),
+                "关键帧后 6 s 内自车{}{}",
+                way.zh,
                 if usual {
                     "，横向决策据此填写，请确认"
                 } else {
@@ -222,9 +246,8 @@ fn lateral(
                 }
             ),
             format!(
-                "within 6 s of the keyframe the ego {} {}{}",
-                if lateral == Lateral::Turn { "turns" } else { "changes lane" },
-                direction.id(),
+                "within 6 s of the keyframe the ego {}{}",
+                way.en,
                 if usual {
                     ": taken as the lateral decision; confirm"
                 } else {
