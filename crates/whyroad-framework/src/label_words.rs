@@ -146,6 +146,10 @@ pub struct LabelWords {
     scene: Trie,
     /// What tells of events after the decision.
     pub aftermath: Aftermath,
+    /// With one of these before it, hindsight is what would happen.
+    pub imagined: Vec<String>,
+    /// Words of each color of a light.
+    pub lights: Vec<Vec<String>>,
     /// How texts are divided.
     pub clauses: Clauses,
     /// Kinds that the checks ask for.
@@ -253,6 +257,7 @@ struct File {
     names: BTreeMap<String, Name>,
     sides: RawSides,
     states: RawStates,
+    lights: BTreeMap<String, Words>,
     colours: BTreeMap<String, Words>,
     ahead: Words,
     absent: Words,
@@ -303,6 +308,7 @@ struct RawStates {
 #[serde(deny_unknown_fields)]
 struct RawHindsight {
     firm: Words,
+    imagined: Words,
     plain: Words,
 }
 

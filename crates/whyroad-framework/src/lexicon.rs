@@ -26,6 +26,14 @@ pub struct Lexicon {
     pub phrases: Vec<Says>,
     /// Beginnings of words that support a decision which no phrase states.
     pub stems: Stems,
+    /// Words between two phrases that are both taken back.
+    pub joined: Vec<String>,
+    /// Words that stand for the ego behind a decision marker.
+    pub pronouns: Vec<String>,
+    /// Words before whoever is given way.
+    pub gives_way: Vec<String>,
+    /// Beginnings of whoever is given way.
+    pub given_way: Vec<String>,
     trie: trie::Trie,
     /// By word number of the trie. Empty in an empty lexicon, which finds nothing.
     pub patterns: Vec<compile::Pattern>,
@@ -139,6 +147,10 @@ struct RoleWords {
     negation: Words,
     negation_adjacent: Words,
     negation_end: Words,
+    joined: Words,
+    pronoun: Words,
+    given_way: Words,
+    gives_way: Words,
     ego: Words,
     agent: Words,
     object_of: Words,

@@ -12,7 +12,7 @@ mod records;
 mod trace;
 
 pub use decision::LongitudinalMotion;
-pub(crate) use trace::is_draft;
+pub(crate) use trace::{has_beginning, is_draft, may_be_draft};
 
 use whyroad_framework::taxonomy::TypicalDecisions;
 use whyroad_framework::{Framework, Taxonomy};

@@ -31,6 +31,12 @@ pub enum TellWord {
 pub struct Aftermath {
     trace: Trie,
     tells: Vec<TellWord>,
+    /// Words behind which a verb of Latin letters has a subject.
+    pub subjects: Vec<String>,
+    /// Words that may stand between a subject and its verb.
+    pub between: Vec<String>,
+    /// Irregular past tenses of decisions.
+    pub decided: Vec<String>,
 }
 
 impl Aftermath {
@@ -49,6 +55,9 @@ impl Aftermath {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawAftermath {
+    subjects: Words,
+    between: Words,
+    decided: Words,
     exempt: Words,
     past: Words,
     past_of_subject: Words,
@@ -74,9 +83,13 @@ impl RawAftermath {
                 tells.insert(text, tell);
             }
         }
+        let list = |words: &Words| words.all().map(str::to_owned).collect();
         Aftermath {
             trace: trie(tells.keys().map(String::as_str), problems),
             tells: tells.into_values().collect(),
+            subjects: list(&self.subjects),
+            between: list(&self.between),
+            decided: list(&self.decided),
         }
     }
 }

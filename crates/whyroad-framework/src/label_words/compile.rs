@@ -110,6 +110,8 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         reasons,
         scene,
         aftermath,
+        imagined: raw.hindsight.imagined.all().map(str::to_owned).collect(),
+        lights: raw.lights.values().map(|w| w.all().map(str::to_owned).collect()).collect(),
         clauses,
         known,
         causes,

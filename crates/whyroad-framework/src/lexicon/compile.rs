@@ -137,11 +137,16 @@ pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     });
     let patterns: Vec<Pattern> =
         texts.values().map(|(role, side)| Pattern { role: *role, side: *side }).collect();
+    let list = |words: &super::Words| words.all().map(str::to_owned).collect();
     let lexicon = Lexicon {
         limits: raw.limits,
         null_allows: raw.null_allows.clone(),
         phrases,
         stems: super::Stems::new(&raw.stems, &raw.stem_denied),
+        joined: list(&w.joined),
+        pronouns: list(&w.pronoun),
+        gives_way: list(&w.gives_way),
+        given_way: list(&w.given_way),
         trie,
         patterns,
     };

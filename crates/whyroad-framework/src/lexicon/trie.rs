@@ -8,6 +8,8 @@ use std::ops::Range;
 /// No word ends here.
 const NONE: u32 = u32::MAX;
 const SPACE: u64 = b' ' as u64;
+/// An empty slot of a table of edges.
+const FREE: u64 = u64::MAX;
 /// Bits of the filter of beginnings, as a power of two.
 const FILTER_BITS: u32 = 18;
 
@@ -23,7 +25,7 @@ pub struct Trie {
     /// here. A set bit may lie, a bit that is not set does not.
     filter: Vec<u64>,
     nodes: Vec<Node>,
-    /// Edges of all nodes, those of one node side by side and sorted.
+    /// Edges of all nodes: each has an open table of a power of two, side by side.
     keys: Vec<u64>,
     children: Vec<u32>,
 }
@@ -37,8 +39,10 @@ struct Start {
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
+    /// Where its table of edges is.
     edges: u32,
-    count: u32,
+    /// Length of the table; 0 where there are no edges.
+    slots: u32,
     word: u32,
 }
 
@@ -123,14 +127,22 @@ impl Trie {
             children.push((key, self.add(words, at, end, depth + 1)?));
             at = end;
         }
-        let node = Node {
-            edges: u32::try_from(self.keys.len()).ok()?,
-            count: u32::try_from(children.len()).ok()?,
-            word,
+        let slots = match children.len() {
+            few @ (0 | 1) => few,
+            many => (many * 2).next_power_of_two(),
         };
-        self.keys.extend(children.iter().map(|c| c.0));
-        self.children.extend(children.iter().map(|c| c.1));
-        self.nodes.push(node);
+        let edges = self.keys.len();
+        self.keys.resize(edges + slots, FREE);
+        self.children.resize(edges + slots, NONE);
+        for (key, child) in children {
+            let mut slot = mixed(key) as usize & (slots - 1);
+            while self.keys[edges + slot] != FREE {
+                slot = (slot + 1) & (slots - 1);
+            }
+            self.keys[edges + slot] = key;
+            self.children[edges + slot] = child;
+        }
+        self.nodes.push(Node { edges: u32::try_from(edges).ok()?, slots: u32::try_from(slots).ok()?, word });
         u32::try_from(self.nodes.len() - 1).ok()
     }
 
@@ -156,6 +168,7 @@ impl Trie {
         }
     }
 
+    #[inline]
     fn start(&self, unit: Unit) -> Option<Start> {
         let place = if unit.is_latin() {
             let mask = self.runs.len().checked_sub(1)?;
@@ -171,6 +184,22 @@ impl Trie {
             *self.characters.get(usize::try_from(unit.key).ok()?)?
         };
         self.starts.get(usize::from(place).checked_sub(1)?).copied()
+    }
+
+    fn child(&self, node: Node, key: u64) -> Option<usize> {
+        let edges = node.edges as usize..(node.edges + node.slots) as usize;
+        let keys = &self.keys[edges.clone()];
+        let mask = keys.len().checked_sub(1)?;
+        let mut slot = mixed(key) as usize & mask;
+        // A table of one has no free slot.
+        for _ in 0..keys.len() {
+            match keys[slot] {
+                k if k == key => return Some(self.children[edges.start + slot] as usize),
+                FREE => return None,
+                _ => slot = (slot + 1) & mask,
+            }
+        }
+        None
     }
 
     fn has(&self, bit: usize) -> bool {
@@ -190,10 +219,8 @@ impl Trie {
         }
         let (mut node, mut next) = (start.node as usize, at + 1);
         while next < end {
-            let n = self.nodes[node];
-            let edges = n.edges as usize..(n.edges + n.count) as usize;
-            let Ok(edge) = self.keys[edges.clone()].binary_search(&units[next].key) else { break };
-            node = self.children[edges.start + edge] as usize;
+            let Some(child) = self.child(self.nodes[node], units[next].key) else { break };
+            node = child;
             next += 1;
             if self.nodes[node].word != NONE {
                 best = Some((self.nodes[node].word, next));

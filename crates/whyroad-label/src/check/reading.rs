@@ -3,7 +3,7 @@
 
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::{Divider, GroupSet, SaidState, WordRole};
-use whyroad_framework::lexicon::units::Units;
+use whyroad_framework::lexicon::units::{Mark, Units};
 
 /// A thing that a text names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +46,6 @@ pub(super) struct TextFacts {
     pub unchanged: Option<(usize, usize)>,
 }
 
-/// Ends of clauses.
-const CLAUSE_ENDS: [char; 13] = ['，', '。', '；', '：', '、', '！', '？', ',', '.', ';', ':', '!', '?'];
 /// Characters that may stand between a word that denies and what it denies: "no other", "没有任何".
 const BETWEEN_CHINESE: usize = 2;
 const BETWEEN_LATIN: usize = 12;
@@ -131,7 +129,7 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::Hindsight => {
                 out.words += 1;
-                if !is_imagined(text, hit.start) {
+                if !is_imagined(text, hit.start, units, words) {
                     out.hindsight.get_or_insert((hit.start, hit.end));
                 }
             }
@@ -161,11 +159,11 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
 }
 
 /// "Otherwise it hits us", "at this speed it hits us in two seconds": what would happen, not what did.
-fn is_imagined(text: &str, at: usize) -> bool {
-    const WORDS: [&str; 10] =
-        ["再", "否则", "不然", "照这", "照此", "按这", "按此", "恐怕", "会", "otherwise"];
-    let from = text[..at].rfind(CLAUSE_ENDS).unwrap_or(0);
-    WORDS.iter().any(|w| text[from..at].contains(w))
+fn is_imagined(text: &str, at: usize, units: &Units, words: &LabelWords) -> bool {
+    let divides = |m: &&Mark| words.clauses.divides(**m).is_some_and(|d| d != Divider::Aside);
+    let before = units.marks().iter().take_while(|m| m.start < at);
+    let from = before.filter(divides).last().map_or(0, |m| m.start);
+    words.imagined.iter().any(|w| text[from..at].contains(w.as_str()))
 }
 
 /// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that

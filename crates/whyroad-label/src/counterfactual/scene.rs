@@ -28,6 +28,15 @@ struct PathPoint {
     heading: f64,
 }
 
+/// A piece of the path from one point to the next.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: PathPoint,
+    dx: f64,
+    dy: f64,
+    length: f64,
+}
+
 /// Where one object is along and beside the path, step by step.
 #[derive(Clone, Debug)]
 struct Course {
@@ -91,7 +100,7 @@ impl Scene {
     pub fn at(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Self> {
         let ego = drive.ego.as_ref()?;
         let speed_mps = signals.frame_columns.get("ego.speed")?.number(frame)?;
-        let path = path(drive, frame)?;
+        let path = segments(&path(drive, frame)?);
         let steps = (HORIZON_S / STEP_S) as usize;
         let start = drive.times[frame];
         let frames: Vec<Option<usize>> = (0..=steps)
@@ -143,10 +152,10 @@ impl Scene {
     ) -> impl Iterator<Item = Constraint> + 's {
         let step = (t / STEP_S).round() as usize;
         let objects = self.courses.iter().filter_map(move |c| {
-            let by = Removed::Object(c.id.clone());
+            let by = || Removed::Object(c.id.clone());
             let row = c.rows.get(step).copied().flatten();
             if let Some(r) = row.filter(|r| r.on_path && r.rear_m > s - 2.0) {
-                return Some(Constraint { by, gap_m: r.rear_m - s, speed_mps: r.speed_mps.max(0.0) });
+                return Some(Constraint { by: by(), gap_m: r.rear_m - s, speed_mps: r.speed_mps.max(0.0) });
             }
             // Somebody who is about to come onto the path while the ego would be there.
             let visit = c
@@ -155,7 +164,7 @@ impl Scene {
                 .find(|v| v.from_beside && v.from_s > t && v.from_s < t + FORESIGHT_S && v.at_m > s)?;
             let arrives_s = t + (visit.at_m - s) / v.max(1.0);
             let meets = arrives_s > visit.from_s - BEFORE_S && arrives_s < visit.to_s + AFTER_S;
-            meets.then_some(Constraint { by, gap_m: visit.at_m - s, speed_mps: 0.0 })
+            meets.then(|| Constraint { by: by(), gap_m: visit.at_m - s, speed_mps: 0.0 })
         });
         let light = self.light.as_ref().and_then(move |(line, steps)| {
             let gap_m = line - s;
@@ -203,20 +212,31 @@ fn path(drive: &Drive, frame: usize) -> Option<Vec<PathPoint>> {
     Some(out)
 }
 
+fn segments(path: &[PathPoint]) -> Vec<Segment> {
+    let segment = |w: &[PathPoint]| {
+        let (dx, dy) = (w[1].x - w[0].x, w[1].y - w[0].y);
+        Segment { from: w[0], dx, dy, length: dx.hypot(dy).max(1e-6) }
+    };
+    path.windows(2).map(segment).collect()
+}
+
 /// Along and beside the path: (s, signed distance, heading there).
-fn place(path: &[PathPoint], x: f64, y: f64) -> (f64, f64, f64) {
+fn place(path: &[Segment], x: f64, y: f64) -> (f64, f64, f64) {
     let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
-    for w in path.windows(2) {
-        let (a, b) = (w[0], w[1]);
-        let (dx, dy) = (b.x - a.x, b.y - a.y);
-        let length = dx.hypot(dy).max(1e-6);
+    // Slightly more than the square of the least distance: most segments end here, without a root.
+    let mut farthest = f64::INFINITY;
+    for Segment { from: a, dx, dy, length } in path.iter().copied() {
         let along = ((x - a.x) * dx + (y - a.y) * dy) / length;
         // Behind the first point counts as behind.
         let low = if a.s == 0.0 { f64::NEG_INFINITY } else { 0.0 };
         let k = along.clamp(low, length);
         let (px, py) = (a.x + dx * k / length, a.y + dy * k / length);
+        if (x - px).powi(2) + (y - py).powi(2) > farthest {
+            continue;
+        }
         let d = (x - px).hypot(y - py);
         if d < best.0 {
+            farthest = d * d * (1.0 + 1e-9);
             let side = (dx * (y - a.y) - dy * (x - a.x)) / length;
             best = (d, a.s + k, side, a.heading);
         }
@@ -227,7 +247,7 @@ fn place(path: &[PathPoint], x: f64, y: f64) -> (f64, f64, f64) {
 fn course(
     track: &whyroad_model::scene::Track,
     frames: &[Option<usize>],
-    path: &[PathPoint],
+    path: &[Segment],
     (ego_length, ego_width): (f64, f64),
 ) -> Option<Course> {
     let mut rows: Vec<Option<Row>> = Vec::with_capacity(frames.len());

@@ -167,8 +167,7 @@ impl<'a> DraftFacts<'a> {
     /// The trace has the beginning of a reason of the class in it, or what is said instead: cheap, and rare where a
     /// person has written it.
     fn may_be(&self, trace: &str) -> bool {
-        // The first letter may be a capital.
-        let begins = |text: &str| trace.contains(&text.chars().skip(1).take(6).collect::<String>());
+        let begins = |text: &str| has_beginning(trace, text);
         if !self.decides() {
             let mut kept = self.joints().all(self.lang).iter();
             return kept.any(|joint| {
@@ -215,6 +214,33 @@ pub(super) fn seed(id: &str, run: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+fn languages<'a>(
+    framework: &'a Framework,
+    class: &'a ScenarioId,
+    components: &'a [CriticalComponent],
+    decision: &'a DrivingDecision,
+) -> [DraftFacts<'a>; 2] {
+    [Lang::Zh, Lang::En].map(|lang| DraftFacts { framework, class, components, decision, lang })
+}
+
+/// `trace` has the beginning of `text` in it; the first letter may be a capital there and is left out.
+pub(crate) fn has_beginning(trace: &str, text: &str) -> bool {
+    let mut ends = text.char_indices().map(|(at, _)| at).chain([text.len()]);
+    let from = ends.nth(1).unwrap_or(text.len());
+    let to = ends.nth(5).unwrap_or(text.len());
+    memchr::memmem::find(trace.as_bytes(), &text.as_bytes()[from..to]).is_some()
+}
+
+/// False where [`is_draft`] is false whatever the components are.
+pub(crate) fn may_be_draft(
+    framework: &Framework,
+    class: &ScenarioId,
+    decision: &DrivingDecision,
+    trace: &str,
+) -> bool {
+    languages(framework, class, &[], decision).iter().any(|facts| facts.may_be(trace))
+}
+
 /// True when `trace` ends with what a draft of these parts says, in any of its phrasings: nobody has written it. What a
 /// draft says of the ego before that is not compared: it depends on the recording.
 pub(crate) fn is_draft(
@@ -226,7 +252,7 @@ pub(crate) fn is_draft(
 ) -> bool {
     let bare =
         |t: &str| t.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect::<String>();
-    let all = [Lang::Zh, Lang::En].map(|lang| DraftFacts { framework, class, components, decision, lang });
+    let all = languages(framework, class, components, decision);
     let likely: Vec<&DraftFacts<'_>> = all.iter().filter(|facts| facts.may_be(trace)).collect();
     if likely.is_empty() {
         return false;

@@ -166,7 +166,8 @@ fn each_unit(text: &str, words: &Compared, mut take: impl FnMut(u64)) {
             word = 0;
         }
         // Particles make no difference.
-        if !c.is_ascii() && c.is_alphanumeric() && !words.particles.contains(c) {
+        let is_letter = matches!(c, '\u{4e00}'..='\u{9fff}') || (!c.is_ascii() && c.is_alphanumeric());
+        if is_letter && !words.particles.contains(c) {
             take(u64::from(c) | 1 << 40);
         }
     }
@@ -345,14 +346,10 @@ fn other_light<'t>(
     }
     let colour = |text: Option<&str>, n: &Named| {
         let word = text?.get(n.start..n.end)?.to_lowercase();
-        let last = |names: &[&str]| names.iter().filter_map(|w| word.rfind(w)).max();
+        let last = |names: &[String]| names.iter().filter_map(|w| word.rfind(w.as_str())).max();
         // The last one: "from green to yellow".
-        [["红", "red"].as_slice(), &["绿", "green"], &["黄", "yellow", "amber"]]
-            .iter()
-            .enumerate()
-            .filter_map(|(i, names)| Some((last(names)?, i)))
-            .max()
-            .map(|(_, i)| i)
+        let all = words.lights.iter().enumerate();
+        all.filter_map(|(i, names)| Some((last(names)?, i))).max().map(|(_, i)| i)
     };
     let is_light = |n: &&Named| words.objects[n.group].own.meets(words.known.light);
     let given: Vec<usize> = label

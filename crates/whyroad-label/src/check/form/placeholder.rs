@@ -2,7 +2,7 @@
 
 use crate::check::texts::Texts;
 use crate::check::view::{ComponentView, View};
-use crate::draft::is_draft;
+use crate::draft::{has_beginning, is_draft, may_be_draft};
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
 use whyroad_framework::lexicon::units::Units;
 use whyroad_framework::{Framework, LabelWords, Lexicon};
@@ -106,8 +106,7 @@ pub(in crate::check) fn draft(label: &View<'_>, framework: &Framework, sink: &mu
 fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
     let Some(first) = label.parts.first().and_then(|c| c.description.get()) else { return false };
     // A draft says its first component; a capital may have been made of the first letter.
-    let head: String = first.chars().skip(1).take(6).collect();
-    if !trace.contains(&head) {
+    if !has_beginning(trace, first) {
         return false;
     }
     let component = |c: &ComponentView<'_>| CriticalComponent {
@@ -118,7 +117,6 @@ fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
         evidence_times: Vec::new(),
         linked_objects: Vec::new(),
     };
-    let components: Vec<_> = label.parts.iter().map(component).collect();
     let decision = DrivingDecision {
         longitudinal: label.longitudinal.get(),
         lateral: label.lateral.get(),
@@ -130,5 +128,9 @@ fn is_unchanged(label: &View<'_>, trace: &str, framework: &Framework) -> bool {
         l2: s.l2.get().map(str::to_owned),
         l3: s.l3.get().map(str::to_owned),
     };
+    if !may_be_draft(framework, &class, &decision, trace) {
+        return false;
+    }
+    let components: Vec<_> = label.parts.iter().map(component).collect();
     is_draft(framework, &class, &components, &decision, trace)
 }

@@ -9,31 +9,6 @@ use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::TellWord;
 
-/// Behind these words a Latin verb form has a subject.
-const SUBJECTS: [&str; 22] = [
-    "it",
-    "he",
-    "she",
-    "they",
-    "we",
-    "who",
-    "which",
-    "that",
-    "ego",
-    "everyone",
-    "everybody",
-    "nobody",
-    "someone",
-    "driver",
-    "guy",
-    "this",
-    "one",
-    "ones",
-    "i",
-    "all",
-    "and",
-    "then",
-];
 /// Clauses behind the decision that are read, and bytes of one.
 const MOST_CLAUSES: usize = 24;
 const LONGEST_CLAUSE: usize = 1000;
@@ -71,7 +46,7 @@ pub(in crate::check::consistency) fn find(
         None => return None,
     };
     // A trace in the past tense tells its decision in it, too.
-    let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end]));
+    let in_past = stated.is_some_and(|m| is_past(&text[m.start..m.end], words));
     let stops = stated.is_some_and(|m| resumes(m) == Some(false));
     let clause_end = |from: usize| words.clauses.clause_end(&texts.units, from, text.len());
     let mut start = clause_end(decided);
@@ -136,7 +111,7 @@ fn told(
             TellWord::Past if !(own_decision && in_past) => Told::Event(start, end),
             TellWord::Event if !own_decision => Told::Event(start, end),
             TellWord::PastOfSubject
-                if !(own_decision && in_past) && has_subject(clause, start, offset, &texts.trace) =>
+                if !(own_decision && in_past) && has_subject(clause, start, offset, &texts.trace, words) =>
             {
                 Told::Event(start, end)
             }
@@ -152,7 +127,7 @@ fn told(
         let (start, end) = (at, at + word.len());
         at = end + 1;
         let past = word.len() >= 5 && word.ends_with("ed") && !word.ends_with("eed");
-        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, &texts.trace) {
+        if past && !ends.contains(&(start, end)) && has_subject(clause, start, offset, &texts.trace, words) {
             return Told::Event(start, end);
         }
     }
@@ -160,15 +135,14 @@ fn told(
 }
 
 /// The phrase is in the past tense.
-fn is_past(phrase: &str) -> bool {
+fn is_past(phrase: &str, words: &LabelWords) -> bool {
     let first =
         phrase.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default().to_ascii_lowercase();
-    first.ends_with("ed") && !first.ends_with("eed")
-        || ["gave", "kept", "held", "came", "went", "took", "made", "stood", "left"].contains(&first.as_str())
+    first.ends_with("ed") && !first.ends_with("eed") || words.aftermath.decided.contains(&first)
 }
 
 /// The word at `start` has a subject right before it: a pronoun, or a thing that the text names.
-fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts) -> bool {
+fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts, words: &LabelWords) -> bool {
     let before = clause[..start].trim_end();
     let end = offset + before.len();
     if facts.named.iter().any(|n| n.end == end) {
@@ -176,8 +150,9 @@ fn has_subject(clause: &str, start: usize, offset: usize, facts: &TextFacts) -> 
     }
     let last = before.rsplit(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
     // "Never stopped", "soon left".
-    if last.ends_with("ly") || ["never", "soon", "also", "even", "nearly", "almost"].contains(&last) {
-        return last.len() < before.len() && has_subject(clause, before.len() - last.len(), offset, facts);
+    if last.ends_with("ly") || words.aftermath.between.iter().any(|w| w == last) {
+        return last.len() < before.len()
+            && has_subject(clause, before.len() - last.len(), offset, facts, words);
     }
-    SUBJECTS.iter().any(|s| last.eq_ignore_ascii_case(s))
+    words.aftermath.subjects.iter().any(|s| last.eq_ignore_ascii_case(s))
 }

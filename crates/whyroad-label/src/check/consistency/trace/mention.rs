@@ -60,10 +60,6 @@ enum Actor {
     Object,
 }
 
-/// Behind "让" or "等" these are whoever is given way.
-const GIVEN_WAY: [char; 14] =
-    ['它', '他', '她', '其', '人', '对', '这', '那', '大', '老', '孩', '学', '前', '来'];
-
 #[derive(Clone, Copy)]
 struct Negation {
     end: usize,
@@ -210,7 +206,7 @@ impl Reader<'_> {
 
     fn is_pronoun(&self, hit: Hit) -> bool {
         let word = &self.text[hit.start..hit.end];
-        self.out.marked && ["it", "they"].iter().any(|p| word.eq_ignore_ascii_case(p))
+        self.out.marked && self.lexicon.pronouns.iter().any(|p| word.eq_ignore_ascii_case(p))
     }
 
     fn mention(&mut self, hit: Hit, phrase: usize) {
@@ -226,7 +222,7 @@ impl Reader<'_> {
             Some(n) if n.used => {
                 let last = self.out.mentions.last().map_or(hit.start, |m| m.end);
                 let between = self.text[last..hit.start].trim().to_ascii_lowercase();
-                let joined = ["or", "nor", "或", "也不", "也", "或者"].contains(&between.as_str());
+                let joined = self.lexicon.joined.contains(&between);
                 if joined { Force::Negated } else { Force::Doubtful }
             }
             _ => Force::Asserted,
@@ -242,7 +238,10 @@ impl Reader<'_> {
         };
         // "Let him go first": the rest of the clause is his.
         let word = &self.text[hit.start..hit.end];
-        if word.strip_prefix(['让', '等', '给']).is_some_and(|r| r.starts_with(GIVEN_WAY)) {
+        let begins = |text: &str, words: &[String]| words.iter().any(|w| text.starts_with(w.as_str()));
+        let lexicon = self.lexicon;
+        let mut given = lexicon.gives_way.iter().filter_map(|w| word.strip_prefix(w.as_str()));
+        if given.any(|to| begins(to, &lexicon.given_way)) {
             self.actor = Actor::Other;
         }
         // What stays doubtful for another reason does not become the ego's by standing last.
