@@ -51,6 +51,12 @@ pub(super) fn unseen() -> [Vec<(&'static str, Vec<Base>)>; 3] {
     ]
 }
 
+/// True labels only, in styles that the others do not have.
+pub(super) fn styles() -> Vec<(&'static str, Vec<Base>)> {
+    let read = |text: &str| yaml::from_str::<Vec<Base>>(text).unwrap();
+    vec![("zh", read(include_str!("styles_zh.yaml"))), ("en", read(include_str!("styles_en.yaml")))]
+}
+
 /// Moment of the keyframe: frame 100 of a clip.
 pub(super) fn keyframe() -> Nanos {
     Nanos::parse_iso("2026-01-15T10:30:10.000Z").unwrap()
