@@ -2,10 +2,12 @@
 //! where the rule reads them too. Nothing of it is stored.
 
 use whyroad_lake::LakeError;
+use whyroad_mining::language::Subject;
+use whyroad_mining::language::program::Op;
 use whyroad_mining::rule::{OnDemand, Rule};
 use whyroad_model::signal::is_of_object;
-use whyroad_model::{Drive, SignalTable};
-use whyroad_signals::{Objects, WithPairs, derive_objects};
+use whyroad_model::{Drive, ObjectClass, SignalTable};
+use whyroad_signals::{Objects, PairClasses, WithPairs, derive_objects};
 
 /// The signals of a drive for one rule: all that every drive has (`whole`), or, for a rule that asks for signals of any
 /// object, those that it asks for.
@@ -18,18 +20,35 @@ pub fn signals_for(
 ) -> Result<SignalTable, LakeError> {
     match rule.on_demand() {
         None => whole(),
-        Some(wanted) => Ok(joined(&wanted, &drive()?, whole)?),
+        Some(wanted) => Ok(joined(rule, &wanted, &drive()?, whole)?),
+    }
+}
+
+/// Classes of the objects that the rule is about, and of those that it looks for near them.
+fn pair_classes(rule: &Rule) -> PairClasses {
+    let counted = rule.program.nodes.iter().filter_map(|n| match n.op {
+        Op::AtLeastNear { subject, .. } => Some(subject),
+        _ => None,
+    });
+    let looked_for: Vec<Subject> = counted.chain(rule.second.iter().map(|role| role.subject)).collect();
+    let of = |admits: &dyn Fn(ObjectClass) -> bool| {
+        ObjectClass::ALL.iter().copied().filter(|class| admits(*class)).collect()
+    };
+    PairClasses {
+        first: of(&|class| rule.subject.is_none_or(|s| s.admits(class))),
+        second: of(&|class| looked_for.is_empty() || looked_for.iter().any(|s| s.admits(class))),
     }
 }
 
 fn joined(
+    rule: &Rule,
     wanted: &OnDemand,
     drive: &Drive,
     whole: impl FnOnce() -> Result<SignalTable, LakeError>,
 ) -> Result<SignalTable, LakeError> {
     let of_targets = wanted.others.iter().any(|s| is_of_object(s));
     let objects = if of_targets { Objects::Tracks } else { Objects::WithEgo };
-    let pairs = if wanted.pairs { WithPairs::Yes } else { WithPairs::No };
+    let pairs = if wanted.pairs { WithPairs::Between(pair_classes(rule)) } else { WithPairs::No };
     let mut table = derive_objects(drive, &wanted.signals, objects, pairs);
     if wanted.others.is_empty() {
         return Ok(table);

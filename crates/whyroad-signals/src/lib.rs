@@ -34,7 +34,7 @@ pub use catalogue::{Catalogue, SignalDef, SignalKind, SignalScope, TargetRestric
 pub use derive::{derive, meta_actions};
 pub use ego::meta_actions::MetaActions;
 pub use estimate::estimate;
-pub use object::{Objects, WithPairs, derive_objects};
+pub use object::{Objects, PairClasses, WithPairs, derive_objects};
 pub use occluders::occluders;
 pub use road::lane_ids::ego_lane_ids;
 pub use sight::Occluder;

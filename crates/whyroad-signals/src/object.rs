@@ -9,6 +9,7 @@ mod pair;
 mod scene;
 mod single;
 
+pub use near::PairClasses;
 pub use scene::{Objects, WithPairs};
 
 use crate::catalogue::Catalogue;
@@ -73,22 +74,42 @@ pub fn derive_objects(
             None => lost.push(name),
         }
     }
-    if pairs == WithPairs::Yes {
-        let (spans, near) = near::pairs(&bodies, drive.times.len());
-        let mut columns: BTreeMap<String, Column> = BTreeMap::new();
-        for name in names(true) {
-            match pair::column(&scene, name, &spans, &near) {
-                Some(column) => drop(columns.insert(name.to_owned(), column)),
-                None => lost.push(name),
-            }
+    let between = match &pairs {
+        WithPairs::No => None,
+        WithPairs::Yes => Some(None),
+        WithPairs::Between(classes) => Some(Some(classes)),
+    };
+    if let Some(between) = between {
+        let mut found = pair_table(&scene, between, &names(true));
+        let unknown = |columns: &BTreeMap<String, Column>| columns.values().any(|c| c.known_count() == 0);
+        if between.is_some() && unknown(&found.0.columns) {
+            found = pair_table(&scene, None, &names(true));
         }
-        table.pairs = Some(PairTable { spans, near, columns });
+        lost.extend(found.1);
+        table.pairs = Some(found.0);
     }
     for name in lost {
         let needs = Catalogue::bundled().get(name).map(|d| d.needs.clone()).unwrap_or_default();
         table.unavailable.insert(name.to_owned(), needs);
     }
     table
+}
+
+/// The pairs of objects of these classes with these signals, and those of the signals that cannot be known.
+fn pair_table<'n>(
+    scene: &Scene<'_>,
+    between: Option<&PairClasses>,
+    names: &[&'n str],
+) -> (PairTable, Vec<&'n str>) {
+    let (spans, near) = near::pairs(scene.bodies, between);
+    let (mut columns, mut lost) = (BTreeMap::new(), Vec::new());
+    for name in names {
+        match pair::column(scene, name, &spans, &near) {
+            Some(column) => drop(columns.insert((*name).to_owned(), column)),
+            None => lost.push(*name),
+        }
+    }
+    (PairTable { spans, near, columns }, lost)
 }
 
 /// The signal that says in which frames an object was observed.

@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::lanes::BodyLanes;
+use super::near::PairClasses;
 use crate::road::network::Road;
 use whyroad_model::Drive;
 
@@ -15,10 +16,13 @@ pub enum Objects {
 }
 
 /// Whether a table of objects has pairs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WithPairs {
-    /// It has.
+    /// Those of all objects.
     Yes,
+    /// Those between objects of these classes. Where nothing is known of them, those of all objects: what a signal
+    /// can be known of never depends on who asks.
+    Between(PairClasses),
     /// Only objects by themselves.
     No,
 }
