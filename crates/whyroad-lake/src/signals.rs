@@ -3,8 +3,9 @@
 //! are read.
 //!
 //! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
-//! order of target, then frame, without a hole; `whyroad.signals` in the metadata names the drive's content, the
-//! version of the signals, the objects with their frames, and the words of each category.
+//! order of target, then frame, without a hole; `whyroad.signals` in the metadata of `frames` names the drive's content,
+//! the version of the signals, the objects with their frames, and the words of each category; in that of `targets` it is
+//! the hash of that text.
 //!
 //! Numbers are 64 bits wide as they were derived: a value that is exactly on a rule's threshold stays on its
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte
@@ -31,6 +32,11 @@ use whyroad_model::{DriveId, FrameRange, Need, ObjectClass, TrackId};
 /// Order of the rows, as the files' metadata state it.
 pub(crate) const ROW_ORDER: &str = "drive, target, frame";
 pub(crate) const KEY: &str = "whyroad.signals";
+
+/// What `targets` states instead of the text of `frames`: it is long, and mostly the same for every drive.
+pub(crate) fn digest(contents: &str) -> String {
+    format!("blake3:{}", &blake3::hash(contents.as_bytes()).to_hex()[..32])
+}
 
 /// Columns before the signals: who and when.
 pub(crate) const FRAME: &str = "frame";

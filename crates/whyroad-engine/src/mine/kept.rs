@@ -15,8 +15,8 @@ pub const FILE: &str = "found.json";
 /// So many rules of former runs are kept beside those of the present one (single questions come and go).
 const FORMER: usize = 1000;
 
-/// What the file holds.
-#[derive(Debug, Default, Serialize, Deserialize)]
+/// What is kept of a drive.
+#[derive(Debug, Default)]
 pub struct Kept {
     /// Of what drive content, signals and judging code.
     of: String,
@@ -24,14 +24,25 @@ pub struct Kept {
     rules: BTreeMap<String, KeptFound>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+/// The file. In a short drive nearly all rules find nothing, many for lack of the same: they are listed together.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct File {
+    of: String,
+    /// Rules that found something; of files of earlier versions, all.
+    rules: BTreeMap<String, KeptFound>,
+    /// Rules that found nothing, by the signals for lack of which they could not be decided.
+    #[serde(default)]
+    nothing: Vec<(Vec<String>, Vec<String>)>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct KeptFound {
     episodes: Vec<KeptEpisode>,
     missing: Vec<String>,
 }
 
 /// An episode as it is kept; numbers by their bits, so that what is read is what was written.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct KeptEpisode {
     scenario: ScenarioId,
     target: Option<TrackId>,
@@ -49,7 +60,7 @@ struct KeptEpisode {
     signals: Vec<String>,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 enum KeptValue {
     Number(u64),
     Other(Json),
@@ -70,8 +81,16 @@ pub fn state(content_hash: &str) -> String {
 impl Kept {
     /// Reads what was kept; nothing where it is of another state or cannot be read.
     pub fn parse(content: Option<Vec<u8>>, state: &str) -> Self {
-        let kept = content.and_then(|c| serde_json::from_slice::<Kept>(&c).ok());
-        kept.filter(|k| k.of == state).unwrap_or(Self { of: state.to_owned(), ..Self::default() })
+        let file = content.and_then(|c| serde_json::from_slice::<File>(&c).ok());
+        let Some(file) = file.filter(|f| f.of == state) else {
+            return Self { of: state.to_owned(), ..Self::default() };
+        };
+        let mut rules = file.rules;
+        for (missing, keys) in file.nothing {
+            let found = KeptFound { episodes: vec![], missing };
+            rules.extend(keys.into_iter().map(|key| (key, found.clone())));
+        }
+        Self { of: file.of, rules }
     }
 
     /// What the rule found; `None` where it has not been run.
@@ -92,8 +111,18 @@ impl Kept {
         if self.rules.len() > present.len() + FORMER {
             self.rules.retain(|key, _| present.contains(key));
         }
+        let mut file = File { of: self.of, ..File::default() };
+        let mut nothing = BTreeMap::<Vec<String>, Vec<String>>::new();
+        for (key, found) in self.rules {
+            if found.episodes.is_empty() {
+                nothing.entry(found.missing).or_default().push(key);
+            } else {
+                file.rules.insert(key, found);
+            }
+        }
+        file.nothing = nothing.into_iter().collect();
         // Strings, numbers and lists of them always become JSON.
-        serde_json::to_vec(&self).unwrap_or_default()
+        serde_json::to_vec(&file).unwrap_or_default()
     }
 }
 

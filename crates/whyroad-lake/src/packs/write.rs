@@ -167,7 +167,8 @@ fn write_signals(dir: &Path, stored: &[&MemberSignals], schemas: &mut Schemas) -
         let fields = columns.keys.into_iter().chain(columns.signals.into_values());
         let schema = Schema::new(fields.collect::<Vec<_>>());
         let parts: Vec<(&DriveId, &Part)> = stored.iter().map(|s| (&s.stored.drive_id, part(s))).collect();
-        let more = vec![KeyValue::new(signals::KEY.to_owned(), text.clone())];
+        let stated = if name == "frames.parquet" { text.clone() } else { signals::digest(&text) };
+        let more = vec![KeyValue::new(signals::KEY.to_owned(), stated)];
         splice::write(&dir.join(name), &schema, signals::ROW_ORDER, more, &parts)?;
     }
     sync_folder(dir)

@@ -1,6 +1,6 @@
 //! Signal tables to Parquet.
 
-use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME};
+use super::{Contents, FRAME, KEY, ROW_ORDER, StoredDrive, TIME, digest};
 use crate::file::ROW_ORDER_KEY;
 use crate::{LAKE_VERSION, LakeError};
 use arrow_array::types::UInt16Type;
@@ -42,7 +42,7 @@ pub fn write_signals(dir: &Path, version: &str, drives: &[(String, &SignalTable)
         let time = rows().map(|(_, f)| t.times[f].0).collect();
         (vec![ids], rows().map(|(_, f)| u32::try_from(f).unwrap_or(u32::MAX)).collect(), time)
     };
-    write_file(&dir.join("targets.parquet"), &text, drives, |t| &t.target_columns, targets)
+    write_file(&dir.join("targets.parquet"), &digest(&text), drives, |t| &t.target_columns, targets)
 }
 
 fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
