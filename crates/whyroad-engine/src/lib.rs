@@ -3,6 +3,7 @@
 //! What a step computes is in the crate of that step (ingest, signals, mining); this crate reads what the step needs
 //! from the lake, runs it on all cores, keeps what can be used again, and gives results in the order of drive ids.
 
+pub mod again;
 pub mod drives;
 pub mod inspect;
 pub mod label_drives;

@@ -149,10 +149,15 @@ pub fn mine_each<E: Send>(
 /// is that of `rules`.
 pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpisodes {
     let table = whyroad_signals::derive(drive);
+    arbitrated(rules, &drive.meta.drive_id, &drive.times, found_of(drive, &table, rules, plan))
+}
+
+/// What each rule finds in a drive with its signals.
+fn found_of(drive: &Drive, table: &SignalTable, rules: &RuleSet, plan: &Plan<'_>) -> Vec<Found> {
     let ordinary: Vec<usize> =
         (0..rules.rules.len()).filter(|i| rules.rules[*i].on_demand().is_none()).collect();
     let mut found = vec![Found::default(); rules.rules.len()];
-    let signals = Signals::of_table(&table);
+    let signals = Signals::of_table(table);
     for (i, of_rule) in ordinary.iter().zip(Search::new(plan, &signals, ordinary.iter().copied()).found()) {
         found[*i] = of_rule;
     }
@@ -160,7 +165,7 @@ pub fn episodes_of(drive: &Drive, rules: &RuleSet, plan: &Plan<'_>) -> DriveEpis
         let own = signals_for(rule, || Ok(drive.clone()), || Ok(table.clone()));
         found[i] = own.map(|own| found_in(rule, &own)).unwrap_or_default();
     }
-    arbitrated(rules, &drive.meta.drive_id, &drive.times, found)
+    found
 }
 
 /// What one rule finds in signals that are at hand, by the fast evaluator.
@@ -193,6 +198,17 @@ impl<'a> Miner<'a> {
         mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
     }
 
+    /// [`Miner::drive`] of a drive whose tables were changed in their place: what is stored of it is made again.
+    pub fn drive_afresh(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
+        let mined = std::panic::catch_unwind(AssertUnwindSafe(|| {
+            let unreadable = |e: LakeError| unreadable(id, &e);
+            let outline = self.lake.outline(id).map_err(unreadable)?;
+            let found = self.found_afresh(id, &outline).map_err(unreadable)?;
+            Ok(self.written_down(id, outline, found))
+        }));
+        mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
+    }
+
     /// Publishes what the lake keeps of the results, where it is in an object store; a warning where that fails.
     pub fn published(&self) -> Option<Diagnostic> {
         let e = self.lake.publish().err()?;
@@ -219,6 +235,11 @@ impl<'a> Miner<'a> {
                 self.rules.rules.iter().map(one).collect::<Result<_, _>>().map_err(unreadable)?
             }
         };
+        Ok(self.written_down(id, outline, found))
+    }
+
+    /// A drive's results, from those of each rule.
+    fn written_down(&self, id: &DriveId, outline: Outline, found: Vec<Found>) -> MinedDrive {
         let DriveEpisodes { episodes, missing, .. } = arbitrated(self.rules, id, &outline.times, found);
         let Outline { times, mut clips, .. } = outline;
         let mut episodes = write_down(&episodes, id, &times, self.options.clips, self.options.lang);
@@ -228,7 +249,7 @@ impl<'a> Miner<'a> {
         if self.options.clips == ClipCut::Keyframe {
             clips.extend(around_keyframes(&episodes, &clips, &times, id));
         }
-        Ok(MinedDrive { drive_id: id.clone(), clips, episodes, missing })
+        MinedDrive { drive_id: id.clone(), clips, episodes, missing }
     }
 
     /// The version of the rule of a class: its hash, shortened. A class without a rule of its own (`other`) has none.
@@ -254,6 +275,20 @@ impl<'a> Miner<'a> {
             self.note(self.lake.write_note(id, kept::FILE, &content));
         }
         Ok(found.into_iter().map(Option::unwrap_or_default).collect())
+    }
+
+    /// The results of each rule, found in signals that are derived now; signals and results are kept.
+    fn found_afresh(&self, id: &DriveId, outline: &Outline) -> Result<Vec<Found>, LakeError> {
+        let drive = self.lake.read_drive(id)?;
+        let table = whyroad_signals::derive(&drive);
+        self.note(self.lake.write_signals(id, whyroad_signals::VERSION, &table));
+        let found = found_of(&drive, &table, self.rules, &self.plan);
+        let mut kept = Kept::parse(None, &kept::state(&outline.meta.content_hash));
+        for (key, found) in self.keys.iter().zip(&found) {
+            kept.put(key.clone(), found);
+        }
+        self.note(self.lake.write_note(id, kept::FILE, &kept.content(&self.keys)));
+        Ok(found)
     }
 
     /// Runs these rules: those about any object on signals that are derived for them.

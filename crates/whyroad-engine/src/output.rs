@@ -10,6 +10,6 @@ pub mod result;
 mod wording;
 
 pub use coverage::Searched;
-pub use folder::{EpisodeExample, FolderWriter, Summary, write_folder};
+pub use folder::{EpisodeExample, FolderWriter, KnownDrive, SameDrive, Summary, write_folder};
 pub use record::MinedEpisode;
 pub use result::Question;

@@ -7,6 +7,7 @@
 mod columns;
 mod error;
 mod index;
+mod ledger;
 mod lines;
 mod publish;
 mod question;
@@ -16,11 +17,12 @@ mod write;
 pub use columns::{EPISODES_VERSION, episode_table};
 pub use error::MinedWriteError;
 pub use index::EpisodeIndex;
+pub use ledger::{DriveLines, Gaps, Ledger, LedgerEntry};
 pub use lines::{EpisodeLines, LineSpan};
 pub use publish::{Publication, PublishError};
 pub use question::MiningQuestion;
 pub use summary::{DriveSummary, EpisodeSummary};
-pub use write::{Existing, FinishedEpisodes, MinedFolderWriter};
+pub use write::{Existing, FinishedEpisodes, MinedFolderWriter, WrittenDrive};
 
 use crate::LakeError;
 use std::collections::BTreeMap;
@@ -53,6 +55,8 @@ pub enum MinedFile {
     Results,
     /// The `mining_result` message of a single question.
     SingleResult,
+    /// Which drives the folder was made from.
+    Ledger,
 }
 
 impl MinedFile {
@@ -68,6 +72,7 @@ impl MinedFile {
             MinedFile::Coverage => "coverage.json",
             MinedFile::Results => "mining_results",
             MinedFile::SingleResult => "mining_result.json",
+            MinedFile::Ledger => "ledger.jsonl",
         }
     }
 

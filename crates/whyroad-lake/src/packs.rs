@@ -23,7 +23,7 @@ pub use catalogue::DriveEntry;
 pub use compact::{Compaction, CompactionOptions};
 
 pub(crate) use lock::{changing, replacing};
-pub(crate) use open_pack::OpenPack;
+pub(crate) use open_pack::{DRIVES as DRIVES_FILE, OpenPack};
 pub(crate) use places::Place;
 
 use crate::lake::MANIFEST;
@@ -33,6 +33,9 @@ use catalogue::Catalogue;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use whyroad_model::DriveId;
+
+/// A catalogue that is in use.
+pub(crate) type CatalogueRef = Arc<Catalogue>;
 
 pub(crate) const FOLDER: &str = "packs";
 

@@ -183,7 +183,8 @@ pub(crate) fn coverage() -> Coverage {
         gaps: Vec::new(),
     };
     let mut red = leaf("reactive_rule.traffic_light.red_stop", CoverageState::NotObservable, 0);
-    red.gaps = vec![DriveGap { drives: vec!["d".into()], missing_signals: vec!["light.state".into()] }];
+    red.gaps =
+        vec![DriveGap { drives: vec!["d".into()].into(), missing_signals: vec!["light.state".into()] }];
     Coverage {
         taxonomy_version: "2.0.0".into(),
         drives: vec!["d".into()],

@@ -5,11 +5,15 @@ use super::coverage::{Counts, Searched};
 use super::record::MinedEpisode;
 use super::result::{Answer, Question};
 use crate::mine::{MinedDrive, MinedLake};
+use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_framework::Taxonomy;
-use whyroad_lake::mined::{Existing, MinedFolderWriter, MinedWriteError, MiningQuestion};
+use whyroad_lake::Fingerprint;
+use whyroad_lake::mined::{
+    DriveLines, Existing, Ledger, MinedFile, MinedFolderWriter, MinedWriteError, MiningQuestion, WrittenDrive,
+};
 use whyroad_mining::rule::{OTHER, Precedence};
 use whyroad_model::messages::{
     ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, MinedClip,
@@ -78,6 +82,43 @@ pub struct FolderWriter {
     precedence: Precedence,
     primary: usize,
     examples: BTreeMap<ScenarioId, EpisodeExample>,
+    /// Numbers of the gaps of an earlier ledger among the counts.
+    numbers: Vec<Option<usize>>,
+}
+
+/// What a drive was before it was mined.
+#[derive(Clone, Debug)]
+pub struct KnownDrive {
+    /// Where and what it was.
+    pub fingerprint: Fingerprint,
+    /// Hash of what it stated about itself.
+    pub stated: Option<String>,
+}
+
+/// A drive that has not changed, with its lines of the earlier run.
+pub struct SameDrive {
+    at: usize,
+    lines: DriveLines,
+    records: Vec<EpisodeRecord>,
+    known: KnownDrive,
+}
+
+impl SameDrive {
+    /// Reads the drive at a position of the ledger; `None` where its lines cannot be read. May be called from several
+    /// threads.
+    pub fn read(ledger: &Ledger, at: usize, known: KnownDrive) -> Option<Self> {
+        let lines = ledger.lines(at).ok()?;
+        let records = lines.of(MinedFile::Episodes).map(serde_json::from_slice);
+        let records = records.collect::<Result<Vec<EpisodeRecord>, _>>().ok()?;
+        let own = records.iter().all(|r| r.drive_id == ledger.entries[at].drive_id);
+        own.then_some(Self { at, lines, records, known })
+    }
+}
+
+/// The earliest time of a drive's clips.
+fn start_of(lines: &DriveLines) -> Option<Nanos> {
+    let clips = lines.of(MinedFile::Clips).filter_map(|l| serde_json::from_slice(l).ok());
+    clips.map(|m: ClipMetadataMessage| m.clip_metadata.capture_time).min()
 }
 
 impl FolderWriter {
@@ -98,6 +139,7 @@ impl FolderWriter {
             precedence: precedence.clone(),
             primary: 0,
             examples: BTreeMap::new(),
+            numbers: Vec::new(),
         })
     }
 
@@ -105,6 +147,56 @@ impl FolderWriter {
     /// counted, and not written.
     pub fn add(&mut self, drive: &MinedDrive) -> Result<(), MinedWriteError> {
         self.counts.add(drive);
+        self.write(drive)
+    }
+
+    /// Also writes a ledger of the drives, by which the next run into the folder knows which of them have changed.
+    /// `of` is all that the results depend on besides the drives. Every drive is then added by
+    /// [`FolderWriter::add_known`] or [`FolderWriter::add_same`].
+    pub fn keep_ledger(&mut self, of: &str) -> Result<(), MinedWriteError> {
+        self.files.keep_ledger(of)
+    }
+
+    /// [`FolderWriter::add`], and enters into the ledger what the drive was before it was mined.
+    pub fn add_known(&mut self, drive: &MinedDrive, known: KnownDrive) -> Result<(), MinedWriteError> {
+        let (number, counts) = self.counts.add(drive);
+        self.write(drive)?;
+        self.files.account(WrittenDrive {
+            drive_id: &drive.drive_id,
+            fingerprint: known.fingerprint,
+            stated: known.stated,
+            gaps: (number, &drive.missing),
+            counts,
+        })
+    }
+
+    /// Adds a drive that has not changed since `ledger` was written, in the same order as the others.
+    pub fn add_same(&mut self, ledger: &Ledger, same: SameDrive) -> Result<(), MinedWriteError> {
+        let (entry, SameDrive { lines, records, known, .. }) = (&ledger.entries[same.at], same);
+        let gaps = &ledger.gaps[entry.gaps];
+        if self.numbers.len() < ledger.gaps.len() {
+            self.numbers.resize(ledger.gaps.len(), None);
+        }
+        let number = *self.numbers[entry.gaps].get_or_insert_with(|| self.counts.number(gaps));
+        self.counts.add_counted(&entry.drive_id, number, &entry.counts);
+        let mut start = None;
+        for (record, line) in records.into_iter().zip(lines.of(MinedFile::Episodes)) {
+            self.primary += usize::from(record.is_primary);
+            self.example(&record, &mut || *start.get_or_insert_with(|| start_of(&lines)));
+            let placed = self.files.same_episode(&record, line)?;
+            self.answers.iter_mut().for_each(|answer| answer.add(&record, placed));
+        }
+        self.files.same_lines(&lines)?;
+        self.files.account(WrittenDrive {
+            drive_id: &entry.drive_id,
+            fingerprint: known.fingerprint,
+            stated: known.stated,
+            gaps: (number, gaps),
+            counts: entry.counts.clone(),
+        })
+    }
+
+    fn write(&mut self, drive: &MinedDrive) -> Result<(), MinedWriteError> {
         let asked = |e: &&MinedEpisode| {
             let class = &e.record.scenario_id;
             self.answers.iter().any(|a| class.is_within(&a.question().scenario))
@@ -115,7 +207,7 @@ impl FolderWriter {
             let span = self.files.episode(&e.record)?;
             self.answers.iter_mut().for_each(|answer| answer.add(&e.record, span));
             self.primary += usize::from(e.record.is_primary);
-            self.example(&e.record, start);
+            self.example(&e.record, &mut || start);
             let (episode_id, clip_id) =
                 (Some(e.record.episode_id.clone()), Some(e.record.clip_id.to_string()));
             // Only a class of the taxonomy can be proposed.
@@ -163,45 +255,52 @@ impl FolderWriter {
         ClipMetadata { pre_labels, ..clip.clone() }
     }
 
-    fn example(&mut self, record: &EpisodeRecord, start: Option<Nanos>) {
+    fn example(&mut self, record: &EpisodeRecord, start: &mut dyn FnMut() -> Option<Nanos>) {
+        let known = self.examples.get(&record.scenario_id);
+        if known.is_some_and(|e| (record.is_primary, record.score) <= (e.is_primary, e.score)) {
+            return;
+        }
         let at = record.keyframe.timestamp;
         let example = EpisodeExample {
             clip_id: record.clip_id.clone(),
-            keyframe_s: at.seconds_since(start.unwrap_or(at)),
+            keyframe_s: at.seconds_since(start().unwrap_or(at)),
             is_primary: record.is_primary,
             score: record.score,
         };
-        let rank = |e: &EpisodeExample| (e.is_primary, e.score);
-        match self.examples.get_mut(&record.scenario_id) {
-            Some(known) if rank(&example) > rank(known) => *known = example,
-            Some(_) => {}
-            None => {
-                self.examples.insert(record.scenario_id.clone(), example);
-            }
-        }
+        self.examples.insert(record.scenario_id.clone(), example);
     }
 
     /// Writes the results and the coverage, and puts everything in place of what an earlier run left.
     pub fn finish(mut self, taxonomy: &Taxonomy, searched: Searched) -> Result<Summary, MinedWriteError> {
         let written = self.files.episodes();
         let files = self.files.finish()?;
-        let episodes = RefCell::new(files.open_episodes()?);
         let alone = self.answers.len() == 1;
-        for answer in &mut self.answers {
+        let gaps = self.counts.gaps();
+        let coverage = self.counts.coverage(taxonomy, searched, &gaps);
+        let result = |answer: &mut Answer| -> Result<(), MinedWriteError> {
             answer.close();
-            let message = answer.message(&self.counts, &episodes);
-            files.result(&answer.question().scenario, &message, alone)?;
-        }
+            let episodes = RefCell::new(files.open_episodes()?);
+            files.result(&answer.question().scenario, &answer.message(&gaps, &episodes), alone)
+        };
+        // Results repeat the lines of episodes and name drives: of a large lake they are the most that is written.
+        let answers = &mut self.answers;
+        let results = || answers.par_iter_mut().with_max_len(1).try_for_each(result);
+        let (written_coverage, results) = rayon::join(|| files.coverage(&coverage), results);
+        written_coverage.and(results)?;
         let of_one = self.answers.first().filter(|_| alone);
-        let best = of_one.map_or(Ok(vec![]), |a| a.best(BEST, &mut episodes.borrow_mut()));
-        let coverage = self.counts.coverage(taxonomy, searched);
-        files.coverage(&coverage)?;
+        let best = match of_one {
+            Some(answer) => {
+                answer.best(BEST, &mut files.open_episodes()?).map_err(|e| files.unreadable(e))?
+            }
+            None => vec![],
+        };
+        files.seal()?;
         Ok(Summary {
             drives: self.counts.drives(),
             episodes: written,
             primary_episodes: self.primary,
             coverage,
-            best: best.map_err(|e| files.unreadable(e))?,
+            best,
             matched: of_one.map_or(0, Answer::total),
             examples: self.examples,
         })

@@ -177,13 +177,12 @@ fn blind(rows: &[NotObservable], coverage: &Coverage) -> Vec<NotObservable> {
     let all = || coverage.leaves.iter().chain(&coverage.unresolved);
     let row = |of: &NotObservable| {
         let leaf = all().find(|l| l.scenario_id == of.scenario_id)?;
-        let drives: BTreeSet<String> =
-            leaf.gaps.iter().flat_map(|g| &g.drives).map(ToString::to_string).collect();
+        let drives: BTreeSet<&DriveId> = leaf.gaps.iter().flat_map(|g| &g.drives).collect();
         let signals: BTreeSet<String> =
             leaf.gaps.iter().flat_map(|g| g.missing_signals.iter().cloned()).collect();
         (!drives.is_empty()).then(|| NotObservable {
             scenario_id: of.scenario_id.clone(),
-            drives: drives.into_iter().collect(),
+            drives: drives.into_iter().cloned().collect::<Vec<_>>().into(),
             missing_signals: signals.into_iter().collect(),
         })
     };
@@ -203,7 +202,8 @@ fn without(
             return;
         }
         for gap in &mut l.gaps {
-            gap.drives.retain(|d| !drives.contains(d));
+            let left = gap.drives.iter().filter(|d| !drives.contains(*d)).cloned();
+            gap.drives = left.collect::<Vec<_>>().into();
         }
         l.gaps.retain(|g: &DriveGap| !g.drives.is_empty());
         let (episodes, primary) = removed.get(&l.scenario_id).copied().unwrap_or_default();

@@ -2,7 +2,7 @@
 //! that matches. Of each match only its score, its id and its line in `episodes.jsonl` are kept; the rest is read from
 //! there when the result is written.
 
-use super::coverage::Counts;
+use super::coverage::ClassGaps;
 use serde::ser::{Error as _, SerializeSeq, Serializer};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
@@ -10,8 +10,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use whyroad_lake::mined::LineSpan;
-use whyroad_model::ScenarioId;
-use whyroad_model::messages::{EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable};
+use whyroad_model::messages::{
+    DriveGap, EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable,
+};
+use whyroad_model::{DriveId, ScenarioId};
 
 /// A question that was asked: a `mining_result` is written for each.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -117,8 +119,8 @@ impl Answer {
     }
 
     /// The message of a closed answer, to be written: its clips are read from the episodes' file one by one.
-    pub fn message<'a>(&'a self, counts: &Counts, episodes: &'a RefCell<File>) -> impl Serialize + 'a {
-        self.message_with(not_observable(counts, &self.question.scenario), episodes)
+    pub fn message<'a>(&'a self, gaps: &ClassGaps, episodes: &'a RefCell<File>) -> impl Serialize + 'a {
+        self.message_with(not_observable(gaps, &self.question.scenario), episodes)
     }
 
     /// The same where it is known already which drives could not be decided.
@@ -202,17 +204,22 @@ fn tenth(score: f64) -> String {
     format!("{:.1}-{:.1}", lower as f64 / 10.0, (lower + 1) as f64 / 10.0)
 }
 
-fn not_observable(counts: &Counts, scenario: &ScenarioId) -> Vec<NotObservable> {
-    let row = |(scenario_id, gaps): (ScenarioId, Vec<whyroad_model::messages::DriveGap>)| {
+fn not_observable(gaps: &ClassGaps, scenario: &ScenarioId) -> Vec<NotObservable> {
+    let row = |(scenario_id, gaps): (&ScenarioId, &Vec<DriveGap>)| {
         let signals: BTreeSet<String> = gaps.iter().flat_map(|g| g.missing_signals.iter().cloned()).collect();
-        let drives: BTreeSet<String> = gaps.iter().flat_map(|g| &g.drives).map(ToString::to_string).collect();
+        let drives = match &gaps[..] {
+            [one] => one.drives.clone(),
+            several => {
+                let drives: BTreeSet<&DriveId> = several.iter().flat_map(|g| &g.drives).collect();
+                drives.into_iter().cloned().collect::<Vec<_>>().into()
+            }
+        };
         NotObservable {
-            scenario_id,
-            drives: drives.into_iter().collect(),
+            scenario_id: scenario_id.clone(),
+            drives,
             missing_signals: signals.into_iter().collect(),
         }
     };
-    let mut rows: Vec<NotObservable> = counts.gaps(scenario).into_iter().map(row).collect();
-    rows.sort_by(|a, b| a.scenario_id.cmp(&b.scenario_id));
-    rows
+    // In the order of the classes.
+    gaps.iter().filter(|(id, _)| id.is_within(scenario)).map(row).collect()
 }

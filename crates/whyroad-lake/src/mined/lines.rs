@@ -46,6 +46,17 @@ impl LineWriter {
         Ok(span)
     }
 
+    /// Writes complete lines of another file as they are.
+    pub fn copy_all(&mut self, text: &[u8]) -> Result<(), MinedWriteError> {
+        self.bytes += text.len() as u64;
+        self.out.write_all(text).map_err(io(&self.path))
+    }
+
+    /// Length so far.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
     pub fn finish(mut self) -> Result<(), MinedWriteError> {
         self.out.flush().map_err(io(&self.path))
     }

@@ -140,7 +140,7 @@ fn exchange(_: &Path, _: &Path) -> bool {
 
 /// The first file that no mining run writes, by name.
 fn other_file(dir: &Path) -> Option<String> {
-    const ALL: [MinedFile; 9] = [
+    const ALL: [MinedFile; 10] = [
         MinedFile::Question,
         MinedFile::Episodes,
         MinedFile::EpisodeTable,
@@ -150,6 +150,7 @@ fn other_file(dir: &Path) -> Option<String> {
         MinedFile::Coverage,
         MinedFile::Results,
         MinedFile::SingleResult,
+        MinedFile::Ledger,
     ];
     let known = |name: &str| {
         ALL.iter().any(|f| name == f.name() || name.strip_prefix('.') == Some(&format!("{}.part", f.name())))

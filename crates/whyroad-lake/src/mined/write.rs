@@ -3,8 +3,10 @@
 
 use super::columns::{EPISODES_VERSION, VERSION_KEY, episode_batch};
 use super::error::{MinedWriteError, encoding, io};
+use super::ledger::{LINES, LedgerWriter};
 use super::lines::LineWriter;
-use super::{LineSpan, MinedFile, MiningQuestion};
+use super::{DriveLines, Gaps, LedgerEntry, LineSpan, MinedFile, MiningQuestion};
+use crate::Fingerprint;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
@@ -13,10 +15,10 @@ use serde::Serialize;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use whyroad_model::ScenarioId;
 use whyroad_model::messages::{
     ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, ScenarioPreLabelMessage,
 };
+use whyroad_model::{DriveId, ScenarioId};
 
 /// Episodes that are written to the Parquet file together, and rows of its row groups.
 const EPISODES_PER_BATCH: usize = 512;
@@ -44,6 +46,23 @@ pub struct MinedFolderWriter {
     /// Episodes that are not in the table yet.
     waiting: Vec<(EpisodeRecord, LineSpan)>,
     written: usize,
+    ledger: Option<LedgerWriter>,
+    /// Lengths of the files when the last drive was complete.
+    accounted: [u64; 4],
+}
+
+/// A drive whose lines were written, for the ledger.
+pub struct WrittenDrive<'a> {
+    /// The drive.
+    pub drive_id: &'a DriveId,
+    /// Where and what it was before it was mined.
+    pub fingerprint: Fingerprint,
+    /// Hash of what it stated about itself before it was mined.
+    pub stated: Option<String>,
+    /// What could not be decided, and its number: equal gaps have one, given in order from 0.
+    pub gaps: (usize, &'a Gaps),
+    /// By class: episodes found, and the primary ones among them.
+    pub counts: Vec<(ScenarioId, u64, u64)>,
 }
 
 impl MinedFolderWriter {
@@ -73,7 +92,60 @@ impl MinedFolderWriter {
             dir: dir.to_owned(),
             waiting: Vec::new(),
             written: 0,
+            ledger: None,
+            accounted: [0; 4],
         })
+    }
+
+    /// Also writes a ledger. `of` is all that the results depend on besides the drives.
+    pub fn keep_ledger(&mut self, of: &str) -> Result<(), MinedWriteError> {
+        self.ledger = Some(LedgerWriter::create(&self.dir, of)?);
+        Ok(())
+    }
+
+    /// Enters a drive into the ledger; every line since the drive before is its own.
+    pub fn account(&mut self, drive: WrittenDrive<'_>) -> Result<(), MinedWriteError> {
+        let bytes = [&self.episodes, &self.pre_labels, &self.suggestions, &self.clips].map(LineWriter::bytes);
+        let before = std::mem::replace(&mut self.accounted, bytes);
+        let Some(ledger) = &mut self.ledger else { return Ok(()) };
+        let entry = LedgerEntry {
+            drive_id: drive.drive_id.clone(),
+            fingerprint: drive.fingerprint,
+            stated: drive.stated,
+            bytes: std::array::from_fn(|i| bytes[i] - before[i]),
+            gaps: drive.gaps.0,
+            counts: drive.counts,
+        };
+        ledger.drive(entry, drive.gaps.1)
+    }
+
+    /// Adds a drive's lines of an earlier run as they are, but for its episodes, which
+    /// [`MinedFolderWriter::same_episode`] adds.
+    pub fn same_lines(&mut self, lines: &DriveLines) -> Result<(), MinedWriteError> {
+        for (i, file) in LINES.into_iter().enumerate() {
+            match file {
+                MinedFile::PreLabels => self.pre_labels.copy_all(lines.text(i))?,
+                MinedFile::KeyframeSuggestions => self.suggestions.copy_all(lines.text(i))?,
+                MinedFile::Clips => self.clips.copy_all(lines.text(i))?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds an episode with its line of an earlier run.
+    pub fn same_episode(&mut self, record: &EpisodeRecord, line: &[u8]) -> Result<LineSpan, MinedWriteError> {
+        let span = LineSpan { start: self.episodes.bytes(), len: line.len() };
+        self.episodes.copy_all(line)?;
+        self.episodes.copy_all(b"\n")?;
+        self.wait(record.clone(), span)?;
+        Ok(span)
+    }
+
+    fn wait(&mut self, record: EpisodeRecord, span: LineSpan) -> Result<(), MinedWriteError> {
+        self.written += 1;
+        self.waiting.push((record, span));
+        if self.waiting.len() >= EPISODES_PER_BATCH { self.write_waiting() } else { Ok(()) }
     }
 
     /// Adds an episode; they come in the order of drive, keyframe, class, target.
@@ -89,11 +161,7 @@ impl MinedFolderWriter {
         line: Vec<u8>,
     ) -> Result<LineSpan, MinedWriteError> {
         let span = self.episodes.copy(line)?;
-        self.written += 1;
-        self.waiting.push((record.clone(), span));
-        if self.waiting.len() >= EPISODES_PER_BATCH {
-            self.write_waiting()?;
-        }
+        self.wait(record.clone(), span)?;
         Ok(span)
     }
 
@@ -151,10 +219,13 @@ impl MinedFolderWriter {
         let results = MinedFile::Results.path(&dir);
         fs::create_dir_all(&results).map_err(io(&results))?;
         clear(&results)?;
-        let single = MinedFile::SingleResult.path(&dir);
-        match fs::remove_file(&single) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(&single)(e)),
-            _ => {}
+        // It would be about other files.
+        for file in [MinedFile::SingleResult, MinedFile::Ledger] {
+            let path = file.path(&dir);
+            match fs::remove_file(&path) {
+                Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(io(&path)(e)),
+                _ => {}
+            }
         }
         // The question first: after a kill in between, the folder never shows results under another question.
         for file in [
@@ -168,13 +239,14 @@ impl MinedFolderWriter {
             let path = file.path(&dir);
             fs::rename(part(&dir, file), &path).map_err(io(&path))?;
         }
-        Ok(FinishedEpisodes { dir })
+        Ok(FinishedEpisodes { dir, ledger: self.ledger })
     }
 }
 
 /// A folder whose episodes are in place: results and coverage follow.
 pub struct FinishedEpisodes {
     dir: PathBuf,
+    ledger: Option<LedgerWriter>,
 }
 
 impl FinishedEpisodes {
@@ -198,6 +270,11 @@ impl FinishedEpisodes {
     ) -> Result<(), MinedWriteError> {
         json(&MinedFile::Results.path(&self.dir).join(format!("{class}.json")), message)?;
         if only { json(&MinedFile::SingleResult.path(&self.dir), message) } else { Ok(()) }
+    }
+
+    /// Puts the ledger in its place, after everything else.
+    pub fn seal(self) -> Result<(), MinedWriteError> {
+        self.ledger.map_or(Ok(()), LedgerWriter::finish)
     }
 
     /// Writes the coverage.

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock, PoisonError};
 use whyroad_model::DriveId;
 
-pub(super) const DRIVES: &str = "drives.parquet";
+pub(crate) const DRIVES: &str = "drives.parquet";
 pub(super) const DRIVES_ORDER: &str = "drive";
 /// The table of small files kept beside drives.
 pub(super) const NOTES: &str = "notes";

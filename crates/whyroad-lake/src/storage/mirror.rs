@@ -218,6 +218,11 @@ impl Mirror {
         self.fetch(loose)
     }
 
+    /// Hash of a file's content as the manifest states it, fetched or not.
+    pub fn content(&self, path: &str) -> Option<String> {
+        self.state().base.files.get(path).map(|file| file.blake3.clone())
+    }
+
     /// Length of all files of a drive, fetched or not.
     pub fn bytes(&self, folder: &str) -> u64 {
         let (below, state) = (format!("{folder}/"), self.state());

@@ -4,7 +4,9 @@
 use crate::decision::closed_set;
 use crate::{DriveId, ScenarioId};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::ops::Deref;
+use std::sync::Arc;
 
 /// One mining run over a lake.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -57,7 +59,47 @@ pub struct LeafCoverage {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct DriveGap {
     /// The drives, sorted.
-    pub drives: Vec<DriveId>,
+    #[schemars(with = "Vec<DriveId>")]
+    pub drives: DriveList,
     /// Signals that the rule needs and these drives cannot support, sorted.
     pub missing_signals: Vec<String>,
+}
+
+/// Ids of drives, sorted. Many classes lack the same on the same drives, and share one list; as JSON it is a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DriveList(pub Arc<[DriveId]>);
+
+impl Deref for DriveList {
+    type Target = [DriveId];
+
+    fn deref(&self) -> &[DriveId] {
+        &self.0
+    }
+}
+
+impl From<Vec<DriveId>> for DriveList {
+    fn from(drives: Vec<DriveId>) -> Self {
+        Self(drives.into())
+    }
+}
+
+impl<'a> IntoIterator for &'a DriveList {
+    type Item = &'a DriveId;
+    type IntoIter = std::slice::Iter<'a, DriveId>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl Serialize for DriveList {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(self.iter())
+    }
+}
+
+impl<'de> Deserialize<'de> for DriveList {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Vec::deserialize(from).map(Self::from)
+    }
 }

@@ -1,5 +1,6 @@
 //! The mining interface: query (DATA_FORMAT.md 5.1) and result (5.2).
 
+use super::coverage::DriveList;
 use super::ego_response::EgoResponse;
 use super::query_clause::QueryClause;
 use crate::{Bilingual, Nanos, ScenarioId};
@@ -143,7 +144,8 @@ pub struct NotObservable {
     /// The leaf.
     pub scenario_id: ScenarioId,
     /// Drives on which it cannot be decided.
-    pub drives: Vec<String>,
+    #[schemars(with = "Vec<String>")]
+    pub drives: DriveList,
     /// Signals that they lack.
     pub missing_signals: Vec<String>,
 }

@@ -49,8 +49,8 @@ fn mined(framework: &Framework) -> MinedFacts {
         gaps: if gaps.is_empty() {
             vec![]
         } else {
-            let drives = gaps.iter().map(|d| DriveId::from(*d)).collect();
-            vec![DriveGap { drives, missing_signals: vec!["light.state".into()] }]
+            let drives: Vec<DriveId> = gaps.iter().map(|d| DriveId::from(*d)).collect();
+            vec![DriveGap { drives: drives.into(), missing_signals: vec!["light.state".into()] }]
         },
     };
     let mut out = MinedFacts {

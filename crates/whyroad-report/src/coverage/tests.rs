@@ -55,7 +55,7 @@ fn a_leaf_of_another_taxonomy_is_named() {
 #[test]
 fn missing_signals_of_several_drives_are_named_once() {
     let gap = |drive: &str, signals: &[&str]| DriveGap {
-        drives: vec![drive.into()],
+        drives: vec![drive.into()].into(),
         missing_signals: signals.iter().map(|s| (*s).to_owned()).collect(),
     };
     let mut found = leaf("reactive_rule.traffic_light.red_stop", CoverageState::NotObservable);

@@ -13,9 +13,12 @@ pub(super) use plan::rule_name;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
 use table::Results;
-use whyroad_engine::mine::{Evaluator, MineOptions, mine_each};
+use whyroad_engine::again;
+use whyroad_engine::mine::{Evaluator, MineOptions, MinedDrive};
 use whyroad_engine::output::{FolderWriter, query};
+use whyroad_engine::parts::Request;
 use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError};
 use whyroad_mining::rule::Rule;
@@ -220,6 +223,18 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         let work = part::Work { list, out, lake: &lake, plan, classes, framework: &framework };
         return Ok(Mined { results: None, code: part::mine(global, &args, work)? });
     }
+    let request = Request {
+        asked: plan.asked.clone(),
+        questions: plan.questions.clone(),
+        classes: classes.clone(),
+        searched: plan.searched,
+        lang: global.lang,
+        clips: args.clips.cut(),
+    };
+    let state = again::state(&request, &framework.taxonomy, &plan.rules);
+    // Without trusting anything, for sequences (all episodes are needed) and to compare evaluators.
+    let from_scratch = args.force || args.sequences.is_some() || options.evaluator == Evaluator::Reference;
+    let earlier = if from_scratch { None } else { again::earlier(out, &state) };
     let existing = if args.force { Existing::Replace } else { Existing::ReplaceSameQuestion };
     let precedence = &plan.rules.precedence;
     let folder = FolderWriter::create(out, plan.asked, existing, &plan.questions, &classes, precedence);
@@ -235,23 +250,31 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         bar.set_message(format!("{id}"));
         bar.inc(1);
     };
-    let mut referred = Vec::new();
-    let unread = mine_each(&lake, &plan.rules, &options, done, |drive| match &plan.query {
-        Some((class, has_conditions)) => folder.add(&query::answer(&drive, class, *has_conditions)),
+    let referred = Mutex::new(Vec::new());
+    folder.keep_ledger(&state)?;
+    let answer = |drive: MinedDrive| match &plan.query {
+        Some((class, has_conditions)) => query::answer(&drive, class, *has_conditions),
         None => {
             if args.sequences.is_some() {
-                let episodes = drive.episodes.iter().map(|e| e.record.clone()).collect();
+                let episodes: Vec<_> = drive.episodes.iter().map(|e| e.record.clone()).collect();
+                let mut referred = referred.lock().unwrap_or_else(PoisonError::into_inner);
                 referred.push((drive.drive_id.clone(), episodes));
             }
-            folder.add(&drive)
+            drive
         }
-    });
+    };
+    let of = (&lake, &plan.rules, &options);
+    let mined = again::mine_into(&mut folder, earlier.as_ref(), of, done, answer);
+    drop(earlier);
     bar.finish_and_clear();
+    let mut referred = referred.into_inner().unwrap_or_else(PoisonError::into_inner);
+    referred.sort_by(|a, b| a.0.cmp(&b.0));
     if let Some(file) = &args.sequences {
         let name = plan.questions.first().map(|q| q.query_id.as_str()).unwrap_or_default();
         sequences::write(file, &lake, args.prompt.as_deref().unwrap_or(name), &referred)?;
     }
-    let said = say(unread?, global.lang);
+    let mined = mined?;
+    let said = say(mined.diagnostics, global.lang);
     // That the lake could not keep something loses nothing of the results.
     let lost = said.iter().any(|d| d.severity == Severity::Error);
     let summary = folder.finish(&framework.taxonomy, plan.searched)?;
@@ -263,6 +286,9 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
         lang: global.lang,
     };
     let results = Some((results.json(), results.text(args.missing)));
+    if mined.same > 0 {
+        say!("{}", unchanged(mined.same, summary.drives, global.lang));
+    }
     say!("{}", written(out, global.lang));
     let code = if lost {
         output::lost_input()
@@ -279,6 +305,13 @@ fn say(found: Vec<Diagnostic>, lang: Lang) -> Vec<Diagnostic> {
         tell!("{}", render_text(d, lang));
     }
     found
+}
+
+fn unchanged(same: usize, drives: usize, lang: Lang) -> String {
+    match lang {
+        Lang::Zh => format!("{drives} 个行程中 {same} 个未变，沿用上次的结果"),
+        Lang::En => format!("{same} of {drives} drives have not changed: their earlier results are kept"),
+    }
 }
 
 fn written(out: &Path, lang: Lang) -> String {

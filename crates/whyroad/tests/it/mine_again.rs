@@ -5,8 +5,9 @@
 
 use crate::folders::{copy, files};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -93,6 +94,52 @@ fn killed_in_the_middle_it_goes_on_and_says_the_same() {
     // And once more, over its own results.
     done(mine(&at("lake"), &at("out"), &["--jobs", "3"]));
     assert_eq!(files(&at("out")), fresh);
+}
+
+/// New drives beside mined ones: a kill between two of them, and a kill of the whole process group while the folder is
+/// written, lose nothing and mix nothing.
+#[test]
+fn killed_while_only_new_drives_are_mined_it_goes_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    lake(&at("all"), 4);
+    // Half of the drives are mined, then the others come.
+    copy(&at("all"), &at("lake"));
+    for id in ["drive1", "drive3"] {
+        fs::remove_dir_all(at("lake").join("drives").join(id)).unwrap();
+    }
+    done(mine(&at("lake"), &at("out"), &[]));
+    let before = files(&at("out"));
+    for id in ["drive1", "drive3"] {
+        copy(&at("all").join("drives").join(id), &at("lake").join("drives").join(id));
+    }
+    for file in ["found.json", "signals/frames.parquet", "signals/targets.parquet"] {
+        fs::remove_file(at("lake").join("drives/drive0").join(file)).unwrap();
+    }
+
+    let mut child = mine(&at("lake"), &at("out"), &["--jobs", "1"]).spawn().unwrap();
+    let patience = Instant::now() + Duration::from_secs(100);
+    while !mined(&at("lake")).contains(&"drive1".to_owned()) && Instant::now() < patience {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child.kill().unwrap(); // SIGKILL
+    child.wait().unwrap();
+    let known = mined(&at("lake"));
+    assert!(known.contains(&"drive1".to_owned()) && !known.contains(&"drive3".to_owned()), "{known:?}");
+    let visible = |all: BTreeMap<PathBuf, Vec<u8>>| -> BTreeMap<PathBuf, Vec<u8>> {
+        all.into_iter().filter(|(path, _)| !path.to_string_lossy().ends_with(".part")).collect()
+    };
+    assert_eq!(visible(files(&at("out"))), before, "the earlier results are there until the run is finished");
+
+    done(mine(&at("lake"), &at("out"), &[]));
+    assert!(!mined(&at("lake")).contains(&"drive0".to_owned()), "an unchanged drive is not opened");
+    done(mine(&at("all"), &at("fresh"), &[]));
+    assert_eq!(files(&at("out")), files(&at("fresh")));
+
+    // `--force` trusts nothing.
+    done(mine(&at("lake"), &at("out"), &["--force"]));
+    assert!(mined(&at("lake")).contains(&"drive0".to_owned()));
+    assert_eq!(files(&at("out")), files(&at("fresh")));
 }
 
 #[test]
