@@ -63,6 +63,8 @@ struct Raw {
     crossings: Vec<Area>,
     nodes: BTreeMap<String, Vec<Point3>>,
     border: Border,
+    /// Left-hand traffic: lanes are numbered from the left.
+    left_hand: bool,
     connections: Vec<Connection>,
     /// Junctions with lights.
     lit: BTreeSet<String>,
@@ -78,7 +80,10 @@ pub(super) fn read(path: &Path) -> Result<Net, String> {
     let end = for_each_tag(path, |tag| {
         let Tag::Open(e) = tag else { return };
         match e.name() {
-            "net" => is_net = true,
+            "net" => {
+                is_net = true;
+                raw.left_hand = matches!(e.get("lefthand").as_deref(), Some("1" | "true"));
+            }
             "edge" => {
                 edge_id = e.text("id").unwrap_or_default();
                 let text = |n: &str| e.text(n).unwrap_or_default();
@@ -224,7 +229,8 @@ fn connection(e: &Element) -> Option<Connection> {
 }
 
 fn assemble(raw: Raw, net: &mut Net) {
-    let Raw { edges, mut lanes, crossings, nodes, border, connections, lit, roundabouts: rings } = raw;
+    let Raw { edges, mut lanes, crossings, nodes, border, left_hand, connections, lit, roundabouts: rings } =
+        raw;
     let branches = branches(&edges);
     let movements: BTreeSet<(&str, &str)> =
         connections.iter().filter_map(|c| Some((edge_of(&c.from)?, edge_of(&c.to)?))).collect();
@@ -232,10 +238,10 @@ fn assemble(raw: Raw, net: &mut Net) {
     let junctions = real_junctions(&meetings, &lanes);
 
     for edge in edges.values() {
-        // Lanes are numbered from the right; SUMO writes them in that order.
+        // Lanes are numbered from the roadside to the middle; SUMO writes them in that order.
         for pair in edge.lanes.windows(2) {
-            set(&mut lanes, &pair[0], |l| l.left_neighbour = Some(pair[1].clone()));
-            set(&mut lanes, &pair[1], |l| l.right_neighbour = Some(pair[0].clone()));
+            set(&mut lanes, &pair[0], |l| *towards_middle(l, left_hand) = Some(pair[1].clone()));
+            set(&mut lanes, &pair[1], |l| *towards_middle(l, !left_hand) = Some(pair[0].clone()));
         }
     }
     for (id, edge) in &edges {
@@ -248,7 +254,7 @@ fn assemble(raw: Raw, net: &mut Net) {
             });
         }
     }
-    join_opposites(&edges, &mut lanes);
+    join_opposites(&edges, &mut lanes, left_hand);
     for c in connections {
         let next = c.via.clone().unwrap_or_else(|| c.to.clone());
         let missing = [&c.from, &next].into_iter().find(|id| !lanes.contains_key(*id)).cloned();
@@ -374,8 +380,16 @@ fn real_junctions<'e>(
     meetings.iter().filter(|(_, here)| is_real(here)).map(|(node, _)| *node).collect()
 }
 
-/// The leftmost lanes of an edge and of the one that runs the other way are neighbours where they touch.
-fn join_opposites(edges: &BTreeMap<String, Edge>, lanes: &mut BTreeMap<String, Lane>) {
+/// The neighbour on the side of the road's middle: on the left in right-hand traffic.
+fn towards_middle(lane: &mut Lane, left_hand: bool) -> &mut Option<String> {
+    if left_hand { &mut lane.right_neighbour } else { &mut lane.left_neighbour }
+}
+
+/// The innermost lanes of an edge and of the one that runs the other way are neighbours where they touch.
+fn join_opposites(edges: &BTreeMap<String, Edge>, lanes: &mut BTreeMap<String, Lane>, left_hand: bool) {
+    let inner = |l: &Lane, at: fn(&[Point3]) -> Option<&Point3>| {
+        at(if left_hand { &l.right } else { &l.left }).copied()
+    };
     let by_ends: BTreeMap<(&str, &str), &Edge> = edges
         .values()
         .filter(|e| e.function.is_empty())
@@ -385,14 +399,14 @@ fn join_opposites(edges: &BTreeMap<String, Edge>, lanes: &mut BTreeMap<String, L
         let Some(back) = by_ends.get(&(edge.to.as_str(), edge.from.as_str())) else { continue };
         let (Some(own), Some(other)) = (edge.lanes.last(), back.lanes.last()) else { continue };
         let touch = match (lanes.get(own), lanes.get(other)) {
-            (Some(a), Some(b)) => match (a.left.first(), b.left.last()) {
-                (Some(&p), Some(&q)) => distance(p, q) <= OPPOSITE_GAP_M,
+            (Some(a), Some(b)) => match (inner(a, <[_]>::first), inner(b, <[_]>::last)) {
+                (Some(p), Some(q)) => distance(p, q) <= OPPOSITE_GAP_M,
                 _ => false,
             },
             _ => false,
         };
         if touch {
-            set(lanes, own, |l| l.left_neighbour = Some(other.clone()));
+            set(lanes, own, |l| *towards_middle(l, left_hand) = Some(other.clone()));
         }
     }
 }
