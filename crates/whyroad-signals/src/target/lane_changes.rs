@@ -1,6 +1,7 @@
 //! What a target does relative to its lane: changing it, weaving in it, driving it the wrong way.
 
-use crate::geometry::{P2, p2, wrap};
+use crate::geometry::{P2, Polyline, p2, wrap};
+use crate::road::corridor::Corridor;
 use crate::road::lane_change;
 use crate::road::lanes::LanePlace;
 use crate::road::network::Road;
@@ -11,6 +12,7 @@ use crate::target::lanes::drives;
 use crate::target::motion::OPPOSITE_RAD;
 use crate::target::placement::{MOVING_MPS, Placement, Target};
 use crate::target::rows::Rows;
+use std::collections::BTreeMap;
 use whyroad_model::Tri;
 use whyroad_model::catalogue::{id, value::TargetLaneChange};
 use whyroad_model::road_map::LaneKind;
@@ -21,6 +23,9 @@ const SWING_M: f64 = 0.5;
 const SWINGS: usize = 3;
 /// ... within this time, s.
 const SWINGS_WITHIN_S: f64 = 8.0;
+/// Half lengths of the chords by which a lane's line is smoothed, besides half the vehicle's own length, m. A line drawn
+/// with corners is not what anybody drives: whoever rounds them swings about it.
+const CHORDS_M: [f64; 3] = [5.0, 10.0, 20.0];
 /// Minimum speed for weaving, m/s: what seems to is the annotation's noise.
 const WEAVING_LEAST_MPS: f64 = 1.0;
 /// Against the lanes for longer than this is wrong-way driving, s.
@@ -87,19 +92,58 @@ fn swings(values: &[f64]) -> usize {
     count
 }
 
+/// Offsets from the chords of half length `half` along the lane and its continuations by row, m.
+fn off_chords(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], half: f64) -> Vec<f64> {
+    let m = &target.track.motion;
+    let mut route: Vec<usize> = places.iter().flatten().map(|p| p.lane).collect();
+    route.sort_unstable();
+    route.dedup();
+    let mut lines: BTreeMap<usize, Option<Corridor>> = BTreeMap::new();
+    let chord = |line: &Polyline, s: f64| {
+        let (from, to) = (line.point_at(s - half), line.point_at(s + half));
+        (from, P2::from_heading((to - from).heading()))
+    };
+    (0..places.len())
+        .map(|r| {
+            let Some(place) = &places[r] else { return f64::NAN };
+            let corridor = lines.entry(place.lane).or_insert_with(|| Corridor::new(road, place.lane, &route));
+            let Some(corridor) = corridor else { return f64::NAN };
+            let (from, along) = chord(&corridor.line, corridor.s_of(place));
+            along.cross(p2(m.x[r], m.y[r]) - from)
+        })
+        .collect()
+}
+
 /// Lateral position in the lanes by row, m, without the step from one lane's centre line to the next: a move across a
-/// line counts with the sideways travel `across`.
-fn within_lanes(places: &[Option<LanePlace>], across: &[f64]) -> Vec<f64> {
+/// line counts with the sideways travel `across`. `offsets` are those in each row's lane.
+fn within_lanes(places: &[Option<LanePlace>], offsets: &[f64], across: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     (0..places.len())
         .map(|r| {
             if let (Some(now), Some(before)) = (&places[r], r.checked_sub(1).and_then(|b| places[b].as_ref()))
             {
                 let step = across[r] - across[r - 1];
-                let moved = if now.lane == before.lane { now.lateral - before.lateral } else { step };
+                let moved = if now.lane == before.lane { offsets[r] - offsets[r - 1] } else { step };
                 sum += if moved.is_nan() { 0.0 } else { moved };
             }
             sum
+        })
+        .collect()
+}
+
+/// True by row where `swinging` holds enough swings within the last seconds.
+fn swings_often(across: &[f64], swinging: &[f64], time: impl Fn(usize) -> f64) -> Vec<bool> {
+    let mut first = 0;
+    (0..across.len())
+        .map(|r| {
+            if across[r].is_nan() {
+                first = r + 1;
+                return false;
+            }
+            while time(r) - time(first) > SWINGS_WITHIN_S {
+                first += 1;
+            }
+            swings(&swinging[first..=r]) >= SWINGS
         })
         .collect()
 }
@@ -109,23 +153,27 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
         return vec![Tri::False; target.places.len()];
     }
     let across = sideways(road, target, places, times);
-    let within = within_lanes(places, &across);
     let time = |r: usize| times[target.track.frames[r] as usize];
-    let mut first = 0;
-    (0..across.len())
-        .map(|r| {
-            if across[r].is_nan() {
-                first = r + 1;
-                return Tri::False;
+    // A lane that shifts to the side moves its vehicles across its own direction, and a centre line with a corner moves
+    // them in it for a moment; who weaves swings in both, and about the line without its corners as well.
+    let mut weaving = swings_often(&across, &across, time);
+    let drawn = places.iter().map(|p| p.as_ref().map_or(f64::NAN, |p| p.lateral)).collect();
+    let own_half = target.track.length_m.iter().copied().find(|l| l.is_finite()).map(|l| l / 2.0);
+    let smoothed = own_half.into_iter().chain(CHORDS_M);
+    let references = smoothed.map(|half| move || off_chords(road, target, places, half));
+    let mut narrow = |offsets: Vec<f64>| {
+        let within = swings_often(&across, &within_lanes(places, &offsets, &across), time);
+        weaving.iter_mut().zip(within).for_each(|(w, also)| *w = *w && also);
+        weaving.contains(&true)
+    };
+    if narrow(drawn) {
+        for offsets in references {
+            if !narrow(offsets()) {
+                break;
             }
-            while time(r) - time(first) > SWINGS_WITHIN_S {
-                first += 1;
-            }
-            // A lane that shifts to the side moves its vehicles across its own direction, and a centre line with a
-            // corner moves them in it for a moment; who weaves swings in both.
-            Tri::from(swings(&across[first..=r]) >= SWINGS && swings(&within[first..=r]) >= SWINGS)
-        })
-        .collect()
+        }
+    }
+    weaving.into_iter().map(Tri::from).collect()
 }
 
 /// Against every lane for vehicles that is here, outside junctions.
