@@ -3,6 +3,7 @@
 
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
+use crate::road::network::LEVEL_M;
 use crate::target::placement::Target;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
@@ -21,18 +22,20 @@ const FOLLOWING_RAD: f64 = 15.0 * std::f64::consts::PI / 180.0;
 #[derive(Clone, Copy)]
 struct Stand {
     footprint: OrientedBox,
+    /// Height, m; NaN where it is not known.
+    z: f64,
     /// First and last moment in this place, half way to the frames around, s.
     from: f64,
     until: f64,
 }
 
 /// Poses in order of time, those in one place joined.
-fn stands(poses: impl Iterator<Item = (f64, OrientedBox)>) -> Vec<Stand> {
+fn stands(poses: impl Iterator<Item = (f64, f64, OrientedBox)>) -> Vec<Stand> {
     let mut found: Vec<Stand> = Vec::new();
-    for (t, footprint) in poses {
+    for (t, z, footprint) in poses {
         match found.last_mut() {
             Some(last) if (footprint.centre - last.footprint.centre).norm() < STAND_M => last.until = t,
-            _ => found.push(Stand { footprint, from: t, until: t }),
+            _ => found.push(Stand { footprint, z, from: t, until: t }),
         }
     }
     for i in 1..found.len() {
@@ -64,7 +67,7 @@ impl EgoSweep {
     /// From the ego's recorded poses; `times` in seconds.
     pub fn new(ego: &EgoMotion, times: &[f64]) -> Self {
         let known = (0..ego.len()).filter(|&i| ego.is_known(i));
-        let stands = stands(known.map(|i| (times[i], ego.footprint(i))));
+        let stands = stands(known.map(|i| (times[i], ego.z[i], ego.footprint(i))));
         let points = stands.iter().enumerate();
         let tree = RTree::bulk_load(
             points.map(|(i, s)| GeomWithData::new([s.footprint.centre.x, s.footprint.centre.y], i)).collect(),
@@ -84,6 +87,8 @@ impl EgoSweep {
             let reach = self.radius + other.footprint.radius();
             pairs.extend(
                 self.near(other.footprint.centre, reach)
+                    // On a bridge one passes over the other.
+                    .filter(|&i| !((self.stands[i].z - other.z).abs() > LEVEL_M))
                     .filter(|&i| self.stands[i].footprint.overlaps(&other.footprint))
                     .map(|i| (i, j)),
             );
@@ -128,7 +133,7 @@ impl EgoSweep {
             known.iter().map(|p| (p.footprint.centre - a.footprint.centre).norm()).fold(0.0, f64::max)
         });
         let encounters = if travelled >= LEAST_TRAVEL_M {
-            self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.footprint))))
+            self.encounters(&stands(known.iter().map(|p| (times[p.frame], p.z, p.footprint))))
         } else {
             Vec::new()
         };

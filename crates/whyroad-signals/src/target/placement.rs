@@ -63,6 +63,8 @@ pub struct Placement {
     pub in_way: bool,
     /// There is room beside it for the ego within the ego's lane, or no lane is known.
     pub leaves_room: bool,
+    /// Height, m; NaN where it is not known.
+    pub z: f64,
     /// At the height of the ego's path.
     pub same_level: bool,
     /// Direction of the path where the ego is, rad.
@@ -297,6 +299,7 @@ impl Surroundings<'_> {
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             leaves_room,
+            z,
             same_level: !off_level,
             heading_at_ego: self.path.ego_heading[frame],
         })
