@@ -30,6 +30,8 @@ pub mod way;
 use crate::table::TableBuilder;
 use context::Channels;
 use on_road::OnRoad;
+use whyroad_model::catalogue::{id, value::MapDrivingSide};
+use whyroad_model::scene::DrivingSide;
 
 /// Writes the families on road, map parts, signs and route.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
@@ -43,6 +45,13 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     open_area::write(on, table);
     facilities::write(on, &channels, table);
     route::write_fit(on, table);
+    if let Some(side) = on.drive.driving_side() {
+        let side = match side {
+            DrivingSide::Right => MapDrivingSide::Right,
+            DrivingSide::Left => MapDrivingSide::Left,
+        };
+        table.category(id::MAP_DRIVING_SIDE, vec![Some(side); on.frames()]);
+    }
     if on.map.lanes.iter().any(|l| l.is_tagged("unpaved")) {
         let unpaved: Vec<Option<bool>> =
             (0..on.frames()).map(|i| on.own_lane(i).map(|l| l.is_tagged("unpaved"))).collect();
