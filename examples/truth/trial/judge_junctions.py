@@ -35,12 +35,49 @@ def met(w, ego, p):
             if not any(b in p.node.foes.get(a, ()) for a in own_lanes for b in its):
                 continue
             line = samples(w, q.link)
-            spot = next(((d, e) for d, x, y in samples(w, p.link) for e, u, v in line if abs(x - u) < 1 and abs(y - v) < 1), None)
+            own = samples(w, p.link)
+            # Foes whose paths come no nearer join side by side.
+            spot = next((spot for reach in (1, 2.5) for spot in ((d, e) for d, x, y in own for e, u, v in line if abs(x - u) < reach and abs(y - v) < reach)), None)
             if spot is None:
                 continue
             a, b = w.later(ego, p.first, spot[0]), w.later(name, q.first, spot[1])
             must = any(t in p.node.yields.get(s, ()) for s in own_lanes for t in its) or w.letter(p.link, p.first) == "g"
             yield Box(name=name, q=q, mine=a, its=b, must=must, apart=abs(a - b) / 10)
+
+
+def predicted(w, ego, m):
+    """Whether at some moment, while the ego brakes or waits near the junction, both would by their speeds reach the place
+    within 5 s of each other: the definition takes the arrival that is predicted as well as the one that came.
+    """
+    rows, way = w.rows[ego], w.way(ego)
+    for k in range(m.its - 60, m.its + 1):
+        if k in rows and m.mine in way and (rows[k].a < -0.8 or rows[k].v < 1.5) and way[m.mine] - way[k] < 60:
+            theirs, own = (m.its - k) / 10, (way[m.mine] - way[k]) / max(rows[k].v, 0.1)
+            if abs(own - theirs) < 5.5 or rows[k].v < 1.5:
+                return True
+    return False
+
+
+def unfinished(w, ego):
+    """A wait before a junction that the ego never enters: which link it wants is not known, so who crosses meanwhile may
+    be what it waits for, and may not.
+    """
+    rows = w.rows[ego]
+    last = max(rows)
+    lane = w.net.lanes.get(rows[last].lane)
+    if lane is None or rows[last].lane.startswith(":"):
+        return
+    node = w.net.nodes.get(w.net.edges[lane.edge].b)
+    if node is None or not node.real:
+        return
+    near = [k for k in rows if rows[k].lane == rows[last].lane and lane.length - rows[k].pos < 60]
+    if not near:
+        return
+    for name, passages in w.passing.items():
+        for q in passages:
+            if name != ego and q.node.id == node.id and q.link.lane != rows[last].lane and q.last > near[0] - 20 and w.kind(name) != "bicycle":
+                for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):
+                    yield w.entry(I + each, ego, q.first - 50, q.first - 40, q.last + 20, name, optional=True)
 
 
 def leaf_of(w, ego, p, m):
@@ -57,6 +94,7 @@ def leaf_of(w, ego, p, m):
 def junctions(w, ego, lead):
     rows, net = w.rows[ego], w.net
     yield from rings(w, ego)
+    yield from unfinished(w, ego)
     for p in w.passing[ego]:
         if not p.node.real:
             continue
@@ -75,7 +113,7 @@ def junctions(w, ego, lead):
             near |= m.apart < 8 or waits
             if sure:
                 yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
-            if m.apart < 10 or waits:
+            if m.apart < 10 or waits or predicted(w, ego, m):
                 # In a ring each joint is a junction of its own; which of them the encounter belongs to is open.
                 joints = [q for q in w.passing[ego] if q.node.on_ring and abs(q.first - p.first) < 200] if p.node.on_ring else [p]
                 for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):

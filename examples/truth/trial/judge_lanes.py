@@ -145,20 +145,26 @@ def facilities(w, ego):
             n = i - 1
             while n > 0 and to_ramp(w, roads[n - 1][0]):
                 n -= 1
-            start = moved[-1].k if moved else w.later(ego, roads[n][1], w.length(ego) / 2) if to_ramp(w, roads[n][0]) else a - 50
+            off = w.later(ego, was[2], w.length(ego) / 2)
+            start = moved[-1].k if moved else w.later(ego, roads[n][1], w.length(ego) / 2) if to_ramp(w, roads[n][0]) else off
             done = w.later(ego, a, w.length(ego) / 2)
-            yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows)
-            if start < a - 100:
-                yield w.entry(M + "split_exit", ego, a - 50, a - 50, done, optional=True)
+            # "From entering the deceleration lane until on the ramp": how long a lane that leads to the ramp only may be
+            # to count as one is not said.
+            long = start < off and w.net.lanes[was[0]].length > 500
+            yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows or long)
+            if start < off - 50 or long:
+                yield w.entry(M + "split_exit", ego, off, off, done, optional=True)
     for p in w.passing[ego]:
         if p.node.kind != "zipper":
             continue
         foes = set(p.node.foes.get(p.link.via, ()))
-        beside = [n for n, qs in w.passing.items() for q in qs if n != ego and q.node.id == p.node.id and q.link.via in foes and abs(q.first - p.first) < 60]
-        close = [n for n, qs in w.passing.items() for q in qs if n != ego and q.node.id == p.node.id and q.link.via in foes and abs(q.first - p.first) < 25]
+        into = sorted((q.first, q.link.via in foes) for n, qs in w.passing.items() for q in qs if n != ego and q.node.id == p.node.id and q.link.to == p.link.to)
+        before, behind = [x for x in into if x[0] < p.first][-1:], [x for x in into if x[0] >= p.first][:1]
+        # Taking turns: who goes in right before or right behind it comes from the other lane.
+        turns = any(foe and abs(t - p.first) < 25 for t, foe in before + behind)
         if foes:
             start = p.first - 50
-            yield w.entry(M + "zipper_merge", ego, start, start, w.later(ego, p.last, w.length(ego)), optional=len(close) < 1 or not beside)
+            yield w.entry(M + "zipper_merge", ego, start, start, w.later(ego, p.last, w.length(ego)), optional=not turns)
 
 
 def cut_ins(w, ego):

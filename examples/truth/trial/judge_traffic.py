@@ -119,7 +119,10 @@ def creeping(w, ego, motor):
         if b - a < 40:
             continue
         sure = [s for s in spans([k for k in range(a, b + 1) if k in motor and 0.4 < rows[k].v < 3.3 and near(k)]) if s[1] - s[0] >= 58]
-        yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None, optional=not sure)
+        # "A stretch beginning from or ending in standstill is a start or stop."
+        halts = any(rows[k].v < 0.3 for k in (*range(a - 20, a), *range(b + 1, b + 21)) if k in rows)
+        yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None,
+                      optional=not sure or halts)
 
 
 def congested(rows, halts, behind):

@@ -28,7 +28,7 @@ def node(name, x, y, kind="priority"):
 
 def edge(name, start, end, lanes, speed, kind="", priority=5, shape=(), bay=0):
     """A road one way; with `bay`, one more lane on the far side over its last metres."""
-    points = f' shape="{" ".join(f"{x:.2f},{y:.2f}" for x, y in shape)}"' if shape else ""
+    points = f' shape="{" ".join(",".join(f"{c:.2f}" for c in p) for p in shape)}"' if shape else ""
     more = (f' type="{kind}"' if kind else "") + points
     return f'<edge id="{name}" from="{start}" to="{end}" numLanes="{lanes + bool(bay)}" speed="{speed}" priority="{priority}"{more}>{widening(lanes, bay)}</edge>'
 
@@ -270,6 +270,37 @@ def star_town(work, draw):
         "--tls.default-type", "actuated"]
 
 
+def loop_interchange(work, draw):
+    """Two motorways that cross, joined by four loops through weaving lanes and by four direct ramps; exits by a lane of
+    their own and plain ones, alternating. Loops and carriageways are drawn with corners, as by hand; one motorway is on
+    a bridge over the other.
+    """
+    nodes, edges, links = [], [], []
+    turned = lambda x, y, d: [(x, y), (-y, x), (-x, -y), (y, -x)][d]
+    at = {"s": -950, "a": -420, "w": -110, "x": 110, "b": 420, "m": 690, "e": 980}
+    for d in range(4):
+        nodes += [node(f"{n}{d}", *turned(x, -14 + draw.uniform(-1.5, 1.5), d)) for n, x in at.items()]
+    for d in range(4):
+        s, right, k = 29.17, (d - 1) % 4, "highway.motorway"
+        own = d % 2 == 0
+        bow = lambda a, b, by: [turned(a, -14, d), turned((a + b) / 2, -14 + by, d), turned(b, -14, d)]
+        edges += [edge(f"sa{d}", f"s{d}", f"a{d}", 3 if own else 2, s, k, 13, bow(-800, -520, 4)), edge(f"aw{d}", f"a{d}", f"w{d}", 2, s, k, 13),
+                  edge(f"wx{d}", f"w{d}", f"x{d}", 3, s, k, 13, [(*turned(x, -14, d), 6.5) for x in (-30, 30)] if d % 2 else ()), edge(f"xb{d}", f"x{d}", f"b{d}", 2, s, k, 13, bow(190, 340, 3)),
+                  edge(f"bm{d}", f"b{d}", f"m{d}", 3, s, k, 13), edge(f"me{d}", f"m{d}", f"e{d}", 2, s, k, 13)]
+        # To the right at once; and by the loop, three quarters round to the right, onto the road that comes from there.
+        edges.append(edge(f"ab{d}", f"a{d}", f"b{right}", 1, 16.67, f"{k}_link", 9, [turned(x, y, d) for x, y in ((-330, -24), (-190, -70), (-70, -190), (-24, -330))]))
+        loop = ((170, -22), (215, -50), (225, -105), (190, -165), (130, -195), (70, -190), (34, -165))
+        edges.append(edge(f"xw{d}", f"x{d}", f"w{(d + 1) % 4}", 1, 11.11, f"{k}_link", 9, [turned(x, y, d) for x, y in loop]))
+        main = [("sa", "aw", 1 if own else 0, 0), ("sa", "aw", 2 if own else 1, 1), ("aw", "wx", 0, 1), ("aw", "wx", 1, 2), ("wx", "xb", 1, 0), ("wx", "xb", 2, 1),
+                ("xb", "bm", 0, 1), ("xb", "bm", 1, 2), ("bm", "me", 1, 0), ("bm", "me", 2, 1)]
+        links += [link(f"{a}{d}", f"{b}{d}", i, j) for a, b, i, j in main]
+        links += [link(f"sa{d}", f"ab{d}", 0, 0), link(f"wx{d}", f"xw{d}", 0, 0), link(f"ab{d}", f"bm{right}", 0, 0), link(f"xw{d}", f"wx{(d + 1) % 4}", 0, 0)]
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    document(work / "con.xml", "connections", links)
+    return []
+
+
 # Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
 # people)
 SETS = {
@@ -281,6 +312,7 @@ SETS = {
         "rings": (ring_town, 71, 240, 0.1, "IDM", 2, 0.6, 0),
         "weave": (weave_motorway, 83, 150, 0.1, "EIDM", 4, 1.1, 0),
         "osmway": (osm_motorway, 97, 150, 0.2, "ACC", 3, 1.3, 0),
+        "loops": (loop_interchange, 103, 150, 0.1, "Krauss", 3, 1.4, 0),
     },
     "held": {
         "citygrid": (city_grid, 1031, 260, 0.1, "EIDM", 3, 0.8, 0.2),
