@@ -31,6 +31,30 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-6
 }
 
+/// Lanes of left-hand networks are numbered from the left; the opposite direction is on the right.
+#[test]
+fn left_hand_networks_are_mirrored() {
+    let dir = fcd(0.1, 3, |t| vec![car("ego", 10.0 + 10.0 * t, 1.6)]);
+    let lanes = |edge: &str, ends: &str, rows: [&str; 2]| {
+        let row = |(i, y): (usize, &&str)| {
+            format!(r#"<lane id="{edge}_{i}" index="{i}" speed="13.9" length="100" shape="{y}"/>"#)
+        };
+        let rows: String = rows.iter().enumerate().map(row).collect();
+        format!(r#"<edge id="{edge}" {ends}>{rows}</edge>"#)
+    };
+    let east = lanes("east", r#"from="a" to="b""#, ["0,4.8 100,4.8", "0,1.6 100,1.6"]);
+    let west = lanes("west", r#"from="b" to="a""#, ["100,-4.8 0,-4.8", "100,-1.6 0,-1.6"]);
+    fs::write(dir.path().join("net.xml"), format!(r#"<net lefthand="true">{east}{west}</net>"#)).unwrap();
+    let map = read(&dir).0.unwrap().map.unwrap();
+    let beside = |id: &str| {
+        let lane = map.lane(id).unwrap();
+        (lane.left_neighbour.clone(), lane.right_neighbour.clone())
+    };
+    assert_eq!(beside("east_0"), (None, Some("east_1".to_owned())));
+    assert_eq!(beside("east_1"), (Some("east_0".to_owned()), Some("west_1".to_owned())));
+    assert_eq!(beside("west_1"), (Some("west_0".to_owned()), Some("east_1".to_owned())));
+}
+
 /// FCD of a few objects: `(id, attributes)` for each step of `step_s`.
 fn fcd(step_s: f64, steps: usize, objects: impl Fn(f64) -> Vec<String>) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();

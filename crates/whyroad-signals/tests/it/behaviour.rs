@@ -104,7 +104,9 @@ fn what_targets_do() {
     car(&mut d, "wrong", |t| (150.0 - 8.0 * t, 3.5, PI));
     car(&mut d, "oncoming", |t| (150.0 - 8.0 * t, 7.0, PI));
     d.map = Some(road());
+    d.meta.place = Some("Singapore, one-north".to_owned());
     let t = Table::of(&d);
+    assert_eq!(t.ego_category("map.driving_side", 3), Some("left"));
     let (from, to) = when_of(&t, "backs", "target.reverses", 150).unwrap();
     assert!((70..=71).contains(&from) && (98..=100).contains(&to), "{from} {to}");
     assert_eq!(when_of(&t, "brakes", "target.reverses", 150), None);
@@ -294,4 +296,37 @@ fn lanes_that_shift_to_and_fro_make_nobody_weave() {
     let t = Table::of(&d);
     assert_eq!(when_of(&t, "keeps", "target.weaves", 150), None);
     assert!(when_of(&t, "swings", "target.weaves", 150).is_some());
+}
+
+#[test]
+fn who_rounds_the_corners_of_a_drawn_loop_does_not_weave() {
+    // A loop of straight pieces of 25 m, 40 degrees between them. A lorry of 12 m has both ends on the line: at each
+    // corner its middle swings 2 m inwards and back.
+    let turn = 40_f64.to_radians();
+    let mut points = vec![(0.0, 0.0)];
+    for i in 0..8 {
+        let (x, y) = points[i];
+        let along = turn * i as f64;
+        points.push((x + 25.0 * along.cos(), y + 25.0 * along.sin()));
+    }
+    let line = points.clone();
+    let at = move |s: f64| {
+        let i = ((s / 25.0) as usize).min(7);
+        let along = turn * i as f64;
+        (line[i].0 + (s - 25.0 * i as f64) * along.cos(), line[i].1 + (s - 25.0 * i as f64) * along.sin())
+    };
+    let rounds = at.clone();
+    let lorry = move |t: f64| {
+        let (front, rear) = (rounds(22.0 + 10.0 * t), rounds(10.0 + 10.0 * t));
+        let (dx, dy) = (front.0 - rear.0, front.1 - rear.1);
+        ((front.0 + rear.0) / 2.0, (front.1 + rear.1) / 2.0, dy.atan2(dx))
+    };
+    // Behind it on the line, pointing where it goes.
+    let mut d = drive(150, move |t| {
+        let (a, b) = (at(3.0 + 10.0 * t), at(5.0 + 10.0 * t));
+        ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, (b.1 - a.1).atan2(b.0 - a.0))
+    });
+    crate::scene::add(&mut d, "lorry", whyroad_model::ObjectClass::Truck, (12.0, 2.5), lorry);
+    d.map = Some(map(vec![lane("loop", &points, 4.0)]));
+    assert_eq!(when_of(&Table::of(&d), "lorry", "target.weaves", 150), None);
 }

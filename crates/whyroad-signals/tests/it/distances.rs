@@ -222,7 +222,12 @@ fn post_encroachment_time_by_hand() {
     add_seen(&mut d, "lost", Car, (4.0, 2.0), |i| i < 15, |t| (30.0 + 10.0 * t, 0.0, 0.0));
     // Meets the ego at x = 20 at 2 s.
     car(&mut d, "hits", |t| (20.0, -10.0 + 5.0 * t, FRAC_PI_2));
+    // As "later", on a bridge 6 m above the ego's road.
+    car(&mut d, "above", |t| (50.0, -73.0 + 10.0 * t, FRAC_PI_2));
+    let bridge = d.tracks.iter_mut().find(|t| t.id.as_str() == "above").unwrap();
+    bridge.motion.z.iter_mut().for_each(|z| *z += 6.0);
     let t = Table::of(&d);
+    assert_eq!(t.num("above", "target.pet", 60), INF);
     // Good to a frame: 0.1 s.
     near(t.num("later", "target.pet", 60), 1.7, 0.1);
     assert_eq!(t.num("later", "target.pet", 20), INF, "before either is in the area");
