@@ -7,6 +7,7 @@ MODEL = {
     "IDM": 'carFollowModel="IDM" delta="4" sigma="0"',
     "EIDM": 'carFollowModel="EIDM"',
     "ACC": 'carFollowModel="ACC"',
+    "W99": 'carFollowModel="W99"',
 }
 
 

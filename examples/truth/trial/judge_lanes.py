@@ -78,7 +78,8 @@ def changes(w, ego, lead):
         blink = [k for k in range(began - 200, c.k) if k in rows and rows[k].blink & bit]
         if blink and all(k in blink or k not in rows for k in range(began, c.k)):
             start = began
-            while start - 1 in blink:
+            # An indicator that was on for a turn before says nothing of this road.
+            while start - 1 in blink and edge_of(rows[start - 1].lane) == edge_of(c.a):
                 start -= 1
             start = min(start, began)
         end = next((k for k in range(c.k, c.k + 80) if k in rows and off_line(new.points, rows[k].x, rows[k].y)[0] < 0.3), c.k + 20) + 20

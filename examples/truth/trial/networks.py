@@ -301,6 +301,51 @@ def loop_interchange(work, draw):
     return []
 
 
+def trumpet(work, draw):
+    """A trumpet: a road ends at a motorway; one loop and one wide curve on a bridge, two direct ramps; an exit by a lane
+    of its own, a plain one, an entry whose lane ends, one whose lane stays.
+    """
+    s, k = 30.56, "highway.motorway"
+    places = {"a": (-950, -13), "b": (-330, -12), "c": (330, -12), "m": (640, -14), "d": (980, -18), "p": (980, 8), "o": (340, 14), "q": (-60, 14), "r": (-430, 14), "t": (-950, 12),
+              "n": (-8, -330), "u": (10, -330), "z": (0, -720)}
+    loop = [(-120, 24, 0), (-165, 60, 1), (-170, 105, 2), (-135, 140, 4), (-85, 145, 6), (-40, 115, 7), (-14, 60, 7.5), (-9, -30, 7.5), (-8, -200, 2)]
+    curve = [(9, -200, 2), (9, -30, 7.5), (12, 80, 7.5), (-10, 160, 6), (-90, 205, 4), (-210, 180, 2), (-320, 80, 0.5), (-380, 26, 0)]
+    edges = [edge("ab", "a", "b", 2, s, k, 13, [(-780, -9), (-520, -14)]), edge("bc", "b", "c", 2, s, k, 13), edge("cm", "c", "m", 3, s, k, 13), edge("md", "m", "d", 2, s, k, 13),
+             edge("po", "p", "o", 2, s, k, 13, [(760, 12)]), edge("oq", "o", "q", 3, s, k, 13), edge("qr", "q", "r", 2, s, k, 13), edge("rt", "r", "t", 3, s, k, 13),
+             edge("bn", "b", "n", 1, 16.67, f"{k}_link", 9, [(-230, -30), (-110, -110), (-40, -220)]), edge("uc", "u", "c", 1, 19.44, f"{k}_link", 9, [(40, -220), (110, -110), (230, -34)]),
+             edge("qn", "q", "n", 1, 11.11, f"{k}_link", 9, loop), edge("ur", "u", "r", 1, 16.67, f"{k}_link", 9, curve),
+             edge("nz", "n", "z", 2, 19.44, "highway.primary", 9, [(-6, -480)]), edge("zu", "z", "u", 2, 19.44, "highway.primary", 9, [(8, -480)])]
+    joined = [("ab", "bc", 0, 0), ("ab", "bc", 1, 1), ("ab", "bn", 0, 0), ("bc", "cm", 0, 1), ("bc", "cm", 1, 2), ("uc", "cm", 0, 0), ("cm", "md", 1, 0), ("cm", "md", 2, 1),
+              ("po", "oq", 0, 1), ("po", "oq", 1, 2), ("po", "oq", 0, 0), ("oq", "qr", 1, 0), ("oq", "qr", 2, 1), ("oq", "qn", 0, 0), ("qr", "rt", 0, 1), ("qr", "rt", 1, 2),
+              ("ur", "rt", 0, 0), ("bn", "nz", 0, 0), ("qn", "nz", 0, 1), ("zu", "uc", 0, 0), ("zu", "ur", 1, 0)]
+    document(work / "nod.xml", "nodes", [node(n, *xy) for n, xy in places.items()])
+    document(work / "edg.xml", "edges", edges)
+    document(work / "con.xml", "connections", [link(*j) for j in joined])
+    return []
+
+
+def left_spider(work, draw):
+    return generated(work, draw, ["traffic_light", "priority", "priority", "right_before_left"], [11.11, 13.89, 16.67], [1, 2],
+                     "--spider", "--spider.arm-number", 6, "--spider.circle-number", 3, "--spider.space-radius", 125, bay=30) + [
+        "--lefthand", "--no-turnarounds", "--tls.default-type", "actuated"]
+
+
+def ring_street(work, draw):
+    """A roundabout of two lanes with five arms, at the end of a street with a crossroads that has lights and a skew
+    crossing with a priority road.
+    """
+    nodes, edges = [], []
+    ring(edges, nodes, "g", 0, 0, 30, 2, [0, 70, 140, 215, 290], 9.72)
+    places = {"y": (400, -15), "e": (640, -40), "xn": (205, 190), "xs": (170, -180), "yn": (470, 150), "ys": (380, -200), "A": (75, 220), "B": (-190, 160), "C": (-180, -130), "D": (70, -215)}
+    nodes += [node(n, *xy) for n, xy in places.items()] + [node("x", 190, 10, "traffic_light")]
+    for a, b, lanes in (("g0", "x", 2), ("x", "y", 2), ("y", "e", 2), ("A", "g1", 1), ("B", "g2", 2), ("C", "g3", 1), ("D", "g4", 1), ("xn", "x", 1), ("xs", "x", 2), ("yn", "y", 1), ("ys", "y", 1)):
+        main = a in ("g0", "x", "y") and lanes == 2
+        two_way(edges, a, b, lanes, 13.89, "highway.secondary" if main else "highway.residential", 7 if main else 4)
+    document(work / "nod.xml", "nodes", nodes)
+    document(work / "edg.xml", "edges", edges)
+    return ["--roundabouts.guess", "--no-turnarounds", "--junctions.corner-detail", 5, "--sidewalks.guess", "--crossings.guess"]
+
+
 # Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
 # people)
 SETS = {
@@ -321,5 +366,10 @@ SETS = {
         "star": (star_town, 1069, 240, 0.1, "ACC", 2.5, 0.6, 0),
         "clover": (clover_motorway, 1087, 150, 0.2, "Krauss", 3, 0.9, 0),
         "hillway": (hill_motorway, 1091, 150, 0.1, "IDM", "sublane", 1.2, 0),
+    },
+    "held2": {
+        "trumpet": (trumpet, 2027, 170, 0.1, "W99", 3.5, 1.1, 0),
+        "leftspider": (left_spider, 2029, 240, 0.2, "ACC", 3, 0.7, 0),
+        "ringstreet": (ring_street, 2039, 240, 0.1, "EIDM", "sublane", 0.7, 0.15),
     },
 }
