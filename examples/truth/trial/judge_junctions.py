@@ -58,6 +58,16 @@ def predicted(w, ego, m):
     return False
 
 
+def perhaps(w, ego, name, q):
+    """What may be an encounter with `name`, whose passage is `q`: a rider is a road user who crosses."""
+    rider = w.kind(name) == "bicycle"
+    leaves = [f"reactive_agent.vru_crossing.{v}" for v in ("horizontal", "diagonal", "crosswalk")] if rider else [I + v for v in ("unprotected_left", "right_vs_straight", "cross_conflict")]
+    for each in leaves:
+        yield w.entry(each, ego, q.first - 50, q.first - 40, q.last + 20, name, optional=True)
+        if rider:
+            yield w.entry(each, ego, q.first - 10, q.first, q.last + 20, name, optional=True)
+
+
 def unfinished(w, ego):
     """A wait before a junction that the ego never enters: which link it wants is not known, so who crosses meanwhile may
     be what it waits for, and may not.
@@ -75,9 +85,8 @@ def unfinished(w, ego):
         return
     for name, passages in w.passing.items():
         for q in passages:
-            if name != ego and q.node.id == node.id and q.link.lane != rows[last].lane and q.last > near[0] - 20 and w.kind(name) != "bicycle":
-                for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):
-                    yield w.entry(I + each, ego, q.first - 50, q.first - 40, q.last + 20, name, optional=True)
+            if name != ego and q.node.id == node.id and q.link.lane != rows[last].lane and q.last > near[0] - 20:
+                yield from perhaps(w, ego, name, q)
 
 
 def leaf_of(w, ego, p, m):
@@ -103,6 +112,9 @@ def junctions(w, ego, lead):
         for m in met(w, ego, p):
             if w.kind(m.name) == "bicycle":
                 near |= m.apart < 8
+                # For whom it waits in the junction, and for how long, is open.
+                if m.its < m.mine and m.q.last > p.first - 20:
+                    yield from perhaps(w, ego, m.name, m.q)
                 continue
             leaf = leaf_of(w, ego, p, m)
             waiting = [k for k in range(m.its - 15, m.its + 1) if k in rows and rows[k].v < 1.5 and (rows[k].lane.startswith(":") or net.lanes[rows[k].lane].length - rows[k].pos < 9
