@@ -45,13 +45,11 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     open_area::write(on, table);
     facilities::write(on, &channels, table);
     route::write_fit(on, table);
-    if let Some(side) = on.drive.driving_side() {
-        let side = match side {
-            DrivingSide::Right => MapDrivingSide::Right,
-            DrivingSide::Left => MapDrivingSide::Left,
-        };
-        table.category(id::MAP_DRIVING_SIDE, vec![Some(side); on.frames()]);
-    }
+    let side = on.drive.driving_side().map(|side| match side {
+        DrivingSide::Right => MapDrivingSide::Right,
+        DrivingSide::Left => MapDrivingSide::Left,
+    });
+    table.category(id::MAP_DRIVING_SIDE, vec![side; on.frames()]);
     if on.map.lanes.iter().any(|l| l.is_tagged("unpaved")) {
         let unpaved: Vec<Option<bool>> =
             (0..on.frames()).map(|i| on.own_lane(i).map(|l| l.is_tagged("unpaved"))).collect();
