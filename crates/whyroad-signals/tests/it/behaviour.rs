@@ -326,7 +326,7 @@ fn who_rounds_the_corners_of_a_drawn_loop_does_not_weave() {
         let (a, b) = (at(3.0 + 10.0 * t), at(5.0 + 10.0 * t));
         ((a.0 + b.0) / 2.0, (a.1 + b.1) / 2.0, (b.1 - a.1).atan2(b.0 - a.0))
     });
-    crate::scene::add(&mut d, "lorry", whyroad_model::ObjectClass::Truck, (12.0, 2.5), lorry);
+    add(&mut d, "lorry", Truck, (12.0, 2.5), lorry);
     d.map = Some(map(vec![lane("loop", &points, 4.0)]));
     assert_eq!(when_of(&Table::of(&d), "lorry", "target.weaves", 150), None);
 }
