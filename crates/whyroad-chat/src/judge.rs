@@ -2,23 +2,24 @@
 //! the links between cause and effect, and omission, for which the counterfactual ranking names the candidates. Nothing
 //! here says how good the model is: a share of the labels goes to people, and agreement with them is computed.
 
-mod people;
 mod questions;
 
-pub use people::{PeopleAgreement, QuestionAgreement, agreement_with_people, agreement_with_tasks};
-pub use questions::{Question, QuestionKind};
+pub use whyroad_label::judged::{
+    JudgedLabel, PeopleAgreement, Question, QuestionAgreement, QuestionKind, agreement_with_people,
+    agreement_with_tasks,
+};
 
 use crate::draft::class_in_words;
 use crate::scene::{Images, Scene};
 use crate::{AnswerForm, ChatError, Client, Message, Part, Request, Role};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::json;
 use std::collections::BTreeMap;
 use whyroad_framework::{Framework, PromptName};
 use whyroad_label::check::Recorded;
 use whyroad_model::messages::CocLabel;
 use whyroad_model::time::frame_at;
-use whyroad_model::{Drive, Lang, Nanos};
+use whyroad_model::{Drive, Lang};
 
 /// Codes of this module; each has a page in `docs/diagnostics/`.
 pub const JUDGE_CODES: &[&str] = &["judge.label"];
@@ -33,40 +34,6 @@ pub struct Judge<'a> {
     pub images: &'a dyn Images,
     /// Language of questions and reasons.
     pub lang: Lang,
-}
-
-/// A label with the answers of one judge: a model or a person.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct JudgedLabel {
-    /// Clip.
-    pub clip_id: String,
-    /// Keyframe of the label.
-    pub keyframe: Nanos,
-    /// Class.
-    pub scenario: String,
-    /// Who answers: the model's name, or `person`.
-    pub judge: String,
-    /// Whether the label was chosen for people.
-    pub for_people: bool,
-    /// True when every answer is the one that a correct label has; `None` while answers are missing.
-    pub passed: Option<bool>,
-    /// In the order in which they were put.
-    pub questions: Vec<Question>,
-}
-
-impl JudgedLabel {
-    /// Sets `passed` from the answers.
-    pub fn decide(&mut self) {
-        let answers: Option<Vec<bool>> = self.questions.iter().map(Question::passed).collect();
-        self.passed = answers.map(|all| all.iter().all(|p| *p));
-    }
-
-    /// The same for a person to fill in: without the model's answers, which would not be independent then.
-    #[must_use]
-    pub fn blank(&self) -> Self {
-        let questions = self.questions.iter().map(|q| Question { answer: None, reason: None, ..q.clone() });
-        Self { judge: "person".to_owned(), passed: None, questions: questions.collect(), ..self.clone() }
-    }
 }
 
 /// Answers by id, as the model gives them.

@@ -9,6 +9,7 @@ pub mod counterfactual;
 pub mod draft;
 pub mod facts;
 pub mod import;
+pub mod judged;
 pub mod merge;
 pub mod migrate;
 

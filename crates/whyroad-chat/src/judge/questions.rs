@@ -2,9 +2,9 @@
 //! false.
 
 use crate::scene::Scene;
-use serde::{Deserialize, Serialize};
 use whyroad_framework::Framework;
 use whyroad_label::counterfactual::{Removed, counterfactual};
+use whyroad_label::judged::{Question, QuestionKind};
 use whyroad_model::messages::{Cause, CocLabel};
 use whyroad_model::names::class_name;
 use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
@@ -12,86 +12,17 @@ use whyroad_model::{Bilingual, Drive, Lang, SignalTable};
 /// Unnamed objects that are asked about, most effect first.
 const MOST_OMISSIONS: usize = 3;
 
-/// What a statement is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum QuestionKind {
-    /// The decision is what the ego does first.
-    Decision,
-    /// A component could be observed at or before the keyframe.
-    Presence,
-    /// A component causes the decision.
-    CauseEffect,
-    /// Nothing nearer causes it.
-    ProximateCause,
-    /// The trace says what the components and decisions say.
-    Consistency,
-    /// The trace rests on nothing that came later.
-    Hindsight,
-    /// Legal and safe driving.
-    Safety,
-    /// Something that is not named causes the decision, too.
-    Omission,
+/// Something that no component names: in words, and its track.
+pub(super) struct Omitted {
+    words: Bilingual,
+    track: Option<String>,
 }
 
-impl QuestionKind {
-    /// All, in the order of the report.
-    pub const ALL: [Self; 8] = [
-        Self::Decision,
-        Self::Presence,
-        Self::CauseEffect,
-        Self::ProximateCause,
-        Self::Consistency,
-        Self::Hindsight,
-        Self::Safety,
-        Self::Omission,
-    ];
-
-    /// As messages have it.
-    pub fn id(self) -> &'static str {
-        match self {
-            Self::Decision => "decision",
-            Self::Presence => "presence",
-            Self::CauseEffect => "cause_effect",
-            Self::ProximateCause => "proximate_cause",
-            Self::Consistency => "consistency",
-            Self::Hindsight => "hindsight",
-            Self::Safety => "safety",
-            Self::Omission => "omission",
-        }
-    }
-}
-
-/// One statement with its answer.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Question {
-    /// Unique within the label: `q1`, `q2`, ...
-    pub id: String,
-    /// What it is about.
-    pub kind: QuestionKind,
-    /// The statement.
-    pub text: String,
-    /// Answer that a correct label has.
-    pub expected: bool,
-    /// The judge's; `None` while it is missing.
-    pub answer: Option<bool>,
-    /// In words.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
-}
-
-impl Question {
-    /// Whether the answer is the expected one.
-    pub fn passed(&self) -> Option<bool> {
-        self.answer.map(|a| a == self.expected)
-    }
-}
-
-/// The statements about a label; `omitted` are candidates in words.
+/// The statements about a label; `omitted` are candidates.
 pub(super) fn about(
     framework: &Framework,
     label: &CocLabel,
-    omitted: &[Bilingual],
+    omitted: &[Omitted],
     lang: Lang,
 ) -> Vec<Question> {
     let mut all: Vec<(QuestionKind, Bilingual)> = Vec::new();
@@ -186,7 +117,7 @@ pub(super) fn about(
             "The ego drives legally and safely after the keyframe.",
         ),
     ));
-    for what in omitted {
+    for Omitted { words: what, .. } in omitted {
         all.push((
             QuestionKind::Omission,
             Bilingual::new(
@@ -198,7 +129,10 @@ pub(super) fn about(
             ),
         ));
     }
+    let first_omitted = all.len() - omitted.len();
+    let track = |i: usize| omitted.get(i.checked_sub(first_omitted)?)?.track.clone();
     let question = |(i, (kind, text)): (usize, (QuestionKind, Bilingual))| Question {
+        object: track(i),
         id: format!("q{}", i + 1),
         kind,
         text: text.get(lang).to_owned(),
@@ -234,7 +168,7 @@ pub(super) fn omission_candidates(
     keyframe: usize,
     label: &CocLabel,
     scene: &Scene,
-) -> Vec<Bilingual> {
+) -> Vec<Omitted> {
     let Some(ranking) = counterfactual(drive, signals, keyframe) else { return Vec::new() };
     let linked =
         |id: &str| label.critical_components.iter().any(|c| c.linked_objects.iter().any(|o| o == id));
@@ -246,16 +180,18 @@ pub(super) fn omission_candidates(
     let plain = ranking.effects.iter().filter(|e| e.is_plain());
     plain
         .filter_map(|effect| match &effect.removed {
-            Removed::Light => (!names_light).then(|| Bilingual::new("信号灯", "the traffic light")),
+            Removed::Light => (!names_light)
+                .then(|| Omitted { words: Bilingual::new("信号灯", "the traffic light"), track: None }),
             Removed::Object(id) if linked(id.as_str()) => None,
             Removed::Object(id) => {
                 // Spoken of as the scene record does; what the record does not list cannot be asked about.
-                let (alias, _) = scene.objects.iter().find(|(_, track)| track == id)?;
+                let (alias, track) = scene.objects.iter().find(|(_, track)| track == id)?;
                 let class = class_name(drive.track(id)?.class);
-                Some(Bilingual::new(
+                let words = Bilingual::new(
                     format!("目标 {alias}（{}）", class.zh),
                     format!("object {alias} ({})", class.en),
-                ))
+                );
+                Some(Omitted { words, track: Some(track.to_string()) })
             }
         })
         .take(MOST_OMISSIONS)

@@ -2,10 +2,10 @@
 //! checkers of the labelling service did.
 
 use super::{JudgedLabel, QuestionKind};
+use crate::agreement::{Estimate, bootstrap, cohen};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use whyroad_label::agreement::{Estimate, bootstrap, cohen};
 use whyroad_model::Nanos;
 
 /// Agreement on the questions of one kind.
