@@ -1,6 +1,7 @@
 //! The service as one value: what handlers and commands work with.
 
 use crate::blur::Blur;
+use crate::language_model::LanguageModel;
 use crate::limits::Limits;
 use crate::metrics::{Metrics, Served};
 use crate::oidc::provider::Provider;
@@ -42,6 +43,8 @@ pub struct App {
     pub recordings: Arc<dyn Recordings>,
     /// Makes reports; none where nobody handed them in.
     pub reports: Option<Arc<dyn Reports>>,
+    /// Makes drafts and judges labels; none where the service was started without a model.
+    pub model: Option<Arc<dyn LanguageModel>>,
     /// The time.
     pub clock: Clock,
     /// By whose clock leases expire.
@@ -144,6 +147,7 @@ impl App {
                 .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
             recordings,
             reports: None,
+            model: None,
             clock: Arc::new(wall_clock),
             lease_clock: LeaseClock::Store,
             limits,

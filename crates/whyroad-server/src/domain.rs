@@ -7,6 +7,7 @@
 pub mod gold;
 pub mod making;
 pub mod mined;
+pub mod model;
 pub mod oidc;
 pub mod people;
 pub mod project;

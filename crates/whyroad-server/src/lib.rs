@@ -7,6 +7,7 @@ pub mod api;
 pub mod app;
 pub mod blur;
 pub mod domain;
+pub mod language_model;
 pub mod limits;
 pub mod metrics;
 pub mod oidc;

@@ -324,6 +324,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("Bundled drives, nothing to prepare", "whyroad serve"),
             ("A lake and mined episodes", "whyroad serve --lake lake --mined mined --data labels"),
+            (
+                "With a language model for drafts and judgements",
+                "whyroad serve --lake lake --mined mined --data labels --model https://host/v1 --model-name vlm --key-env VLM_KEY",
+            ),
         ],
     ),
     (

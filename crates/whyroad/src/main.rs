@@ -8,6 +8,7 @@ mod analytics;
 mod cmd;
 mod framework_folder;
 mod help;
+mod language_model;
 mod model_args;
 mod recordings;
 mod store_args;

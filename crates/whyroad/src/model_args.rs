@@ -51,31 +51,42 @@ fn price(text: &str) -> Result<f64, String> {
     if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("a price is 0 or more".to_owned()) }
 }
 
+/// A share, 0 to 1.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a share is from 0 to 1".to_owned()) }
+}
+
 impl ModelArgs {
     /// The client for the endpoint at `url`; answers are kept in `cache` unless `--cache` names another folder.
     pub(crate) fn client(&self, url: &str, cache: PathBuf, lang: Lang) -> anyhow::Result<Client> {
-        let key = self.key_env.as_deref().map(Key::from_environment).transpose();
-        let price = self.price_input.zip(self.price_output);
-        let made = key.and_then(|key| {
-            Client::new(Settings {
-                key,
-                timeout: Duration::from_secs(self.timeout),
-                retries: self.retries,
-                requests_per_minute: self.requests_per_minute,
-                budget: Budget { requests: self.max_requests, tokens: self.max_tokens },
-                price: price.map(|(input_per_million, output_per_million)| Price {
-                    input_per_million,
-                    output_per_million,
-                }),
-                cache: Some(self.cache.clone().unwrap_or(cache)),
-                max_answer_tokens: self.max_answer_tokens,
-                ..Settings::new(url, &self.model_name)
-            })
-        });
-        match made {
+        match Client::new(self.settings(url, cache, lang)?) {
             Ok(client) => Ok(client),
             Err(e) => bail!("{}", e.diagnostic().message(lang)),
         }
+    }
+
+    /// What that client is made with; an error where the key's variable is unset.
+    pub(crate) fn settings(&self, url: &str, cache: PathBuf, lang: Lang) -> anyhow::Result<Settings> {
+        let key = match self.key_env.as_deref().map(Key::from_environment).transpose() {
+            Ok(key) => key,
+            Err(e) => bail!("{}", e.diagnostic().message(lang)),
+        };
+        let price = self.price_input.zip(self.price_output);
+        Ok(Settings {
+            key,
+            timeout: Duration::from_secs(self.timeout),
+            retries: self.retries,
+            requests_per_minute: self.requests_per_minute,
+            budget: Budget { requests: self.max_requests, tokens: self.max_tokens },
+            price: price.map(|(input_per_million, output_per_million)| Price {
+                input_per_million,
+                output_per_million,
+            }),
+            cache: Some(self.cache.clone().unwrap_or(cache)),
+            max_answer_tokens: self.max_answer_tokens,
+            ..Settings::new(url, &self.model_name)
+        })
     }
 }
 

@@ -77,6 +77,10 @@ export const postProjectGold = (p: string | number, body: T["NewGold"], options?
 export const postProjectImport = (p: string | number, text: string, options?: CallOptions): Promise<T["Imported"]> =>
   call<T["Imported"]>("POST", `/projects/${encodeURIComponent(p)}/import`, new TextBody(text, "application/x-ndjson"), options);
 
+/** GET /projects/{p}/judge */
+export const getProjectJudge = (p: string | number, options?: CallOptions): Promise<T["JudgeReport"]> =>
+  call<T["JudgeReport"]>("GET", `/projects/${encodeURIComponent(p)}/judge`, undefined, options);
+
 /** GET /projects/{p}/members */
 export const getProjectMembers = (p: string | number, options?: CallOptions): Promise<T["Members"]> =>
   call<T["Members"]>("GET", `/projects/${encodeURIComponent(p)}/members`, undefined, options);
@@ -100,6 +104,18 @@ export const getProjectMinedByMMediaByCameraByIndexUrl = (p: string | number, m:
 /** GET /projects/{p}/mined/{m}/similar */
 export const getProjectMinedByMSimilar = (p: string | number, m: string | number, query: { drive?: QueryValue; scenario?: QueryValue; episode?: QueryValue; limit?: QueryValue } = {}, options?: CallOptions): Promise<T["SimilarEpisodes"]> =>
   call<T["SimilarEpisodes"]>("GET", `/projects/${encodeURIComponent(p)}/mined/${encodeURIComponent(m)}/similar${queryString(query)}`, undefined, options);
+
+/** GET /projects/{p}/model-runs */
+export const getProjectModelRuns = (p: string | number, options?: CallOptions): Promise<T["ModelWork"]> =>
+  call<T["ModelWork"]>("GET", `/projects/${encodeURIComponent(p)}/model-runs`, undefined, options);
+
+/** POST /projects/{p}/model-runs */
+export const postProjectModelRuns = (p: string | number, body: T["NewModelRun"], options?: CallOptions): Promise<T["ModelRun"]> =>
+  call<T["ModelRun"]>("POST", `/projects/${encodeURIComponent(p)}/model-runs`, body, options);
+
+/** POST /projects/{p}/model-runs:stop */
+export const postProjectModelRunsStop = (p: string | number, body: T["StopModelRun"], options?: CallOptions): Promise<T["ModelRun"]> =>
+  call<T["ModelRun"]>("POST", `/projects/${encodeURIComponent(p)}/model-runs:stop`, body, options);
 
 /** GET /projects/{p}/queue */
 export const getProjectQueue = (p: string | number, query: { kind?: QueryValue } = {}, options?: CallOptions): Promise<T["QueueState"]> =>
@@ -184,6 +200,10 @@ export const getTaskHistory = (t: string | number, query: { cursor?: QueryValue;
 /** GET /tasks/{t}/history/{seq} */
 export const getTaskHistoryBySeq = (t: string | number, seq: string | number, options?: CallOptions): Promise<T["DraftAt"]> =>
   call<T["DraftAt"]>("GET", `/tasks/${encodeURIComponent(t)}/history/${encodeURIComponent(seq)}`, undefined, options);
+
+/** POST /tasks/{t}/judgement */
+export const postTaskJudgement = (t: string | number, body: T["JudgementAnswers"], options?: CallOptions): Promise<T["Task"]> =>
+  call<T["Task"]>("POST", `/tasks/${encodeURIComponent(t)}/judgement`, body, options);
 
 /** POST /tasks/{t}/lease */
 export const postTaskLease = (t: string | number, body: T["LeaseRequest"], options?: CallOptions): Promise<T["Lease"]> =>

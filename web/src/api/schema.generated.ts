@@ -326,6 +326,51 @@ export interface components {
             /** Format: uint32 */
             tasks: number;
         };
+        JudgeAgreement: {
+            /** Format: int64 */
+            answers: number;
+            /** Format: double */
+            kappa?: number | null;
+            kind: string;
+            /** Format: int64 */
+            only_judge: number;
+            /** Format: int64 */
+            only_people: number;
+            /** Format: double */
+            same?: number | null;
+            same_interval?: number[] | null;
+        };
+        JudgeReport: {
+            /** Format: int64 */
+            answered: number;
+            /** Format: int64 */
+            for_people: number;
+            /** Format: int64 */
+            judged: number;
+            kinds: components["schemas"]["JudgeAgreement"][];
+            /** Format: int64 */
+            passed: number;
+        };
+        Judgement: {
+            asks: boolean;
+            /** Format: int64 */
+            at: number;
+            for_people: boolean;
+            model: string;
+            outdated: boolean;
+            own: {
+                [key: string]: boolean;
+            };
+            questions: components["schemas"]["Question"][];
+            withheld: boolean;
+        };
+        JudgementAnswers: {
+            answers: {
+                [key: string]: boolean;
+            };
+            /** Format: int64 */
+            fence: number;
+        };
         Keyframe: {
             /** Format: uint32 */
             frame_idx: number;
@@ -437,6 +482,75 @@ export interface components {
         MinedFolders: {
             items: components["schemas"]["MinedFolder"][];
         };
+        ModelRun: {
+            by: string;
+            /** Format: int64 */
+            done: number;
+            /** Format: int64 */
+            ended?: number | null;
+            /** Format: int64 */
+            failed: number;
+            failures: components["schemas"]["ModelRunFailure"][];
+            id: string;
+            kind: components["schemas"]["ModelRunKind"];
+            /** Format: int64 */
+            left_out: number;
+            model: string;
+            note?: components["schemas"]["Bilingual"] | null;
+            spent: components["schemas"]["ModelSpent"];
+            /** Format: int64 */
+            started: number;
+            state: components["schemas"]["ModelRunState"];
+            /** Format: int64 */
+            total: number;
+        };
+        ModelRunFailure: {
+            scenario_id: string;
+            task: string;
+            text: components["schemas"]["Bilingual"];
+        };
+        ModelRunKind: "draft" | "judge";
+        ModelRunState: "waiting" | "running" | "done" | "stopped" | "failed";
+        ModelSpent: {
+            /**
+             * Format: uint64
+             * @default 0
+             */
+            answers_without_count?: number;
+            /**
+             * Format: uint64
+             * @default 0
+             */
+            cached?: number;
+            /**
+             * Format: double
+             * @default null
+             */
+            cost?: number | null;
+            /**
+             * Format: uint64
+             * @default 0
+             */
+            input_tokens?: number;
+            /**
+             * Format: uint64
+             * @default 0
+             */
+            output_tokens?: number;
+            /**
+             * Format: uint64
+             * @default 0
+             */
+            requests?: number;
+        };
+        ModelWork: {
+            model?: string | null;
+            runs: components["schemas"]["ModelRun"][];
+            /** Format: int64 */
+            to_draft: number;
+            /** Format: int64 */
+            to_judge: number;
+        };
         MyWork: {
             /** Format: int64 */
             accepted: number;
@@ -460,6 +574,11 @@ export interface components {
         NewGold: {
             tasks: string[];
             users: string[];
+        };
+        NewModelRun: {
+            kind: components["schemas"]["ModelRunKind"];
+            /** @default null */
+            tasks?: string[] | null;
         };
         NewProject: {
             /** @default  */
@@ -586,6 +705,16 @@ export interface components {
             url: string;
         };
         Purpose: "sign_in" | "link";
+        Question: {
+            answer?: boolean | null;
+            expected: boolean;
+            id: string;
+            kind: components["schemas"]["QuestionKind"];
+            object?: string | null;
+            reason?: string | null;
+            text: string;
+        };
+        QuestionKind: "decision" | "presence" | "cause_effect" | "proximate_cause" | "consistency" | "hindsight" | "safety" | "omission";
         QueueReason: "role" | "no_tasks" | "finished" | "held" | "assigned" | "language" | "classes" | "future_seen" | "overlap_twice" | "own_work" | "own_check" | "stage1_first" | "other";
         QueueState: {
             reasons: components["schemas"]["QueueReason"][];
@@ -738,6 +867,9 @@ export interface components {
         Stage: "stage1" | "stage2";
         Stage1Class: "leaf" | "l2";
         State: "open" | "stage1" | "stage1_locked" | "stage2" | "submitted" | "in_check" | "rework" | "checked" | "in_audit" | "accepted" | "skipped" | "rejected";
+        StopModelRun: {
+            run: string;
+        };
         Suggestion: {
             conditions: components["schemas"]["MatchedCondition"][];
             keyframe: components["schemas"]["Keyframe"];
@@ -751,11 +883,13 @@ export interface components {
             changed_from_suggestion: string[];
             comments: components["schemas"]["Comment"][];
             draft: unknown;
+            drafted_by?: string | null;
             /** Format: int64 */
             fence?: number | null;
             findings: components["schemas"]["Finding"][];
             /** Format: int64 */
             history_count: number;
+            judgement?: components["schemas"]["Judgement"] | null;
             /** Format: int64 */
             lease_until?: number | null;
             permissions: string[];
@@ -984,6 +1118,10 @@ export type HistoryRule = components["schemas"]["HistoryRule"];
 export type Identities = components["schemas"]["Identities"];
 export type Identity = components["schemas"]["Identity"];
 export type Imported = components["schemas"]["Imported"];
+export type JudgeAgreement = components["schemas"]["JudgeAgreement"];
+export type JudgeReport = components["schemas"]["JudgeReport"];
+export type Judgement = components["schemas"]["Judgement"];
+export type JudgementAnswers = components["schemas"]["JudgementAnswers"];
 export type Keyframe = components["schemas"]["Keyframe"];
 export type Kind = components["schemas"]["Kind"];
 export type LaneView = components["schemas"]["LaneView"];
@@ -1003,9 +1141,16 @@ export type MetaView = components["schemas"]["MetaView"];
 export type MinedEpisode = components["schemas"]["MinedEpisode"];
 export type MinedFolder = components["schemas"]["MinedFolder"];
 export type MinedFolders = components["schemas"]["MinedFolders"];
+export type ModelRun = components["schemas"]["ModelRun"];
+export type ModelRunFailure = components["schemas"]["ModelRunFailure"];
+export type ModelRunKind = components["schemas"]["ModelRunKind"];
+export type ModelRunState = components["schemas"]["ModelRunState"];
+export type ModelSpent = components["schemas"]["ModelSpent"];
+export type ModelWork = components["schemas"]["ModelWork"];
 export type MyWork = components["schemas"]["MyWork"];
 export type NewComment = components["schemas"]["NewComment"];
 export type NewGold = components["schemas"]["NewGold"];
+export type NewModelRun = components["schemas"]["NewModelRun"];
 export type NewProject = components["schemas"]["NewProject"];
 export type NewToken = components["schemas"]["NewToken"];
 export type NewUser = components["schemas"]["NewUser"];
@@ -1021,6 +1166,8 @@ export type ProjectChange = components["schemas"]["ProjectChange"];
 export type Projects = components["schemas"]["Projects"];
 export type ProviderAddress = components["schemas"]["ProviderAddress"];
 export type Purpose = components["schemas"]["Purpose"];
+export type Question = components["schemas"]["Question"];
+export type QuestionKind = components["schemas"]["QuestionKind"];
 export type QueueReason = components["schemas"]["QueueReason"];
 export type QueueState = components["schemas"]["QueueState"];
 export type Returned = components["schemas"]["Returned"];
@@ -1042,6 +1189,7 @@ export type SimilarEpisodes = components["schemas"]["SimilarEpisodes"];
 export type Stage = components["schemas"]["Stage"];
 export type Stage1Class = components["schemas"]["Stage1Class"];
 export type State = components["schemas"]["State"];
+export type StopModelRun = components["schemas"]["StopModelRun"];
 export type Suggestion = components["schemas"]["Suggestion"];
 export type Task = components["schemas"]["Task"];
 export type TaskAction = components["schemas"]["TaskAction"];

@@ -3,6 +3,7 @@
 pub mod accounts;
 pub mod drafts;
 pub mod mined;
+pub mod model;
 pub mod oidc;
 pub mod projects;
 pub mod scenes;

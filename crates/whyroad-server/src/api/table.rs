@@ -1,10 +1,12 @@
 //! All routes of `/api/v1`. Adding one here makes it served, guarded, documented and tested for authorisation.
 
 use super::handlers::{
-    accounts, drafts, mined, oidc, projects, scenes, session, talk, tasks, transfer, webhooks,
+    accounts, drafts, mined, model, oidc, projects, scenes, session, talk, tasks, transfer, webhooks,
 };
 use super::route::{Access, BodySize, JSON_LINES, Route};
-use crate::domain::{gold::*, mined::*, oidc::*, people::*, project::*, safety::*, scene::*, task::*};
+use crate::domain::{
+    gold::*, mined::*, model::*, oidc::*, people::*, project::*, safety::*, scene::*, task::*,
+};
 use crate::oidc::flow::Returned;
 use serde_json::Value;
 
@@ -155,6 +157,31 @@ pub static ROUTES: &[Route] = &[
     )
     .takes::<NewGold>()
     .gives::<MadeGold>(),
+    Route::get(
+        "/projects/{p}/model-runs",
+        Access::Lead,
+        "The language model and its runs: drafts and judgements, progress, what they spent",
+        model::show,
+    )
+    .gives::<ModelWork>(),
+    Route::post(
+        "/projects/{p}/model-runs",
+        Access::Lead,
+        "Have the model draft tasks that nobody has begun, or judge labels that were handed in; in the background",
+        model::start,
+    )
+    .takes::<NewModelRun>()
+    .gives::<ModelRun>(),
+    Route::post("/projects/{p}/model-runs:stop", Access::Lead, "Stop a run", model::stop)
+        .takes::<StopModelRun>()
+        .gives::<ModelRun>(),
+    Route::get(
+        "/projects/{p}/judge",
+        Access::Staff,
+        "What the model says of the labels, and how far it agrees with people",
+        model::report,
+    )
+    .gives::<JudgeReport>(),
     // Tasks.
     Route::get("/projects/{p}/tasks", Access::Member, "Tasks; annotators see only their own", tasks::list)
         .query(&[
@@ -293,6 +320,14 @@ pub static ROUTES: &[Route] = &[
         drafts::safety,
     )
     .takes::<SafetyRequest>()
+    .gives::<Task>(),
+    Route::post(
+        "/tasks/{t}/judgement",
+        Access::TaskWorker,
+        "Answer the questions that a model answered, of a label that was drawn for people; for who checks or audits it",
+        model::answer,
+    )
+    .takes::<JudgementAnswers>()
     .gives::<Task>(),
     Route::post(
         "/tasks/{t}/validate",

@@ -2,6 +2,7 @@
 
 pub use super::{making::*, talk::*};
 
+use super::model::Judgement;
 use super::workflow::{Action, Stage, State};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -85,6 +86,12 @@ pub struct Task {
     pub spec: Option<ResolvedSpec>,
     /// What the rule proposes.
     pub suggestion: Suggestion,
+    /// Name of the model that drafted the label; null where a rule or a person did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drafted_by: Option<String>,
+    /// What a model says of the label that was handed in; for checkers, auditors and leads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judgement: Option<Judgement>,
     /// Comments; other people's only after Stage I.
     pub comments: Vec<Comment>,
     /// Entries of the history that the caller may see.

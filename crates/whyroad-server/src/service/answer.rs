@@ -6,10 +6,11 @@ use crate::domain::workflow::{Actor, Stage, State};
 use crate::problem::Answer;
 use crate::service::tasks::{self, LabelView, TaskRow};
 use crate::service::visible::{comments, label};
-use crate::service::{leases, permissions, projects};
+use crate::service::{judgements, leases, permissions, projects};
 use crate::store::Tx;
 use crate::values;
-use whyroad_model::messages::KeyframeType;
+use whyroad_model::label_fields::name;
+use whyroad_model::messages::{KeyframeType, ProvenanceSource};
 use whyroad_model::{Bilingual, Nanos};
 
 /// How many entries [`history`] has in Stage I, without reading them: autosave makes many.
@@ -42,6 +43,8 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         lease_until: t.lease_until.filter(|_| mine),
         spec: app.framework.specs.get(&t.episode.scenario_id).filter(|_| !t.hides_leaf()).cloned(),
         suggestion: suggestion(t),
+        drafted_by: drafted_by(t),
+        judgement: judgements::of(tx, t, actor)?,
         comments: comments(tx, t, &actor.id, &names)?,
         history_count,
         findings: found,
@@ -83,6 +86,13 @@ fn take_refused(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answe
         Err(p) if p.status >= 500 => Err(p),
         Err(p) => Ok(Some(p.text)),
     }
+}
+
+/// The model that drafted the label.
+fn drafted_by(t: &TaskRow) -> Option<String> {
+    let by = t.initial.get(name::PROVENANCE)?;
+    let model = by.get(name::SOURCE)?.as_str()? == ProvenanceSource::Model.id();
+    model.then(|| by.get(name::BY)?.as_str().map(str::to_owned)).flatten()
 }
 
 /// Fields that differ from the suggestion, of those that may be seen.

@@ -419,6 +419,20 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
     })
 }
 
+/// A model's draft as a task begins with it. What is evident is so by the keyframe, whatever a model says; where Stage I
+/// does not show the leaf, it begins without components, like any other.
+pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
+    let keyframe = label.keyframe.timestamp;
+    for c in &mut label.critical_components {
+        c.evidence_times.iter_mut().for_each(|at| *at = (*at).min(keyframe));
+    }
+    if veiled {
+        label.critical_components.clear();
+        label.causes = None;
+    }
+    serde_json::to_value(label).map(unanswered).map_err(Problem::store)
+}
+
 /// A draft without the answer of a safety filter that somebody elsewhere gave.
 fn unanswered(mut draft: Value) -> Value {
     if let Some(fields) = draft.as_object_mut() {

@@ -36,7 +36,15 @@ pub fn sweep(app: &App) -> Answer<u64> {
                 )?;
                 for row in &rows {
                     let task = row.text("id")?;
-                    for table in ["history", "comments", "thumbnails", "safety", "gold"] {
+                    for table in [
+                        "history",
+                        "comments",
+                        "thumbnails",
+                        "safety",
+                        "gold",
+                        "judgements",
+                        "model_run_tasks",
+                    ] {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }
                     tx.run("DELETE FROM tasks WHERE id = $1", values![&task])?;

@@ -17,6 +17,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0009_gold.sql"),
     include_str!("../../migrations/0010_verdicts.sql"),
     include_str!("../../migrations/0011_sign_in_failures.sql"),
+    include_str!("../../migrations/0012_language_model.sql"),
 ];
 
 /// The version of this program.

@@ -16,6 +16,7 @@ mod later_task;
 mod leaks;
 mod migration;
 mod mined;
+mod model;
 mod oidc;
 mod page;
 #[allow(dead_code, reason = "restarts are for the tests of the binary")]
@@ -63,6 +64,10 @@ suite! {
     gold::gold_answers_are_compared_and_shown_to_leads_alone,
     mined::mined_episodes_are_browsed_and_judged,
     mined::who_is_in_stage_one_is_not_shown_the_episode,
+    model::a_models_draft_shows_its_future_only_in_stage_two,
+    model::begun_tasks_are_left_alone_and_runs_are_stopped,
+    model::a_run_goes_on_after_a_restart_and_ends_with_its_budget,
+    model::judgements_are_shown_to_checkers_after_their_own,
     safety::decisions_wait_for_the_safety_filter,
     safety::unsafe_driving_is_rejected_with_its_reasons,
     leaks::who_has_seen_the_future_of_a_drive_gets_no_stage_one_of_it,

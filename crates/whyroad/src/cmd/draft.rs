@@ -1,5 +1,6 @@
 //! `whyroad draft`: labels to start from, one JSON line per episode: by rule, or by a model behind `--model`.
 
+use crate::language_model::image_kind;
 use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write, no_class, stop};
@@ -229,18 +230,10 @@ impl Images for LakeImages {
         let id = &drive.meta.drive_id;
         let Some(path) = self.0.media(id, frame) else {
             let stored = self.0.stored_image(id, frame).ok()??;
-            let kind = kind_of(Path::new(&stored.media.key))?;
+            let kind = image_kind(Path::new(&stored.media.key))?;
             return Some((kind, stored.store.read(&stored.media).ok()??));
         };
-        let kind = kind_of(&path)?;
+        let kind = image_kind(&path)?;
         Some((kind, std::fs::read(path).ok()?))
-    }
-}
-
-fn kind_of(path: &Path) -> Option<ImageKind> {
-    match path.extension()?.to_str()?.to_lowercase().as_str() {
-        "png" => Some(ImageKind::Png),
-        "jpg" | "jpeg" => Some(ImageKind::Jpeg),
-        _ => None,
     }
 }

@@ -1,7 +1,7 @@
 //! `whyroad judge`: true/false questions about labels, answered by a model; a share of the labels goes to people.
 
 use super::draft::LakeImages;
-use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
+use crate::model_args::{ModelArgs, cache_beside, cost, share, tell_all};
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write};
 use crate::{Global, framework_folder, output};
@@ -59,11 +59,6 @@ pub(crate) struct Args {
     how: ModelArgs,
     #[command(flatten)]
     print: Print,
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a share is from 0 to 1".to_owned()) }
 }
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {

@@ -5,6 +5,7 @@ mod first_run;
 mod oidc;
 
 use crate::analytics::ServiceReports;
+use crate::language_model::ServiceModelArgs;
 use crate::output::reason::{cannot_listen, cannot_write, reason};
 use crate::output::render_text;
 use crate::recordings::ServiceRecordings;
@@ -21,6 +22,7 @@ use whyroad_model::Lang;
 use whyroad_server::App;
 use whyroad_server::app::{ImageLinks, Origin};
 use whyroad_server::blur::Blur;
+use whyroad_server::recordings::Recordings;
 use whyroad_server::service::webhooks::Reach;
 
 /// Arguments of `whyroad serve`.
@@ -63,6 +65,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     store: store_args::StoreArgs,
     #[command(flatten)]
+    model: ServiceModelArgs,
+    #[command(flatten)]
     oidc: oidc::OidcArgs,
 }
 
@@ -94,13 +98,18 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         lifetime: Duration::from_secs(args.media_link_seconds),
         origins: recordings.image_origins()?,
     };
+    let blur = || -> anyhow::Result<Option<Blur>> {
+        let cache = args.store.data.join("blurred");
+        let blur = args.blur.clone().map(|program| Blur::new(program, cache.clone())).transpose();
+        blur.with_context(|| cannot_write(cache.display()))
+    };
+    let recordings: Arc<dyn Recordings> = recordings;
+    let model = args.model.model(framework, &recordings, (&args.store.data, blur()?), global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
+    app.model = model;
     app.oidc = oidc;
     app.image_links = image_links;
-    if let Some(program) = args.blur {
-        let cache = args.store.data.join("blurred");
-        app.blur = Some(Blur::new(program, cache.clone()).with_context(|| cannot_write(cache.display()))?);
-    }
+    app.blur = blur()?;
     app.reports = Some(Arc::new(reports));
     if args.https {
         app.cookies = whyroad_server::app::Cookies::Secure;

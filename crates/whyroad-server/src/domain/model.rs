@@ -1,0 +1,251 @@
+//! Work of a language model in a project: drafts and judgements in runs, what they cost, and how far the judge agrees
+//! with people.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use whyroad_label::judged::Question;
+use whyroad_model::Bilingual;
+
+/// What a run does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ModelRunKind {
+    /// Drafts of tasks that nobody has begun.
+    Draft,
+    /// Judgements of labels that were handed in.
+    Judge,
+}
+
+impl ModelRunKind {
+    /// As the store has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Judge => "judge",
+        }
+    }
+
+    /// The kind of this word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        [Self::Draft, Self::Judge].into_iter().find(|k| k.word() == word)
+    }
+}
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ModelRunState {
+    /// Its turn has not come.
+    Waiting,
+    /// It is being worked on, also while the service is restarted.
+    Running,
+    /// Every task was tried.
+    Done,
+    /// Somebody stopped it.
+    Stopped,
+    /// It could not go on; `note` says why.
+    Failed,
+}
+
+impl ModelRunState {
+    const ALL: [Self; 5] = [Self::Waiting, Self::Running, Self::Done, Self::Stopped, Self::Failed];
+
+    /// As the store has it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Waiting => "waiting",
+            Self::Running => "running",
+            Self::Done => "done",
+            Self::Stopped => "stopped",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// The state of this word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|s| s.word() == word)
+    }
+}
+
+/// What a run has spent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ModelSpent {
+    /// Requests sent, retries among them.
+    pub requests: u64,
+    /// Answers taken from the cache: they cost nothing.
+    pub cached: u64,
+    /// Tokens of questions.
+    pub input_tokens: u64,
+    /// Tokens of answers.
+    pub output_tokens: u64,
+    /// Answers whose tokens the endpoint does not state: the sums lack them.
+    pub answers_without_count: u64,
+    /// Cost of the counted tokens; null without prices.
+    pub cost: Option<f64>,
+}
+
+impl ModelSpent {
+    /// Both together; the cost is unknown where one of them is unknown and has tokens.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let free = |s: &Self| s.input_tokens + s.output_tokens == 0;
+        let cost = match (self.cost, other.cost) {
+            (Some(a), Some(b)) => Some(a + b),
+            (Some(a), None) if free(other) => Some(a),
+            (None, Some(b)) if free(self) => Some(b),
+            _ => None,
+        };
+        Self {
+            requests: self.requests + other.requests,
+            cached: self.cached + other.cached,
+            input_tokens: self.input_tokens + other.input_tokens,
+            output_tokens: self.output_tokens + other.output_tokens,
+            answers_without_count: self.answers_without_count + other.answers_without_count,
+            cost,
+        }
+    }
+}
+
+/// A run.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ModelRun {
+    /// Id.
+    pub id: String,
+    /// What it does.
+    pub kind: ModelRunKind,
+    /// How far it is.
+    pub state: ModelRunState,
+    /// Name of the model.
+    pub model: String,
+    /// Display name of who started it.
+    pub by: String,
+    /// When it was started.
+    pub started: i64,
+    /// When it ended.
+    pub ended: Option<i64>,
+    /// Tasks in it.
+    pub total: i64,
+    /// Tasks with a draft or a judgement.
+    pub done: i64,
+    /// Tasks for which the model gave nothing usable.
+    pub failed: i64,
+    /// Tasks that were left out: somebody had begun them, or had changed the label.
+    pub left_out: i64,
+    /// What it has spent so far.
+    pub spent: ModelSpent,
+    /// Why it ended early.
+    pub note: Option<Bilingual>,
+    /// Tasks that failed, with the reason: the first twenty.
+    pub failures: Vec<ModelRunFailure>,
+}
+
+/// A task for which the model gave nothing usable.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ModelRunFailure {
+    /// Its id.
+    pub task: String,
+    /// Its class, as far as it is shown now.
+    pub scenario_id: String,
+    /// Why.
+    pub text: Bilingual,
+}
+
+/// The model and its work in a project.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct ModelWork {
+    /// Name of the model; null where the service was started without one.
+    pub model: Option<String>,
+    /// Tasks that nobody has begun and that no model has drafted.
+    pub to_draft: i64,
+    /// Labels that were handed in and that no model has judged as they are.
+    pub to_judge: i64,
+    /// Runs, newest first, at most ten.
+    pub runs: Vec<ModelRun>,
+}
+
+/// Body of `POST /projects/{p}/model-runs`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewModelRun {
+    /// What it does.
+    pub kind: ModelRunKind,
+    /// Only these tasks (ids, at most 500), also those that a model has drafted or judged before; without it all that
+    /// wait.
+    #[serde(default)]
+    pub tasks: Option<Vec<String>>,
+}
+
+/// Body of `POST /projects/{p}/model-runs:stop`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StopModelRun {
+    /// Id of the run.
+    pub run: String,
+}
+
+/// What a model said of a task's label, as a checker may see it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Judgement {
+    /// Name of the model.
+    pub model: String,
+    /// When.
+    pub at: i64,
+    /// The label was changed since.
+    pub outdated: bool,
+    /// The label was drawn for people: they answer the same questions.
+    pub for_people: bool,
+    /// The caller may answer now. Until then the questions come without the model's answers.
+    pub asks: bool,
+    /// The model's answers are withheld from who may yet have to answer.
+    pub withheld: bool,
+    /// The questions with the model's answers.
+    pub questions: Vec<Question>,
+    /// The caller's own answers, by question.
+    pub own: BTreeMap<String, bool>,
+}
+
+/// Body of `POST /tasks/{t}/judgement`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JudgementAnswers {
+    /// Fencing token of the lease.
+    pub fence: i64,
+    /// Answers by question; a question that is left out stays open.
+    pub answers: BTreeMap<String, bool>,
+}
+
+/// What the judge made of a project's labels, and how far it agrees with people.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct JudgeReport {
+    /// Labels that were judged.
+    pub judged: i64,
+    /// Of these without a fault.
+    pub passed: i64,
+    /// Of these drawn for people.
+    pub for_people: i64,
+    /// Of these answered by people.
+    pub answered: i64,
+    /// Agreement by kind of question, then `all`; empty without answers of people.
+    pub kinds: Vec<JudgeAgreement>,
+}
+
+/// Agreement of the judge with people on the questions of one kind.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct JudgeAgreement {
+    /// `decision`, `presence`, ..., `all`.
+    pub kind: String,
+    /// Pairs of answers.
+    pub answers: i64,
+    /// Share that is the same, 0 to 1.
+    pub same: Option<f64>,
+    /// Its 95 % interval.
+    pub same_interval: Option<[f64; 2]>,
+    /// Cohen's kappa; null where chance alone would explain all agreement.
+    pub kappa: Option<f64>,
+    /// Only the judge finds a fault.
+    pub only_judge: i64,
+    /// Only people find a fault.
+    pub only_people: i64,
+}

@@ -1,0 +1,328 @@
+//! Runs of a language model as the store has them: starting and stopping them, their tasks, what they have spent. Which
+//! service works on a run is a lease on it ([`claim`], [`keep`]), so that several services on one store do not put the
+//! same questions, and a run goes on after a restart.
+
+use crate::app::App;
+use crate::domain::model::{
+    ModelRun, ModelRunFailure, ModelRunKind, ModelRunState, ModelSpent, ModelWork, NewModelRun,
+};
+use crate::domain::people::User;
+use crate::domain::workflow::Role;
+use crate::problem::{Answer, Problem};
+use crate::secret;
+use crate::service::projects::{json, parse};
+use crate::service::veil;
+use crate::store::{Row, Tx};
+use crate::values;
+use whyroad_model::Bilingual;
+
+/// A run whose service has not renewed its lease for so long is taken over, ms.
+const LEASE_MS: i64 = 20_000;
+/// Most tasks that one request may name.
+const MOST_TASKS: usize = 500;
+/// Runs and failures that are shown.
+const SHOWN_RUNS: i64 = 10;
+const SHOWN_FAILURES: i64 = 20;
+
+/// Tasks that nobody has begun: neither now nor before they were opened again.
+pub const UNBEGUN: &str =
+    "state = 'open' AND author IS NULL AND holder IS NULL AND NOT EXISTS (SELECT 1 FROM history h
+    WHERE h.task_id = tasks.id AND h.action = 'take')";
+/// Of these the ones that no model has drafted.
+const UNDRAFTED: &str =
+    "NOT EXISTS (SELECT 1 FROM history h WHERE h.task_id = tasks.id AND h.action = 'model_draft')";
+/// Labels that were handed in and are nobody's to change.
+pub const HANDED_IN: &str = "state IN ('submitted', 'in_check', 'checked', 'in_audit', 'accepted')";
+/// Of these the ones that no model has judged as they are.
+const UNJUDGED: &str = "NOT EXISTS (SELECT 1 FROM judgements j WHERE j.task_id = tasks.id AND j.judge = ''
+    AND j.version = tasks.version)";
+
+/// Which tasks a run of `kind` takes, and which of them wait for it.
+fn conditions(kind: ModelRunKind) -> (&'static str, &'static str) {
+    match kind {
+        ModelRunKind::Draft => (UNBEGUN, UNDRAFTED),
+        ModelRunKind::Judge => (HANDED_IN, UNJUDGED),
+    }
+}
+
+/// The model and its work in `project`, for somebody with `roles` there.
+pub fn work(app: &App, tx: &mut dyn Tx, project: &str, roles: &[Role]) -> Answer<ModelWork> {
+    let mut waiting = |kind| {
+        let (takes, waits) = conditions(kind);
+        let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {takes} AND {waits}");
+        tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
+    };
+    let (to_draft, to_judge) = (waiting(ModelRunKind::Draft)?, waiting(ModelRunKind::Judge)?);
+    let sql =
+        format!("SELECT {COLUMNS} FROM model_runs WHERE project_id = $1 ORDER BY started DESC, id LIMIT $2");
+    let rows = tx.rows(&sql, values![project, SHOWN_RUNS])?;
+    let runs = rows.iter().map(|row| shown(tx, row, roles)).collect::<Answer<_>>()?;
+    Ok(ModelWork { model: app.model.as_ref().map(|m| m.name().to_owned()), to_draft, to_judge, runs })
+}
+
+const COLUMNS: &str = "id, project_id, kind, state, model, actor, started, ended, spent, note,
+    (SELECT u.display FROM users u WHERE u.id = model_runs.actor) AS display";
+
+fn shown(tx: &mut dyn Tx, row: &Row, roles: &[Role]) -> Answer<ModelRun> {
+    let (id, project) = (row.text("id")?, row.text("project_id")?);
+    let counted = tx.rows(
+        "SELECT state, count(*) AS n FROM model_run_tasks WHERE run_id = $1 GROUP BY state",
+        values![&id],
+    )?;
+    let (mut total, mut done, mut failed, mut left_out) = (0, 0, 0, 0);
+    for r in counted {
+        let n = r.int("n")?;
+        total += n;
+        match r.text("state")?.as_str() {
+            "done" => done = n,
+            "failed" => failed = n,
+            "left_out" => left_out = n,
+            _ => {}
+        }
+    }
+    let (kind, state) = (row.text("kind")?, row.text("state")?);
+    Ok(ModelRun {
+        kind: ModelRunKind::from_word(&kind).ok_or_else(|| Problem::store(format!("run '{kind}'")))?,
+        state: ModelRunState::from_word(&state).ok_or_else(|| Problem::store(format!("run '{state}'")))?,
+        model: row.text("model")?,
+        by: row.maybe_text("display")?.unwrap_or(row.text("actor")?),
+        started: row.int("started")?,
+        ended: row.maybe_int("ended")?,
+        total,
+        done,
+        failed,
+        left_out,
+        spent: parse(&row.text("spent")?)?,
+        note: row.maybe_text("note")?.map(|n| parse(&n)).transpose()?,
+        failures: if failed > 0 { failures(tx, &id, &project, roles)? } else { vec![] },
+        id,
+    })
+}
+
+/// What failed, and why. The reason may be what comes after the keyframe, so who may yet do Stage I is not told it.
+fn failures(tx: &mut dyn Tx, run: &str, project: &str, roles: &[Role]) -> Answer<Vec<ModelRunFailure>> {
+    let class = veil::shown_class_sql(&veil::of(tx, project)?);
+    let sql = format!(
+        "SELECT id, {class} AS shown_class, state, f.note AS note FROM tasks
+         JOIN (SELECT m.task_id, m.note FROM model_run_tasks m WHERE m.run_id = $1 AND m.state = 'failed') f
+           ON f.task_id = tasks.id ORDER BY id LIMIT $2"
+    );
+    let rows = tx.rows(&sql, values![run, SHOWN_FAILURES])?;
+    let labels = roles.contains(&Role::Annotator);
+    let one = |r: &Row| {
+        let hidden =
+            labels && matches!(r.text("state")?.as_str(), "open" | "stage1" | "skipped" | "rejected");
+        let text = match r.maybe_text("note")? {
+            _ if hidden => Bilingual::new("阶段一锁定后显示", "shown once Stage I is locked"),
+            Some(note) => parse(&note)?,
+            None => Bilingual::default(),
+        };
+        Ok(ModelRunFailure { task: r.text("id")?, scenario_id: r.text("shown_class")?, text })
+    };
+    rows.iter().map(one).collect()
+}
+
+/// Starts a run: it is worked on in the background.
+pub fn start(
+    app: &App,
+    tx: &mut dyn Tx,
+    project: &str,
+    (user, roles): (&User, &[Role]),
+    wanted: &NewModelRun,
+) -> Answer<ModelRun> {
+    let model = app.model.as_ref().ok_or_else(|| {
+        Problem::new(
+            409,
+            "model.none",
+            "服务未配置语言模型；管理员用 whyroad serve --model 启动后可用",
+            "no language model is configured: an administrator starts the service with whyroad serve --model",
+        )
+    })?;
+    let busy = tx.row(
+        "SELECT 1 FROM model_runs WHERE project_id = $1 AND kind = $2 AND ended IS NULL",
+        values![project, wanted.kind.word()],
+    )?;
+    if busy.is_some() {
+        return Err(Problem::new(
+            409,
+            "model.running",
+            "本项目已有同类的运行；请等它结束，或先停止它",
+            "a run of this kind is going on in this project: wait for it, or stop it first",
+        ));
+    }
+    let (id, now) = (secret::id()?, app.now());
+    tx.run(
+        "INSERT INTO model_runs (id, project_id, kind, state, model, actor, started, spent, alive)
+         VALUES ($1, $2, $3, 'waiting', $4, $5, $6, '{}', 0)",
+        values![&id, project, wanted.kind.word(), model.name(), &user.id, now],
+    )?;
+    let (takes, waits) = conditions(wanted.kind);
+    let insert = "INSERT INTO model_run_tasks (run_id, task_id, state) SELECT $1, id, 'waiting' FROM tasks";
+    let found = match &wanted.tasks {
+        None => {
+            let sql = format!("{insert} WHERE project_id = $2 AND {takes} AND {waits}");
+            tx.run(&sql, values![&id, project])?
+        }
+        Some(tasks) if tasks.is_empty() || tasks.len() > MOST_TASKS => {
+            return Err(Problem::request(
+                format!("一次须有 1 至 {MOST_TASKS} 个任务"),
+                format!("a request must have 1 to {MOST_TASKS} tasks"),
+            ));
+        }
+        Some(tasks) => {
+            let sql =
+                format!("{insert} WHERE project_id = $2 AND id = $3 AND {takes} ON CONFLICT DO NOTHING");
+            let mut found = 0;
+            for task in tasks {
+                found += tx.run(&sql, values![&id, project, task])?;
+            }
+            found
+        }
+    };
+    if found == 0 {
+        return Err(match wanted.kind {
+            ModelRunKind::Draft => Problem::new(
+                422,
+                "model.nothing",
+                "没有可起草的任务：只为无人开始的任务起草",
+                "no task to draft: only tasks that nobody has begun are drafted",
+            ),
+            ModelRunKind::Judge => Problem::new(
+                422,
+                "model.nothing",
+                "没有可判定的标注：只判定已提交的标注",
+                "no label to judge: only labels that were handed in are judged",
+            ),
+        });
+    }
+    get(tx, project, &id, roles)
+}
+
+fn get(tx: &mut dyn Tx, project: &str, run: &str, roles: &[Role]) -> Answer<ModelRun> {
+    let sql = format!("SELECT {COLUMNS} FROM model_runs WHERE id = $1 AND project_id = $2");
+    let row = tx.row(&sql, values![run, project])?.ok_or_else(Problem::missing)?;
+    shown(tx, &row, roles)
+}
+
+/// Stops a run of `project`: no further question is put; answers that are on their way are kept.
+pub fn stop(tx: &mut dyn Tx, project: &str, run: &str, roles: &[Role], now: i64) -> Answer<ModelRun> {
+    tx.run(
+        "UPDATE model_runs SET state = 'stopped', ended = $1, worker = NULL
+         WHERE id = $2 AND project_id = $3 AND ended IS NULL",
+        values![now, run, project],
+    )?;
+    get(tx, project, run, roles)
+}
+
+/// A run that a service works on.
+#[derive(Clone, Debug)]
+pub struct Claimed {
+    /// Id.
+    pub id: String,
+    /// Its project.
+    pub project: String,
+    /// What it does.
+    pub kind: ModelRunKind,
+    /// Who started it.
+    pub actor: String,
+    /// What it had spent before.
+    pub spent: ModelSpent,
+}
+
+/// The oldest run that no service works on, for `worker`.
+pub fn claim(tx: &mut dyn Tx, worker: &str, now: i64) -> Answer<Option<Claimed>> {
+    let sql = format!(
+        "SELECT id, project_id, kind, actor, spent FROM model_runs
+         WHERE ended IS NULL AND (worker IS NULL OR worker = $1 OR alive < $2 OR alive > $3)
+         ORDER BY started, id LIMIT 1{}",
+        tx.lock()
+    );
+    // A clock that was set back must not keep a run waiting.
+    let Some(row) = tx.row(&sql, values![worker, now - LEASE_MS, now + LEASE_MS])? else { return Ok(None) };
+    let (id, kind) = (row.text("id")?, row.text("kind")?);
+    tx.run(
+        "UPDATE model_runs SET state = 'running', worker = $1, alive = $2 WHERE id = $3",
+        values![worker, now, &id],
+    )?;
+    Ok(Some(Claimed {
+        id,
+        project: row.text("project_id")?,
+        kind: ModelRunKind::from_word(&kind).ok_or_else(|| Problem::store(format!("run '{kind}'")))?,
+        actor: row.text("actor")?,
+        spent: parse(&row.text("spent")?)?,
+    }))
+}
+
+/// Renews the lease and writes what was spent; false where the run was stopped or is another service's.
+pub fn keep(tx: &mut dyn Tx, run: &str, worker: &str, spent: &ModelSpent, now: i64) -> Answer<bool> {
+    let spent = json(spent)?;
+    let kept = tx.run(
+        "UPDATE model_runs SET alive = $1, spent = $2 WHERE id = $3 AND worker = $4 AND ended IS NULL",
+        values![now, &spent, run, worker],
+    )?;
+    if kept == 0 {
+        // Answers that came after it was stopped cost as much as those before.
+        tx.run("UPDATE model_runs SET spent = $1 WHERE id = $2 AND state = 'stopped'", values![&spent, run])?;
+    }
+    Ok(kept > 0)
+}
+
+/// True while `worker` has the run and nobody has stopped it.
+pub fn is_of(tx: &mut dyn Tx, run: &str, worker: &str) -> Answer<bool> {
+    let sql = "SELECT 1 FROM model_runs WHERE id = $1 AND worker = $2 AND ended IS NULL";
+    Ok(tx.row(sql, values![run, worker])?.is_some())
+}
+
+/// Gives a run back that is not finished: the service ends.
+pub fn give_back(tx: &mut dyn Tx, run: &str, worker: &str) -> Answer<()> {
+    tx.run("UPDATE model_runs SET worker = NULL WHERE id = $1 AND worker = $2", values![run, worker])
+        .map(drop)
+}
+
+/// Ends a run: done, or failed with the reason.
+pub fn end(tx: &mut dyn Tx, run: &str, why: Option<&Bilingual>, now: i64) -> Answer<()> {
+    let state = if why.is_some() { ModelRunState::Failed } else { ModelRunState::Done };
+    tx.run(
+        "UPDATE model_runs SET state = $1, ended = $2, note = $3, worker = NULL WHERE id = $4 AND ended IS NULL",
+        values![state.word(), now, why.map(json).transpose()?, run],
+    )
+    .map(drop)
+}
+
+/// Tasks of a run that wait, drive by drive; copies of one episode one after the other, so that their answers come from
+/// the cache.
+pub fn waiting(tx: &mut dyn Tx, run: &str) -> Answer<Vec<String>> {
+    let sql = "SELECT t.id AS id FROM model_run_tasks m JOIN tasks t ON t.id = m.task_id
+        WHERE m.run_id = $1 AND m.state = 'waiting' ORDER BY t.overlap_index, t.drive_id, t.keyframe_ns, t.id";
+    tx.rows(sql, values![run])?.iter().map(|r| r.text("id")).collect()
+}
+
+/// What came of a task of a run.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// It has a draft or a judgement.
+    Done,
+    /// The model gave nothing usable.
+    Failed(Bilingual),
+    /// It is not the run's any more.
+    LeftOut,
+}
+
+/// Writes what came of a task.
+pub fn settle(tx: &mut dyn Tx, run: &str, task: &str, outcome: &Outcome) -> Answer<()> {
+    let (state, note) = match outcome {
+        Outcome::Done => ("done", None),
+        Outcome::Failed(why) => ("failed", Some(json(why)?)),
+        Outcome::LeftOut => ("left_out", None),
+    };
+    tx.run(
+        "UPDATE model_run_tasks SET state = $1, note = $2 WHERE run_id = $3 AND task_id = $4",
+        values![state, note, run, task],
+    )
+    .map(drop)
+}
+
+/// True where nobody has begun the task.
+pub fn is_unbegun(tx: &mut dyn Tx, task: &str) -> Answer<bool> {
+    Ok(tx.row(&format!("SELECT 1 FROM tasks WHERE id = $1 AND {UNBEGUN}"), values![task])?.is_some())
+}
