@@ -24,8 +24,8 @@ export function whyroad(...args) {
 }
 
 /** A running service: its address, and how to stop it. `demo` is what `whyroad demo --out` wrote. */
-export async function serve({ data, demo, lake = demo && `${demo}/lake`, mined = demo && `${demo}/mined`, port = 0, environment = {} }) {
-  const args = ["--lang", "zh", "serve", "--data", data, "--listen", `127.0.0.1:${port}`];
+export async function serve({ data, demo, lake = demo && `${demo}/lake`, mined = demo && `${demo}/mined`, port = 0, environment = {}, more = [] }) {
+  const args = ["--lang", "zh", "serve", "--data", data, "--listen", `127.0.0.1:${port}`, ...more];
   if (lake) args.push("--lake", lake, "--mined", mined);
   const child = spawn(binary(), args, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...environment } });
   let said = "";

@@ -201,6 +201,13 @@ export class TaskEditor {
     );
   }
 
+  /** Records the checker's answers to the questions that a model answered; the model's are then shown. */
+  async answerJudge(answers: Record<string, boolean>): Promise<void> {
+    const fence = this.#lease.fence;
+    if (fence === null) return;
+    await this.request.run(async () => this.show(await api.postTaskJudgement(this.id, { fence, answers })));
+  }
+
   /** Restores the draft of an earlier entry of the history. */
   restore(seq: number): Promise<boolean> {
     return this.#post({ fence: this.#lease.fence, action: "restore", seq });
