@@ -212,7 +212,7 @@ async function agreement(day) {
   const { page } = day.people["m-lead"];
   await page.goto(dashboard(day));
   await page.getByText("已判定 1 条标注，0 条无异议；1 条抽给人工，其中 1 条已回答。").waitFor();
-  const table = page.getByRole("table", { name: "按问题类别的一致性" });
+  const table = page.getByRole("region", { name: "按问题类别的一致性" });
   assert.match(await table.getByRole("row").filter({ hasText: "近因" }).innerText(), /0%/);
   await settled(page);
   await checkAccessibility(page, "dashboard with a model");
