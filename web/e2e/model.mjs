@@ -216,11 +216,11 @@ async function agreement(day) {
   assert.match(await table.getByRole("row").filter({ hasText: "近因" }).innerText(), /0%/);
   await settled(page);
   await checkAccessibility(page, "dashboard with a model");
-  await page.locator("#model").scrollIntoViewIfNeeded();
+  await page.locator("#judged").evaluate((e) => e.scrollIntoView({ block: "center" }));
   await shot(day, page, "model-dashboard");
   await page.getByRole("button", { name: /^English$/ }).click();
   await page.getByText("1 label judged, 0 without a fault; 1 drawn for people, who have answered 1.").waitFor();
-  await page.locator("#model").scrollIntoViewIfNeeded();
+  await page.locator("#judged").evaluate((e) => e.scrollIntoView({ block: "center" }));
   await shot(day, page, "model-dashboard-en");
   await page.getByRole("button", { name: /^中文$/ }).click();
   // The key is in no file of the service's.
