@@ -187,7 +187,7 @@ async function checks(day) {
   await checkAccessibility(page, "questions to a checker");
   await shot(day, page, "judge-questions");
   // What was not named is shown in the scene by its name.
-  await card.getByRole("button", { name: "lead" }).first().click();
+  await card.getByRole("button", { name: "cutter" }).first().click();
   for (const question of await card.locator("fieldset").all()) {
     const omission = (await question.locator("legend").innerText()).includes("没有提到");
     await question.getByLabel(omission ? "不对" : "对", { exact: true }).check();
