@@ -1,5 +1,5 @@
-//! Answers of a judge to true/false questions about labels (LABELING.md 6): a model's or a person's. Which questions are
-//! put to a model, and how, is not known here.
+//! Answers of a judge to true/false questions about labels (LABELING.md 6): a model's or a person's. Which questions
+//! are put to a model, and how, is not known here.
 
 mod people;
 

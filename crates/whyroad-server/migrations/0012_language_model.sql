@@ -1,5 +1,5 @@
--- Runs of a language model: drafts of tasks, or judgements of labels. `alive` is renewed by the service that works on it
--- (`worker`); another one goes on when it is old. `spent` and `note` are JSON.
+-- Runs of a language model: drafts of tasks, or judgements of labels. `alive` is renewed by the service that works on
+-- it (`worker`); another one goes on when it is old. `spent` and `note` are JSON.
 CREATE TABLE model_runs (
   id TEXT PRIMARY KEY, project_id TEXT NOT NULL REFERENCES projects (id), kind TEXT NOT NULL, state TEXT NOT NULL,
   model TEXT NOT NULL, actor TEXT NOT NULL, started BIGINT NOT NULL, ended BIGINT, spent TEXT NOT NULL, note TEXT,
@@ -13,7 +13,7 @@ CREATE TABLE model_run_tasks (
   note TEXT, PRIMARY KEY (run_id, task_id));
 CREATE INDEX model_run_tasks_task ON model_run_tasks (task_id);
 
--- True/false questions about a label (`version` of the task) with answers: of the model (`judge` is empty) or of a user.
+-- True/false questions about a label (`version` of the task) with answers: of the model (`judge` is empty) or a user.
 CREATE TABLE judgements (
   task_id TEXT NOT NULL REFERENCES tasks (id), judge TEXT NOT NULL, project_id TEXT NOT NULL REFERENCES projects (id),
   version BIGINT NOT NULL, answers TEXT NOT NULL, passed BIGINT, for_people BIGINT NOT NULL, at BIGINT NOT NULL,

@@ -419,8 +419,8 @@ fn row(app: &App, project: &Project, episode: &EpisodeRecord, lang: String, star
     })
 }
 
-/// A model's draft as a task begins with it. What is evident is so by the keyframe, whatever a model says; where Stage I
-/// does not show the leaf, it begins without components, like any other.
+/// A model's draft as a task begins with it. What is evident is so by the keyframe, whatever a model says; where
+/// Stage I does not show the leaf, it begins without components, like any other.
 pub fn by_model(mut label: CocLabel, veiled: bool) -> Answer<Value> {
     let keyframe = label.keyframe.timestamp;
     for c in &mut label.critical_components {

@@ -68,8 +68,8 @@ fn stored(tx: &mut dyn Tx, task: &str, judge: &str) -> Answer<Option<Stored>> {
     Ok(Some(Stored { judged, version: row.int("version")?, at: row.int("at")? }))
 }
 
-/// What a model says of the label of `t`, as `actor` may see it: checkers, auditors and leads, once Stage I is over. Who
-/// may yet have to answer the same questions is not shown the model's answers: theirs would not be independent.
+/// What a model says of the label of `t`, as `actor` may see it: checkers, auditors and leads, once Stage I is over.
+/// Who may yet have to answer the same questions is not shown the model's answers: theirs would not be independent.
 pub fn of(tx: &mut dyn Tx, t: &TaskRow, actor: &Actor) -> Answer<Option<Judgement>> {
     let checks = actor.is(Role::Checker) || actor.is(Role::Auditor);
     if !t.at.state.shows_future() || !(checks || actor.is(Role::Lead)) || t.at.author() == Some(&actor.id) {

@@ -1,5 +1,5 @@
-//! Runs of a language model in the background: one run at a time, some questions at once. A draft takes the place of the
-//! rule's draft of a task that nobody has begun; whoever begins while the model is asked keeps what they have.
+//! Runs of a language model in the background: one run at a time, some questions at once. A draft takes the place of
+//! the rule's draft of a task that nobody has begun; whoever begins while the model is asked keeps what they have.
 //! Restarting the service goes on with the tasks that are left; answers that had come are in the model's cache.
 
 use crate::app::App;
