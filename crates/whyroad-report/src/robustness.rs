@@ -5,12 +5,12 @@ mod page;
 mod text;
 
 pub use page::page;
-pub use text::render;
+pub use text::{Shown, render};
 
 use crate::evaluation::matching::{Moment, pairs};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_model::{Bilingual, Nanos, ScenarioId, TrackId};
+use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId, TrackId};
 
 /// An episode, as far as it is compared.
 #[derive(Clone, Debug)]
@@ -46,6 +46,31 @@ pub struct ClassAgreement {
     shifts: Vec<f64>,
 }
 
+/// Which of the two has an episode that the other has not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// Only the drive as it is.
+    Lost,
+    /// Only the perturbed drive.
+    New,
+}
+
+/// An episode that is found in one of the two only.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Difference {
+    /// Which one has it.
+    pub change: Change,
+    /// Class.
+    pub scenario: ScenarioId,
+    /// Drive.
+    pub drive: DriveId,
+    /// Target and the objects in other roles, by their ids in the drive as it is.
+    pub objects: Vec<TrackId>,
+    /// Its keyframe, s since the first frame of the drive.
+    pub keyframe_s: f64,
+}
+
 /// One perturbation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PerturbationAgreement {
@@ -57,6 +82,8 @@ pub struct PerturbationAgreement {
     pub all: ClassAgreement,
     /// By class.
     pub classes: BTreeMap<ScenarioId, ClassAgreement>,
+    /// Episodes that are not the same, by drive as compared, then class.
+    pub differences: Vec<Difference>,
 }
 
 /// All perturbations of a lake.
@@ -82,11 +109,11 @@ impl Robustness {
         Self { seed, perturbations: perturbations.into_iter().map(one).collect(), ..Self::default() }
     }
 
-    /// Adds one drive: its episodes, and those of each perturbation in order.
-    pub fn add(&mut self, before: &[Occurrence], after: &[Vec<Occurrence>]) {
+    /// Adds one drive, which begins at `start`: its episodes, and those of each perturbation in order.
+    pub fn add(&mut self, drive: (&DriveId, Nanos), before: &[Occurrence], after: &[Vec<Occurrence>]) {
         self.drives += 1;
         for (of, after) in self.perturbations.iter_mut().zip(after) {
-            of.add(before, after);
+            of.add(drive, before, after);
         }
     }
 
@@ -127,7 +154,7 @@ impl Robustness {
 }
 
 impl PerturbationAgreement {
-    fn add(&mut self, before: &[Occurrence], after: &[Occurrence]) {
+    fn add(&mut self, (drive, start): (&DriveId, Nanos), before: &[Occurrence], after: &[Occurrence]) {
         let classes: BTreeSet<&ScenarioId> = before.iter().chain(after).map(|e| &e.scenario).collect();
         for class in classes {
             let [old, new] =
@@ -143,6 +170,17 @@ impl PerturbationAgreement {
             count.same += matched.len();
             let shift = |(a, b): &(usize, usize)| moment(old[*a]).lateness(&moment(new[*b])).abs();
             count.shifts.extend(matched.iter().map(shift));
+            let difference = |change: Change, e: &Occurrence| Difference {
+                change,
+                scenario: class.clone(),
+                drive: drive.clone(),
+                objects: e.objects.clone(),
+                keyframe_s: e.keyframe.seconds_since(start),
+            };
+            let (kept, found): (BTreeSet<_>, BTreeSet<_>) = matched.iter().copied().unzip();
+            let lost = (0..old.len()).filter(|i| !kept.contains(i)).map(|i| (Change::Lost, old[i]));
+            let new = (0..new.len()).filter(|i| !found.contains(i)).map(|i| (Change::New, new[i]));
+            self.differences.extend(lost.chain(new).map(|(change, e)| difference(change, e)));
         }
     }
 }

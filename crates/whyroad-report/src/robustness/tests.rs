@@ -24,7 +24,7 @@ fn compared() -> Robustness {
         episode(steady, "c", 10.0, 20.0),
         episode(steady, "a", 30.0, 31.0),
     ];
-    of.add(&before, &[noisy, before.to_vec()]);
+    of.add((&"d1".into(), Nanos(4_000_000_000)), &before, &[noisy, before.to_vec()]);
     of.finish();
     of
 }
@@ -45,7 +45,7 @@ fn the_same_is_counted_once_and_by_target() {
 #[test]
 fn text_and_page_show_what_changed() {
     let of = compared();
-    let text = render(&of, Lang::En, 0.9, false);
+    let text = render(&of, Lang::En, Shown { floor: 0.9, ..Shown::default() });
     assert!(text.contains("1 drives, seed 3"), "{text}");
     assert!(text.contains("0.40          2          3       1.50      0.5 s"), "{text}");
     assert!(!text.contains("drops: "), "nothing changed there: {text}");
@@ -54,4 +54,23 @@ fn text_and_page_show_what_changed() {
         page.contains("class=\"low\">0.4 <small>(3)</small>") && page.contains("class=\"same\">1"),
         "{page}"
     );
+}
+
+#[test]
+fn what_differs_is_named_with_its_time_in_the_drive() {
+    let of = compared();
+    let named: Vec<_> = of.perturbations[0]
+        .differences
+        .iter()
+        .map(|d| (d.change, d.objects[0].as_str(), d.keyframe_s, d.drive.as_str()))
+        .collect();
+    // By hand: b is lost, c and the second of a are new; the drive begins at 4 s.
+    assert_eq!(
+        named,
+        [(Change::Lost, "b", 6.0, "d1"), (Change::New, "c", 6.0, "d1"), (Change::New, "a", 26.0, "d1")]
+    );
+    assert!(of.perturbations[1].differences.is_empty());
+    let text = render(&of, Lang::En, Shown { floor: 0.9, episodes: true, ..Shown::default() });
+    assert!(text.contains("- d1  6.0 s  driving_state.longitudinal.steady  b"), "{text}");
+    assert!(text.contains("+ d1  26.0 s  driving_state.longitudinal.steady  a"), "{text}");
 }

@@ -1,11 +1,22 @@
 //! Agreement for people: a line per perturbation, then the classes that changed most.
 
-use super::{ClassAgreement, Robustness};
+use super::{Change, ClassAgreement, Difference, Robustness};
 use std::fmt::Write as _;
 use whyroad_model::Lang;
 
-/// The text; `classes` lists every class that changed, else only those below `floor` agreement.
-pub fn render(of: &Robustness, lang: Lang, floor: f64, classes: bool) -> String {
+/// What is listed below the line of each perturbation.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shown {
+    /// Classes below this agreement.
+    pub floor: f64,
+    /// Every class that changed, instead.
+    pub classes: bool,
+    /// Every episode that is not the same.
+    pub episodes: bool,
+}
+
+/// The text.
+pub fn render(of: &Robustness, lang: Lang, shown: Shown) -> String {
     let t = |zh: &'static str, en: &'static str| if lang == Lang::Zh { zh } else { en };
     let mut out = String::new();
     let _ = match lang {
@@ -31,20 +42,31 @@ pub fn render(of: &Robustness, lang: Lang, floor: f64, classes: bool) -> String 
         out += &line(&p.name, &cells(&p.all));
     }
     for p in &of.perturbations {
-        let mut rows: Vec<_> =
-            p.classes.iter().filter(|(_, c)| c.agreement < if classes { 1.0 } else { floor }).collect();
+        let floor = if shown.classes { 1.0 } else { shown.floor };
+        let mut rows: Vec<_> = p.classes.iter().filter(|(_, c)| c.agreement < floor).collect();
         rows.sort_by(|a, b| {
             a.1.agreement.total_cmp(&b.1.agreement).then(b.1.before.cmp(&a.1.before)).then(a.0.cmp(b.0))
         });
-        if rows.is_empty() {
+        let episodes = if shown.episodes { &p.differences[..] } else { &[] };
+        if rows.is_empty() && episodes.is_empty() {
             continue;
         }
         let _ = writeln!(out, "\n{}: {}", p.name, p.meaning.get(lang));
         for (id, c) in rows {
             out += &line(&format!("  {id}"), &cells(c));
         }
+        episodes.iter().for_each(|d| out += &difference(d));
     }
     out
+}
+
+/// `-` is only in the drive as it is, `+` only in the perturbed one.
+fn difference(of: &Difference) -> String {
+    let sign = if of.change == Change::Lost { '-' } else { '+' };
+    let objects: Vec<&str> = of.objects.iter().map(|id| id.as_str()).collect();
+    let Difference { drive, scenario, keyframe_s, .. } = of;
+    format!("  {sign} {drive}  {keyframe_s:.1} s  {scenario}  {}", objects.join(" ")).trim_end().to_owned()
+        + "\n"
 }
 
 fn line(name: &str, cells: &[String; 5]) -> String {

@@ -16,7 +16,7 @@ use whyroad_mining::RuleSet;
 use whyroad_mining::drive::DriveEpisodes;
 use whyroad_mining::fast::Plan;
 use whyroad_model::{Drive, DriveId, FrameRange, Lang, Nanos, TrackId};
-use whyroad_report::robustness::{Occurrence, Robustness, page, render};
+use whyroad_report::robustness::{Occurrence, Robustness, Shown, page, render};
 use whyroad_signals::Catalogue;
 
 /// Arguments of `whyroad robustness`.
@@ -37,6 +37,12 @@ pub(crate) struct Args {
     /// List every class that changed
     #[arg(long)]
     classes: bool,
+    /// List every episode that is lost (-) or new (+): drive, time of the keyframe, class, objects
+    #[arg(long)]
+    episodes: bool,
+    /// Also write the perturbed drives, a lake for each perturbation, for `explain` and `signals`
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
     /// Also write a page with all classes and perturbations
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
@@ -62,7 +68,12 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 /// What one drive gave: its episodes as it is, and those of each perturbation.
-type Compared = (Vec<Occurrence>, Vec<Vec<Occurrence>>);
+struct Compared {
+    drive: DriveId,
+    start: Nanos,
+    before: Vec<Occurrence>,
+    after: Vec<Vec<Occurrence>>,
+}
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, faults) = framework_folder::load(global)?;
@@ -88,6 +99,10 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let bar = output::progress(ids.len() * (how.len() + 1));
     let stopped = interrupted();
     let plan = Plan::of(&rules);
+    let mut kept = Vec::new();
+    for p in args.keep.iter().flat_map(|dir| how.iter().map(|p| dir.join(p.name()))) {
+        kept.push(Lake::create_or_open(p)?);
+    }
     let one = |id: &DriveId| -> Result<Option<Compared>, LakeError> {
         if stopped.load(Ordering::Relaxed) {
             return Ok(None);
@@ -97,22 +112,26 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         let before = occurrences(&find(&drive), &drive.times, &|id| id.clone());
         let mut after = Vec::with_capacity(how.len());
         bar.inc(1);
-        for &p in &how {
+        for (i, &p) in how.iter().enumerate() {
             if stopped.load(Ordering::Relaxed) {
                 return Ok(None);
             }
             bar.set_message(format!("{id} {}", p.name()));
             let worse = perturb(&drive, p, args.seed);
+            if let Some(lake) = kept.get(i) {
+                lake.write_drive(&worse.drive)?;
+            }
             let original = |id: &TrackId| worse.original.get(id).unwrap_or(id).clone();
             after.push(occurrences(&find(&worse.drive), &drive.times, &original));
             bar.inc(1);
         }
-        Ok(Some((before, after)))
+        let start = drive.times.first().copied().unwrap_or_default();
+        Ok(Some(Compared { drive: id.clone(), start, before, after }))
     };
     let mut unreadable = false;
     map_drives(&ids, args.jobs.map(usize::from), one, |compared| {
         match compared {
-            Ok(Some((before, after))) => result.add(&before, &after),
+            Ok(Some(of)) => result.add((&of.drive, of.start), &of.before, &of.after),
             Ok(None) => result.left_out += 1,
             Err(e) => {
                 tell!("{}", render_text(&e.diagnostic(), global.lang));
@@ -123,13 +142,17 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         anyhow::Ok(())
     })?;
     bar.finish_and_clear();
+    kept.iter().try_for_each(Lake::publish)?;
     result.finish();
     if result.drives == 0 {
         bail!("{}", nothing(global.lang));
     }
     let floor = args.floor.unwrap_or(LISTED_BELOW);
     output::put(&match args.format {
-        DataFormat::Text => render(&result, global.lang, floor, args.classes),
+        DataFormat::Text => {
+            let shown = Shown { floor, classes: args.classes, episodes: args.episodes };
+            render(&result, global.lang, shown)
+        }
         DataFormat::Json => format!("{:#}\n", serde_json::to_value(&result)?),
     });
     if let Some(file) = &args.page {
