@@ -7,7 +7,7 @@ use crate::ego::meta_actions::MetaActions;
 use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
 use crate::estimate::with_possible_sizes;
-use crate::estimate::{add_derived, estimate, estimated};
+use crate::estimate::{Deviations, add_derived, estimate, estimated};
 use crate::needs::missing;
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
@@ -41,13 +41,17 @@ pub fn derive(drive: &Drive) -> SignalTable {
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalogue::bundled(), drive);
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
-    let ego = EgoStage::new(drive, &missing);
+    let mut ego = EgoStage::new(drive, &missing);
+    if let Some(ego) = &mut ego {
+        ego.motion.sd.clone_from(&estimated.ego);
+    }
     write_without_ego(drive, ego.as_ref(), network.as_ref(), &mut table);
     if let Some(ego) = &ego {
         ego.write(&mut table);
         if let Some(on_road) = RoadStage::new(ego, network.as_ref()) {
             on_road.write(&mut table);
-            let placed = PlacedStage::new(&on_road);
+            let mut placed = PlacedStage::new(&on_road);
+            placed.note_deviations(&estimated.tracks);
             placed.write(&mut table);
             write_pairs(&placed, &mut table);
         }
@@ -140,11 +144,13 @@ impl<'a> RoadStage<'a> {
         curvature::write(&self.path, self.lanes.as_ref(), table);
         let (Some(road), Some(lanes)) = (self.road, &self.lanes) else { return };
         ego_lane::write(lanes, road, motion, table);
+        let aside = motion.asides();
         let rows = lane_change::Rows {
             times: &self.ego.times,
             position: &motion.position,
             velocity: &motion.velocity,
             places: &lanes.places,
+            aside: &aside,
         };
         table.category(id::EGO_LANE_CHANGE, lane_change::changes(road, &rows));
         if let (Some(states), Some(map)) = (&drive.lights, &drive.map) {
@@ -179,6 +185,13 @@ impl<'a> PlacedStage<'a> {
             observed_tracks(ego.drive).map(|t| around.place(t, &ego.times)).collect();
         let near = relations::neighbours(&targets, ego.motion.len());
         Self { on_road, around, targets, near }
+    }
+
+    /// Notes how well the states of the targets are known; one entry per track of the drive.
+    fn note_deviations(&mut self, tracks: &'a [Option<Deviations>]) {
+        let all = self.on_road.ego.drive.tracks.iter().zip(tracks);
+        let observed = all.filter(|(t, _)| !t.frames.is_empty()).map(|(_, sd)| sd.as_ref());
+        self.targets.iter_mut().zip(observed).for_each(|(target, sd)| target.sd = sd);
     }
 
     /// What the families on visibility read.

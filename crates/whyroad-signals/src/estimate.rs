@@ -22,11 +22,13 @@ mod derived;
 mod deviation;
 mod estimated;
 mod join;
+mod jumps;
 mod kalman;
 mod kinematics;
 mod matrix;
 mod noise;
 mod objects;
+mod samples;
 #[cfg(test)]
 mod simulated;
 mod sizes;
@@ -41,6 +43,7 @@ pub(crate) use sizes::with_possible_sizes;
 pub use noise::{LogNoise, Noise};
 pub use objects::Joined;
 pub use smoother::Deviations;
+pub(crate) use smoother::{Aside, stated};
 
 use crate::geometry::wrap;
 use std::borrow::Cow;
@@ -48,7 +51,7 @@ use whyroad_model::scene::Motion;
 use whyroad_model::{Drive, ObjectClass};
 
 /// A sideways step of more than this in 0.1 s is a jump (simulators change lanes so), not a motion, m.
-const MAX_SIDE_STEP_M: f64 = 1.0;
+pub(crate) const MAX_SIDE_STEP_M: f64 = 1.0;
 
 /// The drive with its estimated states. Borrowed when nothing is to be estimated: when the log states all of it
 /// exactly, or has no pose of the ego, so that positions are relative to a moving car and say nothing of velocities

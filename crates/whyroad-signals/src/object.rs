@@ -13,7 +13,7 @@ pub use near::PairClasses;
 pub use scene::{Objects, WithPairs};
 
 use crate::catalogue::Catalogue;
-use crate::estimate::estimate;
+use crate::estimate::estimated;
 use crate::estimate::with_possible_sizes;
 use crate::needs::missing;
 use crate::road::network::Road;
@@ -36,8 +36,8 @@ pub fn derive_objects(
     pairs: WithPairs,
 ) -> SignalTable {
     let drive = with_possible_sizes(drive);
-    let estimated = estimate(&drive);
-    let drive = &*estimated;
+    let estimated = estimated(&drive);
+    let drive = &*estimated.drive;
     let lacking = missing(drive);
     let times = seconds(drive);
     let ego = drive.ego.as_ref().filter(|_| objects == Objects::WithEgo);
@@ -92,6 +92,7 @@ pub fn derive_objects(
         let needs = Catalogue::bundled().get(name).map(|d| d.needs.clone()).unwrap_or_default();
         table.unavailable.insert(name.to_owned(), needs);
     }
+    estimated.complete_objects(&mut table);
     table
 }
 

@@ -17,6 +17,8 @@ use whyroad_model::road_map::LaneKind;
 const CENTRED_M: f64 = 0.3;
 /// Farther off the centre than this it has left it, m.
 const LEFT_CENTRE_M: f64 = 0.5;
+/// A peak is the largest of many values: this many standard deviations of it are noise.
+const PEAK_DEVIATIONS: f64 = 2.5;
 /// Share of its offset that an attempt must have been steered.
 const OWN_SHARE: f64 = 0.4;
 /// Rows before and after an attempt in which the ego drives along its lane: 2 s at 10 Hz.
@@ -114,8 +116,10 @@ fn given_up(scene: &Interaction<'_>, road: &Road, x: &Excursion) -> Option<std::
     }
     let (low, high) = lateral_extent(on.corridor, &ego.footprint(peak), on.s);
     let (left, right) = on.corridor.widths_at(on.s);
-    let over = if x.side == 0 { high > left + OVER_LINE_M } else { low < -right - OVER_LINE_M };
-    if off(peak) <= LEFT_CENTRE_M && !over {
+    let noise = PEAK_DEVIATIONS * ego.place_sd(peak);
+    let over_line = OVER_LINE_M + noise;
+    let over = if x.side == 0 { high > left + over_line } else { low < -right - over_line };
+    if off(peak) <= LEFT_CENTRE_M + noise && !over {
         return None;
     }
     // What it steered itself: beside a lane that widens or forks, who drives straight on gave nothing up.
@@ -141,6 +145,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         position: &ego.position,
         velocity: &ego.velocity,
         places: &lanes.places,
+        aside: &ego.asides(),
     };
     let changes = lane_change::found(road, &rows);
     let known = |i: usize| lanes.places[i].is_some();

@@ -2,6 +2,7 @@
 
 use crate::behavior::ego_offset::unrolled;
 use crate::ego::motion::DERIVATIVE_REACH_S;
+use crate::estimate::stated;
 use crate::road::own_shift::{OnWay, most_shifted};
 use crate::series::slope;
 use crate::table::TableBuilder;
@@ -94,8 +95,11 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
         if lateral[i].is_nan() {
             return Tri::Unknown;
         }
-        let jerks = rate[i].abs() >= SWERVE_MPS3 && deviation[i].abs() >= DEVIATION_M;
-        Tri::from(lateral[i].abs() >= SWERVE_MPS2 || jerks)
+        // Beyond its noise; a rate over 0.4 s of what is known so badly says nothing.
+        let noise = ego.sd.as_ref().map_or(0.0, |sd| ego.forward_speed[i].abs() * stated(sd.yaw_rate[i]));
+        let jerks = rate[i].abs() - 2.0 * noise / DERIVATIVE_REACH_S >= SWERVE_MPS3
+            && deviation[i].abs() - ego.place_sd(i) >= DEVIATION_M;
+        Tri::from(lateral[i].abs() - noise >= SWERVE_MPS2 || jerks)
     };
     table.flag(id::EGO_SWERVE, (0..ego.len()).map(swerves).collect());
     table.number(id::EGO_LATERAL_DEVIATION, deviation);

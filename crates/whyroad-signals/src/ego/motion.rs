@@ -1,6 +1,7 @@
 //! The ego's own motion: speed, acceleration, jerk, yaw rate, curvature, standstill. Frame: world for heading,
 //! the ego's own axes for the rest (x forward, y left).
 
+use crate::estimate::{Aside, Deviations, stated};
 use crate::geometry::{OrientedBox, P2, p2, unwrap, wrap};
 use crate::series::{below_with_hysteresis, slope};
 use crate::table::TableBuilder;
@@ -42,6 +43,8 @@ pub struct EgoMotion {
     pub length: f64,
     /// Box width, m.
     pub width: f64,
+    /// Standard deviations of the states; `None` where they are exact.
+    pub sd: Option<Deviations>,
 }
 
 /// `given` where it is known anywhere, else the slope of `values`.
@@ -105,7 +108,19 @@ impl EgoMotion {
             forward_speed: forward,
             length: ego.length_m,
             width: ego.width_m,
+            sd: None,
         }
+    }
+
+    /// Standard deviation of a coordinate in `frame`, m; zero where it is exact.
+    pub fn place_sd(&self, frame: usize) -> f64 {
+        self.sd.as_ref().map_or(0.0, |sd| stated(sd.position[frame]))
+    }
+
+    /// How well its motion to the side is known, by frame; empty where it is exact.
+    pub fn asides(&self) -> Vec<Aside> {
+        let of = |sd: &Deviations| (0..self.len()).map(|i| Aside::new(sd, i, self.speed[i])).collect();
+        self.sd.as_ref().map_or_else(Vec::new, of)
     }
 
     /// From the box centre to the front bumper, m; 0 where the length is unknown.

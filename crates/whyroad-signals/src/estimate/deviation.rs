@@ -2,6 +2,10 @@
 //! (first order, states taken as independent). Columns beside the signals' own; a drive whose states are exact has
 //! none.
 
+mod objects;
+
+pub(super) use objects::write as write_objects;
+
 use super::smoother::Deviations;
 use whyroad_model::scene::Track;
 use whyroad_model::signal::{TargetSpan, deviation_name};

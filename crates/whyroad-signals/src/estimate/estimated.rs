@@ -1,11 +1,13 @@
 //! A drive to its estimated states: noise of each kind of object, ids joined, each object smoothed unless what the log
 //! states of it is exact and complete.
 
-use super::bicycle::Bicycle;
+use super::bicycle::{Bicycle, REAR_TO_CENTRE};
 use super::deviation;
 use super::join::{Candidate, MAX_AWAY_S, joins};
+use super::jumps::between_jumps;
 use super::noise::{self, LogNoise};
 use super::objects::{Joined, Measured, append, joined, motion_of, track_of};
+use super::samples;
 use super::smoother::{Deviations, MotionModel, States, smooth};
 use super::{complete_motion, forget_impossible, is_stated};
 use std::borrow::Cow;
@@ -13,8 +15,6 @@ use whyroad_model::catalogue::id;
 use whyroad_model::scene::{Ego, FrameOfReference, Motion, Track};
 use whyroad_model::{Column, Drive, ObjectClass, SignalTable, Tri};
 
-/// From the rear axle to the middle of a vehicle, as a share of its length.
-const REAR_TO_CENTRE: f64 = 0.27;
 /// The same where the length is unknown, m.
 const REAR_TO_CENTRE_M: f64 = 1.2;
 /// Rows from which the noise of one kind of object is told by that kind alone.
@@ -62,11 +62,19 @@ pub fn noise(drive: &Drive) -> DriveNoise {
 }
 
 impl Estimated<'_> {
+    fn with_deviations(&self) -> deviation::OfDrive<'_> {
+        deviation::OfDrive { drive: &self.drive, ego: self.ego.as_ref(), tracks: &self.tracks }
+    }
+
+    /// Completes a table of signals of any object and of pairs with their standard deviations.
+    pub(crate) fn complete_objects(&self, table: &mut SignalTable) {
+        deviation::write_objects(&self.with_deviations(), table);
+    }
+
     /// Completes the signals that were derived from the estimated drive: standard deviations, and that objects were not
     /// observed in rows that are bridged.
     pub(crate) fn complete(&self, table: &mut SignalTable) {
-        let of = deviation::OfDrive { drive: &self.drive, ego: self.ego.as_ref(), tracks: &self.tracks };
-        deviation::write(&of, table);
+        deviation::write(&self.with_deviations(), table);
         let spans = table.targets.iter();
         let tracks = self.drive.tracks.iter().zip(&self.bridged).filter(|(t, _)| !t.frames.is_empty());
         let Some(Column::Flag(observed)) = table.target_columns.get_mut(id::TARGET_OBSERVED.id().name())
@@ -148,6 +156,8 @@ pub fn estimated(drive: &Drive) -> Estimated<'_> {
             let own: Vec<f64> = track.frames.iter().map(|&f| seconds[f as usize]).collect();
             complete_motion(&mut exact, &own, &track.length_m, track.class);
             keep_rows(&mut smoothed.motion, &mut states.sd, &exact, &measured.source);
+        } else if noise.is_negligible() && on_wheels(track.class) {
+            samples::follow(measured, &track.motion, &mut smoothed.motion);
         }
         forget_impossible(track.class, &mut smoothed.motion);
         out.bridged[i] = measured.bridged();
@@ -211,6 +221,8 @@ fn of_the_ego(ego: &Ego, measured: &Measured, noise: &LogNoise) -> (Ego, Option<
         let known = |(x, source): (&f64, &Option<usize>)| source.filter(|_| x.is_finite());
         let source: Vec<Option<usize>> = measured.x.iter().zip(&measured.source).map(known).collect();
         keep_rows(&mut motion, &mut states.sd, &exact, &source);
+    } else if noise.is_negligible() {
+        samples::follow(measured, &ego.motion, &mut motion);
     }
     forget_impossible(ObjectClass::Car, &mut motion);
     (Ego { motion, known_at: Vec::new(), ..ego.clone() }, Some(states.sd))
@@ -229,7 +241,9 @@ fn states_of(measured: &Measured, model: MotionModel, noise: &LogNoise) -> State
     let mut out = States::default();
     for run in measured.runs() {
         for run in within_reach(measured, run) {
-            append(&mut out, smooth(measured.rows(run), model, noise));
+            for part in between_jumps(measured, run, model, noise) {
+                append(&mut out, smooth(measured.rows(part), model, noise));
+            }
         }
     }
     out

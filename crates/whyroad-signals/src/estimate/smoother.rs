@@ -44,6 +44,28 @@ impl Deviations {
     }
 }
 
+/// How well motion to the side is known in a row, standard deviations; zero is exact.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Aside {
+    /// Of a coordinate, m.
+    pub place_m: f64,
+    /// Of the speed across the direction of motion, m/s.
+    pub speed_mps: f64,
+}
+
+impl Aside {
+    /// In `row`, of what moves at `speed` m/s along its heading.
+    pub fn new(sd: &Deviations, row: usize, speed: f64) -> Self {
+        let across = stated(speed) * stated(sd.heading[row]);
+        Self { place_m: stated(sd.position[row]), speed_mps: across }
+    }
+}
+
+/// A deviation that is not known counts as none.
+pub fn stated(deviation: f64) -> f64 {
+    if deviation.is_finite() { deviation } else { 0.0 }
+}
+
 /// Estimated states, one per row.
 #[derive(Clone, Debug, Default)]
 pub struct States {
@@ -89,12 +111,17 @@ pub fn smooth(rows: Rows<'_>, model: MotionModel, noise: &LogNoise) -> States {
     let mut out = if stands_all_along(rows, noise, &variances) {
         standing(rows, &variances, measured)
     } else {
+        let moving = Variances {
+            position: noise.position.variance_in_maneuvers(step),
+            heading: noise.heading.variance_in_maneuvers(step),
+            velocity: noise.velocity.variance_in_maneuvers(step),
+        };
         let known_headings = rows.heading.iter().filter(|h| h.is_finite()).count();
         match model {
             MotionModel::Bicycle(bicycle) if 2 * known_headings > measured => {
-                as_vehicle(rows, bicycle, &variances)
+                as_vehicle(rows, bicycle, &moving, variances.position)
             }
-            _ => as_walker(rows, &variances),
+            _ => as_walker(rows, &moving, variances.position),
         }
     };
     keep_exact(rows, noise, &mut out);
@@ -186,7 +213,8 @@ fn first_velocity(rows: Rows<'_>) -> (f64, f64) {
     (line(rows.x), line(rows.y))
 }
 
-fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances) -> States {
+/// `of_mean` is the variance of a coordinate where places are averaged.
+fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances, of_mean: f64) -> States {
     let n = rows.times.len();
     let start = (0..n).find(|&i| rows.x[i].is_finite()).unwrap_or(0);
     let heading = rows.heading.iter().copied().find(|h| h.is_finite()).unwrap_or(0.0);
@@ -220,7 +248,7 @@ fn as_vehicle(rows: Rows<'_>, model: Bicycle, variances: &Variances) -> States {
     let deviation = |s: &Smoothed<6>, k: usize| s.variances.iter().map(|v| v[k].sqrt()).collect::<Vec<_>>();
     let mut smoothed = pass(&[]);
     let (speed, sd) = (column(&smoothed, SPEED), deviation(&smoothed, SPEED));
-    let stands = stands(rows.times, &speed, &sd, rows.x, rows.y, variances.position);
+    let stands = stands(rows.times, &speed, &sd, rows.x, rows.y, of_mean);
     if !stands.is_empty() {
         smoothed = pass(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
     }
@@ -258,7 +286,7 @@ fn within(stand: &Range<usize>, n: usize) -> Range<usize> {
     start..if stand.end == n { n } else { (stand.end - 1).max(start) }
 }
 
-fn as_walker(rows: Rows<'_>, variances: &Variances) -> States {
+fn as_walker(rows: Rows<'_>, variances: &Variances, of_mean: f64) -> States {
     let n = rows.times.len();
     let velocity = first_velocity(rows);
     let unknown = (f64::NAN, f64::NAN);
@@ -283,7 +311,7 @@ fn as_walker(rows: Rows<'_>, variances: &Variances) -> States {
     let (mut sx, mut sy) = both(&[]);
     let speed: Vec<f64> = (0..n).map(|i| sx.states[i][1].hypot(sy.states[i][1])).collect();
     let speed_sd: Vec<f64> = sx.variances.iter().map(|v| v[1].sqrt()).collect();
-    let stands = stands(rows.times, &speed, &speed_sd, rows.x, rows.y, variances.position);
+    let stands = stands(rows.times, &speed, &speed_sd, rows.x, rows.y, of_mean);
     if !stands.is_empty() {
         (sx, sy) = both(&stands.iter().map(|r| within(r, n)).collect::<Vec<_>>());
     }

@@ -177,6 +177,7 @@ fn lane_changes(scene: &Scene<'_>) -> Option<Vec<Option<EgoLaneChange>>> {
             position: &seen.iter().map(|i| body.position[*i]).collect::<Vec<_>>(),
             velocity: &seen.iter().map(|i| body.velocity[*i]).collect::<Vec<_>>(),
             places: &seen.iter().map(|i| places[*i]).collect::<Vec<_>>(),
+            aside: &[],
         };
         let mut own = vec![None; places.len()];
         for (i, value) in seen.iter().zip(lane_change::changes(road, &rows)) {

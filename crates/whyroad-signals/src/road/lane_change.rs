@@ -2,6 +2,7 @@
 //! stable in the new one (LABELING.md 4: phases execute and complete). The two lanes lie beside each other and run
 //! the same way; a successor is no lane change, however the map draws the joint.
 
+use crate::estimate::Aside;
 use crate::geometry::P2;
 use crate::road::corridor::Corridor;
 use crate::road::lanes::LanePlace;
@@ -12,6 +13,8 @@ use whyroad_model::catalogue::value::EgoLaneChange;
 
 /// Lateral speed from which an actor moves across, and below which it is stable, m/s (LABELING.md 4, RefAV).
 const LATERAL_MPS: f64 = 0.1;
+/// Standard deviations that the speed across and the offset must exceed too.
+const DEVIATIONS: f64 = 1.5;
 /// Within this of the new lane's centre it has arrived, m (LABELING.md 4).
 const CENTRED_M: f64 = 0.3;
 /// Without lateral motion for this long it is stable too, if not in the centre, s.
@@ -63,6 +66,8 @@ pub struct Rows<'a> {
     pub velocity: &'a [P2],
     /// Assigned lanes.
     pub places: &'a [Option<LanePlace>],
+    /// How well its motion to the side is known; empty where the log is exact.
+    pub aside: &'a [Aside],
 }
 
 /// On which side of lane `a` lane `b` lies, 0 left, 1 right; `None` when `b` follows `a` or lies elsewhere.
@@ -87,6 +92,16 @@ fn side_of(road: &Road, a: usize, b: usize) -> Option<usize> {
 impl Rows<'_> {
     fn gap_after(&self, row: usize) -> bool {
         self.times[row + 1] - self.times[row] > GAP_S
+    }
+
+    /// Speed across from which it moves in this row, and below which it is still, m/s: more than its noise.
+    fn moving_mps(&self, row: usize) -> f64 {
+        self.aside.get(row).map_or(LATERAL_MPS, |a| LATERAL_MPS.max(DEVIATIONS * a.speed_mps))
+    }
+
+    /// Distance from the centre within which it has arrived, m: not less than its noise.
+    fn centred_m(&self, row: usize) -> f64 {
+        self.aside.get(row).map_or(CENTRED_M, |a| CENTRED_M.max(DEVIATIONS * a.place_m))
     }
 
     /// Offset from a corridor's centre and speed across it, both positive towards `sign`.
@@ -125,7 +140,9 @@ impl Rows<'_> {
                 break;
             }
             let (offset, speed) = self.across(old, row, sign);
-            if speed >= LATERAL_MPS || (offset > CENTRED_M && start == row + 1 && speed > 0.0) {
+            if speed >= self.moving_mps(row)
+                || (offset > self.centred_m(row) && start == row + 1 && speed > 0.0)
+            {
                 start = row;
             } else if self.times[start] - self.times[row] > PAUSE_S {
                 break;
@@ -139,12 +156,13 @@ impl Rows<'_> {
         let mut still_since = None;
         for row in k..latest {
             let (offset, speed) = self.across(new, row, sign);
-            let still = speed.abs() < LATERAL_MPS;
+            let still = speed.abs() < self.moving_mps(row);
             let since = *still_since.get_or_insert(self.times[row]);
             if !still {
                 still_since = None;
             }
-            let settled = still && (offset.abs() < CENTRED_M || self.times[row] - since >= SETTLED_S);
+            let settled =
+                still && (offset.abs() < self.centred_m(row) || self.times[row] - since >= SETTLED_S);
             let broken = row + 1 < latest && self.gap_after(row);
             if settled || broken || self.times[row] - self.times[k] > LONGEST_HALF_S {
                 return row + 1;

@@ -1,5 +1,6 @@
 //! What a target does relative to its lane: changing it, weaving in it, driving it the wrong way.
 
+use crate::estimate::{Aside, stated};
 use crate::geometry::{P2, Polyline, p2, wrap};
 use crate::road::corridor::Corridor;
 use crate::road::lane_change;
@@ -19,6 +20,8 @@ use whyroad_model::road_map::LaneKind;
 
 /// A swing across the lane counts from this width on, m.
 const SWING_M: f64 = 0.5;
+/// ... and is more than the noise of the places at this many of its standard deviations.
+const SWING_DEVIATIONS: f64 = 5.0;
 /// This number of swings is weaving.
 const SWINGS: usize = 3;
 /// ... within this time, s.
@@ -45,7 +48,15 @@ fn changes(
     let position: Vec<P2> = (0..m.len()).map(|r| p2(m.x[r], m.y[r])).collect();
     let velocity: Vec<P2> = (0..m.len()).map(|r| p2(m.vx[r], m.vy[r])).collect();
     let row_times: Vec<f64> = target.track.frames.iter().map(|&f| times[f as usize]).collect();
-    let rows = lane_change::Rows { times: &row_times, position: &position, velocity: &velocity, places };
+    let asides = |sd| (0..m.len()).map(|r| Aside::new(sd, r, m.speed(r))).collect();
+    let aside: Vec<Aside> = target.sd.map_or_else(Vec::new, asides);
+    let rows = lane_change::Rows {
+        times: &row_times,
+        position: &position,
+        velocity: &velocity,
+        places,
+        aside: &aside,
+    };
     lane_change::changes(road, &rows)
 }
 
@@ -71,16 +82,16 @@ fn sideways(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], time
         .collect()
 }
 
-/// Number of alternating swings of at least [`SWING_M`] in `values`.
-fn swings(values: &[f64]) -> usize {
+/// Number of alternating swings of at least `least` m in `values`.
+fn swings(values: &[f64], least: f64) -> usize {
     let Some(&start) = values.first() else { return 0 };
     let (mut low, mut high, mut rising, mut count) = (start, start, None, 0);
     for &v in values {
         (low, high) = (low.min(v), high.max(v));
         // A swing is counted when it is wide enough; from then on its end moves along with it.
-        if rising != Some(true) && v - low >= SWING_M {
+        if rising != Some(true) && v - low >= least {
             (rising, count, high) = (Some(true), count + 1, v);
-        } else if rising != Some(false) && high - v >= SWING_M {
+        } else if rising != Some(false) && high - v >= least {
             (rising, count, low) = (Some(false), count + 1, v);
         }
         if rising == Some(true) {
@@ -132,7 +143,12 @@ fn within_lanes(places: &[Option<LanePlace>], offsets: &[f64], across: &[f64]) -
 }
 
 /// True by row where `swinging` holds enough swings within the last seconds.
-fn swings_often(across: &[f64], swinging: &[f64], time: impl Fn(usize) -> f64) -> Vec<bool> {
+fn swings_often(
+    across: &[f64],
+    swinging: &[f64],
+    time: impl Fn(usize) -> f64,
+    least: &dyn Fn(usize) -> f64,
+) -> Vec<bool> {
     let mut first = 0;
     (0..across.len())
         .map(|r| {
@@ -143,7 +159,7 @@ fn swings_often(across: &[f64], swinging: &[f64], time: impl Fn(usize) -> f64) -
             while time(r) - time(first) > SWINGS_WITHIN_S {
                 first += 1;
             }
-            swings(&swinging[first..=r]) >= SWINGS
+            swings(&swinging[first..=r], least(r)) >= SWINGS
         })
         .collect()
 }
@@ -156,24 +172,33 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
     let time = |r: usize| times[target.track.frames[r] as usize];
     // A lane that shifts to the side moves its vehicles across its own direction, and a centre line with a corner moves
     // them in it for a moment; who weaves swings in both, and about the line without its corners as well.
-    let mut weaving = swings_often(&across, &across, time);
-    let drawn = places.iter().map(|p| p.as_ref().map_or(f64::NAN, |p| p.lateral)).collect();
     let own_half = target.track.length_m.iter().copied().find(|l| l.is_finite()).map(|l| l / 2.0);
-    let smoothed = own_half.into_iter().chain(CHORDS_M);
-    let references = smoothed.map(|half| move || off_chords(road, target, places, half));
-    let mut narrow = |offsets: Vec<f64>| {
-        let within = swings_often(&across, &within_lanes(places, &offsets, &across), time);
-        weaving.iter_mut().zip(within).for_each(|(w, also)| *w = *w && also);
-        weaving.contains(&true)
-    };
-    if narrow(drawn) {
-        for offsets in references {
-            if !narrow(offsets()) {
-                break;
+    let weaving = |least: &dyn Fn(usize) -> f64| {
+        let mut weaving = swings_often(&across, &across, time, least);
+        let drawn = places.iter().map(|p| p.as_ref().map_or(f64::NAN, |p| p.lateral)).collect();
+        let smoothed = own_half.into_iter().chain(CHORDS_M);
+        let references = smoothed.map(|half| move || off_chords(road, target, places, half));
+        let mut narrow = |offsets: Vec<f64>| {
+            let within = swings_often(&across, &within_lanes(places, &offsets, &across), time, least);
+            weaving.iter_mut().zip(within).for_each(|(w, also)| *w = *w && also);
+            weaving.contains(&true)
+        };
+        if narrow(drawn) {
+            for offsets in references {
+                if !narrow(offsets()) {
+                    break;
+                }
             }
         }
-    }
-    weaving.into_iter().map(Tri::from).collect()
+        weaving
+    };
+    let seen = weaving(&|_| SWING_M);
+    // What swings no more than its noise may weave or not.
+    let least =
+        |r: usize| target.sd.map_or(SWING_M, |sd| SWING_M.max(SWING_DEVIATIONS * stated(sd.position[r])));
+    let is_noisy = (0..seen.len()).any(|r| seen[r] && least(r) > SWING_M);
+    let certain = if is_noisy { weaving(&least) } else { seen.clone() };
+    seen.into_iter().zip(certain).map(|(s, c)| if s && !c { Tri::Unknown } else { Tri::from(s) }).collect()
 }
 
 /// Against every lane for vehicles that is here, outside junctions.
@@ -247,10 +272,11 @@ mod tests {
 
     #[test]
     fn swings_by_hand() {
-        assert_eq!(swings(&[0.0, 0.2, 0.4, 0.2, 0.0]), 0, "none is half a metre wide");
-        assert_eq!(swings(&[0.0, 1.0, 2.0, 3.5]), 1, "a lane change");
-        assert_eq!(swings(&[0.0, 0.6, 0.0]), 2, "out and back");
-        assert_eq!(swings(&[0.0, 0.6, 0.5, 0.7, 0.0, -0.1, 0.5]), 3);
-        assert_eq!(swings(&[]), 0);
+        assert_eq!(swings(&[0.0, 0.2, 0.4, 0.2, 0.0], SWING_M), 0, "none is half a metre wide");
+        assert_eq!(swings(&[0.0, 1.0, 2.0, 3.5], SWING_M), 1, "a lane change");
+        assert_eq!(swings(&[0.0, 0.6, 0.0], SWING_M), 2, "out and back");
+        assert_eq!(swings(&[0.0, 0.6, 0.5, 0.7, 0.0, -0.1, 0.5], SWING_M), 3);
+        assert_eq!(swings(&[], SWING_M), 0);
+        assert_eq!(swings(&[0.0, 0.6, -0.1, 0.7], 1.0), 0, "none is a metre wide");
     }
 }

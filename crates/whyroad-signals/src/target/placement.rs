@@ -2,6 +2,7 @@
 //! ego's driven path, and along and beside the ego's lane.
 
 use crate::ego::motion::{EgoMotion, given_or_slope};
+use crate::estimate::Deviations;
 use crate::geometry::{OrientedBox, P2, Projection, Window, p2, wrap};
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
@@ -19,6 +20,8 @@ pub struct Target<'a> {
     pub accel: Vec<f64>,
     /// One entry a row of the track; `None` where the ego's or the target's pose is unknown.
     pub places: Vec<Option<Placement>>,
+    /// Standard deviations of its states; `None` where they are exact.
+    pub sd: Option<&'a Deviations>,
 }
 
 /// A place beside a line: signed distances, left positive, m.
@@ -158,7 +161,7 @@ impl Surroundings<'_> {
             p.in_way = p.centre_in_way() || (was_in_way && held(p));
             was_in_way = p.in_way;
         }
-        Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places }
+        Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places, sd: None }
     }
 
     /// First and last arc length of the points around a footprint that are in the band swept by the ego while its
