@@ -132,10 +132,10 @@ pub(crate) fn open<'a>(
     let mut reader = Some(builder.build().map_err(|e| broken(&e))?);
     let path = path.to_owned();
     Ok(std::iter::from_fn(move || {
-        let batch = reader.as_mut()?.next()?;
-        Some(batch.map_err(|e| {
+        let batch = whyroad_lake::next_batch(reader.as_mut()?);
+        if batch.is_err() {
             reader = None;
-            DatasetError::broken(&path, e)
-        }))
+        }
+        batch.map_err(|e| DatasetError::broken(&path, e)).transpose()
     }))
 }

@@ -6,13 +6,14 @@ use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{
-    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
 use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData, RowGroupMetaData};
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::file::statistics::Statistics;
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use whyroad_model::Nanos;
 
@@ -70,6 +71,18 @@ pub fn check_columns(metadata: &ParquetMetaData) -> Result<(), &'static str> {
     if damaged { Err("a column has a negative offset or length") } else { Ok(()) }
 }
 
+/// The next rows of a Parquet file; `None` at its end. A reader that failed would fail again: it is not to be asked
+/// again.
+///
+/// # Errors
+/// Where the file is damaged, also in ways on which the Parquet library panics: pages that contradict each other.
+pub fn next_batch(reader: &mut ParquetRecordBatchReader) -> Result<Option<RecordBatch>, String> {
+    match catch_unwind(AssertUnwindSafe(|| reader.next().transpose())) {
+        Ok(batch) => batch.map_err(|e| e.to_string()),
+        Err(_) => Err("its pages contradict each other".to_owned()),
+    }
+}
+
 /// The footer of a file, checked; `None` when the file does not exist.
 pub(crate) fn open(path: &Path, row_order: &str) -> Result<Option<(File, ArrowReaderMetadata)>, LakeError> {
     let file = match File::open(path) {
@@ -122,10 +135,8 @@ pub(crate) fn read_groups(
     let schema = footer.schema().clone();
     let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, footer).with_row_groups(groups);
     let mut reader = builder.with_batch_size(rows.max(1)).build().map_err(|e| broken(&e))?;
-    let batch = match reader.next() {
-        Some(batch) => batch.map_err(|e| broken(&e))?,
-        None => RecordBatch::new_empty(schema),
-    };
+    let batch = next_batch(&mut reader).map_err(|e| broken(&e))?;
+    let batch = batch.unwrap_or_else(|| RecordBatch::new_empty(schema));
     if batch.num_rows() != rows {
         return Err(broken(&format!("{} of {rows} rows can be read", batch.num_rows())));
     }
@@ -162,5 +173,21 @@ mod tests {
         std::fs::write(file.path(), include_bytes!("../tests/fixtures/negative_offset.parquet")).unwrap();
         let Err(e) = read_table(file.path(), frames::ROW_ORDER) else { panic!("it was read") };
         assert_eq!(e.code(), "lake.table_broken");
+    }
+
+    #[test]
+    fn pages_that_contradict_each_other_are_refused() {
+        // Found by the fuzz targets `lake-ego` and `lake-frames`; the Parquet reader panics on them.
+        let files: [&[u8]; 3] = [
+            include_bytes!("../tests/fixtures/no_dictionary.parquet"),
+            include_bytes!("../tests/fixtures/short_bitmap.parquet"),
+            include_bytes!("../tests/fixtures/zero_divisor.parquet"),
+        ];
+        for (n, content) in files.into_iter().enumerate() {
+            let file = tempfile::NamedTempFile::new().unwrap();
+            std::fs::write(file.path(), content).unwrap();
+            let Err(e) = read_table(file.path(), frames::ROW_ORDER) else { panic!("file {n} was read") };
+            assert_eq!(e.code(), "lake.table_broken", "file {n}");
+        }
     }
 }

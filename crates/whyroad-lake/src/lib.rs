@@ -33,7 +33,7 @@ mod validity;
 pub use clips::{clip_metadata, cut_clip};
 pub use error::{CODES, LakeError};
 pub use facts::DriveFacts;
-pub use file::check_columns;
+pub use file::{check_columns, next_batch};
 pub use fingerprints::{Fingerprint, Fingerprints};
 pub use lake::{Lake, WriteOutcome};
 pub use mined::MinedFolder;

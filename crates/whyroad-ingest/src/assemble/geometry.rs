@@ -49,7 +49,7 @@ pub fn resample(line: &[Point3], count: usize) -> Vec<Point3> {
 /// The line half way between a lane's edges: both are resampled at equal shares of their own length.
 pub fn centre_line(left: &[Point3], right: &[Point3]) -> Vec<Point3> {
     let longer = length(left).max(length(right));
-    let count = ((longer / CENTRE_SPACING_M).ceil() as usize + 1).clamp(2, 2000);
+    let count = ((longer / CENTRE_SPACING_M).ceil().min(1999.0) as usize + 1).max(2);
     resample(left, count).into_iter().zip(resample(right, count)).map(|(l, r)| mix(l, r, 0.5)).collect()
 }
 
@@ -193,6 +193,15 @@ mod tests {
         let expected = line(&[(0.0, 1.0), (9.0, 1.0), (9.0, 10.0)]);
         for (a, b) in inner.iter().zip(&expected) {
             assert!(distance(*a, *b) < 1e-12, "{inner:?}");
+        }
+    }
+
+    #[test]
+    fn edges_of_impossible_length_have_a_centre_line_of_bounded_size() {
+        // Found by the fuzz target `av2-map`.
+        for far in [1e300, f64::INFINITY, f64::NAN] {
+            let centre = centre_line(&line(&[(0.0, 0.0), (far, 0.0)]), &line(&[(0.0, 2.0), (far, 2.0)]));
+            assert!((2..=2000).contains(&centre.len()), "{far}: {}", centre.len());
         }
     }
 

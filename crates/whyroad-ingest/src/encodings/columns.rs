@@ -26,8 +26,12 @@ pub(crate) fn read_parquet_bytes(content: Vec<u8>) -> Result<Columns, String> {
 fn read_batches(source: impl ChunkReader + 'static) -> Result<Columns, String> {
     let builder = ParquetRecordBatchReaderBuilder::try_new(source).map_err(|e| e.to_string())?;
     whyroad_lake::check_columns(builder.metadata())?;
-    let reader = builder.build().map_err(|e| e.to_string())?;
-    reader.collect::<Result<_, _>>().map(Columns).map_err(|e| e.to_string())
+    let mut reader = builder.build().map_err(|e| e.to_string())?;
+    let mut batches = Vec::new();
+    while let Some(batch) = whyroad_lake::next_batch(&mut reader)? {
+        batches.push(batch);
+    }
+    Ok(Columns(batches))
 }
 
 impl Columns {

@@ -6,7 +6,7 @@ use super::columns::{
     VERSION_KEY,
 };
 use crate::LakeError;
-use crate::file::check_columns;
+use crate::file::{check_columns, next_batch};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, RecordBatch};
@@ -118,7 +118,7 @@ impl EpisodeIndex {
             }
             let skip = usize::try_from(from.saturating_sub(first)).unwrap_or(usize::MAX);
             let file = File::open(&self.table).map_err(LakeError::io(&self.table))?;
-            let reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, self.metadata.clone())
+            let mut reader = ParquetRecordBatchReaderBuilder::new_with_metadata(file, self.metadata.clone())
                 .with_row_groups(vec![group])
                 .with_projection(ProjectionMask::columns(schema, names))
                 .with_offset(skip)
@@ -126,8 +126,8 @@ impl EpisodeIndex {
                 .build()
                 .map_err(|e| broken(&e))?;
             let mut row = first + skip as u64;
-            for batch in reader {
-                let columns = Columns::of(batch.map_err(|e| broken(&e))?, &self.table)?;
+            while let Some(batch) = next_batch(&mut reader).map_err(|e| broken(&e))? {
+                let columns = Columns::of(batch, &self.table)?;
                 for index in 0..columns.batch.num_rows() {
                     let of = Row { columns: &columns, index };
                     if of.answers(filter, scenario.as_ref()) && !each(row, &of)? {

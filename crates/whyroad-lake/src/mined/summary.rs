@@ -3,6 +3,7 @@
 
 use super::{MinedFile, MinedFolder};
 use crate::LakeError;
+use crate::file::next_batch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int64Type;
 use parquet::arrow::ProjectionMask;
@@ -83,8 +84,8 @@ impl MinedFolder {
         let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|e| broken(&e))?;
         let names = ["scenario_id", "drive_id", "keyframe_ns", "is_primary"];
         let mask = ProjectionMask::columns(builder.parquet_schema(), names);
-        for batch in builder.with_projection(mask).build().map_err(|e| broken(&e))? {
-            let batch = batch.map_err(|e| broken(&e))?;
+        let mut reader = builder.with_projection(mask).build().map_err(|e| broken(&e))?;
+        while let Some(batch) = next_batch(&mut reader).map_err(|e| broken(&e))? {
             let column = |name: &str| {
                 batch.column_by_name(name).ok_or_else(|| broken(&format!("column '{name}' is missing")))
             };

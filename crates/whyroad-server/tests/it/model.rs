@@ -19,7 +19,7 @@ use whyroad_server::language_model::{LanguageModel, ModelFailure, ModelSession};
 const FUTURE: &str = "afterwards";
 
 /// A model by hand.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Model {
     /// Answers wait until this is true.
     open: Arc<(Mutex<bool>, Condvar)>,
@@ -32,7 +32,7 @@ struct Model {
 }
 
 struct Session {
-    model: (Arc<(Mutex<bool>, Condvar)>, Arc<AtomicUsize>, &'static [&'static str], Option<u64>),
+    model: Model,
     spent: Mutex<ModelSpent>,
 }
 
@@ -47,23 +47,21 @@ impl LanguageModel for Model {
 
     fn begin(&self, spent: &ModelSpent) -> Result<Arc<dyn ModelSession>, Bilingual> {
         self.begun_with.lock().unwrap().push(*spent);
-        let model = (Arc::clone(&self.open), Arc::clone(&self.asked), self.fails, self.budget);
-        Ok(Arc::new(Session { model, spent: Mutex::default() }))
+        Ok(Arc::new(Session { model: self.clone(), spent: Mutex::default() }))
     }
 }
 
 impl Session {
     fn ask(&self) -> Result<(), ModelFailure> {
-        let (open, asked, _, budget) = &self.model;
-        let (is_open, changed) = &**open;
+        let (is_open, changed) = &*self.model.open;
         let guard = is_open.lock().unwrap();
         drop(changed.wait_while(guard, |open| !*open).unwrap());
         let mut spent = self.spent.lock().unwrap();
-        if budget.is_some_and(|most| spent.requests >= most) {
+        if self.model.budget.is_some_and(|most| spent.requests >= most) {
             let text = Bilingual::new("预算用完", "the budget is used up");
             return Err(ModelFailure { text, ends_the_run: true });
         }
-        asked.fetch_add(1, Ordering::SeqCst);
+        self.model.asked.fetch_add(1, Ordering::SeqCst);
         spent.requests += 1;
         spent.input_tokens += 100;
         spent.cost = Some(spent.requests as f64 * 0.5);
@@ -74,7 +72,7 @@ impl Session {
 impl ModelSession for Session {
     fn draft(&self, e: &EpisodeRecord, lang: Lang) -> Result<CocLabel, ModelFailure> {
         self.ask()?;
-        if self.model.2.contains(&e.drive_id.as_str()) {
+        if self.model.fails.contains(&e.drive_id.as_str()) {
             let text = Bilingual::new(format!("不安全 {FUTURE}"), format!("unsafe {FUTURE}"));
             return Err(ModelFailure { text, ends_the_run: false });
         }
