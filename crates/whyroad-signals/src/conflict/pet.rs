@@ -88,7 +88,10 @@ impl EgoSweep {
             pairs.extend(
                 self.near(other.footprint.centre, reach)
                     // On a bridge one passes over the other.
-                    .filter(|&i| !((self.stands[i].z - other.z).abs() > LEVEL_M))
+                    .filter(|&i| {
+                        let apart = (self.stands[i].z - other.z).abs();
+                        apart.is_nan() || apart <= LEVEL_M
+                    })
                     .filter(|&i| self.stands[i].footprint.overlaps(&other.footprint))
                     .map(|i| (i, j)),
             );

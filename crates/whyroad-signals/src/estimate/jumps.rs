@@ -89,6 +89,9 @@ mod tests {
         }
     }
 
+    /// All rows in one part.
+    const WHOLE: &[Range<usize>] = std::slice::from_ref(&(0..80));
+
     fn parts(of: &Measured, noise: &LogNoise) -> Vec<Range<usize>> {
         between_jumps(of, 0..of.times.len(), CAR, noise)
     }
@@ -99,12 +102,12 @@ mod tests {
         for step in [1, 2, 5] {
             // The sample at 4 s is the first in the new lane.
             assert_eq!(parts(&car(step, 3.95, 0.0), &exact), [0..40, 40..80], "every {step}");
-            assert_eq!(parts(&car(step, 3.0, 2.0), &exact), [0..80], "two seconds are a change of lane");
+            assert_eq!(parts(&car(step, 3.0, 2.0), &exact), WHOLE, "two seconds are a change of lane");
         }
         let noisy = LogNoise { position: Noise { white: 0.2, ..Noise::default() }, ..exact };
         assert_eq!(parts(&car(1, 3.95, 0.0), &noisy), [0..40, 40..80]);
         let worse = LogNoise { position: Noise { white: 1.0, ..Noise::default() }, ..exact };
-        assert_eq!(parts(&car(1, 3.95, 0.0), &worse), [0..80], "within its noise nothing is known to jump");
+        assert_eq!(parts(&car(1, 3.95, 0.0), &worse), WHOLE, "within its noise nothing is known to jump");
     }
 
     #[test]
@@ -116,9 +119,9 @@ mod tests {
             (bend.x[i], bend.y[i], bend.heading[i]) =
                 (20.0 * turned.sin(), 20.0 - 20.0 * turned.cos(), wrap(turned));
         }
-        assert_eq!(parts(&bend, &LogNoise::default()), [0..80]);
+        assert_eq!(parts(&bend, &LogNoise::default()), WHOLE);
         let mut round = car(1, 99.0, 0.0);
         round.heading[30] = std::f64::consts::PI;
-        assert_eq!(parts(&round, &LogNoise::default()), [0..80]);
+        assert_eq!(parts(&round, &LogNoise::default()), WHOLE);
     }
 }
