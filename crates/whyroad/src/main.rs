@@ -92,7 +92,7 @@ enum Command {
     /// Compare two mined folders, two frameworks over one lake, or two releases
     Compare(cmd::compare::Args),
     /// Run the labelling service: the page and its API
-    Serve(cmd::serve::Args),
+    Serve(Box<cmd::serve::Args>),
     /// Make, list, export and import labelling tasks
     Tasks(cmd::tasks::Args),
     /// Import causal texts of other tools as drafts of labels
@@ -155,7 +155,7 @@ fn main() -> ExitCode {
         Command::Evaluate(a) => cmd::evaluate::run(&cli.global, a),
         Command::Calibrate(a) => cmd::calibrate::run(&cli.global, a),
         Command::Compare(a) => cmd::compare::run(&cli.global, a),
-        Command::Serve(a) => cmd::serve::run(&cli.global, a),
+        Command::Serve(a) => cmd::serve::run(&cli.global, *a),
         Command::Tasks(a) => cmd::tasks::run(&cli.global, a),
         Command::Labels(a) => cmd::labels::run(&cli.global, a),
         Command::Draft(a) => cmd::draft::run(&cli.global, a),
