@@ -283,7 +283,7 @@ fn read_recording(
         report.diagnostics.push(findings::ego_missing(&label, &topics.join(", ")));
         return None;
     };
-    let seconds = |ns: i64| (ns - first) as f64 / 1e9;
+    let seconds = |ns: i64| ns.saturating_sub(first) as f64 / 1e9;
     let times: Vec<f64> = poses.iter().map(|r| seconds(r.time)).collect();
     if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1]) {
         report.diagnostics.push(d);
@@ -373,8 +373,8 @@ fn pose_at(poses: &[EgoRow], time: i64) -> Option<Se3> {
         return Some(b.pose);
     }
     let a = &poses[next.checked_sub(1)?];
-    let span = (b.time - a.time) as f64;
-    (span <= EGO_GAP_S * 1e9).then(|| a.pose.between(&b.pose, (time - a.time) as f64 / span))
+    let span = b.time.saturating_sub(a.time) as f64;
+    (span <= EGO_GAP_S * 1e9).then(|| a.pose.between(&b.pose, time.saturating_sub(a.time) as f64 / span))
 }
 
 fn tracks(

@@ -139,7 +139,7 @@ fn drive(set: &Path, t: &SceneTables, options: &Options, report: &mut SourceRepo
     let set_label = set.display().to_string();
     let label = format!("{set_label}/{}", t.scene.name);
     let zero = t.samples.values().min().copied().unwrap_or(0);
-    let seconds = |us: i64| (us - zero) as f64 / 1e6;
+    let seconds = |us: i64| us.saturating_sub(zero) as f64 / 1e6;
     let mut keyframes: Vec<f64> = t.samples.values().map(|&us| seconds(us)).collect();
     keyframes.sort_by(f64::total_cmp);
     if let Some(d) = implausible_span(&label, 0.0, keyframes.last().copied().unwrap_or(0.0)) {
@@ -234,7 +234,7 @@ fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceRep
                 let centre = pose.apply([AXLE_TO_CENTRE_M, 0.0, EGO_SIZE_M[2] / 2.0]);
                 count.keep("pose", 1);
                 sampled.push(Sample {
-                    time: (p.timestamp - zero) as f64 / 1e6,
+                    time: p.timestamp.saturating_sub(zero) as f64 / 1e6,
                     position: centre,
                     heading: se3::heading(q),
                     velocity: [f64::NAN; 2],
@@ -306,7 +306,7 @@ fn tracks(t: &SceneTables, frames: &[f64], zero: i64, label: &str, report: &mut 
         };
         let [width, length, height] = a.size;
         let sample = Sample {
-            time: (time - zero) as f64 / 1e6,
+            time: time.saturating_sub(zero) as f64 / 1e6,
             position: a.translation,
             heading: se3::heading(q),
             velocity: [f64::NAN; 2],

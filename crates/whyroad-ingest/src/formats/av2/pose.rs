@@ -54,11 +54,11 @@ impl PoseTrack {
         }
         let before = next.checked_sub(1)?;
         let (t0, t1) = (self.times[before], *self.times.get(next)?);
-        let gap_ns = (t1 - t0) as f64;
+        let gap_ns = t1.saturating_sub(t0) as f64;
         if gap_ns > MAX_GAP_S * 1e9 {
             return None;
         }
-        Some(self.poses[before].between(&self.poses[next], (time - t0) as f64 / gap_ns))
+        Some(self.poses[before].between(&self.poses[next], time.saturating_sub(t0) as f64 / gap_ns))
     }
 }
 

@@ -36,7 +36,8 @@ pub(super) fn read(can_bus: &Path, scene: &str, zero_us: i64, frames: &[f64]) ->
             broken.push(name);
             return Vec::new();
         };
-        let timed = |row: Value| Some(((row.get("utime")?.as_i64()? - zero_us) as f64 / 1e6, row));
+        let timed =
+            |row: Value| Some((row.get("utime")?.as_i64()?.saturating_sub(zero_us) as f64 / 1e6, row));
         let mut rows: Vec<(f64, Value)> = rows.into_iter().filter_map(timed).collect();
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
         rows.dedup_by(|b, a| b.0 <= a.0);

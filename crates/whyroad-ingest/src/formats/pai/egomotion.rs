@@ -63,9 +63,9 @@ impl PoseTrack {
         }
         let before = next.checked_sub(1)?;
         let (t0, t1) = (self.times[before], *self.times.get(next)?);
-        let gap_us = (t1 - t0) as f64;
+        let gap_us = t1.saturating_sub(t0) as f64;
         (gap_us <= MAX_GAP_S * 1e6)
-            .then(|| self.poses[before].between(&self.poses[next], (time - t0) as f64 / gap_us))
+            .then(|| self.poses[before].between(&self.poses[next], time.saturating_sub(t0) as f64 / gap_us))
     }
 
     /// Frames at whole tenths of a second of the clip's clock, negative ones included, where there is a pose, us.

@@ -58,7 +58,7 @@ pub(super) fn at(samples: &[Sample], time: i64) -> Option<Sample> {
     if b.time - a.time > MAX_INTERPOLATION_NS {
         return None;
     }
-    let share = (time - a.time) as f64 / (b.time - a.time) as f64;
+    let share = time.saturating_sub(a.time) as f64 / b.time.saturating_sub(a.time) as f64;
     let mix = |a: f64, b: f64| a + (b - a) * share;
     Some(Sample {
         time,

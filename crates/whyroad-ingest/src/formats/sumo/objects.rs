@@ -83,7 +83,7 @@ fn motion(
 
 /// True when the front bumper went sideways faster than any vehicle can.
 fn side_jump(a: &Sample, b: &Sample) -> bool {
-    let dt = (b.time - a.time) as f64 / 1e9;
+    let dt = b.time.saturating_sub(a.time) as f64 / 1e9;
     if dt > MAX_GAP_S {
         return false;
     }

@@ -72,8 +72,11 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         }
     }
     let all_times: BTreeSet<i64> = by_track.values().flatten().map(|r| r.0).collect();
-    let steps: Vec<f64> =
-        all_times.iter().zip(all_times.iter().skip(1)).map(|(a, b)| (b - a) as f64 / 1e9).collect();
+    let steps: Vec<f64> = all_times
+        .iter()
+        .zip(all_times.iter().skip(1))
+        .map(|(a, b)| b.saturating_sub(*a) as f64 / 1e9)
+        .collect();
     let max_gap_s = gap_for(median(&steps));
 
     let mut unknown_classes: BTreeMap<&str, usize> = BTreeMap::new();

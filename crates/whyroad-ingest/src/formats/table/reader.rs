@@ -50,7 +50,7 @@ impl Clock {
     }
 
     pub fn seconds(&self, time: i64) -> f64 {
-        (time - self.origin) as f64 / 1e9
+        time.saturating_sub(self.origin) as f64 / 1e9
     }
 }
 
