@@ -1,5 +1,5 @@
-// A language model by script: answers OpenAI-compatible chat completions on a port of this machine, and misbehaves where
-// the script says so. Knows nothing of the page.
+// A language model by script: answers OpenAI-compatible chat completions on a port of this machine, and misbehaves
+// where the script says so. Knows nothing of the page.
 import { createServer } from "node:http";
 
 /** All texts of a request's messages. */
@@ -7,8 +7,8 @@ const textOf = (body) =>
   body.messages.flatMap((m) => (typeof m.content === "string" ? [m.content] : m.content.filter((p) => p.type === "text").map((p) => p.text))).join("\n");
 
 /**
- * Starts it. `answer(form, text)` gives the answer to a request that asks for `form`; `faults` are the first replies, one
- * after the other: `{ status, headers, body }`, or null for a good one.
+ * Starts it. `answer(form, text)` gives the answer to a request that asks for `form`; `faults` are the first replies,
+ * one after the other: `{ status, headers, body }`, or null for a good one.
  */
 export async function endpoint(answer, faults = []) {
   const seen = [];

@@ -3,9 +3,9 @@
 //! are read.
 //!
 //! What holds, is recorded in the files and checked on reading: a row group holds a whole drive, its rows in the
-//! order of target, then frame, without a hole; `whyroad.signals` in the metadata of `frames` names the drive's content,
-//! the version of the signals, the objects with their frames, and the words of each category; in that of `targets` it is
-//! the hash of that text.
+//! order of target, then frame, without a hole; `whyroad.signals` in the metadata of `frames` names the drive's
+//! content, the version of the signals, the objects with their frames, and the words of each category; in that of
+//! `targets` it is the hash of that text.
 //!
 //! Numbers are 64 bits wide as they were derived: a value that is exactly on a rule's threshold stays on its
 //! side, so a lake with stored signals answers what one without them answers. Flags are bits, categories a byte

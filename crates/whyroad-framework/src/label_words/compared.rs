@@ -1,5 +1,5 @@
-//! What texts are compared without (`compared` of `schema/label_words.yaml`): particles, and words that say nothing of a
-//! scene.
+//! What texts are compared without (`compared` of `schema/label_words.yaml`): particles, and words that say nothing of
+//! a scene.
 
 use super::Words;
 use serde::Deserialize;

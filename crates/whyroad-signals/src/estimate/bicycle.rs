@@ -20,8 +20,8 @@ pub const ACCEL: usize = 5;
 
 /// From the rear axle to the middle of a vehicle, as a share of its length.
 pub const REAR_TO_CENTRE: f64 = 0.27;
-/// Change of acceleration within a second, one standard deviation, m/s2. On the speeds of 43 simulated drives with noise
-/// of 0.2 m and 0.3 m/s, 0.5 % of the speeds are more than three of their deviations off; with 1.2 it was 1.6 %.
+/// Change of acceleration within a second, one standard deviation, m/s2. On the speeds of 43 simulated drives with
+/// noise of 0.2 m and 0.3 m/s, 0.5 % of the speeds are more than three of their deviations off; with 1.2 it was 1.6 %.
 const JERK: f64 = 2.0;
 /// Change of lateral acceleration within a second, one standard deviation, m/s2.
 const LATERAL_JERK: f64 = 0.8;
