@@ -5,12 +5,15 @@ use super::store::{Fault, Proxy, Store};
 use crate::dataset_images::lake_with_images;
 use crate::media::lock;
 use crate::service::http::{Answer, Client};
-use crate::service::{Service, crew};
-use serde_json::Value;
+use crate::service::storm::Annotator;
+use crate::service::{Service, annotators, crew, demo, first_project};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
-use std::net::TcpStream;
+use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
+use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::scene::MediaFrame;
 
 /// Of the images of the lake, every fifth: two in a second.
@@ -43,6 +46,33 @@ fn frames(client: &mut Client, task: &str) -> Vec<Value> {
     camera["frames"].as_array().unwrap().clone()
 }
 
+/// An annotator with the task whose keyframe is latest in its drive. In the order of their creation, the first one may
+/// have its keyframe half a second after the start, before which there is hardly an image.
+fn with_the_latest_keyframe(at: SocketAddr) -> Annotator {
+    let mut admin = Client::set_up(at, "admin");
+    let project = first_project(&mut admin);
+    let lake = Lake::open(demo().join("lake")).unwrap();
+    let mut keyframes: BTreeMap<(String, String), f64> = BTreeMap::new();
+    for episode in MinedFolder::open(demo().join("mined")).unwrap().episodes().unwrap().map(Result::unwrap) {
+        let start = lake.read_drive(&episode.drive_id).unwrap().times[0];
+        let after = (episode.keyframe.timestamp - start).as_secs_f64();
+        let key = (episode.drive_id.to_string(), episode.scenario_id.to_string());
+        let earliest = keyframes.entry(key).or_insert(after);
+        *earliest = earliest.min(after);
+    }
+    let (latest, after) = keyframes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert!(after > 2.0, "{latest:?} at {after} s");
+    let all = admin.get(&format!("/projects/{project}/tasks?limit=200")).good();
+    let of = |t: &&Value| t["drive_id"] == latest.0 && t["scenario_id"] == latest.1;
+    let task = all["items"].as_array().unwrap().iter().find(of).unwrap()["id"].clone();
+    let first = json!({ "tasks": [task], "priority": 9 });
+    assert_eq!(admin.post(&format!("/projects/{project}/tasks:change"), &first).good()["changed"], 1);
+    let tokens = annotators(&mut admin, at, &project, 0..1);
+    let annotator = Annotator::begin(at, &tokens[0], &project);
+    assert_eq!(json!(annotator.task), task);
+    annotator
+}
+
 fn get(client: &mut Client, url: &str) -> Answer {
     client.get(url.strip_prefix("/api/v1").unwrap())
 }
@@ -70,8 +100,7 @@ fn links_are_short_lived_for_one_image_and_never_for_the_future() {
     let environment = store.environment(watching.port, &at.join("cache"));
     let arguments = ["--data", &data, "--media", "s3://fleet/logs", "--media-link-seconds", "45"];
     let service = Service::start_in(&at.join("lake"), &arguments, &environment);
-    let (_, _, mut crew) = crew(service.at, 1);
-    let mut annotator = crew.remove(0);
+    let mut annotator = with_the_latest_keyframe(service.at);
     let task = format!("/tasks/{}", annotator.task);
 
     let first = frames(&mut annotator.client, &task);
