@@ -8,7 +8,7 @@ mod key;
 mod retry;
 mod wire;
 
-pub use budget::{Budget, Limit, Price, Spent};
+pub use budget::{Budget, Limit, Price};
 pub use key::Key;
 
 use crate::{ChatError, Request};
@@ -18,6 +18,7 @@ use cache::Cache;
 use retry::{Pace, Retry};
 use std::path::PathBuf;
 use std::time::Duration;
+use whyroad_model::ModelSpent;
 use wire::{Outcome, Wire};
 
 /// Times that one question is asked until its answer has the form that was asked for.
@@ -113,7 +114,7 @@ impl Client {
     }
 
     /// What was spent so far.
-    pub fn spent(&self) -> Spent {
+    pub fn spent(&self) -> ModelSpent {
         self.ledger.spent()
     }
 

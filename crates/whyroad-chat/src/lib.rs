@@ -13,6 +13,6 @@ pub mod ask;
 pub mod draft;
 pub mod judge;
 
-pub use client::{Budget, Client, Price, Settings, Spent};
+pub use client::{Budget, Client, Price, Settings};
 pub use error::{CODES, ChatError};
 pub use request::{AnswerForm, ImageKind, Message, Part, Request, Role};

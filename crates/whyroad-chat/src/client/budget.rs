@@ -1,8 +1,8 @@
 //! What may be spent, and what was.
 
 use crate::ChatError;
-use serde::Serialize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use whyroad_model::ModelSpent;
 
 /// What may be spent; `None` is no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,29 +38,12 @@ pub(super) struct Tokens {
     pub output: u64,
 }
 
-/// What a run has spent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Spent {
-    /// Requests sent, retries among them.
-    pub requests: u64,
-    /// Answers taken from the cache.
-    pub cached: u64,
-    /// Tokens of questions.
-    pub input_tokens: u64,
-    /// Tokens of answers.
-    pub output_tokens: u64,
-    /// Answers whose tokens the endpoint does not state: the sums lack them.
-    pub answers_without_count: u64,
-    /// Cost of the counted tokens; `None` without prices.
-    pub cost: Option<f64>,
-}
-
 /// Counts, and says when to stop.
 #[derive(Debug)]
 pub(super) struct Ledger {
     budget: Budget,
     price: Option<Price>,
-    spent: Mutex<Spent>,
+    spent: Mutex<ModelSpent>,
 }
 
 impl Ledger {
@@ -99,17 +82,17 @@ impl Ledger {
         self.lock().cached += 1;
     }
 
-    pub fn spent(&self) -> Spent {
+    pub fn spent(&self) -> ModelSpent {
         let spent = *self.lock();
         let cost = self.price.map(|p| {
             (spent.input_tokens as f64 * p.input_per_million
                 + spent.output_tokens as f64 * p.output_per_million)
                 / 1e6
         });
-        Spent { cost, ..spent }
+        ModelSpent { cost, ..spent }
     }
 
-    fn lock(&self) -> MutexGuard<'_, Spent> {
+    fn lock(&self) -> MutexGuard<'_, ModelSpent> {
         self.spent.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

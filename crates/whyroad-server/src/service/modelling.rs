@@ -3,7 +3,7 @@
 //! Restarting the service goes on with the tasks that are left; answers that had come are in the model's cache.
 
 use crate::app::App;
-use crate::domain::model::{ModelRunKind, ModelSpent};
+use crate::domain::model::ModelRunKind;
 use crate::language_model::{LanguageModel, ModelFailure, ModelSession};
 use crate::problem::{Answer, Problem};
 use crate::secret;
@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use whyroad_model::messages::CocLabel;
-use whyroad_model::{Bilingual, Lang};
+use whyroad_model::{Bilingual, Lang, ModelSpent};
 
 /// Between two looks for runs.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
@@ -277,7 +277,7 @@ fn draft(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Re
 /// The model's answers to questions about a label that was handed in.
 fn judge(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Result<(), Stop> {
     let t = app.store.read(|tx| tasks::get(tx, task))?;
-    if !judgements::is_handed_in(t.at.state) {
+    if !judgements::HANDED_IN.contains(&t.at.state) {
         return Ok(left_out(app, run, task)?);
     }
     let label: CocLabel = serde_json::from_value(t.draft.clone()).map_err(|e| ModelFailure {
@@ -289,7 +289,7 @@ fn judge(app: &App, session: &dyn ModelSession, run: &Claimed, task: &str) -> Re
     app.store.write(move |tx| {
         let mut t = tasks::get_for_change(tx, &task)?;
         // The answers are about the label as it was.
-        let outcome = if t.version == asked && judgements::is_handed_in(t.at.state) {
+        let outcome = if t.version == asked && judgements::HANDED_IN.contains(&t.at.state) {
             judgements::put(tx, &mut t, &judged, &run.actor, now)?;
             Outcome::Done
         } else {

@@ -10,9 +10,8 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 use whyroad_label::judged::{JudgedLabel, Question, QuestionKind};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
-use whyroad_model::{Bilingual, Lang};
+use whyroad_model::{Bilingual, Lang, ModelSpent};
 use whyroad_server::App;
-use whyroad_server::domain::model::ModelSpent;
 use whyroad_server::language_model::{LanguageModel, ModelFailure, ModelSession};
 
 /// In whatever the model makes of the time after the keyframe.
