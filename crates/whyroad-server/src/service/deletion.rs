@@ -85,6 +85,18 @@ fn places(tx: &mut dyn Tx) -> Answer<Vec<(&'static str, Vec<String>)>> {
     Ok(out)
 }
 
+/// Tables with rows that are a part of a task: they go with it.
+pub(super) fn parts_of_tasks(tx: &mut dyn Tx) -> Answer<Vec<&'static str>> {
+    let mut out = Vec::new();
+    // Who has seen which part of a drive outlives the task in which they saw it.
+    for table in TABLES.iter().filter(|t| **t != "seen") {
+        if tx.columns(table)?.iter().any(|column| column == "task_id") {
+            out.push(*table);
+        }
+    }
+    Ok(out)
+}
+
 /// Bodies of deliveries name the task; ids of tasks are letters and digits.
 fn about(task: &str) -> String {
     format!("%\"task\":\"{task}\"%")

@@ -18,10 +18,9 @@ const MODEL: &str = "";
 /// Seed of the intervals.
 const SEED: u64 = 1;
 
-/// True for labels that were handed in and that nobody may change now.
-pub fn is_handed_in(state: State) -> bool {
-    matches!(state, State::Submitted | State::InCheck | State::Checked | State::InAudit | State::Accepted)
-}
+/// Labels that were handed in and that nobody may change now.
+pub const HANDED_IN: [State; 5] =
+    [State::Submitted, State::InCheck, State::Checked, State::InAudit, State::Accepted];
 
 /// Stores a model's answers about the label of `t`; `actor` started the run. The task does not move by it.
 pub fn put(tx: &mut dyn Tx, t: &mut TaskRow, judged: &JudgedLabel, actor: &str, now: i64) -> Answer<()> {

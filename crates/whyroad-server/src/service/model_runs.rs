@@ -3,18 +3,17 @@
 //! same questions, and a run goes on after a restart.
 
 use crate::app::App;
-use crate::domain::model::{
-    ModelRun, ModelRunFailure, ModelRunKind, ModelRunState, ModelSpent, ModelWork, NewModelRun,
-};
+use crate::domain::model::{ModelRun, ModelRunFailure, ModelRunKind, ModelRunState, ModelWork, NewModelRun};
 use crate::domain::people::User;
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
 use crate::secret;
+use crate::service::judgements::HANDED_IN;
 use crate::service::projects::{json, parse};
 use crate::service::veil;
 use crate::store::{Row, Tx};
 use crate::values;
-use whyroad_model::Bilingual;
+use whyroad_model::{Bilingual, ModelSpent};
 
 /// A run whose service has not renewed its lease for so long is taken over, ms.
 const LEASE_MS: i64 = 20_000;
@@ -31,17 +30,18 @@ pub const UNBEGUN: &str =
 /// Of these the ones that no model has drafted.
 const UNDRAFTED: &str =
     "NOT EXISTS (SELECT 1 FROM history h WHERE h.task_id = tasks.id AND h.action = 'model_draft')";
-/// Labels that were handed in and are nobody's to change.
-pub const HANDED_IN: &str = "state IN ('submitted', 'in_check', 'checked', 'in_audit', 'accepted')";
-/// Of these the ones that no model has judged as they are.
+/// Labels that no model has judged as they are.
 const UNJUDGED: &str = "NOT EXISTS (SELECT 1 FROM judgements j WHERE j.task_id = tasks.id AND j.judge = ''
     AND j.version = tasks.version)";
 
 /// Which tasks a run of `kind` takes, and which of them wait for it.
-fn conditions(kind: ModelRunKind) -> (&'static str, &'static str) {
+fn conditions(kind: ModelRunKind) -> (String, &'static str) {
     match kind {
-        ModelRunKind::Draft => (UNBEGUN, UNDRAFTED),
-        ModelRunKind::Judge => (HANDED_IN, UNJUDGED),
+        ModelRunKind::Draft => (UNBEGUN.to_owned(), UNDRAFTED),
+        ModelRunKind::Judge => {
+            let states = HANDED_IN.map(|state| format!("'{}'", state.word())).join(", ");
+            (format!("state IN ({states})"), UNJUDGED)
+        }
     }
 }
 
@@ -99,7 +99,7 @@ fn shown(tx: &mut dyn Tx, row: &Row, roles: &[Role]) -> Answer<ModelRun> {
     })
 }
 
-/// What failed, and why. The reason may be what comes after the keyframe, so who may yet do Stage I is not told it.
+/// What failed, and why. The reason may be what comes after the keyframe, so it is withheld from whoever may yet do Stage I.
 fn failures(tx: &mut dyn Tx, run: &str, project: &str, roles: &[Role]) -> Answer<Vec<ModelRunFailure>> {
     let class = veil::shown_class_sql(&veil::of(tx, project)?);
     let sql = format!(

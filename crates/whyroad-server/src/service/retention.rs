@@ -3,7 +3,7 @@
 
 use crate::app::App;
 use crate::problem::Answer;
-use crate::service::projects;
+use crate::service::{deletion, projects};
 use crate::values;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -34,17 +34,10 @@ pub fn sweep(app: &App) -> Answer<u64> {
                        AND state IN ('accepted', 'skipped', 'rejected') ORDER BY updated, id LIMIT $3",
                     values![&id, before, AT_ONCE],
                 )?;
+                let parts = deletion::parts_of_tasks(tx)?;
                 for row in &rows {
                     let task = row.text("id")?;
-                    for table in [
-                        "history",
-                        "comments",
-                        "thumbnails",
-                        "safety",
-                        "gold",
-                        "judgements",
-                        "model_run_tasks",
-                    ] {
+                    for table in &parts {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }
                     tx.run("DELETE FROM tasks WHERE id = $1", values![&task])?;
