@@ -62,7 +62,7 @@ pub struct App {
     /// Where webhooks may go.
     pub reach: Reach,
     /// What makes faces and plates in images unreadable; images are shown as they are without it.
-    pub blur: Option<Blur>,
+    pub blur: Option<Arc<Blur>>,
     /// How images in object stores are linked.
     pub image_links: ImageLinks,
     /// Whose certificates webhooks believe.

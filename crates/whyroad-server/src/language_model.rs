@@ -1,11 +1,10 @@
 //! What the service needs of a language model: drafts and judgements. Handed in by the caller, so that this crate calls
 //! no model, knows no prompt and holds no key.
 
-use crate::domain::model::ModelSpent;
 use std::sync::Arc;
 use whyroad_label::judged::JudgedLabel;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
-use whyroad_model::{Bilingual, Lang};
+use whyroad_model::{Bilingual, Lang, ModelSpent};
 
 /// Why a draft or a judgement was not made.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,21 +1,21 @@
 //! The language model of the labelling service: `whyroad-chat`, with the drives and images that the service shows,
 //! behind the traits that the service knows. The key stays in the client's settings.
 
-use crate::model_args::{ModelArgs, share};
+use crate::arguments::share;
+use crate::model_args::ModelArgs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use whyroad_chat::draft::{Drafter, NoDraft};
 use whyroad_chat::judge::{Judge, is_for_people};
 use whyroad_chat::scene::Images;
-use whyroad_chat::{Client, ImageKind, Settings, Spent};
+use whyroad_chat::{Client, ImageKind, Settings};
 use whyroad_framework::Framework;
 use whyroad_label::check::{Checker, Recorded};
 use whyroad_label::judged::JudgedLabel;
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang};
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, ModelSpent};
 use whyroad_server::blur::Blur;
-use whyroad_server::domain::model::ModelSpent;
 use whyroad_server::language_model::{LanguageModel, ModelFailure, ModelSession};
 use whyroad_server::problem::Problem;
 use whyroad_server::recordings::{CheckedDrives, Recordings};
@@ -47,7 +47,7 @@ impl ServiceModelArgs {
         &self,
         framework: &'static Framework,
         recordings: &Arc<dyn Recordings>,
-        (data, blur): (&Path, Option<Blur>),
+        (data, blur): (&Path, Option<Arc<Blur>>),
         lang: Lang,
     ) -> anyhow::Result<Option<Arc<dyn LanguageModel>>> {
         let Some(url) = &self.model else { return Ok(None) };
@@ -76,7 +76,7 @@ struct Source {
     framework: &'static Framework,
     checker: Checker<'static>,
     recordings: Arc<dyn Recordings>,
-    blur: Option<Blur>,
+    blur: Option<Arc<Blur>>,
     people_share: f64,
 }
 
@@ -157,9 +157,7 @@ impl ModelSession for Session {
     }
 
     fn spent(&self) -> ModelSpent {
-        let Spent { requests, cached, input_tokens, output_tokens, answers_without_count, cost } =
-            self.client.spent();
-        ModelSpent { requests, cached, input_tokens, output_tokens, answers_without_count, cost }
+        self.client.spent()
     }
 }
 

@@ -5,6 +5,7 @@
 mod output;
 
 mod analytics;
+mod arguments;
 mod cmd;
 mod framework_folder;
 mod help;
@@ -65,7 +66,7 @@ enum Command {
     Ingest(cmd::ingest::Args),
     /// Show what a lake holds
     Inspect(cmd::inspect::Args),
-    /// Delete drives from a lake and from everything that was made of them
+    /// Pack, list and upgrade a lake, or delete drives from it and from everything made of them
     Lake(cmd::lake::Args),
     /// Attach camera pictures to a drive of a lake
     Media(cmd::media::Args),

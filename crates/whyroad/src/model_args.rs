@@ -4,8 +4,8 @@ use anyhow::bail;
 use std::path::PathBuf;
 use std::time::Duration;
 use whyroad_chat::client::Key;
-use whyroad_chat::{Budget, Client, Price, Settings, Spent};
-use whyroad_model::{Diagnostic, Lang};
+use whyroad_chat::{Budget, Client, Price, Settings};
+use whyroad_model::{Diagnostic, Lang, ModelSpent};
 
 /// Options of a model behind an OpenAI-compatible interface.
 #[derive(clap::Args, Clone, Debug)]
@@ -51,12 +51,6 @@ fn price(text: &str) -> Result<f64, String> {
     if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("a price is 0 or more".to_owned()) }
 }
 
-/// A share, 0 to 1.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a share is from 0 to 1".to_owned()) }
-}
-
 impl ModelArgs {
     /// The client for the endpoint at `url`; answers are kept in `cache` unless `--cache` names another folder.
     pub(crate) fn client(&self, url: &str, cache: PathBuf, lang: Lang) -> anyhow::Result<Client> {
@@ -96,8 +90,8 @@ pub(crate) fn cache_beside(out: &std::path::Path) -> PathBuf {
 }
 
 /// What was spent, as one line.
-pub(crate) fn cost(spent: &Spent, lang: Lang) -> String {
-    let Spent { requests, cached, input_tokens, output_tokens, answers_without_count, cost } = *spent;
+pub(crate) fn cost(spent: &ModelSpent, lang: Lang) -> String {
+    let ModelSpent { requests, cached, input_tokens, output_tokens, answers_without_count, cost } = *spent;
     let uncounted = match (answers_without_count, lang) {
         (0, _) => String::new(),
         (n, Lang::Zh) => format!("（另有 {n} 个回答未给出令牌数）"),

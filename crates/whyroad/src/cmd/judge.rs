@@ -1,7 +1,8 @@
 //! `whyroad judge`: true/false questions about labels, answered by a model; a share of the labels goes to people.
 
 use super::draft::LakeImages;
-use crate::model_args::{ModelArgs, cache_beside, cost, share, tell_all};
+use crate::arguments::share;
+use crate::model_args::{ModelArgs, cache_beside, cost, tell_all};
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write};
 use crate::{Global, framework_folder, output};

@@ -1,5 +1,6 @@
 //! `whyroad other`: moments that no class explains, similar ones together, with the classes that come nearest.
 
+use crate::arguments::share;
 use crate::cmd::tasks::import_lines;
 use crate::output::reason::{cannot_read, cannot_write};
 use crate::output::{Print, render_text};
@@ -56,11 +57,6 @@ pub(crate) struct Args {
     store: store_args::StoreArgs,
     #[command(flatten)]
     print: Print,
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("must be between 0 and 1".to_owned()) }
 }
 
 /// A moment, what it was found from, and how it compares.

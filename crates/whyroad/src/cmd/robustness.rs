@@ -1,5 +1,6 @@
 //! `whyroad robustness`: how far mining agrees with itself when the log is made worse.
 
+use crate::arguments::share;
 use crate::output::reason::cannot_write;
 use crate::output::{DataFormat, render_text};
 use crate::{Global, framework_folder, output};
@@ -60,11 +61,6 @@ const LISTED_BELOW: f64 = 0.95;
 fn perturbation(name: &str) -> Result<Perturbation, String> {
     let names = || Perturbation::ALL.map(Perturbation::name).join(", ");
     Perturbation::from_name(name).ok_or_else(|| format!("possible values: {}", names()))
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("must be between 0 and 1".to_owned()) }
 }
 
 /// What one drive gave: its episodes as it is, and those of each perturbation.

@@ -98,18 +98,16 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         lifetime: Duration::from_secs(args.media_link_seconds),
         origins: recordings.image_origins()?,
     };
-    let blur = || -> anyhow::Result<Option<Blur>> {
-        let cache = args.store.data.join("blurred");
-        let blur = args.blur.clone().map(|program| Blur::new(program, cache.clone())).transpose();
-        blur.with_context(|| cannot_write(cache.display()))
-    };
+    let cache = args.store.data.join("blurred");
+    let blur = args.blur.map(|program| Blur::new(program, cache.clone()).map(Arc::new)).transpose();
+    let blur = blur.with_context(|| cannot_write(cache.display()))?;
     let recordings: Arc<dyn Recordings> = recordings;
-    let model = args.model.model(framework, &recordings, (&args.store.data, blur()?), global.lang)?;
+    let model = args.model.model(framework, &recordings, (&args.store.data, blur.clone()), global.lang)?;
     let mut app = App::new(store, framework, recordings).map_err(|p| store_args::error(&p, global.lang))?;
     app.model = model;
     app.oidc = oidc;
     app.image_links = image_links;
-    app.blur = blur()?;
+    app.blur = blur;
     app.reports = Some(Arc::new(reports));
     if args.https {
         app.cookies = whyroad_server::app::Cookies::Secure;
