@@ -173,6 +173,9 @@ fn found_in(rule: &Rule, table: &SignalTable) -> Found {
     find_all(&Plan::of_rules([rule]), &Signals::of_table(table)).pop().unwrap_or_default()
 }
 
+/// Finds what each rule finds in a drive.
+type Find<'a> = fn(&Miner<'a>, &DriveId, &Outline) -> Result<Vec<Found>, LakeError>;
+
 /// Mines single drives; what all drives of one run share. [`mine_each`] is a loop around it, and so is every other
 /// engine that spreads drives over workers.
 pub struct Miner<'a> {
@@ -194,18 +197,16 @@ impl<'a> Miner<'a> {
 
     /// The results of a drive. A drive that cannot be read, or on which the program panics, is an error of its own.
     pub fn drive(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
-        let mined = std::panic::catch_unwind(AssertUnwindSafe(|| self.mine_one(id)));
-        mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
+        self.guarded(id, Self::found)
     }
 
     /// [`Miner::drive`] of a drive whose tables were changed in their place: what is stored of it is made again.
     pub fn drive_afresh(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
-        let mined = std::panic::catch_unwind(AssertUnwindSafe(|| {
-            let unreadable = |e: LakeError| unreadable(id, &e);
-            let outline = self.lake.outline(id).map_err(unreadable)?;
-            let found = self.found_afresh(id, &outline).map_err(unreadable)?;
-            Ok(self.written_down(id, outline, found))
-        }));
+        self.guarded(id, Self::found_afresh)
+    }
+
+    fn guarded(&self, id: &DriveId, fast: Find<'a>) -> Result<MinedDrive, Box<Diagnostic>> {
+        let mined = std::panic::catch_unwind(AssertUnwindSafe(|| self.mine_one(id, fast)));
         mined.unwrap_or_else(|_| Err(Box::new(crashed(id))))
     }
 
@@ -221,11 +222,12 @@ impl<'a> Miner<'a> {
         self.unwritable.load(Ordering::Relaxed).then(|| unwritable(self.lake))
     }
 
-    fn mine_one(&self, id: &DriveId) -> Result<MinedDrive, Box<Diagnostic>> {
+    /// `fast` finds what each rule finds where the fast evaluator is asked for.
+    fn mine_one(&self, id: &DriveId, fast: Find<'a>) -> Result<MinedDrive, Box<Diagnostic>> {
         let unreadable = |e: LakeError| unreadable(id, &e);
         let outline = self.lake.outline(id).map_err(unreadable)?;
         let found = match self.options.evaluator {
-            Evaluator::Fast => self.found(id, &outline).map_err(unreadable)?,
+            Evaluator::Fast => fast(self, id, &outline).map_err(unreadable)?,
             Evaluator::Reference => {
                 let table = derived_signals(self.lake, id).map_err(unreadable)?;
                 let one = |rule: &Rule| {
