@@ -131,9 +131,15 @@ fn unknown_class<'k>(id: &str, known: impl Iterator<Item = &'k str>, node: &Node
         "spec.class.unknown",
         Bilingual::new(format!("分类体系中没有 '{id}'"), format!("the taxonomy has no '{id}' here")),
     );
-    if let Some(near) = did_you_mean(id, known) {
-        d = d.with_hint(suggestion(near));
-    }
+    d = d.with_hint(did_you_mean(id, known).map_or_else(
+        || {
+            Bilingual::new(
+                "新类别须先写入 schema/scenario_taxonomy.yaml",
+                "a new class must be in schema/scenario_taxonomy.yaml first",
+            )
+        },
+        suggestion,
+    ));
     r.push(d, node.mark, &node.pointer);
 }
 
