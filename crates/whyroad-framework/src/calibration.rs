@@ -226,7 +226,7 @@ mod tests {
             (share(0.5), share(0.79994), share(0.79996), share(0.98)),
             (Some(0.5), Some(0.5), Some(0.7), Some(0.7))
         );
-        // Four judged episodes are too few, none are none.
+        // Four judged episodes are too few, no episodes as well.
         assert_eq!((table.share(&id("a.b.d"), 0.9), table.share(&id("a.b.e"), 0.9)), (None, None));
         assert_eq!(table.totals(), (24, 16));
     }

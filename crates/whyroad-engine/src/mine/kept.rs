@@ -12,7 +12,7 @@ use whyroad_model::{Bilingual, FrameRange, ScenarioId, TrackId};
 /// Name of the file beside the drive.
 pub const FILE: &str = "found.json";
 
-/// So many rules of former runs are kept beside those of the present one (single questions come and go).
+/// Rules of former runs that are kept beside those of the present one (single questions come and go).
 const FORMER: usize = 1000;
 
 /// What is kept of a drive.

@@ -18,7 +18,7 @@ pub(super) enum Wording {
     Same,
     /// Said differently.
     Reworded,
-    /// Meaning something else, as far as can be told.
+    /// Meaning something else, as far as can be determined.
     Meaning,
 }
 

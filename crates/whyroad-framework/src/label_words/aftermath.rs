@@ -18,7 +18,7 @@ pub enum TellWord {
     Past,
     /// Past tense where a subject precedes it.
     PastOfSubject,
-    /// Ends like a past tense and is none.
+    /// Ends like a past tense but is not one.
     NotPast,
     /// An outcome, also of the decision itself.
     Outcome,

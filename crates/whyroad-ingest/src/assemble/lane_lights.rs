@@ -7,7 +7,7 @@ use whyroad_model::scene::{LightColour, LightState};
 /// that neither defines.
 ///
 /// A green that is not stated to be an arrow is taken for the ordinary round light, under which a left turn gives way
-/// to oncoming traffic. Flashing red asks to stop and then to go on, which is none of our colours: unknown.
+/// to oncoming traffic. Flashing red asks to stop and then to go on, which is not among our colors: unknown.
 pub(crate) fn colour(name: &str) -> Option<LightColour> {
     Some(match name.trim_start_matches("LANE_STATE_").trim_start_matches("TRAFFIC_LIGHT_") {
         "ARROW_STOP" | "STOP" | "RED" => LightColour::Red,

@@ -10,9 +10,9 @@ use std::path::Path;
 use std::rc::Rc;
 
 const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
-/// A record larger than this is none.
+/// Largest record; a greater length is damage, bytes.
 const MAX_RECORD: u64 = 1 << 31;
-/// More headers of connections than this are none.
+/// Most headers of connections; a greater number is damage.
 const MAX_CONNECTIONS: usize = 100_000;
 
 /// Why reading stopped, or what was passed over.

@@ -9,7 +9,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n'];
-/// A chunk or message larger than this is none.
+/// Largest chunk or message; a greater length is damage, bytes.
 const MAX_RECORD: u64 = 1 << 31;
 
 /// How messages of a channel are to be read.

@@ -3,7 +3,7 @@
 //! both together.
 //!
 //! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown
-//! column or word is told, a cell that cannot be read is unknown and counted, a row without time, place or id is
+//! column or word is reported, a cell that cannot be read is unknown and counted, a row without time, place or id is
 //! dropped and counted.
 
 mod ego;

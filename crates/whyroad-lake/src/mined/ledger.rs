@@ -3,8 +3,8 @@
 //!
 //! The last line seals the ledger: it names the files of the folder by their identity (length, time of change, number).
 //! A ledger that is not sealed, or whose files were changed, copied or half replaced by a killed run, does not count:
-//! all drives are opened then. It says nothing about results that depend on anything else than the drive and
-//! [`Ledger::of`].
+//! all drives are opened then. It says nothing about results that depend on anything else than the drive and what the
+//! run stated about itself in `of`.
 
 use super::error::{MinedWriteError, encoding, io};
 use super::{MinedFile, MinedFolder};
@@ -44,8 +44,6 @@ pub struct LedgerEntry {
 /// What an earlier run left.
 #[derive(Debug)]
 pub struct Ledger {
-    /// All that results depend on besides the drives, as the run stated it.
-    pub of: String,
     /// What drives could not decide: many drives have the same.
     pub gaps: Vec<Gaps>,
     /// The drives, by id.
@@ -104,7 +102,7 @@ impl Ledger {
         // Every byte of the files is of one of the drives.
         let whole = files.iter().zip(at).all(|(f, bytes)| f.metadata().is_ok_and(|m| m.len() == bytes));
         let dir = folder.dir().to_owned();
-        whole.then(|| Self { of: of.to_owned(), gaps, entries, starts, files, dir })
+        whole.then(|| Self { gaps, entries, starts, files, dir })
     }
 
     /// Position of a drive.

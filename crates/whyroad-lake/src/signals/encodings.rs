@@ -39,7 +39,7 @@ pub(super) fn with_length<'b>(bytes: &mut &'b [u8]) -> Option<&'b [u8]> {
 pub(super) enum Stretch<'b> {
     /// The same number so often.
     Same(u32, usize),
-    /// So many numbers, packed.
+    /// A given count of numbers, packed.
     Packed(&'b [u8], usize),
 }
 

@@ -85,7 +85,7 @@ impl Steps {
     }
 
     /// The first place at which these are not the numbers of `expected`, one range after another; `None` where they are
-    /// all of them. More numbers than expected are none of this function's business.
+    /// all of them. Additional numbers are ignored.
     pub fn differ(&self, expected: impl Iterator<Item = std::ops::Range<i64>>) -> Option<usize> {
         let mut stretches = self.stretches.iter();
         let (mut now, mut row): (&[Stretch], usize) = (&[], 0);

@@ -39,7 +39,7 @@ impl MemoryObjects {
         }
     }
 
-    /// Another process, which fails after so many writing calls.
+    /// Another process, which fails after a given number of writing calls.
     pub fn failing_after(&self, calls: u64, loses_answers: bool) -> Self {
         let left = Arc::new(Mutex::new(Some(calls)));
         Self { left, loses_answers, calls: Arc::default(), ..self.clone() }

@@ -123,7 +123,7 @@ fn neighbours(f: Value<'_>, key: &str) -> Vec<Neighbour> {
     items.filter_map(one).collect()
 }
 
-/// MetaDrive's line types, colour left out. Which side of a passing line is solid is not told.
+/// MetaDrive's line types, color left out. They do not say which side of a passing line is solid.
 fn mark(name: &str) -> LaneMark {
     let kind = name.trim_start_matches("ROAD_LINE_");
     match kind.rsplit_once('_').map_or(kind, |(kind, _colour)| kind) {

@@ -2,7 +2,7 @@
 //!
 //! Lane edges are the lane's shape moved by half its width to either side. Lanes inside junctions are SUMO's internal
 //! lanes; walking areas and tracks of rails are left out. A node counts as a junction when it joins three or more
-//! other nodes: a node that only bends a road or changes its number of lanes is none, nor is one where one-way roads
+//! other nodes: a node that only bends a road or changes its number of lanes is not one, nor is one where one-way roads
 //! merge or part at small angles (ramps of a motorway). SUMO has no lane marks (unknown) and its limit on internal
 //! lanes is a turning speed, not the law (left out).
 
@@ -72,7 +72,7 @@ struct Raw {
     roundabouts: Vec<Vec<String>>,
 }
 
-/// Reads the network as far as it can be read. `Err` when it is none.
+/// Reads the network as far as it can be read. `Err` when the file is not a network.
 pub(super) fn read(path: &Path) -> Result<Net, String> {
     let mut net = Net { count: RowCount::new("map"), ..Net::default() };
     let mut raw = Raw::default();

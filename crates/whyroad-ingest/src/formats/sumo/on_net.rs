@@ -24,7 +24,7 @@ const PER_VEHICLE: usize = 20;
 const PROBES: usize = 20_000;
 /// Size of the cells by which lanes are looked up, m.
 const CELL_M: f64 = 20.0;
-/// A straight piece of road that is longer is none: a point far away is an error of the file, m.
+/// Longest straight piece of road: a longer one has a point far away, an error of the file, m.
 const LONGEST_M: f64 = 100_000.0;
 
 /// How far the vehicles of a log drive on a network.

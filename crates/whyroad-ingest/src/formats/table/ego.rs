@@ -195,11 +195,11 @@ impl EgoRows {
         }
         let mut motion = samples.motion_at(&clock.frames, clock.max_gap_s);
         let number = |v: &[f64]| linear(&seconds, v, &clock.frames, clock.max_gap_s);
-        let told = |v: &[f64]| v.iter().any(|x| x.is_finite());
-        if told(&self.yaw_rate) {
+        let is_given = |v: &[f64]| v.iter().any(|x| x.is_finite());
+        if is_given(&self.yaw_rate) {
             motion.yaw_rate = number(&self.yaw_rate);
         }
-        if told(&self.accel) {
+        if is_given(&self.accel) {
             motion.accel = number(&self.accel);
         }
         let last = latest(&seconds, &clock.frames, clock.max_gap_s);
@@ -210,15 +210,19 @@ impl EgoRows {
             reference_to_centre_m: d,
             motion,
             bus: EgoBus {
-                speed_mps: if told(&self.bus.speed_mps) { number(&self.bus.speed_mps) } else { Vec::new() },
-                steering: if told(&self.bus.steering) { number(&self.bus.steering) } else { Vec::new() },
-                throttle: if told(&self.bus.throttle) { number(&self.bus.throttle) } else { Vec::new() },
+                speed_mps: if is_given(&self.bus.speed_mps) {
+                    number(&self.bus.speed_mps)
+                } else {
+                    Vec::new()
+                },
+                steering: if is_given(&self.bus.steering) { number(&self.bus.steering) } else { Vec::new() },
+                throttle: if is_given(&self.bus.throttle) { number(&self.bus.throttle) } else { Vec::new() },
                 brake: states(&self.bus.brake, &last),
                 gear: states(&self.bus.gear, &last),
                 turn_signal: states(&self.bus.turn_signal, &last),
                 aeb: states(&self.bus.aeb, &last),
                 wipers: states(&self.bus.wipers, &last),
-                vertical_accel: if told(&self.bus.vertical_accel) {
+                vertical_accel: if is_given(&self.bus.vertical_accel) {
                     greatest(&seconds, &self.bus.vertical_accel, &clock.frames, FRAME_S)
                 } else {
                     Vec::new()

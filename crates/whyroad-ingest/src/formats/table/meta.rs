@@ -31,7 +31,7 @@ pub(super) struct Meta {
 /// The recording vehicle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EgoBox {
-    /// NaN where not told.
+    /// NaN where not stated.
     pub length_m: f64,
     pub width_m: f64,
     pub height_m: f64,

@@ -67,8 +67,8 @@ pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
             problems.row("unknown_word", row, &mut count);
             continue;
         };
-        let told = values[i].as_deref().filter(|v| *v != UNKNOWN);
-        let value = told.and_then(|text| match context_values(&kind)? {
+        let stated = values[i].as_deref().filter(|v| *v != UNKNOWN);
+        let value = stated.and_then(|text| match context_values(&kind)? {
             ContextValues::Words(list) => words.check("value", text, list),
             ContextValues::Number(_) => {
                 let is_number = text.parse::<f64>().is_ok_and(f64::is_finite);

@@ -88,7 +88,7 @@ fn keys_for_other_uses_are_passed_over() {
     ] {
         assert_eq!(verified(&token, &key(other.clone())), Err("key"), "{other}");
     }
-    // Half of a point, and a set that is none.
+    // Half of a point, and a set that is not one.
     assert!(
         keys::read(&json!({ "keys": [{ "kty": "EC", "crv": "P-256", "x": "AQ", "y": "AQ" }, 7, null] }))
             .is_empty()
