@@ -2,16 +2,18 @@
 //! Nothing here knows of driving.
 
 mod angle;
+mod box_grid;
 mod last_place;
 mod oriented_box;
 mod polygon;
 mod polyline;
 
 pub use angle::{angle_between_lines, unwrap, wrap};
+pub use box_grid::BoxGrid;
 pub use last_place::LastPlace;
 pub use oriented_box::OrientedBox;
 pub use polygon::Polygon;
-pub use polyline::{Polyline, Projection, Ray, Window};
+pub use polyline::{Polyline, Projection, Ray, Window, interpolate};
 
 use std::ops::{Add, Mul, Sub};
 
@@ -46,6 +48,17 @@ impl P2 {
     /// Length.
     pub fn norm(self) -> f64 {
         self.x.hypot(self.y)
+    }
+    /// True when its length is at most `reach`: `norm() <= reach`, mostly told by the square of the length.
+    pub fn is_within(self, reach: f64) -> bool {
+        let (length2, reach2) = (self.dot(self), reach * reach);
+        if length2 < reach2 * (1.0 - 1e-12) {
+            reach > 0.0
+        } else if length2 > reach2 * (1.0 + 1e-12) {
+            false
+        } else {
+            self.norm() <= reach
+        }
     }
     /// Turned left by a right angle.
     pub fn left(self) -> P2 {

@@ -45,7 +45,7 @@ pub(crate) const DIRECTED_MPS: f64 = 1.0;
 
 /// A vector of the world in the ego's axes, x forward, y left.
 fn in_ego_axes(scene: &Interaction<'_>, frame: usize, v: P2) -> P2 {
-    let forward = P2::from_heading(scene.around.ego.heading[frame]);
+    let forward = scene.around.ego.footprint(frame).direction();
     p2(v.dot(forward), v.dot(forward.left()))
 }
 
@@ -59,7 +59,7 @@ fn relative_direction(scene: &Interaction<'_>, p: &Placement) -> Option<TargetRe
         return None;
     }
     let (at, front, side) = (seen_at(scene, p), ego.length / 2.0, ego.width / 2.0);
-    Some(if ego.footprint(p.frame).is_farther(&p.footprint, DIRECTION_REACH_M) {
+    Some(if p.distance > DIRECTION_REACH_M {
         TargetRefavRelativeDirection::None
     } else if at.x > front {
         TargetRefavRelativeDirection::Front

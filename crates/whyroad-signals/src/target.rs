@@ -1,5 +1,6 @@
 //! The targets: their rows, their placement around the ego, its path and its lanes, and what each does by itself.
 
+pub mod approach;
 pub mod crosswalk;
 pub mod detour;
 pub mod free_width;

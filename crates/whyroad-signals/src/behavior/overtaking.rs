@@ -1,6 +1,5 @@
 //! Targets that the ego has passed: wholly ahead a while ago, wholly behind now, going the same way.
 
-use crate::geometry::wrap;
 use crate::table::TableBuilder;
 use crate::target::interaction::Interaction;
 use crate::target::placement::{MOVING_MPS, Placement, Target};
@@ -24,7 +23,7 @@ fn passed(target: &Target<'_>, ego_length: f64, times: &[f64]) -> Vec<f64> {
     let mut moments = Vec::new();
     for p in target.places.iter().flatten() {
         let beside = p.path.lateral.abs() <= BESIDE_M && p.same_level && p.within_reach();
-        let same_way = wrap(p.course() - p.path.heading).abs() <= FRAC_PI_4;
+        let same_way = p.turned() <= FRAC_PI_4;
         if !beside || !same_way {
             ahead = None;
             continue;

@@ -1,7 +1,6 @@
 //! Targets beside the ego's way: how much room is between them and the band that the ego's body sweeps, and whether
 //! the two pass each other in opposite directions.
 
-use crate::geometry::wrap;
 use crate::table::TableBuilder;
 use crate::target::gaps;
 use crate::target::interaction::Interaction;
@@ -39,7 +38,7 @@ fn passing(p: &Placement, class: ObjectClass, around: &Surroundings<'_>) -> Tri 
     if speed.is_nan() {
         return Tri::Unknown;
     }
-    let faces = wrap(p.course() - p.path.heading).abs() >= OPPOSITE_RAD - 1e-9;
+    let faces = p.turned() >= OPPOSITE_RAD - 1e-9;
     let beside = p.path.lateral.abs() <= BESIDE_M && alongside(p, ego.length);
     Tri::from(faces && beside && speed >= CLOSING_LEAST_MPS)
 }

@@ -1,6 +1,6 @@
 //! Traffic around the ego: how many, how fast, whether it is congested, and the queue before the ego's stop line.
 
-use crate::geometry::{P2, p2, wrap};
+use crate::geometry::{P2, p2};
 use crate::road::ego_lane::OnCorridor;
 use crate::road::network::Road;
 use crate::table::TableBuilder;
@@ -31,7 +31,7 @@ const QUEUE_HELD_S: f64 = 5.0;
 fn flows(p: &Placement) -> bool {
     let beside = p.path.lateral.abs();
     let near = p.ahead.abs() <= FLOW_REACH_M.0 && beside <= FLOW_REACH_M.1 && p.same_level;
-    let same_way = wrap(p.course() - p.path.heading).abs() <= FRAC_PI_4;
+    let same_way = p.turned() <= FRAC_PI_4;
     near && same_way && (p.speed() >= MOVING_MPS || p.in_way || beside <= PARKED_BESIDE_M)
 }
 
@@ -122,7 +122,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let (mut density, mut flow) = (vec![0.0; n], vec![(0_usize, 0.0); n]);
     for target in scene.targets.iter().filter(|t| t.track.class.is_vehicle()) {
         for p in target.places.iter().flatten() {
-            if (p.footprint.centre - ego.position[p.frame]).norm() <= DENSITY_REACH_M {
+            if (p.footprint.centre - ego.position[p.frame]).is_within(DENSITY_REACH_M) {
                 density[p.frame] += 1.0;
             }
             if flows(p) && p.speed().is_finite() {

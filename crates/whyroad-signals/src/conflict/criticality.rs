@@ -1,13 +1,13 @@
 //! What it takes to avoid contact, and how long the danger lasted: required deceleration, brake and steer threat
 //! numbers, deceleration to safety time, time exposed to and integrated under a TTC of 2 s.
 
-use crate::conflict::ttc::{self, CLOSING_LEAST_MPS};
+use crate::conflict::ttc::ttc;
 use crate::conflict::ttc_accel::accel_along;
 use crate::geometry::P2;
 use crate::table::TableBuilder;
-use crate::target::gaps::gap;
+use crate::target::approach::{Approach, CLOSING_LEAST_MPS, along};
 use crate::target::interaction::Interaction;
-use crate::target::placement::{Placement, Surroundings, Target};
+use crate::target::placement::{Placement, Target};
 use crate::target::rows::Rows;
 use whyroad_model::catalogue::id;
 
@@ -23,10 +23,9 @@ const TAU_S: f64 = 2.0;
 const LONGEST_FRAME_S: f64 = 0.25;
 
 /// Gap and closing speed of one row; `None` where a part is unknown.
-fn closing_pair(p: &Placement, around: &Surroundings<'_>) -> Option<(f64, f64)> {
-    let gap = gap(p, around.ego.length);
-    let closing = ttc::closing(p, gap, around);
-    (!gap.is_nan() && (gap.is_infinite() || !closing.is_nan())).then_some((gap, closing))
+fn closing_pair(p: &Placement) -> Option<Approach> {
+    let Approach { gap, closing } = p.approach;
+    (!gap.is_nan() && (gap.is_infinite() || !closing.is_nan())).then_some(p.approach)
 }
 
 fn closes(gap: f64, closing: f64) -> bool {
@@ -34,7 +33,7 @@ fn closes(gap: f64, closing: f64) -> bool {
 }
 
 /// Jansson's required longitudinal acceleration, m/s2, never positive.
-fn a_long_req(gap: f64, closing: f64, accel: impl FnOnce() -> f64) -> f64 {
+fn a_long_req(Approach { gap, closing }: Approach, accel: impl FnOnce() -> f64) -> f64 {
     if !closes(gap, closing) {
         0.0
     } else if gap <= 0.0 {
@@ -47,7 +46,7 @@ fn a_long_req(gap: f64, closing: f64, accel: impl FnOnce() -> f64) -> f64 {
 }
 
 /// Deceleration to safety time, m/s2. `theirs` gives the target's speed along the path, m/s.
-fn dst(gap: f64, closing: f64, theirs: impl FnOnce() -> f64) -> f64 {
+fn dst(Approach { gap, closing }: Approach, theirs: impl FnOnce() -> f64) -> f64 {
     if !closes(gap, closing) {
         return 0.0;
     }
@@ -71,12 +70,12 @@ fn a_lat_req(p: &Placement, ttc: f64, ego_width: f64) -> f64 {
 }
 
 /// Time exposed and time integrated under [`TAU_S`] up to each row, from the TTC of each.
-fn exposure(target: &Target<'_>, ttc: impl Fn(usize) -> f64, times: &[f64]) -> Vec<(f64, f64)> {
+fn exposure(target: &Target<'_>, ttc: impl Fn(&Placement) -> f64, times: &[f64]) -> Vec<(f64, f64)> {
     let (mut exposed, mut integrated) = (0.0, 0.0);
     let mut sums = Vec::with_capacity(target.places.len());
-    for (row, place) in target.places.iter().enumerate() {
-        let t = ttc(row);
+    for place in &target.places {
         if let Some(p) = place
+            && let t = ttc(p)
             && t <= TAU_S
         {
             // A frame lasts until the next one; the last as long as the one before.
@@ -95,26 +94,20 @@ fn exposure(target: &Target<'_>, ttc: impl Fn(usize) -> f64, times: &[f64]) -> V
 pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     let rows = Rows::new(scene.drive, table);
     let (targets, around) = (scene.targets, scene.around);
-    // Once a row: whether two meet is the expensive part, and all of the measures ask it.
-    let pairs: Vec<Vec<Option<(f64, f64)>>> = targets
-        .iter()
-        .map(|t| t.places.iter().map(|p| p.as_ref().and_then(|p| closing_pair(p, around))).collect())
-        .collect();
-    let of = |value: &dyn Fn(usize, usize, &Placement, f64, f64) -> f64| {
-        rows.spread(targets, f64::NAN, |k, r, p| match (p, pairs[k][r]) {
-            (Some(p), Some((gap, closing))) => value(k, r, p, gap, closing),
-            _ => f64::NAN,
+    let of = |value: &dyn Fn(usize, usize, &Placement, Approach) -> f64| {
+        rows.spread(targets, f64::NAN, |k, r, p| match p.and_then(|p| Some((p, closing_pair(p)?))) {
+            Some((p, pair)) => value(k, r, p, pair),
+            None => f64::NAN,
         })
     };
-    let along = of(&|k, r, p, gap, closing| a_long_req(gap, closing, || accel_along(p, targets[k].accel[r])));
-    table.number(id::TARGET_BTN, along.map(|a| a.abs() / BRAKE_MPS2));
-    table.number(id::TARGET_A_LONG_REQ, along);
-    let steer = |p: &Placement, gap, closing| a_lat_req(p, ttc::ttc(gap, closing), around.ego.width);
-    table.number(id::TARGET_STN, of(&|_, _, p, gap, closing| steer(p, gap, closing) / STEER_MPS2));
-    table.number(id::TARGET_DST, of(&|_, _, p, gap, closing| dst(gap, closing, || ttc::along(p))));
-    let ttc = |k: usize, r: usize| pairs[k][r].map_or(f64::NAN, |(gap, closing)| ttc::ttc(gap, closing));
-    let sums: Vec<Vec<(f64, f64)>> =
-        targets.iter().enumerate().map(|(k, t)| exposure(t, |r| ttc(k, r), scene.times)).collect();
+    let needed = of(&|k, r, p, pair| a_long_req(pair, || accel_along(p, targets[k].accel[r])));
+    table.number(id::TARGET_BTN, needed.map(|a| a.abs() / BRAKE_MPS2));
+    table.number(id::TARGET_A_LONG_REQ, needed);
+    let steer = |p: &Placement, pair| a_lat_req(p, ttc(pair), around.ego.width);
+    table.number(id::TARGET_STN, of(&|_, _, p, pair| steer(p, pair) / STEER_MPS2));
+    table.number(id::TARGET_DST, of(&|_, _, p, pair| dst(pair, || along(p))));
+    let ttc_of = |p: &Placement| closing_pair(p).map_or(f64::NAN, ttc);
+    let sums: Vec<Vec<(f64, f64)>> = targets.iter().map(|t| exposure(t, ttc_of, scene.times)).collect();
     table.number(id::TARGET_TET, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].0));
     table.number(id::TARGET_TIT, rows.spread(targets, f64::NAN, |k, r, _| sums[k][r].1));
 }

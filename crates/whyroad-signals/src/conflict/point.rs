@@ -95,7 +95,7 @@ fn recorded(target: &Target<'_>, around: &Surroundings<'_>, times: &[f64]) -> Ve
         let near = a.path.lateral.abs().max(b.path.lateral.abs()) < 10.0;
         let ahead = b.ahead >= -around.ego.length / 2.0 && b.within_reach() && b.same_level;
         let turned = b.speed() >= MOVING_MPS
-            && angle_between_lines(b.velocity.heading(), b.path.heading) >= CROSSING_LEAST_RAD;
+            && angle_between_lines(b.direction(), b.path.heading) >= CROSSING_LEAST_RAD;
         sides && near && ahead && turned && times[b.frame] - times[a.frame] <= JOINED_S
     };
     known.windows(2).filter(|w| crosses(w[0], w[1])).map(|w| times[w[1].frame]).collect()

@@ -1,11 +1,11 @@
 //! Time to collision when both go on with their present accelerations: along the path, and of the boxes. Who brakes
 //! stops and stays stopped. At equal accelerations the path's time is `target.ttc`.
 
-use crate::conflict::ttc::{self, Course};
+use crate::conflict::ttc::ttc;
 use crate::ego::motion::EgoMotion;
 use crate::geometry::{OrientedBox, P2, wrap};
 use crate::table::TableBuilder;
-use crate::target::gaps::gap;
+use crate::target::approach::{Course, along, course_of};
 use crate::target::interaction::Interaction;
 use crate::target::placement::{Placement, Surroundings};
 use crate::target::rows::Rows;
@@ -92,7 +92,7 @@ fn first_root(gap: f64, gain: f64, more: f64) -> Option<f64> {
 
 /// Acceleration of a target along the ego's path where it is, m/s2; 0 for what goes across it.
 pub fn accel_along(p: &Placement, accel: f64) -> f64 {
-    if ttc::course_of(p) == Course::Across {
+    if course_of(p) == Course::Across {
         0.0
     } else {
         accel * wrap(p.footprint.heading - p.path.heading).cos()
@@ -102,7 +102,7 @@ pub fn accel_along(p: &Placement, accel: f64) -> f64 {
 /// TTC along the path with both accelerations, s.
 fn along_path(p: &Placement, accel: f64, around: &Surroundings<'_>) -> f64 {
     let ego = around.ego;
-    let gap = gap(p, ego.length);
+    let gap = p.approach.gap;
     if gap.is_nan() || gap.is_infinite() {
         return gap;
     }
@@ -110,15 +110,15 @@ fn along_path(p: &Placement, accel: f64, around: &Surroundings<'_>) -> f64 {
         return 0.0;
     }
     let own = Line { speed: ego.forward_speed[p.frame], accel: ego.accel[p.frame] };
-    let theirs = Line { speed: ttc::along(p), accel: accel_along(p, accel) };
+    let theirs = Line { speed: along(p), accel: accel_along(p, accel) };
     if (own.accel - theirs.accel).is_nan() || (own.speed - theirs.speed).is_nan() {
         return f64::NAN;
     }
     if (own.accel - theirs.accel).abs() <= EQUAL_MPS2 {
-        return ttc::ttc(gap, ttc::closing(p, gap, around));
+        return ttc(p.approach);
     }
     let t = time_to_close(gap, own, theirs);
-    let meets = t.is_infinite() || ttc::course_of(p) == Course::Along || around.meets(p, t);
+    let meets = t.is_infinite() || course_of(p) == Course::Along || around.meets(p, t);
     if meets { t } else { f64::INFINITY }
 }
 
@@ -129,10 +129,7 @@ fn contact(a: &OrientedBox, da: P2, ma: Line, b: &OrientedBox, db: P2, mb: Line)
     let mut t = 0.0;
     while t <= BOX_HORIZON_S {
         let at = |c: P2, direction: P2, line: Line| c + direction * line.covered(t);
-        let (x, y) = (
-            OrientedBox { centre: at(a.centre, da, ma), ..*a },
-            OrientedBox { centre: at(b.centre, db, mb), ..*b },
-        );
+        let (x, y) = (a.moved_to(at(a.centre, da, ma)), b.moved_to(at(b.centre, db, mb)));
         // Circles first: far apart they tell enough.
         let circles = (x.centre - y.centre).norm() - around;
         let apart = if circles > 1.0 { circles } else { x.distance(&y) };
@@ -157,7 +154,7 @@ fn boxes(p: &Placement, class: ObjectClass, accel: f64, ego: &EgoMotion) -> f64 
         return f64::INFINITY;
     }
     // Vehicles roll where they point; whoever walks may look elsewhere.
-    let forward = P2::from_heading(p.footprint.heading);
+    let forward = p.footprint.direction();
     let (direction, speed) = if class.is_vehicle() || p.speed() < 1e-6 {
         (forward, p.velocity.dot(forward))
     } else {
@@ -165,7 +162,7 @@ fn boxes(p: &Placement, class: ObjectClass, accel: f64, ego: &EgoMotion) -> f64 
     };
     let theirs = Line { speed, accel };
     let footprint = ego.footprint(p.frame);
-    contact(&footprint, P2::from_heading(ego.heading[p.frame]), own, &p.footprint, direction, theirs)
+    contact(&footprint, footprint.direction(), own, &p.footprint, direction, theirs)
 }
 
 /// Writes `target.ttc_accel`, `ttc_box_accel`.
@@ -206,7 +203,7 @@ mod tests {
 
     #[test]
     fn boxes_that_brake_by_hand() {
-        let b = |x: f64| OrientedBox { centre: P2 { x, y: 0.0 }, heading: 0.0, length: 4.0, width: 2.0 };
+        let b = |x: f64| OrientedBox::new(P2 { x, y: 0.0 }, 0.0, 4.0, 2.0);
         let forward = P2 { x: 1.0, y: 0.0 };
         // Bumpers 12 m apart, as above: 2 s.
         let t = contact(&b(0.0), forward, line(10.0, -4.0), &b(16.0), forward, line(0.0, 0.0));

@@ -3,10 +3,10 @@
 //! slip by, and boxes at constant velocity leave a bend: none gives the moment when the cyclist began to concern the
 //! ego.
 
-use crate::conflict::ttc::CLOSING_LEAST_MPS;
 use crate::geometry::{OrientedBox, P2, wrap};
 use crate::road::ego_lane::lateral_extent;
 use crate::table::TableBuilder;
+use crate::target::approach::CLOSING_LEAST_MPS;
 use crate::target::placement::{Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use std::f64::consts::FRAC_PI_4;
@@ -19,23 +19,46 @@ fn reach_along(footprint: &OrientedBox, heading: f64) -> f64 {
     (footprint.length * angle.cos().abs() + footprint.width * angle.sin().abs()) / 2.0
 }
 
+/// The ego in its lane in one frame, once for all targets.
+#[derive(Clone, Copy)]
+struct Own {
+    /// Lateral extent of its box, left positive, m.
+    extent: (f64, f64),
+    /// Half the length that it takes up along the lane, m.
+    reach: f64,
+    /// m/s.
+    forward_speed: f64,
+}
+
+impl Own {
+    /// `None` without a lane, a size or a speed.
+    fn new(around: &Surroundings<'_>, frame: usize) -> Option<Self> {
+        let on = around.lanes.and_then(|l| l.at(frame))?;
+        let (footprint, forward_speed) = (around.ego.footprint(frame), around.ego.forward_speed[frame]);
+        if !footprint.length.is_finite() || !footprint.width.is_finite() || !forward_speed.is_finite() {
+            return None;
+        }
+        let reach = reach_along(&footprint, on.corridor.line.smooth_heading_at(on.s, 2.0));
+        Some(Self { extent: lateral_extent(on.corridor, &footprint, on.s), reach, forward_speed })
+    }
+}
+
 /// Seconds; infinite where the ego does not come up to the target, 0 beside it, NaN without a lane or a size.
-fn ttc_lane(p: &Placement, around: &Surroundings<'_>) -> f64 {
-    let on = around.lanes.and_then(|l| l.at(p.frame));
-    let (Some((at, _, _)), Some(on), true) = (p.lane, on, p.is_sized()) else { return f64::NAN };
-    let own = around.ego.footprint(p.frame);
-    let forward = around.ego.forward_speed[p.frame];
-    if !own.length.is_finite() || !own.width.is_finite() || !forward.is_finite() || !p.velocity.is_finite() {
+fn ttc_lane(p: &Placement, own: Option<Own>) -> f64 {
+    let (Some((at, _, _)), Some(own), true) = (p.lane, own, p.is_sized()) else { return f64::NAN };
+    if !p.velocity.is_finite() {
         return f64::NAN;
     }
     if !p.same_level || !p.within_reach() {
         return f64::INFINITY;
     }
-    let (low, high) = lateral_extent(on.corridor, &own, on.s);
+    let (low, high) = own.extent;
     let meets = |shift: f64| at.low + shift < high && at.high + shift > low;
-    let reaches = reach_along(&own, on.corridor.line.smooth_heading_at(on.s, 2.0))
-        + reach_along(&p.footprint, at.heading);
-    if !meets(0.0) || p.lane_ahead < -reaches {
+    if !meets(0.0) {
+        return f64::INFINITY;
+    }
+    let reaches = own.reach + reach_along(&p.footprint, at.heading);
+    if p.lane_ahead < -reaches {
         return f64::INFINITY;
     }
     let gap = p.lane_ahead - reaches;
@@ -43,7 +66,7 @@ fn ttc_lane(p: &Placement, around: &Surroundings<'_>) -> f64 {
         return 0.0;
     }
     let direction = P2::from_heading(at.heading);
-    let closing = forward - p.velocity.dot(direction);
+    let closing = own.forward_speed - p.velocity.dot(direction);
     if closing <= CLOSING_LEAST_MPS {
         return f64::INFINITY;
     }
@@ -58,6 +81,7 @@ pub fn write(drive: &Drive, around: &Surroundings<'_>, targets: &[Target<'_>], t
     if around.lanes.is_none() {
         return;
     }
+    let own: Vec<Option<Own>> = (0..around.ego.len()).map(|i| Own::new(around, i)).collect();
     let rows = Rows::new(drive, table);
-    table.number(id::TARGET_TTC_LANE, rows.placed(targets, f64::NAN, |p: &Placement| ttc_lane(p, around)));
+    table.number(id::TARGET_TTC_LANE, rows.placed(targets, f64::NAN, |p| ttc_lane(p, own[p.frame])));
 }

@@ -45,6 +45,7 @@ pub struct EgoMotion {
     pub width: f64,
     /// Standard deviations of the states; `None` where they are exact.
     pub sd: Option<Deviations>,
+    footprints: Vec<OrientedBox>,
 }
 
 /// `given` where it is known anywhere, else the slope of `values`.
@@ -96,8 +97,12 @@ impl EgoMotion {
         let speed: Vec<f64> = rows.clone().map(|i| m.speed(i)).collect();
         let forward: Vec<f64> = rows.clone().map(|i| m.forward_speed(i)).collect();
         let heading: Vec<f64> = m.heading.iter().map(|&h| if h.is_nan() { h } else { wrap(h) }).collect();
+        let position = without_leaps(rows.clone().map(|i| p2(m.x[i], m.y[i])).collect(), times);
+        let boxes =
+            rows.clone().map(|i| OrientedBox::new(position[i], heading[i], ego.length_m, ego.width_m));
         Self {
-            position: without_leaps(rows.clone().map(|i| p2(m.x[i], m.y[i])).collect(), times),
+            footprints: boxes.collect(),
+            position,
             z: m.z.clone(),
             velocity: rows.map(|i| p2(m.vx[i], m.vy[i])).collect(),
             accel: given_or_slope(&m.accel, times, &forward),
@@ -135,12 +140,7 @@ impl EgoMotion {
 
     /// The box on the ground in `frame`.
     pub fn footprint(&self, frame: usize) -> OrientedBox {
-        OrientedBox {
-            centre: self.position[frame],
-            heading: self.heading[frame],
-            length: self.length,
-            width: self.width,
-        }
+        self.footprints[frame]
     }
 
     /// True when position and heading of `frame` are known.

@@ -408,8 +408,9 @@ fn keep_exact(rows: Rows<'_>, noise: &LogNoise, out: &mut States) {
 impl Rows<'_> {
     /// Stated speed along the heading, m/s; NaN where none is stated.
     fn forward_speed(&self, row: usize) -> f64 {
-        let h = self.heading[row];
-        let along = at(self.vx, row) * h.cos() + at(self.vy, row) * h.sin();
+        let (vx, vy, h) = (at(self.vx, row), at(self.vy, row), self.heading[row]);
+        // Most logs state no velocity: then no direction is asked for.
+        let along = if vx.is_nan() || vy.is_nan() { f64::NAN } else { vx * h.cos() + vy * h.sin() };
         if along.is_finite() { along } else { at(self.forward, row) }
     }
 

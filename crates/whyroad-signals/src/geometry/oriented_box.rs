@@ -3,7 +3,8 @@
 use super::P2;
 use super::polyline::segment_distance2;
 
-/// A rectangle with a heading: the footprint of an object.
+/// A rectangle with a heading: the footprint of an object. Its direction and its radius are worked out once, when it is
+/// made: each box is asked for them many times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrientedBox {
     /// Centre, m.
@@ -14,64 +15,78 @@ pub struct OrientedBox {
     pub length: f64,
     /// m.
     pub width: f64,
+    direction: P2,
+    radius: f64,
 }
 
 impl OrientedBox {
-    /// Corners counter-clockwise: front left, rear left, rear right, front right.
-    pub fn corners(&self) -> [P2; 4] {
-        self.corners_along(P2::from_heading(self.heading))
+    /// A box; sizes in m, `heading` in rad. What is not known is NaN.
+    pub fn new(centre: P2, heading: f64, length: f64, width: f64) -> Self {
+        let (direction, radius) = (P2::from_heading(heading), length.hypot(width) / 2.0);
+        Self { centre, heading, length, width, direction, radius }
     }
 
-    /// The corners of a box whose heading is that of the unit vector `direction`.
-    fn corners_along(&self, direction: P2) -> [P2; 4] {
-        let (forward, left) = (direction * (self.length / 2.0), direction.left() * (self.width / 2.0));
+    /// A box without extent.
+    pub fn point(centre: P2) -> Self {
+        Self { centre, heading: 0.0, length: 0.0, width: 0.0, direction: P2 { x: 1.0, y: 0.0 }, radius: 0.0 }
+    }
+
+    /// The same box elsewhere.
+    pub fn moved_to(&self, centre: P2) -> Self {
+        Self { centre, ..*self }
+    }
+
+    /// Unit vector of the heading.
+    pub fn direction(&self) -> P2 {
+        self.direction
+    }
+
+    /// Corners counter-clockwise: front left, rear left, rear right, front right.
+    pub fn corners(&self) -> [P2; 4] {
+        let (forward, left) =
+            (self.direction * (self.length / 2.0), self.direction.left() * (self.width / 2.0));
         let c = self.centre;
         [c + forward + left, c - forward + left, c - forward - left, c + forward - left]
     }
 
-    /// Radius of the circle around the box.
+    /// Radius of the circle around the box, m.
     pub fn radius(&self) -> f64 {
-        self.length.hypot(self.width) / 2.0
+        self.radius
     }
 
     /// True when the two share at least a point.
     pub fn overlaps(&self, other: &OrientedBox) -> bool {
-        (other.centre - self.centre).norm() <= self.radius() + other.radius()
-            && self.overlaps_along(other, P2::from_heading(self.heading), P2::from_heading(other.heading))
+        (other.centre - self.centre).is_within(self.radius + other.radius) && self.shadows_overlap(other)
     }
 
-    /// [`OrientedBox::overlaps`] of two boxes that are near each other, with the unit vectors of their headings.
-    fn overlaps_along(&self, other: &OrientedBox, own: P2, their: P2) -> bool {
-        axes(own, their).into_iter().all(|axis| {
-            let (a, b) = (self.extent(own, axis), other.extent(their, axis));
+    /// [`OrientedBox::overlaps`] of two boxes that are near each other.
+    fn shadows_overlap(&self, other: &OrientedBox) -> bool {
+        axes(self.direction, other.direction).into_iter().all(|axis| {
+            let (a, b) = (self.extent(axis), other.extent(axis));
             a.0 <= b.1 && b.0 <= a.1
         })
     }
 
     /// Shortest distance between the two, 0 when they overlap, m.
     pub fn distance(&self, other: &OrientedBox) -> f64 {
-        let (own, their) = (P2::from_heading(self.heading), P2::from_heading(other.heading));
-        let near = (other.centre - self.centre).norm() <= self.radius() + other.radius();
-        if near && self.overlaps_along(other, own, their) {
+        if self.overlaps(other) {
             return 0.0;
         }
-        let (a, b) = (self.corners_along(own), other.corners_along(their));
+        let (a, b) = (self.corners(), other.corners());
+        // Apart, the shortest way between convex shapes ends at a corner of one of them. First to within rounding, almost
+        // without division; exactly only for what can be the shortest.
+        let about = [about_distances2(&a, &b), about_distances2(&b, &a)];
+        let least = about.as_flattened().as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
+        let enough = least * (1.0 + 1e-9) + 1e-8;
         let mut d2 = f64::INFINITY;
-        for i in 0..4 {
-            for j in 0..4 {
-                // Apart, the shortest way between convex shapes ends at a corner of one of them.
-                d2 = d2.min(segment_distance2(a[i], b[j], b[(j + 1) % 4]));
-                d2 = d2.min(segment_distance2(b[i], a[j], a[(j + 1) % 4]));
+        for (about, (corners, sides)) in about.iter().zip([(&a, &b), (&b, &a)]) {
+            for (j, about) in about.iter().enumerate() {
+                for (corner, _) in corners.iter().zip(about).filter(|(_, about)| **about <= enough) {
+                    d2 = d2.min(segment_distance2(*corner, sides[j], sides[(j + 1) % 4]));
+                }
             }
         }
         d2.sqrt()
-    }
-
-    /// True when the shortest distance between the two is greater than `reach`, m.
-    pub fn is_farther(&self, other: &OrientedBox, reach: f64) -> bool {
-        // Beyond what rounding can do, the circles around them tell.
-        let least = (other.centre - self.centre).norm() - self.radius() - other.radius();
-        least > reach + 1e-6 || self.distance(other) > reach
     }
 
     /// Seconds until the two first touch when each keeps its velocity (m/s) and heading: 0 when they overlap
@@ -80,9 +95,8 @@ impl OrientedBox {
     pub fn time_to_contact(&self, velocity: P2, other: &OrientedBox, other_velocity: P2) -> f64 {
         let relative = other_velocity - velocity;
         let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-        let (own, their) = (P2::from_heading(self.heading), P2::from_heading(other.heading));
-        for axis in axes(own, their) {
-            let (a, b) = (self.extent(own, axis), other.extent(their, axis));
+        for axis in axes(self.direction, other.direction) {
+            let (a, b) = (self.extent(axis), other.extent(axis));
             let v = relative.dot(axis);
             // Shadows: [b0 + v t, b1 + v t] against [a0, a1].
             if v.abs() < 1e-9 {
@@ -98,13 +112,28 @@ impl OrientedBox {
         if enter <= leave { enter } else { f64::INFINITY }
     }
 
-    /// Shadow on an axis; `forward` is the unit vector of the heading.
-    fn extent(&self, forward: P2, axis: P2) -> (f64, f64) {
-        let half = (forward.dot(axis) * self.length).abs() / 2.0
-            + (forward.left().dot(axis) * self.width).abs() / 2.0;
+    /// Shadow on an axis.
+    fn extent(&self, axis: P2) -> (f64, f64) {
+        let half = (self.direction.dot(axis) * self.length).abs() / 2.0
+            + (self.direction.left().dot(axis) * self.width).abs() / 2.0;
         let centre = self.centre.dot(axis);
         (centre - half, centre + half)
     }
+}
+
+/// Squared distances of each corner from each side of another box, to within rounding, by side.
+fn about_distances2(corners: &[P2; 4], sides: &[P2; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|j| {
+        let (from, along) = (sides[j], sides[(j + 1) % 4] - sides[j]);
+        let length2 = along.dot(along);
+        let inverse = if length2 > 0.0 { 1.0 / length2 } else { 0.0 };
+        corners.map(|corner| {
+            let to = corner - from;
+            let share = (to.dot(along) * inverse).clamp(0.0, 1.0);
+            let away = to - along * share;
+            away.dot(away)
+        })
+    })
 }
 
 /// Directions on which boxes with these directions can be separate.
@@ -115,7 +144,7 @@ fn axes(a: P2, b: P2) -> [P2; 4] {
 /// A box of the given size at the origin, for tests of this crate.
 #[cfg(test)]
 pub(crate) fn box_at(x: f64, y: f64, heading: f64, length: f64, width: f64) -> OrientedBox {
-    OrientedBox { centre: P2 { x, y }, heading, length, width }
+    OrientedBox::new(P2 { x, y }, heading, length, width)
 }
 
 #[cfg(test)]
@@ -137,6 +166,34 @@ mod tests {
         assert_eq!(a.distance(&box_at(1.0, 1.0, 0.3, 4.0, 2.0)), 0.0);
         // A plus sign: they overlap though no corner is inside the other.
         assert_eq!(box_at(0.0, 0.0, 0.0, 10.0, 1.0).distance(&box_at(0.0, 0.0, FRAC_PI_2, 10.0, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn distances_are_those_of_all_corners_and_sides() {
+        let all = |x: &OrientedBox, y: &OrientedBox| {
+            let (a, b) = (x.corners(), y.corners());
+            let each = (0..16).flat_map(|k| {
+                let (i, j) = (k / 4, k % 4);
+                let of_a = segment_distance2(a[i], b[j], b[(j + 1) % 4]);
+                [of_a, segment_distance2(b[i], a[j], a[(j + 1) % 4])]
+            });
+            each.fold(f64::INFINITY, f64::min).sqrt()
+        };
+        let far = P2 { x: 682_312.7, y: 3_412_990.3 };
+        let mut apart = 0;
+        for k in 0..3000_u32 {
+            let (turn, step) = (f64::from(k) * 0.37, f64::from(k % 83) * 0.21);
+            let of = |centre: P2| OrientedBox::new(centre + far, turn, 0.4 + step, 0.5 * f64::from(k % 5));
+            let a = OrientedBox::new(far, f64::from(k % 7) * FRAC_PI_4, 4.7, 1.9);
+            let b = of(p2(f64::from(k % 29) - 14.0, f64::from(k % 31) * 2.0 - 30.0));
+            if a.overlaps(&b) {
+                assert_eq!(a.distance(&b), 0.0);
+            } else {
+                assert_eq!(a.distance(&b).to_bits(), all(&a, &b).to_bits());
+                apart += 1;
+            }
+        }
+        assert!(apart > 1500, "{apart}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A polyline by arc length: the driven path, a lane's centre line, an edge. Beyond its ends it goes on straight.
 
 use super::P2;
+use std::ops::Range;
 
 /// A polyline with the arc length at each point.
 #[derive(Clone, Debug, Default)]
@@ -8,10 +9,58 @@ pub struct Polyline {
     points: Vec<P2>,
     s: Vec<f64>,
     blocks: Vec<Block>,
-    /// Of each segment, one divided by its squared length.
-    inverse: Vec<f64>,
+    segments: Vec<Segment>,
     /// Unit vectors of the segments.
     directions: Vec<P2>,
+    places: Places,
+}
+
+/// Where to begin to look for an arc length: as many stretches of one length as there are points.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    per_m: f64,
+    /// By stretch, the number of points before it; one more at the end.
+    before: Vec<u32>,
+}
+
+impl Places {
+    fn new(s: &[f64]) -> Self {
+        let length = s.last().copied().unwrap_or(0.0);
+        let per_m = s.len() as f64 / length;
+        let begin = |k: usize| s.partition_point(|&v| v * per_m <= k as f64) as u32;
+        Self { per_m, before: (0..=s.len()).map(begin).collect() }
+    }
+
+    /// Points among which the first one beyond arc length `s` is, to within rounding.
+    fn about(&self, s: f64) -> Range<usize> {
+        let stretch = ((s * self.per_m) as usize).min(self.before.len() - 2);
+        self.before[stretch] as usize..self.before[stretch + 1] as usize
+    }
+}
+
+/// A segment as the search for the nearest one reads it.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: P2,
+    /// From its first point to its second.
+    along: P2,
+    /// One divided by its squared length.
+    inverse: f64,
+    /// Shares of the segment between which a foot point can be: the first and the last segment go on straight.
+    low: f64,
+    high: f64,
+}
+
+impl Segment {
+    /// Squared distance of `p`, to within rounding: without division.
+    fn about(&self, p: P2) -> f64 {
+        let to = p - self.from;
+        let share = to.dot(self.along) * self.inverse;
+        let share = if share < self.low { self.low } else { share };
+        let share = if share > self.high { self.high } else { share };
+        let away = to - self.along * share;
+        away.dot(away)
+    }
 }
 
 /// Number of segments per block.
@@ -109,13 +158,21 @@ impl Polyline {
         }
         let last = kept.len() - 1;
         let blocks = (0..last).step_by(BLOCK).map(|i| Block::around(&kept[i..=(i + BLOCK).min(last)]));
-        let inverse = s.windows(2).map(|w| 1.0 / ((w[1] - w[0]) * (w[1] - w[0]))).collect();
+        let segment = |i: usize| {
+            let length = s[i + 1] - s[i];
+            let low = if i > 0 { 0.0 } else { f64::NEG_INFINITY };
+            let high = if i + 1 < last { 1.0 } else { f64::INFINITY };
+            let (from, along) = (kept[i], kept[i + 1] - kept[i]);
+            Segment { from, along, inverse: 1.0 / (length * length), low, high }
+        };
+        let segments = (0..last).map(segment).collect();
         let unit = |w: &[P2]| {
             let d = w[1] - w[0];
             d * (1.0 / d.norm())
         };
         let directions = kept.windows(2).map(unit).collect();
-        Some(Self { blocks: blocks.collect(), points: kept, s, inverse, directions })
+        let (blocks, places) = (blocks.collect(), Places::new(&s));
+        Some(Self { blocks, segments, points: kept, s, directions, places })
     }
 
     /// The points.
@@ -133,8 +190,26 @@ impl Polyline {
         self.s.last().copied().unwrap_or(0.0)
     }
 
+    /// Number of points up to arc length `s`, those at it included; none where it is not known.
+    fn points_up_to(&self, s: f64) -> usize {
+        let about = self.places.about(s);
+        let mut count = about.start + self.s[about].partition_point(|&v| v <= s);
+        while self.s.get(count).is_some_and(|&v| v <= s) {
+            count += 1;
+        }
+        while count > 0 && (self.s[count - 1] > s || s.is_nan()) {
+            count -= 1;
+        }
+        count
+    }
+
     fn segment_at(&self, s: f64) -> usize {
-        self.s.partition_point(|&v| v <= s).clamp(1, self.points.len() - 1) - 1
+        self.points_up_to(s).clamp(1, self.points.len() - 1) - 1
+    }
+
+    /// Linear interpolation at arc length `s` of `values`, of which there is one per point; constant beyond the ends.
+    pub fn interpolate(&self, values: &[f64], s: f64) -> f64 {
+        between(&self.s, values, s, self.points_up_to(s))
     }
 
     /// The point at arc length `s`, on the straight continuation outside.
@@ -204,29 +279,20 @@ impl Polyline {
 
     /// Looks for a nearer foot point on these segments, at most [`MOST`]; of equally near ones the first on the line is
     /// taken.
-    fn look(&self, p: P2, segments: std::ops::Range<usize>, best: &mut Nearest) {
+    fn look(&self, p: P2, segments: Range<usize>, best: &mut Nearest) {
         let n = self.points.len() - 1;
         // Without division, to within rounding: which segments can be the nearest.
         let mut about = [f64::INFINITY; MOST];
         let mut least = best.d2;
-        for (i, about) in segments.clone().zip(&mut about) {
-            let a = self.points[i];
-            let (to, ab) = (p - a, self.points[i + 1] - a);
-            let mut share = to.dot(ab) * self.inverse[i];
-            if i > 0 {
-                share = share.max(0.0);
+        for (segment, about) in self.segments[segments.clone()].iter().zip(&mut about) {
+            *about = segment.about(p);
+            if *about < least {
+                least = *about;
             }
-            if i + 1 < n {
-                share = share.min(1.0);
-            }
-            let away = to - ab * share;
-            *about = away.dot(away);
-            least = least.min(*about);
         }
         let enough = least * (1.0 + 1e-9) + 1e-8;
         for (i, _) in segments.zip(&about).filter(|(_, about)| **about <= enough) {
-            let a = self.points[i];
-            let ab = self.points[i + 1] - a;
+            let Segment { from: a, along: ab, .. } = self.segments[i];
             let length = self.s[i + 1] - self.s[i];
             let mut along = (p - a).dot(ab) / length;
             // The first and last segment go on straight; between them the foot stays on the segment.
@@ -268,6 +334,23 @@ impl Polyline {
         // Each chord stands for the direction half way along it: the two are `reach` apart.
         super::wrap(after.heading() - before.heading()) / reach
     }
+}
+
+/// Linear interpolation of `values` over ascending `at`, constant outside.
+pub fn interpolate(at: &[f64], values: &[f64], s: f64) -> f64 {
+    between(at, values, s, at.partition_point(|&v| v <= s))
+}
+
+/// Between the values before and at `i`, the first of `at` that is greater than `s`.
+fn between(at: &[f64], values: &[f64], s: f64, i: usize) -> f64 {
+    if i == 0 {
+        return values[0];
+    }
+    if i >= at.len() {
+        return values[values.len() - 1];
+    }
+    let t = (s - at[i - 1]) / (at[i] - at[i - 1]);
+    values[i - 1] + t * (values[i] - values[i - 1])
 }
 
 /// The nearest foot point so far.
@@ -330,7 +413,7 @@ mod tests {
     }
 
     /// Every segment, with the divisions that the definition has.
-    fn one_by_one(line: &Polyline, p: P2, segments: std::ops::Range<usize>) -> Projection {
+    fn one_by_one(line: &Polyline, p: P2, segments: Range<usize>) -> Projection {
         let n = line.points.len() - 1;
         let mut best = Nearest::none(segments.start);
         for i in segments {
@@ -408,6 +491,25 @@ mod tests {
             }
         }
         assert!(met > 300 && looked_at < 400 * 300, "{met} {looked_at}");
+    }
+
+    #[test]
+    fn places_are_those_of_asking_every_point() {
+        // Steps of a millimetre beside steps of a kilometre.
+        let steps = |i: u32| if i % 50 == 49 { 1000.0 } else { 0.002 + f64::from(i % 7) };
+        let mut x = 0.0;
+        let points = (0..300).map(|i| {
+            x += steps(i);
+            p2(x, 0.0)
+        });
+        let line = Polyline::new(points).unwrap();
+        let values: Vec<f64> = (0..300).map(|i| f64::from(i * i)).collect();
+        let around = line.s.iter().flat_map(|s| [*s, s.next_down(), s.next_up(), s + 0.3, -s]);
+        for s in around.chain([f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
+            assert_eq!(line.points_up_to(s), line.s.partition_point(|&v| v <= s), "{s}");
+            let (by_line, plain) = (line.interpolate(&values, s), interpolate(&line.s, &values, s));
+            assert_eq!(by_line.to_bits(), plain.to_bits(), "{s}");
+        }
     }
 
     #[test]

@@ -64,12 +64,7 @@ impl Body {
 
     /// The box; its sizes or heading may be NaN.
     pub fn footprint(&self, i: usize) -> OrientedBox {
-        OrientedBox {
-            centre: self.position[i],
-            heading: self.heading[i],
-            length: self.length[i],
-            width: self.width[i],
-        }
+        OrientedBox::new(self.position[i], self.heading[i], self.length[i], self.width[i])
     }
 
     /// A point of the world in the object's axes, x forward, y left.

@@ -3,7 +3,7 @@
 
 use crate::geometry::{P2, Polyline, wrap};
 use crate::road::lanes::LanePlace;
-use crate::road::network::{LaneShape, Road, interpolate};
+use crate::road::network::{LaneShape, Road};
 
 /// How far a corridor reaches ahead of its lane's start, beyond the lane's own length, m.
 pub const AHEAD_M: f64 = 160.0;
@@ -99,8 +99,7 @@ impl Corridor {
 
     /// Distances from the centre line to the left and right edge at `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        let at = self.line.arc_lengths();
-        (interpolate(at, &self.left, s), interpolate(at, &self.right, s))
+        (self.line.interpolate(&self.left, s), self.line.interpolate(&self.right, s))
     }
 
     /// Arc length where lane `k` of the chain ends, m.

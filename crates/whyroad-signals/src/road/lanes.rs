@@ -5,7 +5,6 @@
 
 use crate::geometry::{P2, wrap};
 use crate::road::network::Road;
-use std::collections::HashMap;
 use whyroad_model::road_map::LaneKind;
 
 /// Position of an actor on its lane.
@@ -101,12 +100,39 @@ fn transition(road: &Road, a: usize, b: usize) -> f64 {
     if road.lanes[b].successors.contains(&a) { BACKWARD_COST } else { UNRELATED_COST }
 }
 
+/// What steps between lanes cost, remembered: the same few are asked about row after row.
+#[derive(Default)]
+struct Steps {
+    /// By the lane that is left: the lanes entered, and what it costs.
+    known: Vec<(usize, Vec<(usize, f64)>)>,
+}
+
+impl Steps {
+    fn between(&mut self, road: &Road, a: usize, b: usize) -> f64 {
+        // The lanes of the last rows are at the end.
+        let from = match self.known.iter().rposition(|(lane, _)| *lane == a) {
+            Some(from) => from,
+            None => {
+                self.known.push((a, Vec::new()));
+                self.known.len() - 1
+            }
+        };
+        let to = &mut self.known[from].1;
+        if let Some((_, cost)) = to.iter().rev().find(|(lane, _)| *lane == b) {
+            return *cost;
+        }
+        let cost = transition(road, a, b);
+        to.push((b, cost));
+        cost
+    }
+}
+
 /// The lane of each row, `None` where the actor is in no lane or its pose is unknown.
 /// `rows` gives position (m), height (m) and heading (rad) of an actor in ascending time.
 pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Option<LanePlace>> {
     // One column of states per row: the candidates and, last, "no lane".
     let mut columns: Vec<Vec<(Option<LanePlace>, f64, usize)>> = Vec::with_capacity(rows.len());
-    let mut steps: HashMap<(usize, usize), f64> = HashMap::new();
+    let mut steps = Steps::default();
     let mut here: Vec<(LanePlace, f64)> = Vec::new();
     let mut last: Option<[u64; 3]> = None;
     for &(p, z, heading) in rows {
@@ -127,9 +153,7 @@ pub fn assign(road: &Road, rows: &[(P2, f64, f64)], tether: Tether) -> Vec<Optio
                 for (i, (from, cost, _)) in before.iter().enumerate() {
                     let step = match (from, state) {
                         (Some(a), Some(b)) if a.lane == b.lane => 0.0,
-                        (Some(a), Some(b)) => {
-                            *steps.entry((a.lane, b.lane)).or_insert_with(|| transition(road, a.lane, b.lane))
-                        }
+                        (Some(a), Some(b)) => steps.between(road, a.lane, b.lane),
                         (None, None) => 0.0,
                         _ => ENTER_OR_LEAVE_COST,
                     };

@@ -1,9 +1,7 @@
 //! The map made ready for questions: lanes with centre line, widths and links by index, areas as polygons,
 //! and a spatial index over the lanes. Frame: world, plane.
 
-use crate::geometry::{P2, Polygon, Polyline, p2};
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2};
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
@@ -41,8 +39,7 @@ pub struct LaneShape {
 impl LaneShape {
     /// Widths to the left and right edge at arc length `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
-        let at = self.centre.arc_lengths();
-        (interpolate(at, &self.left_width, s), interpolate(at, &self.right_width, s))
+        (self.centre.interpolate(&self.left_width, s), self.centre.interpolate(&self.right_width, s))
     }
 
     /// True when an object whose box centre has height `z` can be on this lane (or heights are unknown).
@@ -51,21 +48,6 @@ impl LaneShape {
         !known || (z > self.height.0 - LEVEL_M && z < self.height.1 + LEVEL_M)
     }
 }
-
-/// Linear interpolation of `values` over ascending `at`, constant outside.
-pub fn interpolate(at: &[f64], values: &[f64], s: f64) -> f64 {
-    let i = at.partition_point(|&v| v <= s);
-    if i == 0 {
-        return values[0];
-    }
-    if i >= at.len() {
-        return values[values.len() - 1];
-    }
-    let t = (s - at[i - 1]) / (at[i] - at[i - 1]);
-    values[i - 1] + t * (values[i] - values[i - 1])
-}
-
-type LaneEntry = GeomWithData<Rectangle<[f64; 2]>, usize>;
 
 /// The map of one drive, ready for questions.
 pub struct Road {
@@ -77,7 +59,9 @@ pub struct Road {
     pub crosswalks: Vec<Polygon>,
     /// Drivable areas.
     pub drivable: Vec<Polygon>,
-    tree: RTree<LaneEntry>,
+    lane_grid: BoxGrid,
+    junction_grid: BoxGrid,
+    drivable_grid: BoxGrid,
 }
 
 fn plane(points: &[Point3]) -> impl Iterator<Item = P2> + '_ {
@@ -86,6 +70,10 @@ fn plane(points: &[Point3]) -> impl Iterator<Item = P2> + '_ {
 
 fn polygons(areas: &[Area]) -> Vec<Polygon> {
     areas.iter().filter_map(|a| Polygon::new(plane(&a.boundary))).collect()
+}
+
+fn grid(areas: &[Polygon]) -> BoxGrid {
+    BoxGrid::new(areas.iter().map(Polygon::bounds).enumerate())
 }
 
 fn shape(lane: &Lane) -> Option<LaneShape> {
@@ -160,49 +148,51 @@ impl Road {
         for (lane, (successors, predecessors, neighbours)) in lanes.iter_mut().zip(links) {
             (lane.successors, lane.predecessors, lane.neighbours) = (successors, predecessors, neighbours);
         }
-        let entries = lanes.iter().enumerate().filter_map(|(i, lane)| {
-            let (low, high) = lane.area.as_ref()?.bounds();
-            Some(LaneEntry::new(Rectangle::from_corners([low.x, low.y], [high.x, high.y]), i))
-        });
-        let tree = RTree::bulk_load(entries.collect());
+        let bounds = |(i, lane): (usize, &LaneShape)| Some((i, lane.area.as_ref()?.bounds()));
+        let (junctions, drivable) = (polygons(&map.junctions), polygons(&map.drivable_areas));
         Self {
-            junctions: polygons(&map.junctions),
+            lane_grid: BoxGrid::new(lanes.iter().enumerate().filter_map(bounds)),
+            junction_grid: grid(&junctions),
+            drivable_grid: grid(&drivable),
+            junctions,
             crosswalks: polygons(&map.crosswalks),
-            drivable: polygons(&map.drivable_areas),
-            tree,
+            drivable,
             lanes,
         }
     }
 
     /// Lanes whose bounding box is within `reach` metres of `p` on each axis, in ascending order.
     pub fn lanes_near(&self, p: P2, reach: f64) -> Vec<usize> {
-        let around = AABB::from_corners([p.x - reach, p.y - reach], [p.x + reach, p.y + reach]);
-        let mut found: Vec<usize> =
-            self.tree.locate_in_envelope_intersecting(&around).map(|e| e.data).collect();
-        found.sort_unstable();
-        found
+        self.lane_grid.near(p, reach)
+    }
+
+    /// The junction area that `p` is in.
+    pub fn junction_at(&self, p: P2) -> Option<&Polygon> {
+        self.junction_grid.at(p).map(|j| &self.junctions[j]).find(|area| area.contains(p))
+    }
+
+    /// The drivable area that `p` is in.
+    pub fn drivable_at(&self, p: P2) -> Option<&Polygon> {
+        self.drivable_grid.at(p).map(|d| &self.drivable[d]).find(|area| area.contains(p))
+    }
+
+    /// The area of a lane for which `wanted` holds, where `p` is on one.
+    pub fn lane_at(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> Option<&Polygon> {
+        let lanes = self.lane_grid.at(p).map(|l| &self.lanes[l]).filter(|lane| wanted(lane));
+        lanes.filter_map(|lane| lane.area.as_ref()).find(|area| area.contains(p))
     }
 
     /// True when `p` is in a junction area or on a junction lane.
     pub fn in_junction(&self, p: P2) -> bool {
-        self.junctions.iter().any(|j| j.contains(p))
-            || self.on_lane(p, |lane| lane.in_junction && lane.kind != LaneKind::Sidewalk)
+        let crossing = |lane: &LaneShape| lane.in_junction && lane.kind != LaneKind::Sidewalk;
+        self.junction_at(p).is_some() || self.lane_at(p, crossing).is_some()
     }
 
     /// True when `p` is in a drivable area or on a lane for vehicles, buses or bicycles.
     pub fn on_road(&self, p: P2) -> bool {
         let rolling =
             |lane: &LaneShape| matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike);
-        self.drivable.iter().any(|d| d.contains(p)) || self.on_lane(p, rolling)
-    }
-
-    /// True when `p` is on a lane for which `wanted` holds.
-    pub fn on_lane(&self, p: P2, wanted: impl Fn(&LaneShape) -> bool) -> bool {
-        let here = AABB::from_point([p.x, p.y]);
-        self.tree.locate_in_envelope_intersecting(&here).any(|e| {
-            let lane = &self.lanes[e.data];
-            wanted(lane) && lane.area.as_ref().is_some_and(|a| a.contains(p))
-        })
+        self.drivable_at(p).is_some() || self.lane_at(p, rolling).is_some()
     }
 
     /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.

@@ -3,10 +3,9 @@
 //! or straight where there is no lane. What was driven and what is continuation is marked.
 
 use crate::ego::motion::EgoMotion;
-use crate::geometry::{P2, Polyline, Projection};
+use crate::geometry::{P2, Polyline, Projection, interpolate};
 use crate::road::corridor::Corridor;
 use crate::road::ego_lane::EgoLane;
-use crate::road::network::interpolate;
 
 /// Points closer than this are one: at a crawl, noise would bend the path, m.
 const SPACING_M: f64 = 0.5;
@@ -125,7 +124,7 @@ impl DrivenPath {
 
     /// Height of the path at `s` (of the ego's box centre, constant beyond the driven part); NaN when unknown.
     pub fn z_at(&self, s: f64) -> f64 {
-        if self.z.is_empty() { f64::NAN } else { interpolate(self.line.arc_lengths(), &self.z, s) }
+        if self.z.is_empty() { f64::NAN } else { self.line.interpolate(&self.z, s) }
     }
 
     /// Foot point of `p` on the part of the path around the ego in a frame where its arc length is `ego_s`.

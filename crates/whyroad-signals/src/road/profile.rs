@@ -1,10 +1,10 @@
 //! The shape of the road here and ahead: grade, least width, number of lanes, where the ego's lane or the road itself
 //! ends. Along the ego's lane (`corridor.rs`) for grade and width, along its way (`way.rs`) for the rest.
 
-use crate::geometry::p2;
+use crate::geometry::{interpolate, p2};
 use crate::road::ego_lane::{OnCorridor, lane_count};
 use crate::road::merging::merges_away;
-use crate::road::network::interpolate;
+
 use crate::road::on_road::{OnRoad, within_horizon};
 use crate::road::way::{Way, beside};
 use crate::table::TableBuilder;

@@ -74,7 +74,7 @@ impl<'a> Obstacles<'a> {
         let mut view = View::from(eye);
         for &(k, row) in &self.by_frame[frame] {
             let place = self.scene.targets[k].places[row].as_ref();
-            if let Some(p) = place.filter(|p| (p.footprint.centre - eye).norm() <= REACH_M) {
+            if let Some(p) = place.filter(|p| (p.footprint.centre - eye).is_within(REACH_M)) {
                 view.add_box(Owner::Target(k), p.footprint);
             }
         }

@@ -70,7 +70,7 @@ impl<'a> Occlusion<'a> {
                 .as_ref()
                 .filter(|p| p.is_sized() && p.footprint.heading.is_finite());
             let eye = self.scene.ego.position[frame];
-            let near = |footprint: &&OrientedBox| (footprint.centre - eye).norm() <= REACH_M;
+            let near = |footprint: &&OrientedBox| (footprint.centre - eye).is_within(REACH_M);
             let footprint = place.map(|p| &p.footprint).filter(near);
             let seen = &mut self.rows[k][row];
             if let (Some(view), Some(footprint)) = (view, footprint)
@@ -162,8 +162,7 @@ fn trace_back(scene: &Scene<'_>, k: usize, traces: &mut [Vec<Trace>]) {
                 break;
             }
             let centre = p.footprint.centre - p.velocity * ago;
-            let footprint = OrientedBox { centre, ..p.footprint };
-            traces[earlier].push(Trace { target: k, row, footprint });
+            traces[earlier].push(Trace { target: k, row, footprint: p.footprint.moved_to(centre) });
         }
     }
 }

@@ -44,7 +44,11 @@ struct Sector {
     half: f64,
     direction: P2,
     least_cosine: f64,
+    ranges: Ranges,
 }
+
+/// First range that a sector touches, and how many.
+type Ranges = (usize, usize);
 
 impl Sector {
     /// The angles under which a convex shape is seen from the origin, which is outside of it.
@@ -56,7 +60,8 @@ impl Sector {
         });
         let (mid, half) = (wrap(first + (low + high) / 2.0), (high - low) / 2.0);
         // A line along the very edge counts as within.
-        Self { mid, half, direction: P2::from_heading(mid), least_cosine: half.cos() - 1e-12 }
+        let (direction, least_cosine) = (P2::from_heading(mid), half.cos() - 1e-12);
+        Self { mid, half, direction, least_cosine, ranges: ranges(mid, half) }
     }
 
     /// The part of `other` in this sector, relative to this one's middle.
@@ -66,27 +71,42 @@ impl Sector {
         (high - low > LEAST_ANGLE_RAD).then_some((low, high))
     }
 
-    /// First range that it touches, and how many.
-    fn ranges(&self) -> (usize, usize) {
-        let half = self.half + RANGE_SLACK_RAD;
-        if half.is_nan() || half >= std::f64::consts::FRAC_PI_2 {
-            return (0, RANGES);
-        }
-        let (from, to) = (self.mid - half, self.mid + half);
-        let (from, to) = (range_of(P2::from_heading(from)), range_of(P2::from_heading(to)));
-        (from, (to + RANGES - from) % RANGES + 1)
-    }
-
     fn contains(&self, direction: P2) -> bool {
         self.direction.dot(direction) >= self.least_cosine
     }
 }
 
-/// A convex piece of something that hides; corners relative to the eye.
-#[derive(Clone, Debug)]
+fn ranges(mid: f64, half: f64) -> Ranges {
+    let half = half + RANGE_SLACK_RAD;
+    if half.is_nan() || half >= std::f64::consts::FRAC_PI_2 {
+        return (0, RANGES);
+    }
+    let (from, to) = (mid - half, mid + half);
+    let (from, to) = (range_of(P2::from_heading(from)), range_of(P2::from_heading(to)));
+    (from, (to + RANGES - from) % RANGES + 1)
+}
+
+/// Something convex that hides, relative to the eye.
+#[derive(Clone, Copy, Debug)]
+enum Outline {
+    Wall([P2; 2]),
+    Box([P2; 4]),
+}
+
+impl Outline {
+    fn corners(&self) -> &[P2] {
+        match self {
+            Outline::Wall(corners) => corners,
+            Outline::Box(corners) => corners,
+        }
+    }
+}
+
+/// A convex piece of something that hides.
+#[derive(Clone, Copy, Debug)]
 struct Piece {
     owner: Owner,
-    corners: Vec<P2>,
+    outline: Outline,
     sector: Sector,
     nearest: f64,
     footprint: Option<OrientedBox>,
@@ -150,34 +170,34 @@ impl View {
     /// Adds the box of a target. A box around the eye hides nothing: it is the ego's own trailer, or an error.
     pub fn add_box(&mut self, owner: Owner, footprint: OrientedBox) {
         let corners = footprint.corners().map(|c| c - self.eye);
-        let about = OrientedBox { centre: self.eye, heading: 0.0, length: 0.0, width: 0.0 };
+        let about = OrientedBox::point(self.eye);
         if !footprint.overlaps(&about) {
-            self.push(owner, corners.to_vec(), Some(footprint));
+            self.push(owner, Outline::Box(corners), Some(footprint));
         }
     }
 
     /// Adds a wall of a building.
     pub fn add_wall(&mut self, owner: Owner, a: P2, b: P2) {
-        self.push(owner, vec![a - self.eye, b - self.eye], None);
+        self.push(owner, Outline::Wall([a - self.eye, b - self.eye]), None);
     }
 
-    fn push(&mut self, owner: Owner, corners: Vec<P2>, footprint: Option<OrientedBox>) {
-        let nearest = nearest_point(&corners);
+    fn push(&mut self, owner: Owner, outline: Outline, footprint: Option<OrientedBox>) {
+        let nearest = nearest_point(outline.corners());
         if nearest > 0.0 {
-            let sector = Sector::of(&corners);
-            let (k, (first, count)) = (self.pieces.len(), sector.ranges());
+            let sector = Sector::of(outline.corners());
+            let (k, (first, count)) = (self.pieces.len(), sector.ranges);
             if k % 64 == 0 {
                 self.ranges.push([0; RANGES]);
             }
             for range in first..first + count {
                 self.ranges[k / 64][range % RANGES] |= 1 << (k % 64);
             }
-            self.pieces.push(Piece { owner, sector, corners, nearest, footprint });
+            self.pieces.push(Piece { owner, sector, outline, nearest, footprint });
         }
     }
 
     /// The pieces that some direction in these ranges may meet, in their order.
-    fn pieces_in(&self, (first, count): (usize, usize)) -> impl Iterator<Item = &Piece> {
+    fn pieces_in(&self, (first, count): Ranges) -> impl Iterator<Item = &Piece> {
         let words = self.ranges.iter().enumerate();
         let set = words.map(move |(k, by_range)| {
             (k, (first..first + count).fold(0, |set, range| set | by_range[range % RANGES]))
@@ -197,18 +217,18 @@ impl View {
     /// hides nothing of it. `None` when the eye is inside.
     pub fn sight(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sight> {
         let corners = target.corners().map(|c| c - self.eye);
-        let about = OrientedBox { centre: self.eye, heading: 0.0, length: 0.0, width: 0.0 };
+        let about = OrientedBox::point(self.eye);
         if target.overlaps(&about) {
             return None;
         }
-        let sector = Sector::of(&corners);
+        let sector = self.sector_of(own, target).unwrap_or_else(|| Sector::of(&corners));
         let farthest = corners.iter().map(|c| c.norm()).fold(0.0, f64::max);
         let mut hidden: Vec<(Owner, f64, (f64, f64))> = Vec::new();
-        let around = self.pieces_in(sector.ranges());
+        let around = self.pieces_in(sector.ranges);
         for piece in around.filter(|p| Some(p.owner) != own && p.nearest < farthest) {
             let Some((low, high)) = sector.shared(&piece.sector) else { continue };
             let direction = P2::from_heading(sector.mid + (low + high) / 2.0);
-            let before = entry(&piece.corners, direction) < entry(&corners, direction);
+            let before = entry(piece.outline.corners(), direction) < entry(&corners, direction);
             if before && piece.footprint.is_none_or(|f| !f.overlaps(target)) {
                 hidden.push((piece.owner, piece.nearest, (low, high)));
             }
@@ -221,14 +241,24 @@ impl View {
         Some(Sight { share, occluder: most_hiding(hidden) })
     }
 
+    /// The sector of a box that is itself a piece of this view. Targets are mostly added in the order of their numbers:
+    /// where they are not, it may not be found.
+    fn sector_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<Sector> {
+        let at = self.pieces.binary_search_by_key(&own?, |piece| piece.owner).ok()?;
+        (self.pieces[at].footprint == Some(*target)).then_some(self.pieces[at].sector)
+    }
+
     /// The first thing for which `counts` holds that stands before `place` as seen from the eye.
     pub fn before(&self, place: P2, counts: impl Fn(Owner) -> bool) -> Option<Owner> {
         let to = place - self.eye;
+        let mut around = self.pieces_in((range_of(to), 1)).peekable();
+        // Most places are before an open sky: then nothing more is worked out.
+        around.peek()?;
         let distance = to.norm();
         let direction = to * (1.0 / distance.max(1e-9));
-        self.pieces_in((range_of(direction), 1))
+        around
             .filter(|p| p.nearest < distance && p.sector.contains(direction) && counts(p.owner))
-            .map(|p| (entry(&p.corners, direction), p.owner))
+            .map(|p| (entry(p.outline.corners(), direction), p.owner))
             .filter(|(at, _)| *at < distance)
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, owner)| owner)

@@ -1,12 +1,13 @@
 //! Room beside the ego and ahead of it: to the edge of the road and to tracked objects. Sideways is across the ego's
 //! box for the room beside it, across its driven path for the room ahead.
 
-use crate::geometry::{OrientedBox, P2, wrap};
-use crate::road::network::Road;
+use crate::geometry::{OrientedBox, P2, Polygon};
+use crate::road::network::{LaneShape, Road};
 use crate::road::on_road::OnRoad;
 use crate::road::path::DrivenPath;
 use crate::table::TableBuilder;
 use crate::target::placement::{MOVING_MPS, Placement, Target};
+use std::cell::Cell;
 use std::f64::consts::FRAC_PI_3;
 use whyroad_model::catalogue::id;
 use whyroad_model::road_map::LaneKind;
@@ -25,22 +26,41 @@ struct Edges {
     stations: Vec<[f64; 2]>,
 }
 
-fn is_road(road: &Road, p: P2) -> bool {
-    let shoulder = || road.on_lane(p, |lane| lane.kind == LaneKind::Shoulder);
-    road.on_road(p) || road.junctions.iter().any(|j| j.contains(p)) || shoulder()
+/// The ground that counts as road: drivable areas, junctions, lanes for all that rolls, shoulders.
+struct Ground<'a> {
+    road: &'a Road,
+    /// The area that held the place asked about last: it mostly holds the next one too.
+    last: Cell<Option<&'a Polygon>>,
+}
+
+impl Ground<'_> {
+    fn is_road(&self, p: P2) -> bool {
+        if self.last.get().is_some_and(|area| area.contains(p)) {
+            return true;
+        }
+        let counts = |lane: &LaneShape| {
+            matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus | LaneKind::Bike | LaneKind::Shoulder)
+        };
+        let road = self.road;
+        let area = road.drivable_at(p).or_else(|| road.junction_at(p)).or_else(|| road.lane_at(p, counts));
+        if area.is_some() {
+            self.last.set(area);
+        }
+        area.is_some()
+    }
 }
 
 /// How far the road goes on from `p` in direction `across`, at most [`FREE_M`] beyond `within`, m.
-fn edge(road: &Road, p: P2, across: P2, within: f64) -> f64 {
+fn edge(ground: &Ground<'_>, p: P2, across: P2, within: f64) -> f64 {
     let steps = ((FREE_M + within) / PROBE_M) as usize;
-    let off = |k: usize| !is_road(road, p + across * (k as f64 * PROBE_M));
+    let off = |k: usize| !ground.is_road(p + across * (k as f64 * PROBE_M));
     // Two probes in a row: between lanes that are drawn one by one there are seams.
     let Some(k) = (1..=steps).find(|&k| off(k) && off(k + 1)) else { return FREE_M + within };
     // Between the last probe on the road and the first off it; as sharp as positions are, so that no step shows.
     let (mut on, mut out) = ((k - 1) as f64 * PROBE_M, k as f64 * PROBE_M);
     while out - on > 1e-6 {
         let middle = (on + out) / 2.0;
-        if is_road(road, p + across * middle) { on = middle } else { out = middle }
+        if ground.is_road(p + across * middle) { on = middle } else { out = middle }
     }
     on
 }
@@ -48,14 +68,15 @@ fn edge(road: &Road, p: P2, across: P2, within: f64) -> f64 {
 impl Edges {
     fn new(road: &Road, path: &DrivenPath, half_width: f64) -> Self {
         let count = (path.line.length() / STATION_M) as usize + 1;
+        let ground = Ground { road, last: Cell::new(None) };
         let at = |k: usize| {
             let s = k as f64 * STATION_M;
             let p = path.line.point_at(s);
-            if !is_road(road, p) {
+            if !ground.is_road(p) {
                 return [f64::NAN; 2];
             }
             let left = P2::from_heading(path.heading_at(s)).left();
-            [edge(road, p, left, half_width), edge(road, p, left * -1.0, half_width)]
+            [edge(&ground, p, left, half_width), edge(&ground, p, left * -1.0, half_width)]
         };
         Self { stations: (0..count).map(at).collect() }
     }
@@ -71,7 +92,7 @@ impl Edges {
 /// The part of `other` beside the ego's box: nearest distance from the side of the ego, left then right, m. What
 /// overlaps the ego's box has distance 0 on the side of its centre.
 fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
-    let (forward, left) = (P2::from_heading(ego.heading), P2::from_heading(ego.heading).left());
+    let (forward, left) = (ego.direction(), ego.direction().left());
     let half = ego.length / 2.0;
     // Clip the footprint to the stretch along the ego's box.
     let mut ring: Vec<P2> = other
@@ -106,7 +127,7 @@ fn beside(ego: &OrientedBox, other: &OrientedBox) -> [f64; 2] {
 
 /// Goes the way of the path where it is: it will be elsewhere when the ego gets there.
 fn moves_along(p: &Placement) -> bool {
-    p.speed() >= MOVING_MPS && wrap(p.course() - p.path.heading).abs() < FRAC_PI_3
+    p.speed() >= MOVING_MPS && p.turned() < FRAC_PI_3
 }
 
 /// Everything placed, by frame.
@@ -131,7 +152,7 @@ fn room_beside(on: &OnRoad<'_>, edges: &Edges, near: &[&Placement], frame: usize
     }
     let reach = ego.radius() + FREE_M;
     for p in near {
-        if (p.footprint.centre - ego.centre).norm() <= reach + p.footprint.radius() {
+        if (p.footprint.centre - ego.centre).is_within(reach + p.footprint.radius()) {
             let free = beside(&ego, &p.footprint);
             room = [0, 1].map(|i| if free[i] < room[i] { free[i] } else { room[i] });
         }

@@ -42,5 +42,5 @@ pub fn gap(p: &Placement, ego_length: f64) -> f64 {
 
 /// Velocity of a target along the path where it is, m/s, forward positive.
 pub fn along_signed(p: &Placement) -> f64 {
-    p.speed() * wrap(p.velocity.heading() - p.path.heading).cos()
+    p.speed() * wrap(p.direction() - p.path.heading).cos()
 }

@@ -35,7 +35,7 @@ pub fn write_relative(drive: &Drive, ego: Option<&EgoMotion>, table: &mut TableB
     let relative = |t: &whyroad_model::scene::Track, r: usize| -> P2 {
         let (p, frame) = (p2(t.motion.x[r], t.motion.y[r]), t.frames[r] as usize);
         let Some(ego) = ego else { return p };
-        let forward = P2::from_heading(ego.heading[frame]);
+        let forward = ego.footprint(frame).direction();
         let d = p - ego.position[frame];
         p2(d.dot(forward), d.dot(forward.left()))
     };
@@ -79,7 +79,7 @@ pub fn write(drive: &Drive, targets: &[Target<'_>], table: &mut TableBuilder<'_>
         id::TARGET_CROSSING_ANGLE,
         rows.placed(targets, f64::NAN, |p| {
             if p.speed() >= DIRECTION_LEAST_SPEED_MPS {
-                angle_between_lines(p.velocity.heading(), p.path.heading)
+                angle_between_lines(p.direction(), p.path.heading)
             } else {
                 f64::NAN
             }

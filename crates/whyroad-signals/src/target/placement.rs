@@ -7,6 +7,7 @@ use crate::geometry::{OrientedBox, P2, Projection, Window, p2, wrap};
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
+use crate::target::approach::Approach;
 use whyroad_model::scene::Track;
 
 /// From this speed on a target moves, m/s.
@@ -72,6 +73,28 @@ pub struct Placement {
     pub same_level: bool,
     /// Direction of the path where the ego is, rad.
     pub heading_at_ego: f64,
+    /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's size is unknown.
+    pub distance: f64,
+    /// Gap and closing speed.
+    pub approach: Approach,
+    going: Going,
+}
+
+/// How a target goes in one frame: many signals ask it of every row.
+#[derive(Clone, Copy, Debug)]
+struct Going {
+    speed: f64,
+    direction: f64,
+    course: f64,
+    turned: f64,
+}
+
+impl Going {
+    fn new(velocity: P2, heading: f64, path_heading: f64) -> Self {
+        let (speed, direction) = (velocity.norm(), velocity.heading());
+        let course = if speed >= MOVING_MPS { direction } else { heading };
+        Self { speed, direction, course, turned: wrap(course - path_heading).abs() }
+    }
 }
 
 impl Placement {
@@ -90,7 +113,12 @@ impl Placement {
 
     /// Speed over ground, m/s.
     pub fn speed(&self) -> f64 {
-        self.velocity.norm()
+        self.going.speed
+    }
+
+    /// Direction of its velocity, rad.
+    pub fn direction(&self) -> f64 {
+        self.going.direction
     }
 
     /// The ego's lane where there is one, else a band along the driven path: place and edges.
@@ -123,7 +151,12 @@ impl Placement {
 
     /// Direction in which the target goes: of its velocity when it moves, else of its box, rad.
     pub fn course(&self) -> f64 {
-        if self.speed() >= MOVING_MPS { self.velocity.heading() } else { self.footprint.heading }
+        self.going.course
+    }
+
+    /// Angle between its course and the path where it is, 0 to pi.
+    pub fn turned(&self) -> f64 {
+        self.going.turned
     }
 }
 
@@ -160,6 +193,7 @@ impl Surroundings<'_> {
             };
             p.in_way = p.centre_in_way() || (was_in_way && held(p));
             was_in_way = p.in_way;
+            p.approach = Approach::new(p, self);
         }
         Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places, sd: None }
     }
@@ -235,7 +269,7 @@ impl Surroundings<'_> {
     /// True when the target, keeping its velocity, is in the swept band where the ego is after `seconds`.
     pub fn meets(&self, p: &Placement, seconds: f64) -> bool {
         let ego_s = self.path.ego_s[p.frame] + self.ego.forward_speed[p.frame] * seconds;
-        let footprint = OrientedBox { centre: p.footprint.centre + p.velocity * seconds, ..p.footprint };
+        let footprint = p.footprint.moved_to(p.footprint.centre + p.velocity * seconds);
         let at = self.path.project_near(footprint.centre, ego_s);
         let (_, _, beside) = self.extents(&footprint, &at);
         let front = ego_s + self.ego.length / 2.0;
@@ -251,14 +285,10 @@ impl Surroundings<'_> {
         if !self.ego.is_known(frame) || !centre.is_finite() {
             return None;
         }
-        let footprint = OrientedBox {
-            centre,
-            heading: wrap(m.heading[row]),
-            length: track.length_m[row],
-            width: track.width_m[row],
-        };
-        let sized =
-            footprint.length.is_finite() && footprint.width.is_finite() && footprint.heading.is_finite();
+        let footprint =
+            OrientedBox::new(centre, wrap(m.heading[row]), track.length_m[row], track.width_m[row]);
+        let sizes_known = footprint.length.is_finite() && footprint.width.is_finite();
+        let sized = sizes_known && footprint.heading.is_finite();
         let ego_s = self.path.ego_s[frame];
         let on_path = self.path.project_near(centre, ego_s);
         let (near, far, beside) = if sized {
@@ -289,10 +319,12 @@ impl Surroundings<'_> {
             let room = (left - at.high).max(right + at.low);
             room.is_nan() || room >= needed
         });
+        let velocity = p2(m.vx[row], m.vy[row]);
         Some(Placement {
             frame,
             footprint,
-            velocity: p2(m.vx[row], m.vy[row]),
+            velocity,
+            going: Going::new(velocity, footprint.heading, beside.heading),
             ahead: on_path.s - ego_s,
             near: near - ego_s,
             far: far - ego_s,
@@ -301,6 +333,8 @@ impl Surroundings<'_> {
             lane_ahead,
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
+            distance: if sizes_known { self.ego.footprint(frame).distance(&footprint) } else { f64::NAN },
+            approach: Approach::UNKNOWN,
             leaves_room,
             z,
             same_level: !off_level,

@@ -66,7 +66,7 @@ fn relation(p: &Placement, is_lead: bool, is_follower: bool) -> TargetRelation {
     if !p.same_level || !p.within_reach() {
         return TargetRelation::None;
     }
-    let turned = wrap(p.course() - p.path.heading).abs();
+    let turned = p.turned();
     let distance = p.ahead.hypot(p.path.lateral);
     if turned >= ONCOMING_RAD - 1e-9 {
         return if distance <= ONCOMING_REACH_M { TargetRelation::Oncoming } else { TargetRelation::None };

@@ -24,15 +24,12 @@ impl<'a> Rows<'a> {
         }
     }
 
-    fn dense(&self, k: usize, row: usize) -> usize {
-        self.first_rows[k] + (self.tracks[k].frames[row] - self.tracks[k].frames[0]) as usize
-    }
-
     fn fill<T: Clone>(&self, unknown: T, value: impl Fn(usize, &Track, usize) -> T) -> TargetRows<T> {
         let mut column = vec![unknown; self.count];
-        for (k, track) in self.tracks.iter().enumerate() {
-            for row in 0..track.frames.len() {
-                column[self.dense(k, row)] = value(k, track, row);
+        for (k, (track, first)) in self.tracks.iter().zip(&self.first_rows).enumerate() {
+            let (rows, start) = (&mut column[*first..], track.frames[0]);
+            for (row, frame) in track.frames.iter().enumerate() {
+                rows[(frame - start) as usize] = value(k, track, row);
             }
         }
         TargetRows(column)

@@ -52,7 +52,7 @@ fn moves_along(p: &Placement) -> Option<TargetMovesAlong> {
     if p.speed() < STILL_MPS {
         return Some(TargetMovesAlong::Still);
     }
-    let turned = wrap(p.velocity.heading() - p.path.heading).abs();
+    let turned = wrap(p.direction() - p.path.heading).abs();
     Some(if turned <= FRAC_PI_4 {
         TargetMovesAlong::Along
     } else if turned >= OPPOSITE_RAD - 1e-9 {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn at(x: f64, y: f64, heading: f64, length: f64, width: f64) -> OrientedBox {
-    OrientedBox { centre: p2(x, y), heading, length, width }
+    OrientedBox::new(p2(x, y), heading, length, width)
 }
 
 fn view(boxes: &[OrientedBox]) -> View {
@@ -99,7 +99,7 @@ fn before_one_by_one(v: &View, place: P2) -> Option<Owner> {
     let distance = to.norm();
     let direction = to * (1.0 / distance.max(1e-9));
     let met = v.pieces.iter().filter(|p| p.nearest < distance && p.sector.contains(direction));
-    let met = met.map(|p| (entry(&p.corners, direction), p.owner)).filter(|(at, _)| *at < distance);
+    let met = met.map(|p| (entry(p.outline.corners(), direction), p.owner)).filter(|(at, _)| *at < distance);
     met.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, owner)| owner)
 }
 
@@ -123,14 +123,14 @@ proptest! {
             }
         }
         // Also along the very edges of pieces, and along the axes, where ranges border on each other.
-        let corners: Vec<P2> = v.pieces.iter().flat_map(|p| &p.corners).map(|c| *c * 1.5).collect();
+        let corners: Vec<P2> = v.pieces.iter().flat_map(|p| p.outline.corners()).map(|c| *c * 1.5).collect();
         let around = places.iter().map(|(angle, r)| P2::from_heading(*angle) * *r);
         let axes = [p2(50.0, 0.0), p2(0.0, 50.0), p2(-50.0, 0.0), p2(0.0, -50.0), p2(-50.0, -0.0)];
         for place in around.chain(corners).chain(axes) {
             prop_assert_eq!(v.before(place, |_| true), before_one_by_one(&v, place));
         }
         for piece in &v.pieces {
-            let near: Vec<Owner> = v.pieces_in(piece.sector.ranges()).map(|p| p.owner).collect();
+            let near: Vec<Owner> = v.pieces_in(piece.sector.ranges).map(|p| p.owner).collect();
             for other in v.pieces.iter().filter(|o| piece.sector.shared(&o.sector).is_some()) {
                 prop_assert!(near.contains(&other.owner));
             }
