@@ -19,6 +19,8 @@ use whyroad_model::road_map::LaneKind;
 const ZONE_M: f64 = 500.0;
 /// Ahead of where the ego's lane ends this counts as lane_drop, m.
 const DROP_M: f64 = 150.0;
+/// A piece between the main road and a ramp is no longer than this, m.
+const CONNECTOR_M: f64 = 100.0;
 /// The change between ramp and main road is reported this long before and after it, s.
 const CHANGE_S: f64 = 1.0;
 
@@ -111,6 +113,18 @@ fn to_split(on: &OnRoad<'_>, splits: &[OnceCell<bool>], way: &Way, front: f64) -
     at.map_or(f64::INFINITY, |k| within_horizon(way.steps[k].to - front))
 }
 
+/// True for a short piece that all traffic on it takes from or to a ramp: who is on it has left the main road's lane,
+/// or has not reached it yet. A lane for gaining or losing speed is not one: through lanes run beside it.
+fn connects_ramp(road: &Road, lane: usize, is_ramp: impl Fn(usize) -> bool) -> bool {
+    let all_ramps = |next: &[usize]| !next.is_empty() && next.iter().all(|&l| is_ramp(l));
+    let one_way = |links: fn(&crate::road::network::LaneShape) -> &Vec<usize>| {
+        whole_road(road, lane).into_iter().all(|l| all_ramps(links(&road.lanes[l])))
+    };
+    !road.lanes[lane].in_junction
+        && road.lanes[lane].centre.length() < CONNECTOR_M
+        && (one_way(|l| &l.successors) || one_way(|l| &l.predecessors))
+}
+
 /// What a lane is for traffic that joins or leaves, apart from where the ego is on it.
 #[derive(Clone, Copy, Default)]
 struct Role {
@@ -137,7 +151,7 @@ impl Role {
                 .chain(first.iter().flat_map(|&l| links(&road.lanes[l]).iter().copied()))
                 .collect()
         };
-        let ramp = tagged(lane, "ramp");
+        let ramp = tagged(lane, "ramp") || connects_ramp(road, lane, |l| tagged(l, "ramp"));
         let through = !ramp && road.lanes[lane].centre.length() < ZONE_M;
         Self {
             ramp,
@@ -181,12 +195,14 @@ fn zone(on: &OnRoad<'_>, roles: &[Role], lane: usize, ends: f64) -> MapMergeZone
     let beside = on.road.lanes[lane].neighbours.into_iter().flatten();
     if on.road.lanes[lane].in_junction || role.ramp {
         MapMergeZone::None
-    } else if role.weaves() || beside.into_iter().any(|n| roles[n].weaves()) {
+    } else if role.weaves() {
         MapMergeZone::Weaving
     } else if role.acceleration || (role.joined && ends <= ZONE_M && ends.is_finite()) {
         MapMergeZone::Acceleration
     } else if role.deceleration || (role.leaves && begins_beside(on.road, lane)) {
         MapMergeZone::Deceleration
+    } else if beside.into_iter().any(|n| roles[n].weaves()) {
+        MapMergeZone::Weaving
     } else if ends <= DROP_M {
         MapMergeZone::LaneDrop
     } else {
