@@ -8,10 +8,12 @@ MODEL = {
     "EIDM": 'carFollowModel="EIDM"',
     "ACC": 'carFollowModel="ACC"',
     "W99": 'carFollowModel="W99"',
+    "W74": 'carFollowModel="Wiedemann"',
 }
 
 
 def types(model, lateral):
+    model, _, more = model.partition("+")
     follow = MODEL[model]
     side = ' latAlignment="center" minGapLat="0.5"' if lateral == "sublane" else ""
     return [
@@ -21,6 +23,7 @@ def types(model, lateral):
         f'<vType id="truck" vClass="truck" length="13.5" width="2.5" minGap="3" tau="1.5" accel="1.0" decel="3.2" maxSpeed="24" {follow}{side}/>',
         f'<vType id="coach" vClass="bus" length="12" width="2.5" minGap="3" tau="1.4" accel="1.2" decel="3.5" maxSpeed="23" {follow}{side}/>',
         f'<vType id="cycle" vClass="bicycle" length="1.7" width="0.6" minGap="0.8" maxSpeed="5.0"{side}/>',
+        *([f'<vType id="moto" vClass="motorcycle" length="2.2" width="0.9" minGap="1.5" accel="4" decel="6" speedFactor="normc(1.1,0.1,0.9,1.4)" {follow}{side}/>'] if more else []),
         '<vType id="walker" vClass="pedestrian" length="0.4" width="0.5" speedFactor="normc(1.0,0.12,0.7,1.3)"/>',
     ]
 
@@ -37,7 +40,7 @@ def roads(net, motorway):
     return sorted(e.getID() for e in starts), sorted(e.getID() for e in ends)
 
 
-def trips(draw, net, name, seconds, rate, people, egos):
+def trips(draw, net, model, seconds, rate, people, egos):
     motorway = max(e.getSpeed() for e in net.getEdges()) > 25
     starts, ends = roads(net, motorway)
     lanes = {e.getID(): e.getLaneNumber() for e in net.getEdges()}
@@ -52,6 +55,8 @@ def trips(draw, net, name, seconds, rate, people, egos):
             if start != end and net.getShortestPath(net.getEdge(start), net.getEdge(end))[0]:
                 break
         kind = draw.choices(["car", "quick", "van", "truck"], [6, 3, 1.5, 1.5 if motorway else 0.6])[0]
+        if "+moto" in model and draw.random() < 0.08:
+            kind = "moto"
         ego = 10 < t < seconds - 50 and i % spacing == 0 and chosen < egos
         chosen += ego
         rows.append((t, f'<trip id="{f"ego{chosen}" if ego else f"v{i}"}" type="{"car" if ego and chosen % 3 else "quick" if ego else kind}" depart="{t:.1f}" '

@@ -1,8 +1,9 @@
 """What happens in a run, by the words of TAXONOMY.md and LABELING.md, from SUMO's outputs alone: no signal or rule
 of Whyroad's is used.
 
-`COMPLETE` are the leaves that those outputs decide. SUMO's vehicles never reverse, weave, drive the wrong way, swerve
-in an emergency or squeeze past oncoming traffic, so those leaves are complete and empty. An entry is `optional` where
+`COMPLETE` are the leaves that those outputs decide. SUMO's vehicles never reverse or swerve in an emergency, and no
+model of theirs weaves, reveals or squeezes past oncoming traffic: those leaves are complete and have no required entry.
+An entry is `optional` where
 a threshold is met or missed by little or where the definition asks for a reason that the simulator does not give:
 found or not, it counts neither way.
 """
@@ -12,6 +13,7 @@ import json
 from judge_junctions import junctions
 from judge_lanes import changes, cut_ins, facilities
 from judge_lights import lights
+from judge_others import others
 from judge_traffic import following, leads, near_misses, people
 from world import World
 
@@ -46,5 +48,6 @@ def derive(work, name, egos, lateral):
         entries += cut_ins(world, ego)
         entries += people(world, ego)
         entries += near_misses(world, ego)
+        entries += others(world, ego, lead)
     entries.sort(key=lambda e: (e["drive_id"], e["keyframe_ns"], e["scenario_id"], e.get("target_id", "")))
     return egos, [json.dumps(x) for x in ({"complete": COMPLETE, "drives": [f"{name}-{e}" for e in egos]}, *entries)]

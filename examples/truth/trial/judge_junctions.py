@@ -63,9 +63,8 @@ def perhaps(w, ego, name, q):
     rider = w.kind(name) == "bicycle"
     leaves = [f"reactive_agent.vru_crossing.{v}" for v in ("horizontal", "diagonal", "crosswalk")] if rider else [I + v for v in ("unprotected_left", "right_vs_straight", "cross_conflict")]
     for each in leaves:
-        yield w.entry(each, ego, q.first - 50, q.first - 40, q.last + 20, name, optional=True)
-        if rider:
-            yield w.entry(each, ego, q.first - 10, q.first, q.last + 20, name, optional=True)
+        for key in (-40, -20, 0, 20):
+            yield w.entry(each, ego, q.first + key - 10, q.first + key, q.last + 20, name, optional=True)
 
 
 def unfinished(w, ego):
@@ -93,11 +92,14 @@ def leaf_of(w, ego, p, m):
     me, it = w.rows[ego][p.first], w.rows[m.name][m.q.first]
     facing = abs(bend(me.angle, it.angle)) > 135
     same_exit = p.link.b == m.q.link.b
+    if p.node.on_ring:
+        # "A circulating vehicle against an ego entering a roundabout", however sharply the ego turns there.
+        return "cross_conflict"
     if p.turned > 45 and facing:
         return "unprotected_left"
     if p.turned < -45 and same_exit:
         return "right_vs_straight"
-    return "cross_conflict" if not same_exit or p.node.on_ring else None
+    return None if same_exit else "cross_conflict"
 
 
 def junctions(w, ego, lead):
@@ -121,7 +123,9 @@ def junctions(w, ego, lead):
                        and rows[k].lane == p.link.lane) and (rows[k].lane.startswith(":") or w.letter(p.link, k) in (None, "G", "g", "s"))]
             waits = m.must and m.its < m.mine and len(waiting) > 5
             # A passage of the ring's other vehicles: each joint of a ring is a crossing of its own.
-            sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45)
+            # Whether who comes at 105 to 135 degrees towards a left turn is oncoming or crosses is open.
+            aslant = p.turned > 45 and 105 < abs(bend(rows[p.first].angle, w.rows[m.name][m.q.first].angle)) <= 140
+            sure = waits and leaf and m.apart < 5 and p.whole and p.began and not (net.left_hand and abs(p.turned) > 45) and not aslant
             near |= m.apart < 8 or waits
             if sure:
                 yield w.entry(I + leaf, ego, p.first, p.first, out, m.name)
@@ -131,6 +135,9 @@ def junctions(w, ego, lead):
                 for each in ("unprotected_left", "right_vs_straight", "cross_conflict"):
                     for q in joints:
                         yield w.entry(I + each, ego, q.first, q.first, q.last, m.name, optional=True)
+                if p.first - m.q.first > 30:
+                    # It gives way long before it enters.
+                    yield from perhaps(w, ego, m.name, m.q)
         if p.node.on_ring or not p.began:
             continue
         yield from turn(w, ego, p, lead, into, out, near)

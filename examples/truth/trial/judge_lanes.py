@@ -31,8 +31,15 @@ def from_ramp(w, lane):
 
 
 def to_ramp(w, lane):
-    links = w.net.out.get(lane, [])
-    return bool(links) and all(ramp(w, l.b) for l in links) and not ramp(w, edge_of(lane))
+    """A lane beside through lanes that leads to a ramp only; a whole road that ends in ramps has no such lane."""
+    leads = lambda x: bool(w.net.out.get(x)) and all(ramp(w, l.b) for l in w.net.out[x])
+    return leads(lane) and not ramp(w, edge_of(lane)) and not all(leads(x) for x in w.net.edges[edge_of(lane)].lanes if w.net.lanes[x].cars)
+
+
+def goes_through(w, lane):
+    """A through lane of the road before leads straight into it: whether it is a deceleration lane all along is open."""
+    feeds = [l for links in w.net.out.values() for l in links if l.to == lane]
+    return any(not ramp(w, l.a) and len({x.to for x in w.net.out[l.lane] if x.b == l.b}) == 1 for l in feeds)
 
 
 def visits(w, ego):
@@ -46,16 +53,19 @@ def visits(w, ego):
 
 
 def leaves_route(w, ego, c):
-    """Metres until the lane that it leaves stops leading where the ego drives; None if the log does not tell."""
+    """Metres until the lane that it leaves stops leading where the ego drives, and whether a junction comes before that;
+    None if the log does not tell.
+    """
     rows, edges = w.rows[ego], [edge_of(c.a)]
     for k in sorted(rows):
         if k > c.k and not rows[k].lane.startswith(":") and edge_of(rows[k].lane) != edges[-1]:
             edges.append(edge_of(rows[k].lane))
-    lanes, metres = {c.a}, w.net.lanes[c.a].length - rows[c.k].pos
-    for there in edges[1:]:
+    lanes, metres, junctions = {c.a}, w.net.lanes[c.a].length - rows[c.k].pos, 0
+    for before, there in zip(edges, edges[1:]):
         lanes = {l.to for lane in lanes for l in w.net.out.get(lane, []) if l.b == there}
         if not lanes:
-            return metres
+            return metres, junctions > 0
+        junctions += w.net.nodes[w.net.edges[before].b].real
         metres += w.net.lanes[min(lanes)].length
     return None
 
@@ -91,8 +101,9 @@ def changes(w, ego, lead):
         leaf, target, sure = None, None, not vague
         if from_ramp(w, c.a) or to_ramp(w, c.b) or ramp(w, edge_of(c.a)):
             sure = False
-        elif c.reason == "strategic" and off is not None and off <= 500:
-            leaf = "navigation"
+        elif c.reason == "strategic" and off is not None and off[0] <= 500:
+            # Where its lane leads through the next junction as well, the route does not ask for the change yet.
+            leaf, sure = "navigation", sure and not off[1]
         elif c.reason == "speedGain":
             name = lead.get(began, (None, 0))[0]
             its = w.rows.get(name, {}).get(began)
@@ -141,18 +152,23 @@ def facilities(w, ego):
             else:
                 yield w.entry(M + "normal_merge", ego, a, a, a + 50, optional=True)
         if ramp(w, edge_of(lane)) and not ramp(w, edge_of(was[0])):
-            moved = [c for c in w.changes[ego] if c.b == was[0] and c.k <= was[2] and to_ramp(w, c.b)]
             # Into a lane that leads to the ramp only: over its line, or where it begins ahead of the ego's lane.
             n = i - 1
             while n > 0 and to_ramp(w, roads[n - 1][0]):
                 n -= 1
             off = w.later(ego, was[2], w.length(ego) / 2)
-            start = moved[-1].k if moved else w.later(ego, roads[n][1], w.length(ego) / 2) if to_ramp(w, roads[n][0]) else off
+            # Over the line onto the first of such lanes, or along with it from the road before.
+            over = n > 0 and edge_of(roads[n - 1][0]) == edge_of(roads[n][0])
+            start = off if not to_ramp(w, roads[n][0]) else roads[n][1] if over else w.later(ego, roads[n][1], w.length(ego) / 2)
             done = w.later(ego, a, w.length(ego) / 2)
             # "From entering the deceleration lane until on the ramp": how long a lane that leads to the ramp only may be
             # to count as one is not said.
-            long = start < off and w.net.lanes[was[0]].length > 500
-            yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows or long)
+            long = start < off and (w.net.lanes[was[0]].length > 500 or not over and goes_through(w, roads[n][0]))
+            # From ramp to ramp by the lane that joins them, it was never on the main road.
+            long |= start < off and n > 0 and ramp(w, edge_of(roads[n - 1][0]))
+            # Where it ends: a surface road that leads into ramps has no main road that goes on.
+            ends = all(ramp(w, l.b) for x in w.net.edges[edge_of(was[0])].lanes for l in w.net.out.get(x, []))
+            yield w.entry(M + "split_exit", ego, start, start, done, optional=max(rows) < a + 10 or start not in rows or long or ends)
             if start < off - 50 or long:
                 yield w.entry(M + "split_exit", ego, off, off, done, optional=True)
     for p in w.passing[ego]:

@@ -37,9 +37,14 @@ def following(w, ego, lead):
     yield from creeping(w, ego, motor)
     halts = stood(rows)
     behind = lambda k, reach=15: next((motor[u] for u in range(k, k + 8) if u in motor and motor[u][1] < reach), None)
+    # Some drivers' models never come quite to rest: whether they stand is open.
+    rests = lambda a, b: min(rows[k].v for k in range(a, b + 1) if k in rows) < 0.1
     stretches = congested(rows, halts, behind)
+    for a, b, n in congested(rows, [s for s in spans([k for k, o in rows.items() if o.v < 0.6], gap=5) if s[1] > s[0]], lambda k: behind(k, 22)):
+        # By a looser reading of standing and of the gap.
+        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=True)
     for a, b, n in stretches:
-        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or max(rows[k].v for k in range(a, b) if k in rows) < 1.5)
+        yield w.entry(F + "stop_and_go", ego, a, a, b, optional=n < 3 or not all(rests(*h) for h in halts if a <= h[0] <= b) or max(rows[k].v for k in range(a, b) if k in rows) < 1.5)
     inside = lambda k: any(a - 100 <= k <= b + 60 for a, b, n in stretches)
     for a, b in halts:
         at = behind(a, 18)
@@ -60,12 +65,12 @@ def following(w, ego, lead):
                     h = next((k for k in range(h, a) if k in rows and ttc(k) < 5), h)
             hard = min((its[k].a for k in range(halted[0] - 60, halted[0]) if k in its), default=0)
             changed = any(c.k > a - 50 and c.k < a + 10 for c in w.changes[name] + w.changes[ego])
-            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10)
+            yield w.entry(F + "follow_stop", ego, h - 20, h, a + 10, name, optional=gap > 13 or hard < -2.7 or inside(a) or fast < 4 or changed or b - a < 10 or not rests(a, b))
         starts = next((k for k in range(a, b + 40) if k in its and its[k].v >= 0.3 and all(its[u].v < 0.3 for u in range(k - 10, k) if u in its)), None)
         went = any(rows[k].v > 2 for k in range(b, b + 60) if k in rows)
         if starts is not None and b - a >= 8 and went:
             yield w.entry(F + "follow_start", ego, starts, starts, b + 30, name,
-                          optional=gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a)
+                          optional=gap > 13 or inside(a) or b - starts > 45 or b < starts or b - a < 13 or released(w, ego, starts) or starts - 10 < a or not rests(a, b))
 
 
 def released(w, ego, k):
@@ -120,7 +125,7 @@ def creeping(w, ego, motor):
             continue
         sure = [s for s in spans([k for k in range(a, b + 1) if k in motor and 0.4 < rows[k].v < 3.3 and near(k)]) if s[1] - s[0] >= 58]
         # "A stretch beginning from or ending in standstill is a start or stop."
-        halts = any(rows[k].v < 0.3 for k in (*range(a - 20, a), *range(b + 1, b + 21)) if k in rows)
+        halts = any(rows[k].v < 0.5 for k in (*range(a - 20, a), *range(b + 1, b + 21)) if k in rows) or b + 40 > max(rows)
         yield w.entry(F + "creeping", ego, a, (sure or [(a, b)])[0][0], b, motor[a][0] if len({motor[k][0] for k in range(a, b) if k in motor}) == 1 else None,
                       optional=not sure or halts)
 
@@ -143,13 +148,14 @@ def braking(w, ego, lead):
         if w.kind(name) == "bicycle":
             continue
         its = w.rows[name]
-        for a, b in spans([k for k in its if its[k].a < -2.7]):
+        hard = spans([k for k in its if its[k].a < -2.7])
+        for n, (a, b) in enumerate(hard):
             strict = [k for k in range(a, b + 1) if its[k].a < -3.3]
             exact = next((k for k in range(a, b + 1) if its[k].a <= -3), a)
             followed = all(lead.get(k, (None,))[0] == name for k in range(exact - 10, exact))
             if b - a >= 3 and exact in lead and lead[exact][0] == name:
                 near = lead[exact][1] < 3 * w.rows[ego][exact].v
-                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not followed or not near)
+                yield w.entry(F + "lead_sudden_brake", ego, exact - 10, exact, b + 10, name, optional=len(strict) < 7 or not followed or not near or n and a - hard[n - 1][1] < 20)
 
 
 def track(w, name, a, b):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generates the trial's drives with known truth: `python3 make.py develop|held|held2 OUT_DIR [NETWORK ...]`.
+"""Generates the trial's drives with known truth: `python3 make.py develop|varied|held|held2|held3 OUT_DIR [NETWORK ...]`.
 
 Needs SUMO 1.28.0 (`pip install eclipse-sumo==1.28.0`). `develop` may be looked at while rules are changed; `held` has
 other networks, drivers and steps, and is evaluated once (docs/reference/accuracy.md says when). Nothing generated is
@@ -23,7 +23,8 @@ import sumolib  # noqa: E402
 
 import judge  # noqa: E402
 from demand import trips, types  # noqa: E402
-from networks import SETS, document, tool  # noqa: E402
+from groups import SETS  # noqa: E402
+from networks import document, tool  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 FCD = "id,x,y,z,angle,type,speed,pos,acceleration,lane,edge,signals,leaderID,leaderSpeed,leaderGap"
@@ -40,7 +41,7 @@ def build(maker, draw, work):
 
 def simulate(work, draw, seed, seconds, step, model, lateral, rate, people):
     net = sumolib.net.readNet(str(work / "net.xml"))
-    rows, egos = trips(draw, net, None, seconds, rate, people, EGOS)
+    rows, egos = trips(draw, net, model, seconds, rate, people, EGOS)
     document(work / "trips.xml", "routes", types(model, lateral) + rows)
     lights = re.findall(r'<tlLogic id="([^"]+)"', (work / "net.xml").read_text())
     document(work / "lights.add.xml", "additional", [f'<timedEvent type="SaveTLSStates" source="{i}" dest="{work}/tls.xml"/>' for i in lights])
@@ -92,7 +93,7 @@ def sums(out):
 
 def main():
     match sys.argv[1:]:
-        case [("develop" | "held" | "held2") as group, out, *only]:
+        case [("develop" | "varied" | "held" | "held2" | "held3") as group, out, *only]:
             generate(group, Path(out), only)
         case ["record", out]:
             (HERE / "manifest.txt").write_text("# eclipse-sumo 1.28.0\n" + "".join(f"{v} {k}\n" for k, v in sums(Path(out)).items()))

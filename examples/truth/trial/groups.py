@@ -1,0 +1,59 @@
+"""The groups of runs: networks, drivers, steps, traffic. docs/reference/accuracy.md says who looked at which."""
+
+from functools import partial
+
+from networks import (
+    avenue,
+    city_grid,
+    clover_motorway,
+    hill_motorway,
+    left_grid,
+    left_rings,
+    left_spider,
+    loop_interchange,
+    old_town,
+    osm_motorway,
+    random_town,
+    ring_street,
+    ring_town,
+    star_town,
+    trumpet,
+    weave_motorway,
+    web_town,
+)
+from networks_drawn import circles, country, knotted, motorway, street
+
+# Name: (maker, seed, seconds, step s, drivers' model, lateral: seconds of a change or "sublane", vehicles per second,
+# people)
+SETS = {
+    "develop": {
+        "random": (random_town, 31, 300, 0.1, "IDM", 3, 0.9, 0),
+        "web": (web_town, 47, 240, 0.1, "Krauss", "sublane", 0.8, 0),
+        "leftgrid": (left_grid, 53, 260, 0.1, "Krauss", 2.5, 0.6, 0.15),
+        "avenue": (avenue, 61, 260, 0.05, "EIDM", 3, 0.9, 0),
+        "rings": (ring_town, 71, 240, 0.1, "IDM", 2, 0.6, 0),
+        "weave": (weave_motorway, 83, 150, 0.1, "EIDM", 4, 1.1, 0),
+        "osmway": (osm_motorway, 97, 150, 0.2, "ACC", 3, 1.3, 0),
+        "loops": (loop_interchange, 103, 150, 0.1, "Krauss", 3, 1.4, 0),
+    },
+    "held": {
+        "citygrid": (city_grid, 1031, 260, 0.1, "EIDM", 3, 0.8, 0.2),
+        "oldtown": (old_town, 1049, 260, 0.05, "IDM", 3, 0.6, 0),
+        "leftrings": (left_rings, 1061, 240, 0.1, "Krauss", 3, 0.45, 0),
+        "star": (star_town, 1069, 240, 0.1, "ACC", 2.5, 0.6, 0),
+        "clover": (clover_motorway, 1087, 150, 0.2, "Krauss", 3, 0.9, 0),
+        "hillway": (hill_motorway, 1091, 150, 0.1, "IDM", "sublane", 1.2, 0),
+    },
+    "held2": {
+        "trumpet": (trumpet, 2027, 170, 0.1, "W99", 3.5, 1.1, 0),
+        "leftspider": (left_spider, 2029, 240, 0.2, "ACC", 3, 0.7, 0),
+        "ringstreet": (ring_street, 2039, 240, 0.1, "EIDM", "sublane", 0.7, 0.15),
+    },
+    "varied": {
+        "street": (street, 3001, 220, 0.1, "IDM+moto", 3, 0.7, 0.2),
+        "leftway": (partial(motorway, left=True, pieces=("entry", "plain_exit", "weave", "exit")), 3011, 150, 0.1, "EIDM", 3, 1.0, 0),
+        "circles": (partial(circles, left=True), 3019, 200, 0.2, "Krauss+moto", 2.5, 0.5, 0),
+        "country": (country, 3023, 200, 0.1, "ACC", 3, 0.35, 0),
+        "knotted": (knotted, 3037, 220, 0.1, "W74", 2, 0.6, 0),
+    },
+}
