@@ -150,8 +150,11 @@ def turn(w, ego, p, lead, into, out, near):
     short = not p.whole or p.first - min(rows) < 100
     if abs(p.turned) < 45:
         before = [rows[k] for k in range(into - 60, into) if k in rows]
-        if not before or before and min(o.v for o in before) < 0.3:
+        stood = [k for k in range(into - 80, into) if k in rows and rows[k].v < 0.3]
+        if not before or stood and stood[-1] > into - 40:
             return
+        # How long ago it may have stood is not said.
+        short |= bool(stood)
         adjusted = max(o.v for o in before) - min(o.v for o in before) > 1.0
         held = [k for k in range(into - 80, into) if w.letter(p.link, k) not in (None, "G", "g", "s", "o", "O")] if p.link.tl else []
         yield w.entry("proactive.turn.straight", ego, into - 30, into, out + 20, optional=bool(near or adjusted or held or walkers or short or abs(p.turned) > 38))

@@ -227,6 +227,9 @@ def cut_ins(w, ego):
                 sure = False
             if w.kind(name) in ("truck", "bus"):
                 leaf = "large_vehicle"
+            if w.kind(name) == "delivery":
+                # Whether a van of 6 m is a large vehicle is open.
+                yield w.entry(C + "large_vehicle", ego, k - 50, k, k + 30, name, optional=True)
             if from_ramp(w, c.a) and not from_ramp(w, rows[k].lane):
                 leaf = "ramp"
             stopped = any(u in its and its[u].v < 0.3 for u in range(k - 120, k))

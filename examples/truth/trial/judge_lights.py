@@ -54,6 +54,9 @@ def lights(w, ego):
             again = any(start < h[0] < start + 100 for h in halts[n + 1:])
             if not ahead:
                 yield w.entry(T + "resume_first", ego, key - 20, key, key + 30, optional=mixed or left(a) > 9.5 or start - green > 40 or b - a < 15 or not off or again)
+                if mixed:
+                    # Whether a rider ahead counts as the first is open.
+                    yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=True)
             else:
                 yield w.entry(T + "resume_follow", ego, key - 20, key, key + 30, optional=mixed or start - green > 200 or b - a < 15 or not off or again or start < green + 3)
         rolling = [k for k in on_last if left(k) < 80 and k > (halts[-1][1] + 60 if halts else 0)]
