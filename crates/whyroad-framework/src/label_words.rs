@@ -112,6 +112,8 @@ pub enum WordRole {
     Denied,
     /// Says that what follows in the clause is only supposed.
     Supposed,
+    /// Says that whoever the ego responds to is out of the way: nobody responds to that.
+    Resolved,
     /// Says that the ego goes on as before.
     Unchanged,
     /// Only hides the words inside it.
@@ -148,10 +150,14 @@ pub struct LabelWords {
     pub aftermath: Aftermath,
     /// With one of these before it, hindsight is what would happen.
     pub imagined: Vec<String>,
+    /// With one of these anywhere in the clause, a time that passes is predicted.
+    pub predicted: Vec<String>,
     /// Words of each color of a light.
     pub lights: Vec<Vec<String>>,
     /// How texts are divided.
     pub clauses: Clauses,
+    /// Words for road users, in lower case.
+    pub road_users: Vec<String>,
     /// Kinds that the checks ask for.
     pub known: KnownKinds,
     /// By decision, what brings it about; a decision that is not here can have any cause.
@@ -265,6 +271,7 @@ struct File {
     supposed: Words,
     unchanged: Words,
     hindsight: RawHindsight,
+    resolved: Words,
     aftermath: aftermath::RawAftermath,
     clauses: clauses::RawClauses,
     causes: BTreeMap<String, Vec<String>>,
@@ -309,6 +316,7 @@ struct RawStates {
 struct RawHindsight {
     firm: Words,
     imagined: Words,
+    predicted: Words,
     plain: Words,
 }
 

@@ -178,9 +178,10 @@ struct PhraseWords {
 }
 
 impl Lexicon {
-    /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. An unreadable file
-    /// gives an empty lexicon, with which traces are checked for form only.
-    pub fn parse(file: &str, text: &str) -> (Lexicon, Vec<Diagnostic>) {
+    /// From the text of `schema/decision_lexicon.yaml`; `file` is named in diagnostics. `road_users`: words for road
+    /// users, who act where the lexicon gives the word no other role. An unreadable file gives an empty lexicon, with
+    /// which traces are checked for form only.
+    pub fn parse(file: &str, text: &str, road_users: &[String]) -> (Lexicon, Vec<Diagnostic>) {
         let raw: File = match yaml::from_str(text) {
             Ok(raw) => raw,
             Err(e) => {
@@ -188,7 +189,7 @@ impl Lexicon {
                 return (Lexicon::default(), vec![e.diagnostic("lexicon.syntax", file, what)]);
             }
         };
-        let (lexicon, problems) = compile::compile(&raw);
+        let (lexicon, problems) = compile::compile(&raw, road_users);
         let diagnostics = problems
             .into_iter()
             .map(|message| Diagnostic::error("lexicon.pattern", message).in_file(file))
@@ -204,7 +205,7 @@ mod tests {
     #[test]
     fn the_lexicon_of_this_repository_has_no_problems() {
         let text = include_str!("../../../schema/decision_lexicon.yaml");
-        let (lexicon, diagnostics) = Lexicon::parse("schema/decision_lexicon.yaml", text);
+        let (lexicon, diagnostics) = Lexicon::parse("schema/decision_lexicon.yaml", text, &[]);
         assert!(diagnostics.is_empty(), "{diagnostics:#?}");
         for d in Longitudinal::ALL {
             assert!(lexicon.phrases.iter().any(|p| !p.supports_only && p.longitudinal.contains(d)), "{d}");
@@ -217,16 +218,16 @@ mod tests {
     #[test]
     fn a_broken_lexicon_is_reported() {
         let text = include_str!("../../../schema/decision_lexicon.yaml");
-        let (empty, d) = Lexicon::parse("x.yaml", &text.replace("negation_end:", "negation_stop:"));
+        let (empty, d) = Lexicon::parse("x.yaml", &text.replace("negation_end:", "negation_stop:"), &[]);
         assert!(empty.patterns.is_empty());
         assert_eq!(
             (d.len(), d[0].code, d[0].location.file.as_deref()),
             (1, "lexicon.syntax", Some("x.yaml"))
         );
         // The same word for two decisions, and a choice that is never closed.
-        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "汇入主路, 变道"));
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "汇入主路, 变道"), &[]);
         assert!(d.len() == 1 && d[0].code == "lexicon.pattern" && d[0].message.en.contains("变道"), "{d:?}");
-        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "\"(a|b\""));
+        let (_, d) = Lexicon::parse("x.yaml", &text.replace("汇入主路, 汇入主线", "\"(a|b\""), &[]);
         assert!(d.len() == 1 && d[0].message.en.contains("(a|b"), "{d:?}");
     }
 }

@@ -45,14 +45,6 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         }
         None => out.push(missing_file(DECISIONS)),
     }
-    match files.get(LEXICON) {
-        Some(text) => {
-            let (lexicon, found) = Lexicon::parse(LEXICON, text);
-            framework.lexicon = lexicon;
-            out.extend(found);
-        }
-        None => out.push(missing_file(LEXICON)),
-    }
     match files.get(LABEL_WORDS) {
         Some(text) => {
             let (words, found) = LabelWords::parse(LABEL_WORDS, text);
@@ -60,6 +52,14 @@ pub(super) fn load(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
             out.extend(found);
         }
         None => out.push(missing_file(LABEL_WORDS)),
+    }
+    match files.get(LEXICON) {
+        Some(text) => {
+            let (lexicon, found) = Lexicon::parse(LEXICON, text, &framework.label_words.road_users);
+            framework.lexicon = lexicon;
+            out.extend(found);
+        }
+        None => out.push(missing_file(LEXICON)),
     }
     if let Some(text) = files.get(DRAFT_TEXTS) {
         let (texts, found) = DraftTexts::parse(DRAFT_TEXTS, text);

@@ -63,6 +63,14 @@ impl Clauses {
         joint.map_or(mark, |i| clause[i].start)
     }
 
+    /// First byte of the clause that holds `at`, and the byte at which it ends: between marks.
+    pub fn around(&self, units: &Units, at: usize, text_end: usize) -> (usize, usize) {
+        let divides = |m: &&Mark| self.divides(**m).is_some();
+        let from = units.marks().iter().take_while(|m| m.start < at).filter(divides).last();
+        let to = units.marks().iter().find(|m| m.start >= at && divides(m));
+        (from.map_or(0, |m| m.end()), to.map_or(text_end, |m| m.start))
+    }
+
     /// The units begin with a joint. The last unit is the one behind the clause.
     fn is_joint(&self, units: &[Unit]) -> bool {
         units[0].key == u64::from(b' ')

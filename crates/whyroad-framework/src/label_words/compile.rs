@@ -33,6 +33,7 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         b.all(words.all(), WordRole::Colour(i));
     }
     b.all(raw.hindsight.firm.all(), WordRole::Hindsight);
+    b.all(raw.resolved.all(), WordRole::Resolved);
     b.all(raw.ahead.all(), WordRole::Ahead);
     b.all(raw.absent.all(), WordRole::Absent);
     b.all(raw.denied.all(), WordRole::Denied);
@@ -80,6 +81,14 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         light: kind("light"),
     };
 
+    // A queue is waited in, and "no car" does nothing.
+    let acts = ["vehicle", "vru", "animal"].into_iter().fold(GroupSet::default(), |set, k| set.with(kind(k)));
+    let is_user = |role: &WordRole| matches!(role, WordRole::Object(i) if objects[*i].own.meets(acts) && !objects[*i].own.meets(known.queue));
+    let road_users = (b.texts.iter())
+        .filter(|(text, role)| is_user(role) && !text.starts_with(['有', '无', '没']))
+        .map(|(text, _)| text.clone())
+        .collect();
+
     let Builder { texts, mut problems } = b;
     let trie = trie(texts.keys().map(String::as_str), &mut problems);
     let mut reasons: Vec<String> =
@@ -111,8 +120,10 @@ pub(super) fn compile(raw: &File) -> (LabelWords, Vec<Bilingual>) {
         scene,
         aftermath,
         imagined: raw.hindsight.imagined.all().map(str::to_owned).collect(),
+        predicted: raw.hindsight.predicted.all().map(str::to_owned).collect(),
         lights: raw.lights.values().map(|w| w.all().map(str::to_owned).collect()).collect(),
         clauses,
+        road_users,
         known,
         causes,
         compared,

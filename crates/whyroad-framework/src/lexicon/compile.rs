@@ -83,7 +83,7 @@ impl Lexicon {
 }
 
 /// The lexicon, and what is wrong with the file's patterns.
-pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
+pub fn compile(raw: &File, road_users: &[String]) -> (Lexicon, Vec<Bilingual>) {
     let mut builder = Builder { raw, texts: BTreeMap::new(), problems: Vec::new() };
     let w = &raw.words;
     for (role, words) in [
@@ -124,6 +124,10 @@ pub fn compile(raw: &File) -> (Lexicon, Vec<Bilingual>) {
     let ids = Longitudinal::ALL.iter().map(|d| d.id()).chain(Lateral::ALL.iter().map(|d| d.id()));
     for id in ids.filter(|id| id.contains('_')) {
         builder.add(id, Role::DecisionId, None);
+    }
+
+    for word in road_users {
+        builder.texts.entry(word.clone()).or_insert((Role::Agent, None));
     }
 
     let Builder { texts, mut problems, .. } = builder;

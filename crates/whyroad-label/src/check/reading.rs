@@ -38,6 +38,8 @@ pub(super) struct TextFacts {
     pub hindsight: Option<(usize, usize)>,
     /// Bytes of the first phrase that follows from the ego's response: hindsight in a component.
     pub after_response: Option<(usize, usize)>,
+    /// Bytes of what says that somebody is out of the way.
+    pub resolved: Vec<(usize, usize)>,
     /// Words of any list.
     pub words: usize,
     /// States said of nothing that is named, in order.
@@ -75,6 +77,8 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
         last_end = hit.end;
         let word = &text[hit.start..hit.end];
         match hit.role {
+            // "Obstacle: ...", "【障碍】...".
+            WordRole::Object(_) if text[hit.end..].trim_start().starts_with([':', '：', '】', ']']) => {}
             WordRole::Object(group) => {
                 out.words += 1;
                 let absent = clause.absent.is_some_and(|a| a.reaches(text, hit.start))
@@ -129,13 +133,19 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
             }
             WordRole::Hindsight => {
                 out.words += 1;
-                if !is_imagined(text, hit.start, units, words) {
+                if !is_imagined(text, (hit.start, hit.end), units, words) {
                     out.hindsight.get_or_insert((hit.start, hit.end));
                 }
             }
             WordRole::AfterResponse => {
                 out.words += 1;
                 out.after_response.get_or_insert((hit.start, hit.end));
+            }
+            WordRole::Resolved => {
+                out.words += 1;
+                if !clause.supposed && !clause.denied.is_some_and(|d| d.reaches(text, hit.start)) {
+                    out.resolved.push((hit.start, hit.end));
+                }
             }
             // Behind a name in English, before it in Chinese.
             WordRole::Ahead if word.is_ascii() => {
@@ -158,12 +168,23 @@ pub(super) fn read(text: &str, units: &Units, words: &LabelWords) -> TextFacts {
     out
 }
 
-/// "Otherwise it hits us", "at this speed it hits us in two seconds": what would happen, not what did.
-fn is_imagined(text: &str, at: usize, units: &Units, words: &LabelWords) -> bool {
+/// "Otherwise it hits us", "at this speed it hits us in two seconds", "the paths cross two seconds later": what would
+/// happen, not what did. `at`: bytes of the words that say so.
+fn is_imagined(text: &str, at: (usize, usize), units: &Units, words: &LabelWords) -> bool {
+    let begin = |ends: &dyn Fn(Divider) -> bool| {
+        let before = units.marks().iter().take_while(|m| m.start < at.0);
+        before.filter(|m| words.clauses.divides(**m).is_some_and(ends)).last().map_or(0, |m| m.start)
+    };
     let divides = |m: &&Mark| words.clauses.divides(**m).is_some_and(|d| d != Divider::Aside);
-    let before = units.marks().iter().take_while(|m| m.start < at);
-    let from = before.filter(divides).last().map_or(0, |m| m.start);
-    words.imagined.iter().any(|w| text[from..at].contains(w.as_str()))
+    let clause_end = units.marks().iter().find(|m| m.start >= at.1 && divides(m));
+    let has = |part: &str, all: &[String]| {
+        let part = part.to_lowercase();
+        all.iter().any(|w| part.contains(w.as_str()))
+    };
+    // "At this speed, two seconds later": said in the sentence before it, or in the clause behind it.
+    has(&text[begin(&|d| d != Divider::Aside)..at.0], &words.imagined)
+        || has(&text[begin(&|d| d == Divider::Sentence)..at.0], &words.predicted)
+        || has(&text[at.1..clause_end.map_or(text.len(), |m| m.start)], &words.predicted)
 }
 
 /// The side of a lane that says where somebody is or comes from: "the car in the left lane", "右侧车道的轿车". Not that

@@ -28,6 +28,17 @@ struct PathPoint {
     heading: f64,
 }
 
+/// Segments of the path in one block, which is passed over as a whole where it is far away.
+const BLOCK: usize = 16;
+
+/// The path, to be searched for the point that is nearest to something.
+struct Path {
+    segments: Vec<Segment>,
+    /// Bounds of each [`BLOCK`] of segments: least x and y, greatest x and y. The first segment, which goes on behind
+    /// its beginning, is searched always.
+    bounds: Vec<[f64; 4]>,
+}
+
 /// A piece of the path from one point to the next.
 #[derive(Clone, Copy, Debug)]
 struct Segment {
@@ -100,7 +111,7 @@ impl Scene {
     pub fn at(drive: &Drive, signals: &SignalTable, frame: usize) -> Option<Self> {
         let ego = drive.ego.as_ref()?;
         let speed_mps = signals.frame_columns.get("ego.speed")?.number(frame)?;
-        let path = segments(&path(drive, frame)?);
+        let path = Path::through(&path(drive, frame)?);
         let steps = (HORIZON_S / STEP_S) as usize;
         let start = drive.times[frame];
         let frames: Vec<Option<usize>> = (0..=steps)
@@ -212,47 +223,92 @@ fn path(drive: &Drive, frame: usize) -> Option<Vec<PathPoint>> {
     Some(out)
 }
 
-fn segments(path: &[PathPoint]) -> Vec<Segment> {
-    let segment = |w: &[PathPoint]| {
-        let (dx, dy) = (w[1].x - w[0].x, w[1].y - w[0].y);
-        Segment { from: w[0], dx, dy, length: dx.hypot(dy).max(1e-6) }
-    };
-    path.windows(2).map(segment).collect()
+impl Path {
+    fn through(points: &[PathPoint]) -> Self {
+        let segment = |w: &[PathPoint]| {
+            let (dx, dy) = (w[1].x - w[0].x, w[1].y - w[0].y);
+            Segment { from: w[0], dx, dy, length: dx.hypot(dy).max(1e-6) }
+        };
+        let segments: Vec<Segment> = points.windows(2).map(segment).collect();
+        let around = |block: &[Segment]| {
+            let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
+            block.iter().fold(none, |[x0, y0, x1, y1], s| {
+                let (a, b) = (s.from, (s.from.x + s.dx, s.from.y + s.dy));
+                [x0.min(a.x).min(b.0), y0.min(a.y).min(b.1), x1.max(a.x).max(b.0), y1.max(a.y).max(b.1)]
+            })
+        };
+        let bounds = segments.chunks(BLOCK).map(around).collect();
+        Self { segments, bounds }
+    }
+
+    /// Along and beside the path: (s, signed distance, heading there). `near`: index of a segment that is probably near,
+    /// such as the last one found; the nearest one is stored in it. The result does not depend on it.
+    fn place(&self, x: f64, y: f64, near: &mut usize) -> (f64, f64, f64) {
+        let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
+        // Slightly more than the square of the least distance: most blocks and segments end here, without a root.
+        let mut farthest = f64::INFINITY;
+        if let Some(segment) = self.segments.get(*near) {
+            farthest = segment.nearest(x, y).squared * (1.0 + 1e-9);
+        }
+        for (block, [x0, y0, x1, y1]) in self.bounds.iter().enumerate() {
+            let (dx, dy) = ((x0 - x).max(x - x1).max(0.0), (y0 - y).max(y - y1).max(0.0));
+            // Slightly less, for rounding.
+            if block > 0 && (dx * dx + dy * dy) * (1.0 - 1e-9) > farthest {
+                continue;
+            }
+            let from = block * BLOCK;
+            let to = (from + BLOCK).min(self.segments.len());
+            for (i, segment) in self.segments[from..to].iter().enumerate() {
+                let found = segment.nearest(x, y);
+                if found.squared > farthest {
+                    continue;
+                }
+                let d = (x - found.x).hypot(y - found.y);
+                if d < best.0 {
+                    farthest = d * d * (1.0 + 1e-9);
+                    let Segment { from: a, dx, dy, length } = *segment;
+                    let side = (dx * (y - a.y) - dy * (x - a.x)) / length;
+                    best = (d, a.s + found.along, side, a.heading);
+                    *near = from + i;
+                }
+            }
+        }
+        (best.1, best.2, best.3)
+    }
 }
 
-/// Along and beside the path: (s, signed distance, heading there).
-fn place(path: &[Segment], x: f64, y: f64) -> (f64, f64, f64) {
-    let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
-    // Slightly more than the square of the least distance: most segments end here, without a root.
-    let mut farthest = f64::INFINITY;
-    for Segment { from: a, dx, dy, length } in path.iter().copied() {
+/// The point of a segment that is nearest to another.
+struct Nearest {
+    x: f64,
+    y: f64,
+    /// From the beginning of the segment, m.
+    along: f64,
+    /// Square of the distance, m2.
+    squared: f64,
+}
+
+impl Segment {
+    fn nearest(&self, x: f64, y: f64) -> Nearest {
+        let Segment { from: a, dx, dy, length } = *self;
         let along = ((x - a.x) * dx + (y - a.y) * dy) / length;
         // Behind the first point counts as behind.
         let low = if a.s == 0.0 { f64::NEG_INFINITY } else { 0.0 };
         let k = along.clamp(low, length);
         let (px, py) = (a.x + dx * k / length, a.y + dy * k / length);
-        if (x - px).powi(2) + (y - py).powi(2) > farthest {
-            continue;
-        }
-        let d = (x - px).hypot(y - py);
-        if d < best.0 {
-            farthest = d * d * (1.0 + 1e-9);
-            let side = (dx * (y - a.y) - dy * (x - a.x)) / length;
-            best = (d, a.s + k, side, a.heading);
-        }
+        Nearest { x: px, y: py, along: k, squared: (x - px).powi(2) + (y - py).powi(2) }
     }
-    (best.1, best.2, best.3)
 }
 
 fn course(
     track: &whyroad_model::scene::Track,
     frames: &[Option<usize>],
-    path: &[Segment],
+    path: &Path,
     (ego_length, ego_width): (f64, f64),
 ) -> Option<Course> {
     let mut rows: Vec<Option<Row>> = Vec::with_capacity(frames.len());
     let mut nearest_m = f64::INFINITY;
     let or = |v: f64, d: f64| if v.is_nan() { d } else { v };
+    let mut near = 0;
     for frame in frames {
         let row = frame.and_then(|f| track.row_at(f)).and_then(|r| {
             let m = &track.motion;
@@ -260,7 +316,7 @@ fn course(
             if x.is_nan() || y.is_nan() {
                 return None;
             }
-            let (s, side, heading) = place(path, x, y);
+            let (s, side, heading) = path.place(x, y, &mut near);
             let turn = or(m.heading[r], heading) - heading;
             let (length, width) = (or(track.length_m[r], 1.0), or(track.width_m[r], 0.8));
             // The box as wide and as long as it is across and along the path.

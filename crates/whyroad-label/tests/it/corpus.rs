@@ -18,8 +18,8 @@ const FOUND_OF_A_KIND: f64 = 0.80;
 /// Share of true labels that may be flagged.
 const FALSE_ALARMS: f64 = 0.05;
 
-/// The same of the half of the third set that was run once: what it was then, 253 of 274 and 11 of 75.
-const OTHER_HALF: (f64, f64) = (0.92, 0.15);
+/// The same of the half of the third set that was run once; it was 253 of 274 and 11 of 75 then.
+const OTHER_HALF: (f64, f64) = (0.94, FALSE_ALARMS);
 
 #[derive(Default)]
 struct Tally {
@@ -137,7 +137,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third] = unseen();
+    let [first, second, third, fourth] = unseen();
     // Of the third set the bases with an even number were improved on, the others were run once, at the end.
     let half = |odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         third.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -147,6 +147,7 @@ fn labels_that_were_unseen_stay_found() {
         ("second set", second, (120, 30), (FOUND, FALSE_ALARMS)),
         ("third set, half that was improved on", half(0), (250, 70), (FOUND, FALSE_ALARMS)),
         ("third set, other half", half(1), (250, 70), OTHER_HALF),
+        ("fourth set", fourth, (160, 90), (FOUND, FALSE_ALARMS)),
     ];
     for (name, bases, least, (found_of, flagged_of)) in &sets {
         println!("{name}");
@@ -183,8 +184,8 @@ fn true_labels_in_other_styles_pass() {
         }
     }
     println!("true labels in other styles flagged {flagged}/{all}");
-    // What it was when they were written, after the checks; it must not get worse.
-    assert!(all >= 40 && flagged <= 5);
+    // It was 5 when they were written, after the checks.
+    assert!(all >= 40 && flagged as f64 <= FALSE_ALARMS * all as f64);
 }
 
 /// The corpus can fail: a checker without word lists finds none of the faults of text.

@@ -125,6 +125,43 @@ const WITH: [&str; 44] = [
     "A pedestrian steps into our lane, so we ease off and let him finish crossing.",
 ];
 
+/// Before the decision, whoever is responded to is out of the way.
+const RESOLVED: [&str; 8] = [
+    "行人走到一半退回了路边，因此自车减速让行。",
+    "行人改了主意不过了，所以自车减速让行。",
+    "行人让自车先走了，于是自车减速让行。",
+    "行人从自车前面跑过去了，因此减速让行。",
+    "She changed her mind and went back to the curb, so the ego yields to her.",
+    "The pedestrian reached the other side, so we slow down for him.",
+    "The man waved us through, so we give way to him.",
+    "The man got out of our way, hence the ego brakes for him.",
+];
+
+/// The same words, where he is not out of the way, or somebody else comes.
+const NOT_RESOLVED: [&str; 6] = [
+    "行人停在路边没有退回去，正要继续走，因此自车减速让行。",
+    "上一个行人退回了路边，又有一个小孩走上车道，因此减速让行。",
+    "行人可能退回路边，也可能继续走，自车减速让行。",
+    "A first man went back to the curb, but a child follows him into our lane, so we slow down.",
+    "The pedestrian has not reached the other side yet, so we give way to him.",
+    "If he went back to the curb we could go on, but he keeps walking, so we yield to him.",
+];
+
+/// Times that are predicted.
+const PREDICTED: [&str; 4] = [
+    "行人走上车道，预测轨迹与自车路径在约两秒后相交，因此自车减速让行。",
+    "按当前速度，三秒后自车就会到行人跟前，因此减速让行。",
+    "At this pace we meet the pedestrian a moment later, so we slow down for him.",
+    "The predicted paths cross two seconds later, so the ego yields to the pedestrian.",
+];
+
+#[test]
+fn whoever_is_out_of_the_way_is_hindsight_and_a_predicted_time_is_not() {
+    let missed: Vec<_> = RESOLVED.iter().filter(|t| !found(t)).collect();
+    let flagged: Vec<_> = NOT_RESOLVED.iter().chain(&PREDICTED).filter(|t| found(t)).collect();
+    assert!(missed.is_empty() && flagged.is_empty(), "missed {missed:#?}, flagged {flagged:#?}");
+}
+
 #[test]
 fn what_follows_the_decision_is_an_event_or_is_not() {
     let missed: Vec<_> = AFTER.iter().filter(|t| !found(t)).collect();

@@ -373,7 +373,12 @@ fn other_light<'t>(
 pub(in crate::check) fn unchanged(label: &View<'_>, texts: &Texts, sink: &mut dyn Sink) {
     let stops = matches!(
         label.longitudinal.get(),
-        Some(Longitudinal::StopForRegulation | Longitudinal::StopForObstacle | Longitudinal::YieldToAgent)
+        Some(
+            Longitudinal::StopForRegulation
+                | Longitudinal::StopForObstacle
+                | Longitudinal::YieldToAgent
+                | Longitudinal::LeadFollowing
+        )
     );
     let (Some((start, end)), Some(text), true) = (texts.trace.unchanged, label.trace.get(), stops) else {
         return;

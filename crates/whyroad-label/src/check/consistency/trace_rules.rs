@@ -11,7 +11,7 @@ use whyroad_model::Bilingual;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::{name, pointer};
 
-/// What the trace tells after its decision, as bytes; it is taken out of `reading`.
+/// What the trace tells of what came later, as bytes. What stands behind the decision is taken out of `reading`.
 pub(in crate::check) fn aftermath(
     text: &str,
     label: &View<'_>,
@@ -31,10 +31,20 @@ pub(in crate::check) fn aftermath(
         }
         _ => Some(false),
     };
-    let found = aftermath::find(text, texts, reading, words, &decides, &resumes)?;
+    let Some(found) = aftermath::find(text, texts, reading, words, &decides, &resumes) else {
+        return responds(label).then(|| aftermath::resolved(text, texts, reading, words, &decides)).flatten();
+    };
     reading.mentions.retain(|m| m.start < found.0);
     reading.end = reading.end.min(found.0);
     Some(found)
+}
+
+/// The decision responds to somebody in the way, so that it has no cause once he is out of it.
+pub(in crate::check) fn responds(label: &View<'_>) -> bool {
+    match label.longitudinal.get() {
+        Some(d) => matches!(d, Longitudinal::YieldToAgent | Longitudinal::StopForObstacle),
+        None => matches!(label.lateral.get(), Some(Lateral::InLaneNudge | Lateral::OutOfLaneNudge)),
+    }
 }
 
 /// Form of the trace, and what it says against the decisions. True when it states the decision at a length that can

@@ -4,7 +4,7 @@
 //! `schema/label_words.yaml`.
 
 use super::{Force, Mention, Reading};
-use crate::check::reading::TextFacts;
+use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use whyroad_framework::LabelWords;
 use whyroad_framework::label_words::TellWord;
@@ -79,6 +79,30 @@ pub(in crate::check::consistency) fn find(
         start = end;
     }
     None
+}
+
+/// Words before the decision that say that whoever it responds to is out of the way already, as bytes of `text`: "she
+/// changed her mind and went back, so the ego yields". Not where somebody else comes into it before the decision.
+pub(in crate::check::consistency) fn resolved(
+    text: &str,
+    texts: &Texts,
+    reading: &Reading,
+    words: &LabelWords,
+    decides: &dyn Fn(&Mention) -> bool,
+) -> Option<(usize, usize)> {
+    if texts.trace.resolved.is_empty() {
+        return None;
+    }
+    let stated = || reading.mentions.iter().find(|m| !m.by_other && m.force == Force::Asserted && decides(m));
+    let decision = if reading.marked { reading.decision_from } else { stated()?.start };
+    let is_over = |&(start, end): &(usize, usize)| {
+        let (from, to) = words.clauses.around(&texts.units, start, text.len());
+        let mut exempt = false;
+        words.aftermath.trace_hits(&texts.units, from..to, |tell, _, _| exempt |= tell == TellWord::Exempt);
+        let another = |n: &Named| n.start >= end && n.start < decision && words.objects[n.group].named;
+        end <= decision && !exempt && !texts.trace.there().any(another)
+    };
+    texts.trace.resolved.iter().copied().find(is_over)
 }
 
 /// What a clause tells.

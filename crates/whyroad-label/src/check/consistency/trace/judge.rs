@@ -132,11 +132,24 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
         };
 
         let supports = |m: &&Mention| says(m).contains(&label);
-        if deciding().filter(supports).any(|m| matches!(m.force, Force::Asserted | Force::Doubtful)) {
+        // "Not slowing down" denies no particular decision; a phrase for one or two does, and one for a side.
+        let denies = |m: &&Mention| {
+            let ids = lexicon.phrases[m.phrase].denies.iter().any(|d| d.id() == (self.id)(label));
+            m.force == Force::Negated && (says(m).len() <= 2 || ids || m.side.is_some())
+        };
+        // "Holds its speed and does not keep the gap": what is denied says more than what may go with the label.
+        let exact = |m: &&Mention| says(m).len() <= 2 || m.side.is_some();
+        let plainly = deciding().filter(supports).filter(exact);
+        let denied_only = deciding().filter(supports).filter(exact).any(|m| denies(&m))
+            && !plainly.clone().any(|m| matches!(m.force, Force::Asserted | Force::Doubtful));
+        if !denied_only
+            && deciding().filter(supports).any(|m| matches!(m.force, Force::Asserted | Force::Doubtful))
+        {
             return true;
         }
         // Without a "therefore" the decision may well precede the last sentence.
-        if !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted) {
+        if !denied_only && !reading.marked && relevant().filter(supports).any(|m| m.force == Force::Asserted)
+        {
             return true;
         }
         if let Some(m) = deciding().filter(firm).find(|m| !says(m).contains(&label)) {
@@ -148,11 +161,6 @@ impl<D: Copy + PartialEq> Channel<'_, D> {
             });
             return false;
         }
-        // "Not slowing down" denies no particular decision; a phrase for one or two does.
-        let denies = |m: &&Mention| {
-            let ids = lexicon.phrases[m.phrase].denies.iter().any(|d| d.id() == (self.id)(label));
-            m.force == Force::Negated && (says(m).len() <= 2 || ids)
-        };
         if let Some(m) = deciding().filter(supports).find(denies) {
             sink(TraceVerdict::Denied { label: (self.id)(label), start: m.start, end: m.end });
             return false;

@@ -123,6 +123,7 @@ pub(in crate::check) fn read(text: &str, units: &Units, lexicon: &Lexicon) -> Re
                 Force::Unsaid if m.denied => Force::Negated,
                 f => f,
             };
+            m.by_other = false;
         }
     }
     r.out
@@ -143,6 +144,8 @@ impl Reader<'_> {
                 return;
             }
             Role::ClauseEnd => return self.next_clause(),
+            // "Lowers its speed accordingly": nothing follows.
+            Role::DecisionMarker if hit.end >= self.out.end => {}
             Role::DecisionMarker => {
                 self.next_clause();
                 self.sequel = false;

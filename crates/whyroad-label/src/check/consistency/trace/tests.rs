@@ -7,7 +7,7 @@ use whyroad_framework::lexicon::units::Units;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
 fn lexicon() -> Lexicon {
-    Lexicon::parse("lexicon", include_str!("../../../../../../schema/decision_lexicon.yaml")).0
+    Lexicon::parse("lexicon", include_str!("../../../../../../schema/decision_lexicon.yaml"), &[]).0
 }
 
 /// The verdicts on `text` for `longitudinal/lateral[/direction]` (`-` is null), as words.
