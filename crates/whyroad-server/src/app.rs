@@ -9,6 +9,7 @@ use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
 use crate::service::facts::cache::FactsCache;
+use crate::service::model_runs::WaitingCounts;
 use crate::service::scene::cache::SceneCache;
 use crate::service::veil;
 use crate::service::webhooks::reach::Reach;
@@ -55,6 +56,8 @@ pub struct App {
     pub facts: FactsCache,
     /// Scenes that were asked for last.
     pub scenes: SceneCache,
+    /// Tasks that wait for the language model, as counted last.
+    pub waiting_for_model: WaitingCounts,
     /// Key of the CSRF values.
     pub csrf_key: String,
     /// Whether cookies are for HTTPS only.
@@ -153,6 +156,7 @@ impl App {
             limits,
             facts: FactsCache::default(),
             scenes: SceneCache::default(),
+            waiting_for_model: WaitingCounts::default(),
             csrf_key,
             cookies: Cookies::Plain,
             reach: Reach::default(),

@@ -8,7 +8,7 @@ use whyroad_label::judged::Question;
 use whyroad_model::{Bilingual, ModelSpent};
 
 /// What a run does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ModelRunKind {
     /// Drafts of tasks that nobody has begun.
@@ -117,9 +117,10 @@ pub struct ModelRunFailure {
 pub struct ModelWork {
     /// Name of the model; null where the service was started without one.
     pub model: Option<String>,
-    /// Tasks that nobody has begun and that no model has drafted.
+    /// Tasks that nobody has begun and that no model has drafted. While a run of drafts goes on: those of it that it has
+    /// not tried yet; while one of judgements does, counted at most 10 s ago.
     pub to_draft: i64,
-    /// Labels that were handed in and that no model has judged as they are.
+    /// Labels that were handed in and that no model has judged as they are; while a run goes on, as `to_draft`.
     pub to_judge: i64,
     /// Runs, newest first, at most ten.
     pub runs: Vec<ModelRun>,

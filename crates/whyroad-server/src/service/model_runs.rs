@@ -13,12 +13,16 @@ use crate::service::projects::{json, parse};
 use crate::service::veil;
 use crate::store::{Row, Tx};
 use crate::values;
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 use whyroad_model::{Bilingual, ModelSpent};
 
 /// A run whose service has not renewed its lease for so long is taken over, ms.
 const LEASE_MS: i64 = 20_000;
 /// Most tasks that one request may name.
 const MOST_TASKS: usize = 500;
+/// While a run goes on, tasks that wait for one of the other kind are counted once in this time, ms.
+const COUNT_MS: i64 = 10_000;
 /// Runs and failures that are shown.
 const SHOWN_RUNS: i64 = 10;
 const SHOWN_FAILURES: i64 = 20;
@@ -45,12 +49,55 @@ fn conditions(kind: ModelRunKind) -> (String, &'static str) {
     }
 }
 
+/// Tasks that waited for a run when they were last counted, by project and kind: time, ms since 1970, and number.
+#[derive(Debug, Default)]
+pub struct WaitingCounts(Mutex<HashMap<(String, ModelRunKind), (i64, i64)>>);
+
+impl WaitingCounts {
+    fn get(&self, project: &str, kind: ModelRunKind) -> Option<(i64, i64)> {
+        let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.get(&(project.to_owned(), kind)).copied()
+    }
+
+    fn put(&self, project: &str, kind: ModelRunKind, counted: (i64, i64)) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((project.to_owned(), kind), counted);
+    }
+}
+
+/// Tasks of `project` that wait for a run: looks at every task.
+fn count_waiting(tx: &mut dyn Tx, project: &str, kind: ModelRunKind) -> Answer<i64> {
+    let (takes, waits) = conditions(kind);
+    let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {takes} AND {waits}");
+    tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
+}
+
+/// Tasks of a run that were not tried yet.
+fn in_run(tx: &mut dyn Tx, run: &str) -> Answer<i64> {
+    let sql = "SELECT count(*) AS n FROM model_run_tasks WHERE run_id = $1 AND state = 'waiting'";
+    tx.row(sql, values![run])?.map_or(Ok(0), |r| r.int("n"))
+}
+
 /// The model and its work in `project`, for somebody with `roles` there.
 pub fn work(app: &App, tx: &mut dyn Tx, project: &str, roles: &[Role]) -> Answer<ModelWork> {
-    let mut waiting = |kind| {
-        let (takes, waits) = conditions(kind);
-        let sql = format!("SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND {takes} AND {waits}");
-        tx.row(&sql, values![project])?.map_or(Ok(0), |r| r.int("n"))
+    let open =
+        tx.rows("SELECT id, kind FROM model_runs WHERE project_id = $1 AND ended IS NULL", values![project])?;
+    let mut waiting = |kind: ModelRunKind| {
+        for row in &open {
+            if row.text("kind")? == kind.word() {
+                return in_run(tx, &row.text("id")?);
+            }
+        }
+        // The page asks every two seconds while a run goes on.
+        let last = app.waiting_for_model.get(project, kind).filter(|_| !open.is_empty());
+        let now = app.now();
+        match last.filter(|(at, _)| (*at..at + COUNT_MS).contains(&now)) {
+            Some((_, n)) => Ok(n),
+            None => {
+                let n = count_waiting(tx, project, kind)?;
+                app.waiting_for_model.put(project, kind, (now, n));
+                Ok(n)
+            }
+        }
     };
     let (to_draft, to_judge) = (waiting(ModelRunKind::Draft)?, waiting(ModelRunKind::Judge)?);
     let sql =

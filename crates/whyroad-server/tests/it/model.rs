@@ -227,7 +227,10 @@ pub fn begun_tasks_are_left_alone_and_runs_are_stopped(world: &World) {
     let mut work = Work::take(&ann, &tasks[0]);
     let rules = work.view()["draft"]["critical_components"].clone();
     std::thread::sleep(Duration::from_millis(300));
+    // While it goes on, its own tasks are counted; afterwards those that nobody has begun.
+    assert_eq!(runs(&admin, &project)["to_draft"], 5);
     admin.post(&format!("/projects/{project}/model-runs:stop"), &json!({ "run": run["id"] })).fine();
+    assert_eq!(runs(&admin, &project)["to_draft"], 4);
     set_open(&gate, true);
     let run = wait(&admin, &project, |r| {
         r["done"].as_i64().unwrap() + r["failed"].as_i64().unwrap() + r["left_out"].as_i64().unwrap() == 2
