@@ -56,4 +56,11 @@ SETS = {
         "country": (country, 3023, 200, 0.1, "ACC", 3, 0.35, 0),
         "knotted": (knotted, 3037, 220, 0.1, "W74", 2, 0.6, 0),
     },
+    "held3": {
+        "leftstreet": (partial(street, left=True, limit=16.67, lanes=(1, 2), controls=("traffic_light", "priority", "right_before_left"), gap=(60, 130), count=5, slots=True), 4003, 220, 0.2, "EIDM+moto", 2, 0.6, 0.15),
+        "autobahn": (partial(motorway, pieces=("weave", "added", "exit", "plain_exit", "drop", "entry"), lanes=2, limit=36.11, typed=False), 4013, 150, 0.1, "W99", 4, 1.0, 0),
+        "rounds": (partial(circles, count=3, walks=True), 4021, 200, 0.1, "IDM+moto", "sublane", 0.5, 0.1),
+        "leftcountry": (partial(country, left=True), 4027, 200, 0.05, "Krauss", 3, 0.35, 0),
+        "knots": (partial(knotted, left=False), 4049, 220, 0.1, "ACC+moto", 2.5, 0.6, 0),
+    },
 }
