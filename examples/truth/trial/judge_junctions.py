@@ -179,6 +179,11 @@ def turn(w, ego, p, lead, into, out, near):
     base = rows[max(min(rows), p.first - 1)].angle
     starts = next((k for k in range(p.first, p.last + 1) if k in rows and abs(bend(base, rows[k].angle)) > 1), p.first)
     # On the left, which turn crosses oncoming traffic is mirrored; the leaves' names are not.
+    if leaf == "uturn" and p.link.dir != "t":
+        # So sharp a turn into another road: whether that is turning round is open.
+        for each in ("right_normal",) if p.turned < 0 else ("left_normal", "left_unprotected"):
+            yield w.entry(f"proactive.turn.{each}", ego, into - 30, starts - 5, out + 20, optional=True)
+        short = True
     leaves = [leaf] if not leaf.startswith("left") or not (net.left_hand or short) else ["left_normal", "left_unprotected"]
     for each in leaves:
         yield w.entry(f"proactive.turn.{each}", ego, into - 30, starts - 5, out + 20, optional=bool(near or walkers or short or len(leaves) > 1 or len(p.node.comes) > 4))
