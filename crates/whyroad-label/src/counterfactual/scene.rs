@@ -241,8 +241,8 @@ impl Path {
         Self { segments, bounds }
     }
 
-    /// Along and beside the path: (s, signed distance, heading there). `near`: index of a segment that is probably near,
-    /// such as the last one found; the nearest one is stored in it. The result does not depend on it.
+    /// Along and beside the path: (s, signed distance, heading there). `near`: index of a segment that is probably
+    /// near, such as the last one found; the nearest one is stored in it. The result does not depend on it.
     fn place(&self, x: f64, y: f64, near: &mut usize) -> (f64, f64, f64) {
         let mut best = (f64::INFINITY, 0.0, 0.0, 0.0);
         // Slightly more than the square of the least distance: most blocks and segments end here, without a root.

@@ -91,6 +91,7 @@ fn target_in_words(
             _ if holds("target.is_lead") => {
                 Bilingual::new("在本车道同向行驶", "is driving ahead in the ego's lane")
             }
+            _ if class == ObjectClass::Animal => Bilingual::new("正在移动", "is moving"),
             _ => Bilingual::new("正在行驶", "is moving"),
         }
     };

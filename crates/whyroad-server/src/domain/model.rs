@@ -117,7 +117,7 @@ pub struct ModelRunFailure {
 pub struct ModelWork {
     /// Name of the model; null where the service was started without one.
     pub model: Option<String>,
-    /// Tasks that nobody has begun and that no model has drafted. While a run of drafts goes on: those of it that it has
+    /// Tasks that nobody has begun and that no model has drafted. While a run of drafts goes on: those of it that were
     /// not tried yet; while one of judgements does, counted at most 10 s ago.
     pub to_draft: i64,
     /// Labels that were handed in and that no model has judged as they are; while a run goes on, as `to_draft`.

@@ -146,7 +146,8 @@ fn shown(tx: &mut dyn Tx, row: &Row, roles: &[Role]) -> Answer<ModelRun> {
     })
 }
 
-/// What failed, and why. The reason may be what comes after the keyframe, so it is withheld from whoever may yet do Stage I.
+/// What failed, and why. The reason may be what comes after the keyframe, so it is withheld from whoever may yet do
+/// Stage I.
 fn failures(tx: &mut dyn Tx, run: &str, project: &str, roles: &[Role]) -> Answer<Vec<ModelRunFailure>> {
     let class = veil::shown_class_sql(&veil::of(tx, project)?);
     let sql = format!(
