@@ -21,6 +21,9 @@ const FALSE_ALARMS: f64 = 0.05;
 /// The same of the half of the third set that was run once; it was 253 of 274 and 11 of 75 then.
 const OTHER_HALF: (f64, f64) = (0.94, FALSE_ALARMS);
 
+/// The same of the fifth set, which nothing was improved on: 55 of 64 and 12 of 48.
+const FIFTH: (f64, f64) = (0.85, 0.25);
+
 #[derive(Default)]
 struct Tally {
     all: usize,
@@ -137,7 +140,7 @@ fn written(language: &str, all: &[Base], tally: &mut BTreeMap<&'static str, (usi
 /// must not get worse.
 #[test]
 fn labels_that_were_unseen_stay_found() {
-    let [first, second, third, fourth] = unseen();
+    let [first, second, third, fourth, fifth] = unseen();
     // Of the third set the bases with an even number were improved on, the others were run once, at the end.
     let half = |odd: usize| -> Vec<(&'static str, Vec<Base>)> {
         third.iter().map(|(l, all)| (*l, all.iter().skip(odd).step_by(2).cloned().collect())).collect()
@@ -148,6 +151,7 @@ fn labels_that_were_unseen_stay_found() {
         ("third set, half that was improved on", half(0), (250, 70), (FOUND, FALSE_ALARMS)),
         ("third set, other half", half(1), (250, 70), OTHER_HALF),
         ("fourth set", fourth, (160, 90), (FOUND, FALSE_ALARMS)),
+        ("fifth set", fifth, (55, 48), FIFTH),
     ];
     for (name, bases, least, (found_of, flagged_of)) in &sets {
         println!("{name}");
