@@ -11,7 +11,15 @@ use whyroad_model::Tri;
 
 /// Of a sum or difference of independent numbers.
 pub(crate) fn of_sum(a: f64, b: f64) -> f64 {
-    stated(a).hypot(stated(b))
+    let (a, b) = (stated(a), stated(b));
+    // Many numbers are exact, and a root is slow; the hypotenuse of one side is that side.
+    if a == 0.0 {
+        b
+    } else if b == 0.0 {
+        a
+    } else {
+        a.hypot(b)
+    }
 }
 
 /// Of a product of independent numbers, each with its deviation.

@@ -20,7 +20,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
-use whyroad_model::{Column, SignalTable};
+use whyroad_model::{Column, SignalTable, Tri};
 
 /// Writes the signals of these drives into a folder: `frames.parquet` and `targets.parquet`. Each drive comes with its
 /// content hash. A signal that some of the drives lack is null in these.
@@ -167,12 +167,16 @@ fn array(column: Option<&Column>, kind: &Column, n: usize) -> ArrayRef {
         }
         (Column::Number(_), _) => Arc::new(Float64Array::new_null(n)),
         (Column::Flag(_), Some(Column::Flag(v))) => {
-            Arc::new(v.iter().map(|t| t.known()).collect::<BooleanArray>())
+            let bits = |of: fn(&Tri) -> bool| BooleanBuffer::collect_bool(v.len(), |i| of(&v[i]));
+            let known = NullBuffer::new(bits(|t| *t != Tri::Unknown));
+            Arc::new(BooleanArray::new(bits(|t| *t == Tri::True), Some(known)))
         }
         (Column::Flag(_), _) => Arc::new(BooleanArray::new_null(n)),
         (Column::Category { .. }, Some(Column::Category { codes, names })) => {
             let known = |c: &u16| *c != UNKNOWN_CODE && usize::from(*c) < names.len();
-            let keys: UInt16Array = codes.iter().map(|c| known(c).then_some(*c)).collect();
+            let nulls = NullBuffer::new(BooleanBuffer::collect_bool(codes.len(), |i| known(&codes[i])));
+            let keys: Vec<u16> = codes.iter().map(|c| if known(c) { *c } else { 0 }).collect();
+            let keys = UInt16Array::new(keys.into(), Some(nulls));
             Arc::new(DictionaryArray::new(keys, Arc::new(StringArray::from_iter_values(names.iter()))))
         }
         (Column::Category { .. }, _) => {

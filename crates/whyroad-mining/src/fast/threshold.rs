@@ -2,7 +2,7 @@
 //! column.
 
 use super::bits::Bits;
-use super::compare::holds;
+use super::compare::compare_columns;
 use super::layout::Segment;
 use super::numbers::Numbers;
 use super::truth::Truth;
@@ -16,23 +16,26 @@ pub(super) fn crossed(
     noise: &[f64],
     segments: &[Segment],
 ) -> Truth {
-    let (a, b) = (a.cut(), b.cut());
     let n = noise.len();
-    let (mut yes, mut known) = (vec![false; n], vec![false; n]);
+    let (a, b) = (a.cut(), b.cut());
+    let (a, b) = (&a[..n], &b[..n]);
+    let known = Bits::collect(n, |i| !a[i].is_nan() && !b[i].is_nan());
+    let mut yes = compare_columns(op, a, b);
+    yes.and_with(&known);
+    // Few rows are as near to the other side as their noise: these stay as the row before them is.
+    let near = Bits::collect(n, |i| {
+        let noise = stated(noise[i]);
+        noise > 0.0 && (a[i] - b[i]).abs() <= noise
+    });
     for segment in segments {
-        let mut before = None;
-        for i in segment.range() {
-            if a[i].is_nan() || b[i].is_nan() {
-                before = None;
-                continue;
+        let rows = segment.range();
+        for i in near.positions(rows.start + 1..rows.end.max(rows.start + 1)) {
+            match (known.get(i - 1), yes.get(i - 1)) {
+                (true, true) => yes.set_range(i..i + 1),
+                (true, false) => yes.clear_range(i..i + 1),
+                (false, _) => {}
             }
-            let within = (a[i] - b[i]).abs() <= stated(noise[i]) && stated(noise[i]) > 0.0;
-            let now = match before {
-                Some(held) if within => held,
-                _ => holds(op, a[i], b[i]),
-            };
-            (yes[i], known[i], before) = (now, true, Some(now));
         }
     }
-    Truth::new(Bits::collect(n, |i| yes[i]), Bits::collect(n, |i| known[i]))
+    Truth::new(yes, known)
 }

@@ -140,6 +140,31 @@ fn of_ego(of: &OfDrive<'_>, table: &mut SignalTable) {
     }
 }
 
+/// What is known of one observed row of a target, for all signals.
+struct OfRow {
+    /// Row of the table.
+    row: usize,
+    frame: usize,
+    /// Of a distance between the ego and the target, m.
+    place: f64,
+    /// Of the difference of their speeds, m/s.
+    difference: f64,
+    /// Of the target's own heading (rad), speed (m/s) and acceleration (m/s2).
+    turned: f64,
+    speed: f64,
+    accel: f64,
+}
+
+impl OfRow {
+    fn new(row: usize, frame: usize, of_ego: &[f64; 2], own: Option<(&Deviations, usize)>) -> Self {
+        let own =
+            |pick: fn(&Deviations) -> &Vec<f64>| number(own.and_then(|(sd, i)| pick(sd).get(i).copied()));
+        let (turned, speed, accel) = (own(|sd| &sd.heading), own(|sd| &sd.speed), own(|sd| &sd.accel));
+        let (place, difference) = (own(|sd| &sd.position).hypot(of_ego[0]), speed.hypot(of_ego[1]));
+        Self { row, frame, place, difference, turned, speed, accel }
+    }
+}
+
 fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
     let tracks: Vec<(&Track, Option<&Deviations>)> = of
         .drive
@@ -149,45 +174,64 @@ fn of_targets(of: &OfDrive<'_>, table: &mut SignalTable) {
         .filter(|(t, _)| !t.frames.is_empty())
         .map(|(t, sd)| (t, sd.as_ref()))
         .collect();
-    let of_ego = |pick: fn(&Deviations) -> &Vec<f64>, frame: usize| {
-        number(of.ego.and_then(|sd| pick(sd).get(frame).copied()))
+    let of_ego = |pick: fn(&Deviations) -> &Vec<f64>| -> Vec<f64> {
+        (0..of.drive.times.len()).map(|i| number(of.ego.and_then(|sd| pick(sd).get(i).copied()))).collect()
+    };
+    let (ego_place, ego_speed) = (of_ego(|sd| &sd.position), of_ego(|sd| &sd.speed));
+    let ego_heading = of_ego(|sd| &sd.heading);
+    let ego = of.drive.ego.as_ref();
+    let own_speed: Vec<f64> = (0..of.drive.times.len())
+        .map(|i| number(ego.map(|e| e.motion.speed(i))).max(LEAST_SPEED_MPS))
+        .collect();
+    let mut rows: Vec<Vec<OfRow>> = Vec::with_capacity(tracks.len());
+    for (span, (track, sd)) in table.targets.iter().zip(&tracks) {
+        let row = |(i, &frame): (usize, &u32)| {
+            let frame = frame as usize;
+            OfRow::new(
+                row_of(span, frame),
+                frame,
+                &[ego_place[frame], ego_speed[frame]],
+                sd.map(|sd| (sd, i)),
+            )
+        };
+        rows.push(track.frames.iter().enumerate().map(row).collect());
+    }
+    let spread = |values: &[f64], value: &dyn Fn(&OfRow, usize, &Track) -> f64| {
+        let mut column = vec![0.0; values.len()];
+        for ((track, _), rows) in tracks.iter().zip(&rows) {
+            rows.iter().enumerate().for_each(|(i, r)| column[r.row] = value(r, i, track));
+        }
+        column
     };
     for (name, made) in TARGET {
         let Some(Column::Number(values)) = table.target_columns.get(*name) else { continue };
-        let mut column = vec![0.0; values.len()];
-        let other =
-            |other: &str, row: usize| number(table.target_columns.get(other).and_then(|c| c.number(row)));
-        for (span, (track, sd)) in table.targets.iter().zip(&tracks) {
-            for (i, &frame) in track.frames.iter().enumerate() {
-                let frame = frame as usize;
-                let row = row_of(span, frame);
-                let own =
-                    |pick: fn(&Deviations) -> &Vec<f64>| number(sd.and_then(|sd| pick(sd).get(i).copied()));
-                let place = own(|s| &s.position).hypot(of_ego(|s| &s.position, frame));
-                let speed = own(|s| &s.speed).hypot(of_ego(|s| &s.speed, frame));
-                let turned = own(|s| &s.heading);
-                column[row] = match made {
-                    OfTarget::Distance => place,
-                    OfTarget::Direction => turned.hypot(of_ego(|s| &s.heading, frame)),
-                    OfTarget::Speed => own(|s| &s.speed),
-                    OfTarget::Accel => own(|s| &s.accel),
-                    OfTarget::RelativeSpeed => speed,
-                    OfTarget::Sideways => {
-                        (number(Some(track.motion.speed(i))) * turned).min(own(|s| &s.speed))
-                    }
-                    OfTarget::TimeToCollision => {
-                        let gap = other("target.gap", row).abs().max(0.5);
-                        let closing = other("target.relative_speed", row).abs().max(LEAST_SPEED_MPS);
-                        number(Some(values[row].abs() * (place / gap).hypot(speed / closing)))
-                    }
-                    OfTarget::Headway => {
-                        let ego = of.drive.ego.as_ref().map_or(f64::NAN, |e| e.motion.speed(frame));
-                        let ego = number(Some(ego)).max(LEAST_SPEED_MPS);
-                        (place / ego).hypot(number(Some(values[row])) * of_ego(|s| &s.speed, frame) / ego)
-                    }
-                };
+        let (gap, relative) =
+            (table.target_columns.get("target.gap"), table.target_columns.get("target.relative_speed"));
+        let other = |column: Option<&Column>, row: usize| number(column.and_then(|c| c.number(row)));
+        let column = match made {
+            OfTarget::Distance => spread(values, &|r, _, _| r.place),
+            OfTarget::Direction => spread(values, &|r, _, _| r.turned.hypot(ego_heading[r.frame])),
+            OfTarget::Speed => spread(values, &|r, _, _| r.speed),
+            OfTarget::Accel => spread(values, &|r, _, _| r.accel),
+            OfTarget::RelativeSpeed => spread(values, &|r, _, _| r.difference),
+            OfTarget::Sideways => {
+                spread(values, &|r, i, track| (number(Some(track.motion.speed(i))) * r.turned).min(r.speed))
             }
-        }
+            OfTarget::TimeToCollision => spread(values, &|r, _, _| {
+                let time = values[r.row].abs();
+                // Where no time is known or it is infinite, the deviation of it is not known either.
+                if !time.is_finite() {
+                    return 0.0;
+                }
+                let gap = other(gap, r.row).abs().max(0.5);
+                let closing = other(relative, r.row).abs().max(LEAST_SPEED_MPS);
+                number(Some(time * (r.place / gap).hypot(r.difference / closing)))
+            }),
+            OfTarget::Headway => spread(values, &|r, _, _| {
+                let ego = own_speed[r.frame];
+                (r.place / ego).hypot(number(Some(values[r.row])) * ego_speed[r.frame] / ego)
+            }),
+        };
         if column.iter().any(|d| *d > 0.0) {
             table.target_columns.insert(deviation_name(name), Column::Number(column));
         }

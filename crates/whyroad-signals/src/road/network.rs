@@ -197,8 +197,12 @@ impl Road {
 
     /// Distance from `p` to the nearest crosswalk, 0 on it; infinite when there is none, m.
     pub fn distance_to_crosswalk(&self, p: P2) -> f64 {
-        self.crosswalks.iter().fold(f64::INFINITY, |nearest, c| {
-            if c.least_distance(p) > nearest { nearest } else { nearest.min(c.distance(p)) }
-        })
+        let least = |c: &Polygon| c.least_distance(p);
+        // With the one that seems nearest, most of the others need no look.
+        let seems = self.crosswalks.iter().min_by(|a, b| least(a).total_cmp(&least(b)));
+        let first = seems.map_or(f64::INFINITY, |c| c.distance(p));
+        self.crosswalks
+            .iter()
+            .fold(first, |nearest, c| if least(c) > nearest { nearest } else { nearest.min(c.distance(p)) })
     }
 }

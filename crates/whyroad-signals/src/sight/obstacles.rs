@@ -3,7 +3,7 @@
 use super::scene::Occluder;
 use super::scene::Scene;
 use super::view::{Owner, View};
-use crate::geometry::{P2, p2};
+use crate::geometry::{OrientedBox, P2, p2};
 use crate::target::placement::{MOVING_MPS, Placement, Target};
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
@@ -33,7 +33,8 @@ type Wall = GeomWithData<Line<[f64; 2]>, usize>;
 /// Everything that hides, over the whole drive.
 pub struct Obstacles<'a> {
     scene: &'a Scene<'a>,
-    by_frame: Vec<Vec<(usize, usize)>>,
+    /// Targets and their boxes.
+    by_frame: Vec<Vec<(usize, OrientedBox)>>,
     walls: RTree<Wall>,
     /// Whether the map has buildings; if not, no area is known to be free of them.
     pub covers_buildings: bool,
@@ -46,7 +47,7 @@ impl<'a> Obstacles<'a> {
         for (k, target) in scene.targets.iter().enumerate() {
             for (row, place) in target.places.iter().enumerate() {
                 if let Some(p) = place.as_ref().filter(|p| hides(target, row, p)) {
-                    by_frame[p.frame].push((k, row));
+                    by_frame[p.frame].push((k, p.footprint));
                 }
             }
         }
@@ -72,10 +73,9 @@ impl<'a> Obstacles<'a> {
         }
         let eye = ego.position[frame];
         let mut view = View::from(eye);
-        for &(k, row) in &self.by_frame[frame] {
-            let place = self.scene.targets[k].places[row].as_ref();
-            if let Some(p) = place.filter(|p| (p.footprint.centre - eye).is_within(REACH_M)) {
-                view.add_box(Owner::Target(k), p.footprint);
+        for (k, footprint) in &self.by_frame[frame] {
+            if (footprint.centre - eye).is_within(REACH_M) {
+                view.add_box(Owner::Target(*k), *footprint);
             }
         }
         let around =

@@ -43,8 +43,8 @@ pub struct Occlusion<'a> {
     /// By target: before which row, and what was seen of the place then; frames ascend.
     pub traced: Vec<Vec<(usize, Seen)>>,
     traces: Vec<Vec<Trace>>,
-    /// Target and row of what is tracked, by frame.
-    by_frame: Vec<Vec<(usize, usize)>>,
+    /// Target and row of what is tracked, by frame, with its box where that is known.
+    by_frame: Vec<Vec<(usize, usize, Option<OrientedBox>)>>,
 }
 
 impl<'a> Occlusion<'a> {
@@ -56,8 +56,9 @@ impl<'a> Occlusion<'a> {
         let mut by_frame = vec![Vec::new(); scene.ego.len()];
         for (k, target) in scene.targets.iter().enumerate() {
             trace_back(scene, k, &mut traces);
-            for (row, &frame) in target.track.frames.iter().enumerate() {
-                by_frame[frame as usize].push((k, row));
+            for (row, (&frame, place)) in target.track.frames.iter().zip(&target.places).enumerate() {
+                let known = place.as_ref().filter(|p| p.is_sized() && p.footprint.heading.is_finite());
+                by_frame[frame as usize].push((k, row, known.map(|p| p.footprint)));
             }
         }
         Self { scene, rows, traced: vec![Vec::new(); scene.targets.len()], traces, by_frame }
@@ -65,16 +66,12 @@ impl<'a> Occlusion<'a> {
 
     /// Looks at all targets of one frame.
     pub fn look(&mut self, frame: usize, view: Option<&View>) {
-        for (k, row) in std::mem::take(&mut self.by_frame[frame]) {
-            let place = self.scene.targets[k].places[row]
-                .as_ref()
-                .filter(|p| p.is_sized() && p.footprint.heading.is_finite());
-            let eye = self.scene.ego.position[frame];
-            let near = |footprint: &&OrientedBox| (footprint.centre - eye).is_within(REACH_M);
-            let footprint = place.map(|p| &p.footprint).filter(near);
+        let eye = self.scene.ego.position[frame];
+        for (k, row, footprint) in std::mem::take(&mut self.by_frame[frame]) {
+            let near = |footprint: &OrientedBox| (footprint.centre - eye).is_within(REACH_M);
             let seen = &mut self.rows[k][row];
-            if let (Some(view), Some(footprint)) = (view, footprint)
-                && let Some(sight) = view.sight(Some(Owner::Target(k)), footprint)
+            if let (Some(view), Some(footprint)) = (view, footprint.filter(near))
+                && let Some(sight) = view.sight(Some(Owner::Target(k)), &footprint)
             {
                 (seen.share, seen.occluder) = (sight.share, sight.occluder);
             }

@@ -1,0 +1,149 @@
+//! The search for the nearest segment against asking every one, and cases by hand.
+
+use super::*;
+use crate::geometry::p2;
+
+fn l_shape() -> Polyline {
+    Polyline::new([p2(0.0, 0.0), p2(10.0, 0.0), p2(10.0, 0.0), p2(10.0, 10.0)]).unwrap()
+}
+
+#[test]
+fn projection_by_hand() {
+    let line = l_shape();
+    assert_eq!(line.length(), 20.0);
+    let at = line.project(p2(4.0, 2.0));
+    assert_eq!((at.s, at.lateral), (4.0, 2.0));
+    let at = line.project(p2(12.0, 5.0));
+    assert_eq!((at.s, at.lateral), (15.0, -2.0));
+    let outer_corner = line.project(p2(13.0, -4.0));
+    assert_eq!((outer_corner.s, outer_corner.lateral), (10.0, -5.0));
+}
+
+#[test]
+fn the_ends_go_on_straight() {
+    let line = l_shape();
+    assert_eq!(line.project(p2(-3.0, -1.0)), Projection { s: -3.0, lateral: -1.0, segment: 0 });
+    assert_eq!(line.project(p2(11.0, 30.0)).s, 40.0);
+    assert_eq!(line.point_at(-2.0), p2(-2.0, 0.0));
+    assert_eq!(line.point_at(25.0), p2(10.0, 15.0));
+}
+
+#[test]
+fn a_window_keeps_the_right_branch() {
+    // Out along y = 0, back along y = 4: the point is nearer to the way back, but asked on the way out.
+    let line = Polyline::new([p2(0.0, 0.0), p2(50.0, 0.0), p2(50.0, 4.0), p2(0.0, 4.0)]).unwrap();
+    assert_eq!(line.project_between(p2(20.0, 3.0), 0.0, 40.0).s, 20.0);
+    assert!(line.project(p2(20.0, 3.0)).s > 80.0);
+}
+
+/// Every segment, with the divisions that the definition has.
+fn one_by_one(line: &Polyline, p: P2, segments: Range<usize>) -> Projection {
+    let n = line.points.len() - 1;
+    let mut best = Nearest::none(segments.start);
+    for i in segments {
+        let (a, length) = (line.points[i], line.s[i + 1] - line.s[i]);
+        let ab = line.points[i + 1] - a;
+        let along = (p - a).dot(ab) / length;
+        let along = along.clamp(
+            if i > 0 { 0.0 } else { f64::NEG_INFINITY },
+            if i + 1 < n { length } else { f64::INFINITY },
+        );
+        let away = p - (a + ab * (along / length));
+        let d2 = away.dot(away);
+        if d2 < best.d2 {
+            let side = if ab.cross(p - a) >= 0.0 { 1.0 } else { -1.0 };
+            let at = Projection { s: line.s[i] + along, lateral: side * d2.sqrt(), segment: i };
+            best = Nearest { d2, at };
+        }
+    }
+    best.at
+}
+
+#[test]
+fn a_long_line_is_searched_as_a_short_one() {
+    // Loops and straights, with points that are equally near to several segments: leaving blocks out changes
+    // nothing.
+    let wave = |i: usize| {
+        let t = i as f64 * 0.05;
+        p2(30.0 * t.cos() + 3.0 * t, 20.0 * (1.3 * t).sin())
+    };
+    let lines = [
+        Polyline::new((0..900).map(wave)).unwrap(),
+        Polyline::new((0..400).map(|i| p2(f64::from(i), 0.0))).unwrap(),
+        Polyline::new((0..400).map(|i| p2(f64::from(i % 20), f64::from(i / 20)))).unwrap(),
+        // In the coordinates of a country, with steps of a few millimetres.
+        Polyline::new((0..900).map(|i| wave(i) * 0.01 + p2(682_312.7, 3_412_990.3))).unwrap(),
+        Polyline::new((0..20).map(wave)).unwrap(),
+    ];
+    for line in &lines {
+        let n = line.points.len() - 1;
+        for k in 0..2000u32 {
+            let p = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
+            let p = if line.points[0].x > 1e5 { p * 0.02 + line.points[0] } else { p };
+            let (a, b) = ((k as usize * 7) % n, (k as usize * 13) % n);
+            for (first, end) in [(0, n), (a.min(b), a.max(b) + 1)] {
+                assert_eq!(
+                    line.project_segments(p, first, end),
+                    one_by_one(line, p, first..end),
+                    "{p:?} {first}..{end}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_meets_no_segment_that_was_left_out() {
+    let wave =
+        |i: usize| p2(30.0 * (i as f64 * 0.05).cos() + i as f64 * 0.15, 20.0 * (i as f64 * 0.065).sin());
+    let line = Polyline::new((0..900).map(wave)).unwrap();
+    let (points, mut met, mut looked_at) = (&line.points, 0, 0);
+    for k in 0..400u32 {
+        let from = p2(f64::from(k % 71) * 3.5 - 80.0, f64::from(k % 37) * 2.5 - 40.0);
+        let ray = Ray { from, direction: P2::from_heading(f64::from(k) * 0.37), reach: 60.0 };
+        let first = (k as usize * 7) % 800;
+        let kept: Vec<usize> = line.segments_met(ray, first).collect();
+        looked_at += kept.len();
+        for i in first..points.len() - 1 {
+            let (segment, to) = (points[i + 1] - points[i], points[i] - from);
+            let across = ray.direction.cross(segment);
+            let (x, share) = (to.cross(segment) / across, to.cross(ray.direction) / across);
+            if (0.0..=1.0).contains(&share) && (0.0..=ray.reach).contains(&x) {
+                assert!(kept.contains(&i));
+                met += 1;
+            }
+        }
+    }
+    assert!(met > 300 && looked_at < 400 * 300, "{met} {looked_at}");
+}
+
+#[test]
+fn places_are_those_of_asking_every_point() {
+    // Steps of a millimetre beside steps of a kilometre.
+    let steps = |i: u32| if i % 50 == 49 { 1000.0 } else { 0.002 + f64::from(i % 7) };
+    let mut x = 0.0;
+    let points = (0..300).map(|i| {
+        x += steps(i);
+        p2(x, 0.0)
+    });
+    let line = Polyline::new(points).unwrap();
+    let values: Vec<f64> = (0..300).map(|i| f64::from(i * i)).collect();
+    let around = line.s.iter().flat_map(|s| [*s, s.next_down(), s.next_up(), s + 0.3, -s]);
+    for s in around.chain([f64::NAN, f64::INFINITY, f64::NEG_INFINITY]) {
+        assert_eq!(line.points_up_to(s), line.s.partition_point(|&v| v <= s), "{s}");
+        let (by_line, plain) = (line.interpolate(&values, s), interpolate(&line.s, &values, s));
+        assert_eq!(by_line.to_bits(), plain.to_bits(), "{s}");
+    }
+}
+
+#[test]
+fn curvature_of_a_circle() {
+    // Radius 25 m, left: 1/25.
+    let line = Polyline::new((0..=100).map(|i| {
+        let a = f64::from(i) * 0.02;
+        p2(25.0 * a.sin(), 25.0 - 25.0 * a.cos())
+    }))
+    .unwrap();
+    assert!((line.curvature_at(25.0, 5.0) - 0.04).abs() < 2e-4);
+    assert!(Polyline::new([p2(1.0, 1.0), p2(1.0, 1.0)]).is_none());
+}
