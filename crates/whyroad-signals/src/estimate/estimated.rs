@@ -5,7 +5,7 @@ use super::bicycle::{Bicycle, REAR_TO_CENTRE};
 use super::deviation;
 use super::join::{Candidate, MAX_AWAY_S, joins};
 use super::jumps::between_jumps;
-use super::noise::{self, LogNoise};
+use super::noise::{self, LogNoise, Noise};
 use super::objects::{Joined, Measured, append, joined, motion_of, track_of};
 use super::samples;
 use super::smoother::{Deviations, MotionModel, States, smooth};
@@ -27,6 +27,14 @@ const BADLY_TRACKED: f64 = 2.0;
 const BADLY_TRACKED_M: f64 = 0.05;
 /// The same per second between its rows: over longer steps maneuvers leave residuals too, m/s.
 const BADLY_TRACKED_MPS: f64 = 0.5;
+/// Rows further apart than this are few: a maneuver shows in two or three of them, s.
+const COARSE_S: f64 = 0.25;
+/// What is known of the kind counts as this many rows of the track.
+const EXPECTED_ROWS: f64 = 4.0;
+/// A coarse track noisier than this, m, and by this factor noisier than its kind, is badly tracked. A stop from 36 km/h
+/// at 4 m/s2 leaves 0.10 m at two rows a second.
+const COARSE_M: f64 = 0.12;
+const COARSE_TIMES: f64 = 1.2;
 
 /// Noise of the measurements of a drive, estimated from its own residuals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -296,18 +304,35 @@ fn noise_of(drive: &Drive, measured: &[Measured], ego: Option<&Measured>) -> Dri
 }
 
 /// The noise of one track: that of its kind, or its own where it is badly tracked (a box that jumps to and fro along a
-/// long vehicle).
+/// long vehicle, or one far off that is placed anew twice a second).
 fn of_one(kind: LogNoise, measured: &Measured) -> LogNoise {
     let known = measured.x.iter().filter(|x| x.is_finite()).count();
     let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };
+    let step = (last - first) / known as f64;
+    if step > COARSE_S && !kind.position.is_negligible() {
+        return of_coarse(kind, &measured.compact());
+    }
     if known < ENOUGH_OF_ONE {
         return kind;
     }
-    let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * (last - first) / known as f64);
+    let least = BADLY_TRACKED_M.max(BADLY_TRACKED_MPS * step);
     let compact = measured.compact();
     let own = noise::estimate(std::iter::once(compact.rows(0..compact.times.len()))).position;
     let bad = own.deviation() > least && own.deviation() > BADLY_TRACKED * kind.position.deviation();
     if bad { LogNoise { position: own, ..kind } } else { kind }
+}
+
+/// The same for few rows a second, of which a track has few: its residuals count beside what is expected of its kind.
+fn of_coarse(kind: LogNoise, compact: &Measured) -> LogNoise {
+    let (sum, count) = noise::residuals(compact.rows(0..compact.times.len()));
+    let expected = kind.position.deviation();
+    let own = ((EXPECTED_ROWS * expected.powi(2) + sum) / (EXPECTED_ROWS + count)).sqrt();
+    if own > COARSE_M.max(COARSE_TIMES * expected) {
+        let position = Noise { white: own, correlated: 0.0, ..kind.position };
+        LogNoise { position, ..kind }
+    } else {
+        kind
+    }
 }
 
 fn next_of(

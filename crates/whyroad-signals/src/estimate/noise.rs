@@ -21,6 +21,8 @@ const LEAST_SAMPLES: usize = 40;
 const MOST_SAMPLES: usize = 40_000;
 /// Median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
+/// Variance of a difference of third order of white noise of variance 1.
+const OF_WHITE_THIRD: f64 = 20.0;
 /// Steps further apart than this are no neighbours, s.
 const MAX_STEP_S: f64 = 1.1;
 
@@ -133,6 +135,16 @@ pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise
     }
 }
 
+/// Sum of the squares, and number, of what one object's positions are off smooth motion, in m of one coordinate along
+/// the way: not their median, since the worst of few rows is what looks like a maneuver.
+pub fn residuals(rows: Rows<'_>) -> (f64, f64) {
+    let step = median_step(std::iter::once(rows));
+    let mut squares = Vec::new();
+    Order::Third.squares(rows.times, [rows.x, rows.y], 1, step, &mut squares);
+    // Either coordinate has its own difference: the way runs along one direction.
+    (squares.iter().sum::<f64>() / OF_WHITE_THIRD, 0.5 * squares.len() as f64)
+}
+
 /// True when a velocity is stated, and not only a speed.
 fn stated<'a>(mut objects: impl Iterator<Item = Rows<'a>>) -> bool {
     objects.any(|rows| rows.vx.iter().any(|v| v.is_finite()))
@@ -205,7 +217,7 @@ impl Order {
     fn split(self, variances: [Option<f64>; 2], step: f64, negligible: f64) -> Noise {
         let none = Noise { negligible, ..Noise::default() };
         let Some(near) = variances[0] else { return none };
-        let of_white = if self == Self::Third { 20.0 } else { 6.0 };
+        let of_white = if self == Self::Third { OF_WHITE_THIRD } else { 6.0 };
         let [k_near, k_far] = STRIDES.map(|s| self.of_correlated(s as f64 * step));
         let far = variances[1].filter(|far| *far > LEAST_GROWTH * near);
         let correlated = far.map_or(0.0, |far| ((far - near) / (k_far - k_near)).clamp(0.0, near / k_near));
@@ -221,4 +233,30 @@ fn robust_variance(squares: &mut [f64]) -> Option<f64> {
     let middle = squares.len() / 2;
     let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
     Some(*median / MEDIAN_OF_SQUARE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A car twice a second along x: its places, m.
+    fn residual(x: &[f64]) -> f64 {
+        let times: Vec<f64> = (0..x.len()).map(|i| i as f64 / 2.0).collect();
+        let y = vec![0.0; x.len()];
+        let (sum, count) = residuals(Rows { times: &times, x, y: &y, ..Rows::default() });
+        (sum / count).sqrt()
+    }
+
+    #[test]
+    fn places_that_jump_are_told_from_braking() {
+        let steady: Vec<f64> = (0..8).map(|i| 5.0 * f64::from(i)).collect();
+        assert!(residual(&steady) < 1e-9);
+        // From 10 m/s with 4 m/s2 to a stop: differences of third order of 1 m where it begins and ends.
+        let stop = [0.0, 5.0, 10.0, 14.5, 18.0, 20.5, 22.0, 22.5, 22.5, 22.5];
+        assert!(residual(&stop) < 0.12, "{}", residual(&stop));
+        // The same mean speed, one place 1.2 m off.
+        let mut jumps = steady;
+        jumps[4] += 1.2;
+        assert!(residual(&jumps) > 0.3, "{}", residual(&jumps));
+    }
 }

@@ -1,6 +1,6 @@
 //! Whether the ego is where there are no lanes by design: a car park, a yard, a square.
 
-use crate::geometry::{Polygon, p2};
+use crate::geometry::{P2, Polygon, p2};
 use crate::road::on_road::OnRoad;
 use crate::table::TableBuilder;
 use whyroad_model::Tri;
@@ -9,6 +9,29 @@ use whyroad_model::road_map::LaneKind;
 
 /// A lane this near makes it a roadside, m: a parking strip and a lane beside it are narrower.
 const LANE_NEAR_M: f64 = 5.0;
+
+/// Lanes of the map that lead this near to a place into lanes that it does not have, m: a wide junction of which the map
+/// has the arms on one side only.
+const CUT_NEAR_M: f64 = 40.0;
+
+/// Where the map's lanes lead on to, or come from, lanes that it does not have.
+fn cut_ends(on: &OnRoad<'_>) -> Vec<P2> {
+    let mut ends = Vec::new();
+    for (i, lane) in on.road.lanes.iter().enumerate() {
+        let (Some(given), Some(first), Some(last)) =
+            (on.lane(i), lane.centre.points().first(), lane.centre.points().last())
+        else {
+            continue;
+        };
+        if !given.successors.is_empty() && lane.successors.is_empty() {
+            ends.push(*last);
+        }
+        if !given.predecessors.is_empty() && lane.predecessors.is_empty() {
+            ends.push(*first);
+        }
+    }
+    ends
+}
 
 /// Writes `map.open_area`; nothing for maps that state neither car parks nor where one can drive.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
@@ -30,9 +53,11 @@ pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
             cut
         })
         .collect();
+    let ends = cut_ends(on);
     let open = |frame: usize| {
         let at = on.ego.position[frame];
-        if cut_off[frame] && !on.map.covers("parking") {
+        let beyond = || cut_off[frame] || ends.iter().any(|end| (*end - at).norm() < CUT_NEAR_M);
+        if !on.map.covers("parking") && beyond() {
             return Tri::Unknown;
         }
         let lane_near = || {

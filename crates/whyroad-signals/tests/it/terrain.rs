@@ -1,8 +1,8 @@
 //! Speed constraints from road geometry, against roads made of straights, arcs and ramps. Expected values are worked
 //! out in the comments.
 use crate::scene::{Table, drive, lane, map, near};
-use whyroad_model::Tri::{False, True};
-use whyroad_model::road_map::{Area, Facility, Point3};
+use whyroad_model::Tri::{False, True, Unknown};
+use whyroad_model::road_map::{Area, Facility, Lane, Point3};
 
 const SPEED: f64 = 10.0;
 
@@ -110,6 +110,11 @@ fn an_open_area_has_no_lane_near() {
     let t = Table::of(&d);
     // The lane's edge is at 1.75 m; 5 m from it is 6.75 m.
     assert_eq!([0, 6, 7, 40].map(|i| t.ego_flag("map.open_area", i)), [False, False, True, True]);
+    // A lane on the far side leads on into lanes that the map does not have: a junction of which it knows half.
+    let mut cut = road.clone();
+    cut.lanes.push(Lane { successors: vec!["gone".into()], ..lane("b", &[(90.0, 70.0), (50.0, 70.0)], 3.5) });
+    let t = Table::of(&whyroad_model::Drive { map: Some(cut), ..d.clone() });
+    assert_eq!([0, 40].map(|i| t.ego_flag("map.open_area", i)), [False, Unknown]);
     road.drivable_areas.clear();
     let park = Facility { id: "p".into(), kind: "parking".into(), boundary: square(0.0, 20.0, 100.0, 60.0) };
     road.facilities = vec![park];
