@@ -239,6 +239,40 @@ fn a_roundabout_is_a_facility_and_closed_lanes_have_their_users() {
     assert_eq!((lane.centre[0].z, lane.centre[1].z), (1.0, 3.0));
 }
 
+#[test]
+fn a_ring_of_two_lanes_driven_clockwise_reaches_to_its_outer_edge() {
+    let dir = tempfile::tempdir().unwrap();
+    // Traffic on the left: lanes are counted from the left, so that lane 0 at 20 m is the outer one, lane 1 at 16 m the
+    // inner one.
+    let at = |name: &str, r: i32| match name {
+        "a" => (r, -r),
+        "b" => (-r, -r),
+        "c" => (-r, r),
+        _ => (r, r),
+    };
+    let names = ["a", "b", "c", "d"];
+    let mut net = String::from("<net lefthand=\"true\">\n");
+    for i in 0..4 {
+        let (from, to) = (names[i], names[(i + 1) % 4]);
+        net += &format!(r#"<edge id="{from}{to}" from="{from}" to="{to}">"#);
+        for (lane, r) in [(0, 20), (1, 16)] {
+            let ((x0, y0), (x1, y1)) = (at(from, r), at(to, r));
+            net += &format!(
+                r#"<lane id="{from}{to}_{lane}" index="{lane}" speed="8.33" length="40" width="4" shape="{x0},{y0} {x1},{y1}"/>"#
+            );
+        }
+        net += "</edge>\n";
+    }
+    net += r#"<roundabout nodes="a b c d" edges="ab bc cd da"/></net>"#;
+    fs::write(dir.path().join("net.xml"), net).unwrap();
+    let file = log(dir.path(), &[("ego", CAR, 20.0, 0.0, 1.0)]);
+    let map = all(&file, &Options::default()).remove(0).0.unwrap().map.unwrap();
+    let area = &map.facilities.iter().find(|f| f.kind == "roundabout").unwrap().boundary;
+    // The outer edge is at 22 m, that of the inner lane at 18 m.
+    assert!(within(area, Point3 { x: 21.5, y: 0.1, z: 0.0 }));
+    assert!(!within(area, Point3 { x: 22.5, y: 0.1, z: 0.0 }));
+}
+
 /// Crossings of a ray to the east with the outline: odd inside.
 fn within(outline: &[Point3], p: Point3) -> bool {
     let crosses = |w: &&[Point3]| {

@@ -30,9 +30,14 @@ pub(super) fn area(
     let mut boundary: Vec<Point3> = Vec::new();
     for id in &order {
         let edge = &edges[*id];
-        // Driven counter-clockwise the right edge is outside, clockwise (left-hand traffic) the left one.
-        let lane = if doubled_area > 0.0 { edge.lanes.first() } else { edge.lanes.last() };
-        let Some(lane) = lane.and_then(|l| lanes.get(l)) else { continue };
+        // Driven counter-clockwise the right edge is outside, clockwise (left-hand traffic) the left one. Where traffic
+        // drives on the left, lanes are counted from the left: the first is the outer one either way.
+        let away = |l: &&Lane| {
+            let far = l.centre.iter().map(|p| (p.x - middle.0).hypot(p.y - middle.1)).sum::<f64>();
+            far / l.centre.len().max(1) as f64
+        };
+        let ends = [edge.lanes.first(), edge.lanes.last()].into_iter().flatten().filter_map(|l| lanes.get(l));
+        let Some(lane) = ends.max_by(|a, b| away(a).total_cmp(&away(b))) else { continue };
         let side = if doubled_area > 0.0 { &lane.right } else { &lane.left };
         if let (Some(from), Some(to), Some(shape)) = (boundary.last(), side.first(), nodes.get(&edge.from)) {
             boundary.extend(mouth(shape, *from, *to, middle));
