@@ -1,5 +1,6 @@
 """A release as a data set: shapes that trainers expect, random access, weights."""
 
+import gc
 import json
 import pickle
 from pathlib import Path
@@ -74,22 +75,80 @@ def test_values_are_those_of_the_arrow_table(release: Path) -> None:
         assert [i["bytes"] for i in s["images"]] == [i["bytes"] for i in row["images"]]
 
 
-def test_one_by_one_and_all_at_once_give_the_same(release: Path) -> None:
+def equal(a: object, b: object) -> bool:
+    """A value of an item, and the same value of the Arrow table as Python gives it."""
+    if isinstance(a, np.ndarray):
+        return np.array_equal(a, np.array([np.nan if v is None else v for v in b], a.dtype), equal_nan=True)
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(equal(a[k], b[k]) for k in a)
+    if isinstance(a, list):
+        return len(a) == len(b) and all(equal(x, y) for x, y in zip(a, b, strict=True))
+    return a == b
+
+
+@pytest.mark.parametrize("unpacked", [True, False])
+def test_rows_decoded_and_unpacked_are_those_of_pyarrow(
+    release: Path, unpacked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Expected values: `to_pylist` of pyarrow. Row groups are forgotten at once, so that each is read again."""
+    monkeypatch.setattr(whyroad.release, "KEPT_ROW_GROUPS", 0)
     opened = whyroad.open_release(release)
     split = max(opened.splits, key=opened.splits.get)
-    at_once = opened.dataset(split)
+    rows = opened.table(split).to_pylist()
+    dataset = opened.dataset(split, unpacked=unpacked)
     for _ in range(3):
-        all_rows = list(at_once)  # more than ONE_BY_ONE reads: the group is converted
-    for i, expected in enumerate(all_rows):
-        alone = opened.dataset(split)[i]
-        assert alone.keys() == expected.keys()
-        for name, value in expected.items():
-            if isinstance(value, np.ndarray):
-                assert np.array_equal(alone[name], value, equal_nan=True), name
-            elif name in ("objects", "map", "components"):
-                assert [str(o) for o in alone[name]] == [str(o) for o in value], name
-            elif name != "groups":
-                assert alone[name] == value, name
+        at = 0
+        for group, start in enumerate(dataset._starts):
+            end = [*dataset._starts[1:], len(dataset)][group]
+            for i in range(end - start):
+                assert equal(dataset._read(group)(i), rows[at]), at
+                at += 1
+        assert at == len(rows)
+
+
+def test_unpacked_files_are_used_again_and_deleted(
+    release: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(whyroad.release, "KEPT_ROW_GROUPS", 0)
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+
+    def jump(dataset: "whyroad.release.SampleDataset") -> list[str]:
+        return [dataset[i]["sample_id"] for i in [0, 0, len(dataset) - 1, 0, len(dataset) - 1]]
+
+    kept = tmp_path / "unpacked"
+    expected = jump(opened.dataset(split, unpacked=kept))
+    files = {f: f.stat().st_mtime_ns for f in kept.iterdir()}
+    assert files and all(f.suffix == ".arrow" for f in files)
+    assert jump(opened.dataset(split, unpacked=kept)) == expected
+    assert {f: f.stat().st_mtime_ns for f in kept.iterdir()} == files, "not written again"
+    # Other columns are other files.
+    assert jump(opened.dataset(split, ["sample_id"], unpacked=kept)) == expected
+    assert len(list(kept.iterdir())) > len(files)
+
+    dataset = opened.dataset(split)
+    worker = pickle.loads(pickle.dumps(dataset))
+    assert jump(worker) == jump(dataset) == expected
+    folder = dataset._unpacked._folder
+    assert list(folder.iterdir())
+    del worker
+    assert folder.exists(), "a worker that ends leaves the folder to the others"
+    del dataset
+    gc.collect()
+    assert not folder.exists()
+
+
+def test_a_folder_that_cannot_be_written_is_said_and_reading_goes_on(
+    release: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(whyroad.release, "KEPT_ROW_GROUPS", 0)
+    opened = whyroad.open_release(release)
+    split = max(opened.splits, key=opened.splits.get)
+    (tmp_path / "file").write_text("")
+    dataset = opened.dataset(split, unpacked=tmp_path / "file" / "below")
+    first = dataset[0]["sample_id"]
+    with pytest.warns(whyroad.WhyroadWarning, match="cannot unpack to"):
+        assert dataset[0]["sample_id"] == first
 
 
 def test_a_transform_and_a_folder_that_is_no_release(release: Path, tmp_path: Path) -> None:

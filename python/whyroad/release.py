@@ -6,23 +6,26 @@ rad); times are seconds from the keyframe; unknown is NaN.
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
+import warnings
 from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from whyroad.errors import WhyroadError
+from whyroad.errors import WhyroadError, WhyroadWarning
 
 if TYPE_CHECKING:
     import numpy as np
     import pyarrow as pa
 
-#: Row groups that a data set keeps in memory: neighbors of a sample are likely to be read next.
+#: Row groups that a data set keeps decoded in memory: neighbors of a sample are likely to be read next.
 KEPT_ROW_GROUPS = 8
-#: Samples of a row group that are read one by one; from then on the whole group is converted at once.
-ONE_BY_ONE = 8
+#: Row groups that stay open in the unpacked copy; each is a memory-mapped file.
+OPEN_ROW_GROUPS = 1024
 
 
 def open_release(path: str | Path) -> Release:
@@ -67,12 +70,18 @@ class Release:
         split: str,
         columns: Sequence[str] | None = None,
         transform: Callable[[dict[str, Any]], Any] | None = None,
+        unpacked: str | Path | bool = True,
     ) -> SampleDataset:
         """A map-style data set: ``torch.utils.data.DataLoader(release.dataset("train"))`` works, torch is not needed here.
 
         ``columns`` limits what is read (default: all). ``transform`` is applied to each sample.
+
+        A row group that is read again, by a sampler that jumps (``shuffle=True``) or in a second epoch, is unpacked once
+        into a file that is mapped into memory: some 25 kB per sample without images, shared by all workers. The files are
+        in a temporary folder, deleted with the data set, or in ``unpacked``, where the next run finds them; ``False``
+        writes none and decodes again.
         """
-        return SampleDataset(self, split, columns, transform)
+        return SampleDataset(self, split, columns, transform, unpacked)
 
     def weights(self, split: str = "train") -> np.ndarray:
         """Sampling weights of a split, for ``torch.utils.data.WeightedRandomSampler``."""
@@ -97,12 +106,15 @@ class SampleDataset:
         split: str,
         columns: Sequence[str] | None = None,
         transform: Callable[[dict[str, Any]], Any] | None = None,
+        unpacked: str | Path | bool = True,
     ) -> None:
         import pyarrow.parquet as pq
 
         self._columns = list(columns) if columns else None
         self._transform = transform
         self._files = release.files(split)
+        folder = None if unpacked is True else unpacked
+        self._unpacked = None if folder is False else _Unpacked(release, self._files, self._columns, folder)
         self._groups: list[tuple[int, int]] = []
         self._starts: list[int] = []
         total = 0
@@ -113,7 +125,9 @@ class SampleDataset:
                 self._starts.append(total)
                 total += metadata.row_group(group).num_rows
         self._length = total
-        self._kept: OrderedDict[int, _RowGroup] = OrderedDict()
+        self._kept: OrderedDict[int, Callable[[int], Any]] = OrderedDict()
+        self._open: OrderedDict[int, Callable[[int], Any]] = OrderedDict()
+        self._seen: set[int] = set()
 
     def __len__(self) -> int:
         return self._length
@@ -124,7 +138,7 @@ class SampleDataset:
         if not 0 <= index < self._length:
             raise IndexError(index)
         group = bisect_right(self._starts, index) - 1
-        item = _sample(self._read(group).row(index - self._starts[group]))
+        item = _sample(self._read(group)(index - self._starts[group]))
         return self._transform(item) if self._transform else item
 
     def __iter__(self) -> Iterator[Any]:
@@ -132,13 +146,13 @@ class SampleDataset:
 
     def __getstate__(self) -> dict[str, Any]:
         # Workers of a DataLoader read for themselves.
-        return {**self.__dict__, "_kept": OrderedDict()}
+        return {**self.__dict__, "_kept": OrderedDict(), "_open": OrderedDict(), "_seen": set()}
 
     def shuffled(self, seed: int) -> Iterator[int]:
         """Every position once, in an order of ``seed``, for ``DataLoader(dataset, sampler=list(dataset.shuffled(0)))``.
 
-        Positions come from a few row groups at a time, so that each group is read once: files are shuffled already when
-        a release is frozen. A sampler that jumps through the whole split reads a row group for nearly every sample.
+        Positions come from a few row groups at a time, so that each group is read once in an epoch: files are shuffled
+        already when a release is frozen.
         """
         import numpy as np
 
@@ -150,93 +164,132 @@ class SampleDataset:
             positions = np.concatenate([np.arange(self._starts[g], ends[g]) for g in some])
             yield from rng.permutation(positions).tolist()
 
-    def _read(self, group: int) -> _RowGroup:
-        import pyarrow.parquet as pq
-
-        if group in self._kept:
-            self._kept.move_to_end(group)
-            return self._kept[group]
+    def _read(self, group: int) -> Callable[[int], Any]:
+        """Gives the rows of a row group."""
+        for held in (self._kept, self._open):
+            if group in held:
+                held.move_to_end(group)
+                return held[group]
         number, of_file = self._groups[group]
-        with pq.ParquetFile(self._files[number]) as file:
-            table = file.read_row_group(of_file, columns=self._columns)
-        rows = _RowGroup(table.to_struct_array().combine_chunks())
-        self._kept[group] = rows
-        while len(self._kept) > KEPT_ROW_GROUPS:
-            self._kept.popitem(last=False)
-        return rows
+        mapped = self._unpacked.table(number, of_file) if self._unpacked and group in self._seen else None
+        self._seen.add(group)
+        held, most = (self._open, OPEN_ROW_GROUPS) if mapped else (self._kept, KEPT_ROW_GROUPS)
+        read = _reader(_rows(mapped or _decoded(self._files[number], of_file, self._columns)))
+        held[group] = read
+        while len(held) > most:
+            held.popitem(last=False)
+        return read
 
 
-class _RowGroup:
-    """Rows of one row group: a few one by one, many by converting all."""
+class _Unpacked:
+    """Row groups as uncompressed Arrow files. The name of a file has the hash of what it was made from, so that a folder
+    may serve several releases and a changed one is never mixed up."""
 
-    def __init__(self, rows: pa.Array) -> None:
-        self._rows = rows
-        self._asked = 0
-        self._all: Callable[[int], Any] | None = None
+    def __init__(
+        self, release: Release, files: Sequence[Path], columns: Sequence[str] | None, folder: str | Path | None
+    ) -> None:
+        import tempfile
 
-    def row(self, index: int) -> dict[str, Any]:
-        self._asked += 1
-        if self._all is None and self._asked > ONE_BY_ONE:
-            self._all = _reader(self._rows)
-        row: dict[str, Any] = self._all(index) if self._all else _reader(self._rows.slice(index, 1))(0)
-        return row
+        hashes = {release.path / f["path"]: f["sha256"] for f in release.manifest["files"]}
+        self._files = list(files)
+        self._hashes = [hashes[f] for f in files]
+        self._columns = list(columns) if columns else None
+        # Of a copy in a worker, the folder belongs to the process that made the data set.
+        self._owned = tempfile.TemporaryDirectory(prefix="whyroad-", ignore_cleanup_errors=True) if folder is None else None
+        self._folder = Path(self._owned.name if self._owned else folder or "")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_owned": None}
+
+    def table(self, number: int, group: int) -> pa.Table | None:
+        """A row group of a file, mapped into memory; None, with a warning, where it cannot be written."""
+        import pyarrow as pa
+
+        of = hashlib.sha256("\n".join([self._hashes[number], str(group), *(self._columns or ["*"])]).encode()).hexdigest()
+        path = self._folder / f"{of}.arrow"
+        try:
+            if not path.exists():
+                self._write(path, _decoded(self._files[number], group, self._columns))
+            return pa.ipc.open_file(pa.memory_map(str(path))).read_all()
+        except (OSError, pa.ArrowInvalid) as e:
+            text = f"cannot unpack to {self._folder}; row groups are decoded each time they are read: {e}"
+            warnings.warn(text, WhyroadWarning, stacklevel=2)
+            return None
+
+    def _write(self, path: Path, table: pa.Table) -> None:
+        import pyarrow as pa
+
+        path.parent.mkdir(parents=True, exist_ok=True)
+        aside = path.with_name(f"{path.stem}.{os.getpid()}")
+        try:
+            with pa.ipc.new_file(str(aside), table.schema) as out:
+                out.write_table(table.combine_chunks())
+            aside.replace(path)
+        finally:
+            aside.unlink(missing_ok=True)
+
+
+def _decoded(file: Path, group: int, columns: Sequence[str] | None) -> pa.Table:
+    import pyarrow.parquet as pq
+
+    with pq.ParquetFile(file) as parquet:
+        return parquet.read_row_group(group, columns=columns)
+
+
+def _rows(table: pa.Table) -> pa.Array:
+    rows = table.to_struct_array()
+    return rows.chunk(0) if rows.num_chunks == 1 else rows.combine_chunks()
 
 
 def _reader(array: pa.Array) -> Callable[[int], Any]:
-    """Gives the value at a position: numbers of lists as NumPy arrays, everything else as Python values."""
+    """Gives the value at a position: numbers of lists as NumPy arrays, everything else as Python values. What is not
+    asked for is not converted."""
+    import pyarrow.types as types
+
+    if array.null_count:
+        known = array.is_valid().to_numpy(zero_copy_only=False).item
+        read = _reader_of_known(array)
+        return lambda i: read(i) if known(i) else None
+    if types.is_null(array.type):
+        return lambda i: None
+    return _reader_of_known(array)
+
+
+def _reader_of_known(array: pa.Array) -> Callable[[int], Any]:
+    """As [`_reader`], of positions whose value is not null."""
+    import numpy as np
     import pyarrow.types as types
 
     if types.is_struct(array.type):
-        fields = [(f.name, _reader(child)) for f, child in zip(array.type, array.flatten(), strict=True)]
-        if array.null_count:
-            known = array.is_valid().to_numpy(zero_copy_only=False)
-            return lambda i: {name: read(i) for name, read in fields} if known[i] else None
+        fields = [(array.type.field(n).name, _reader(array.field(n))) for n in range(array.type.num_fields)]
         return lambda i: {name: read(i) for name, read in fields}
     if types.is_list(array.type):
         return _list_reader(array)
-    if types.is_binary(array.type):
-        # Images: only those that are asked for are copied.
-        return lambda i: array[i].as_py()
-    values = _values(array)
-    return lambda i: values[i]
-
-
-def _values(array: pa.Array) -> list[Any]:
-    """All values of an array without children, as Python values; null is None."""
-    import pyarrow.types as types
-
-    if array.null_count and not (types.is_string(array.type) or types.is_boolean(array.type)):
-        return list(array.to_pylist())
-    return list(array.to_numpy(zero_copy_only=False).tolist())
+    if types.is_string(array.type):
+        _, positions, data = array.buffers()
+        if data is None:
+            return lambda i: ""
+        at = np.frombuffer(positions, np.int32)[array.offset :].item
+        text = memoryview(data)
+        return lambda i: str(text[at(i) : at(i + 1)], "utf-8")
+    if types.is_integer(array.type) or types.is_floating(array.type):
+        number: Callable[[int], Any] = array.fill_null(0).to_numpy().item
+        return number
+    return lambda i: array[i].as_py()
 
 
 def _list_reader(array: pa.Array) -> Callable[[int], Any]:
+    """Lists of positions that are not null."""
     import pyarrow.types as types
 
-    # Of a slice: only its own values, counted from its first.
-    positions = array.offsets.to_numpy()
-    offsets = (positions - positions[0]).tolist()
-    child = array.flatten()
-    known = array.is_valid().to_numpy(zero_copy_only=False) if array.null_count else None
+    at = array.offsets.to_numpy().item
+    child = array.values
     if types.is_floating(array.type.value_type):
         # Null is unknown, and unknown is NaN.
         values = child.to_numpy(zero_copy_only=False)
-
-        def numbers(i: int) -> Any:
-            return None if known is not None and not known[i] else values[offsets[i] : offsets[i + 1]].copy()
-
-        return numbers
-    if not types.is_nested(array.type.value_type):
-        words = _values(child)
-        return lambda i: None if known is not None and not known[i] else words[offsets[i] : offsets[i + 1]]
+        return lambda i: values[at(i) : at(i + 1)].copy()
     read = _reader(child)
-
-    def items(i: int) -> Any:
-        if known is not None and not known[i]:
-            return None
-        return [read(j) for j in range(offsets[i], offsets[i + 1])]
-
-    return items
+    return lambda i: [read(j) for j in range(at(i), at(i + 1))]
 
 
 def _sample(row: dict[str, Any]) -> dict[str, Any]:
