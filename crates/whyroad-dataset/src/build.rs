@@ -7,11 +7,11 @@ mod work;
 
 use crate::dedup::deduplicate;
 use crate::freeze::manifest::Manifest;
-use crate::item::{Dropped, SplitName};
+use crate::item::SplitName;
 use crate::labels::{self, LabelStream, Labels, Names};
 use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
-use crate::spec::Spec;
+use crate::spec::{GroupKey, Spec};
 use crate::split::{self, split};
 use crate::{DatasetError, Media, balance};
 use std::collections::BTreeMap;
@@ -109,6 +109,11 @@ pub fn build(
     let mut state = State { inputs, labels, selected, cells: Names::default(), work, diagnostics };
 
     let resumed = cutting::cut(&mut state, progress)?;
+    if !state.labels.items.iter().any(crate::item::Item::kept) {
+        let mut found = std::mem::take(&mut state.diagnostics);
+        found.push(nothing_left(&state.labels));
+        return Err(DatasetError::Refused(found));
+    }
     let spec = &state.inputs.spec;
     let mut split_report =
         split(&mut state.labels.items, &state.selected.drives, &spec.split, spec.seed, &mut state.cells);
@@ -138,7 +143,10 @@ fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     put(env!("CARGO_PKG_VERSION"));
     put(crate::sample::SAMPLE_VERSION);
     put(whyroad_engine::SIGNALS_VERSION);
-    put(&inputs.framework.taxonomy.version);
+    // Drafts and their checks depend on all of these, whatever version they state.
+    let f = inputs.framework;
+    put(&format!("{:?} {:?} {:?} {:?}", f.taxonomy, f.specs, f.l1_specs, f.l2_specs));
+    put(&format!("{:?} {:?} {:?}", f.decision_table, f.record_types, f.draft_texts));
     put(&inputs.spec_text);
     put(&serde_json::to_string(&inputs.spec).unwrap_or_default());
     put(&labels.hash);
@@ -146,31 +154,67 @@ fn key(inputs: &Inputs<'_>, labels: &Labels, selected: &Selected) -> String {
     for (drive, meta) in &selected.drives {
         put(labels.drives.get(*drive));
         put(&serde_json::to_string(meta).unwrap_or_default());
+        put(selected.licences.get(drive).map_or("", String::as_str));
     }
     hash.finalize().to_hex().to_string()
 }
 
-fn nothing(labels: &Labels) -> Diagnostic {
+/// Why candidates were dropped, with their numbers.
+fn reasons(labels: &Labels) -> BTreeMap<&str, usize> {
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
-    let of = |d: &Option<Dropped>| d.as_ref().map(|d| d.reason.clone());
-    let words: Vec<_> = labels.items.iter().filter_map(|i| of(&i.dropped)).collect();
-    for word in &words {
-        *reasons.entry(word).or_default() += 1;
+    let of_items = labels.items.iter().filter_map(|i| i.dropped.as_ref());
+    for dropped in of_items.chain(labels.dropped.iter().map(|line| &line.dropped)) {
+        *reasons.entry(&dropped.reason).or_default() += 1;
     }
-    for line in &labels.dropped {
-        *reasons.entry(&line.dropped.reason).or_default() += 1;
+    reasons
+}
+
+/// No label was selected.
+fn nothing(labels: &Labels) -> Diagnostic {
+    let code = "dataset.labels.none";
+    if labels.lines == 0 {
+        return Diagnostic::error(
+            code,
+            Bilingual::new("标签文件是空的", "there are no labels in the source"),
+        )
+        .with_hint(Bilingual::new("检查 --labels", "check --labels"));
     }
+    let reasons = reasons(labels);
     let list = reasons.iter().map(|(r, n)| format!("{r} {n}")).collect::<Vec<_>>().join(", ");
+    let message = Bilingual::new(
+        format!("{} 行标签中没有一行被选中（{list}）", labels.lines),
+        format!("none of {} label lines is selected ({list})", labels.lines),
+    );
+    let (zh, en) = match reasons.iter().max_by_key(|(_, n)| **n).map(|(reason, _)| *reason) {
+        Some("invalid_label" | "unreadable") => (
+            "用 `whyroad validate` 检查标签文件，它给出每个错误的位置",
+            "run `whyroad validate` on the labels: it shows where each error is",
+        ),
+        Some("drive_missing") => (
+            "检查 --lake：标签引用的行程不在其中",
+            "check --lake: the drives that the labels name are not in it",
+        ),
+        _ => (
+            "检查 spec 的 labels、select 与 licences；未质检的草稿须设 labels.drafts: true 或加 --drafts",
+            "check labels, select and licences in the spec; unchecked drafts need labels.drafts: true or --drafts",
+        ),
+    };
+    Diagnostic::error(code, message).with_hint(Bilingual::new(zh, en))
+}
+
+/// Labels were selected, but no sample is left of them.
+fn nothing_left(labels: &Labels) -> Diagnostic {
+    let list = reasons(labels).iter().map(|(r, n)| format!("{r} {n}")).collect::<Vec<_>>().join(", ");
     Diagnostic::error(
-        "dataset.labels.none",
+        "dataset.samples.none",
         Bilingual::new(
-            format!("{} 行标签中没有一行被选中（{list}）", labels.lines),
-            format!("none of {} label lines is selected ({list})", labels.lines),
+            format!("没有一个样本可收入，未写出数据集（{list}）"),
+            format!("no sample is left, so no release is written ({list})"),
         ),
     )
     .with_hint(Bilingual::new(
-        "检查 spec 的 labels 与 select；未质检的草稿须设 labels.drafts: true 或加 --drafts",
-        "check labels and select in the spec; unchecked drafts need labels.drafts: true or --drafts",
+        "对照 docs/reference/release.md 中的原因修改 spec 的 sample 部分，或改正输入",
+        "change `sample` in the spec or the inputs; docs/reference/release.md explains the reasons",
     ))
 }
 
@@ -192,6 +236,28 @@ fn report_groups(state: &mut State<'_>, report: &split::SplitReport) {
         );
     }
     let spec = &state.inputs.spec.split;
+    let by_place = spec.by.contains(&GroupKey::Place);
+    for polygon in &spec.polygons {
+        if by_place && state.cells.all().contains(&polygon.name) {
+            continue;
+        }
+        let name = &polygon.name;
+        let (zh, en) = if by_place {
+            (format!("多边形 '{name}' 中没有样本"), format!("no sample is in the polygon '{name}'"))
+        } else {
+            (
+                format!("split.by 中没有 place，多边形 '{name}' 不起作用"),
+                format!("the polygon '{name}' has no effect: `place` is not in split.by"),
+            )
+        };
+        state.diagnostics.push(
+            Diagnostic::warning("dataset.polygon.unused", Bilingual::new(zh, en)).with_hint(Bilingual::new(
+                "有经纬度的行程只用不带 place 的多边形（经度、纬度）；其余行程用 place 与地图坐标（米）",
+                "drives with a latitude and longitude need a polygon without `place`, in degrees (longitude, \
+                 latitude); all others need `place` and map coordinates in meters",
+            )),
+        );
+    }
     for (split, share) in SplitName::ALL.into_iter().zip([spec.train, spec.val, spec.test]) {
         let (name, given) = (split.name(), report.samples.get(split.name()).copied().unwrap_or(0));
         let left = state.labels.items.iter().any(|i| i.kept() && i.split == Some(split));

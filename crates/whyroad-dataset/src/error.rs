@@ -10,9 +10,11 @@ pub const CODES: &[&str] = &[
     "dataset.release.exists",
     "dataset.release.broken",
     "dataset.work.other",
+    "dataset.work.busy",
     "dataset.labels.line",
     "dataset.labels.drive",
     "dataset.labels.none",
+    "dataset.samples.none",
     "dataset.licence.unknown",
     "dataset.licence.forbidden",
     "dataset.licence.conflict",
@@ -22,6 +24,7 @@ pub const CODES: &[&str] = &[
     "dataset.image.missing",
     "dataset.image.blur",
     "dataset.group.unknown",
+    "dataset.polygon.unused",
     "dataset.split.empty",
     "dataset.split.leak",
     "dataset.split.near",
@@ -62,6 +65,9 @@ pub enum DatasetError {
     /// The work folder is of a build with other inputs.
     #[error("{} was left by a build with other inputs", .0.display())]
     OtherWork(PathBuf),
+    /// Another build writes into the same folder.
+    #[error("another build is working in {}", .0.display())]
+    Busy(PathBuf),
     /// A file of a release cannot be read.
     #[error("{}: {reason}", .path.display())]
     Broken {
@@ -115,6 +121,14 @@ impl DatasetError {
                 "dataset.work.other",
                 format!("{} 是输入不同的一次构建留下的", path.display()),
                 Some(("加 --restart 丢弃它", "--restart discards it")),
+            ),
+            Self::Busy(path) => one(
+                "dataset.work.busy",
+                format!("另一个构建正在使用 {}", path.display()),
+                Some((
+                    "等它结束，或换一个 --out 文件夹",
+                    "wait until it ends, or name another folder with --out",
+                )),
             ),
             Self::Broken { path, reason } => {
                 one("dataset.release.broken", format!("{}：{reason}", path.display()), None)

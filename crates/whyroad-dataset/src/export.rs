@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
 use whyroad_model::Lang;
 
 /// A format that releases are exported to.
@@ -159,6 +160,11 @@ fn route_text(sample: &Sample, lang: Lang) -> Option<&str> {
     }
 }
 
+/// A number of a sample as JSON shows it: 0.1 and not 0.10000000149011612.
+fn number(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
 impl Exported {
     fn leave_out(&mut self, sample: &Sample, reason: &str) {
         self.left_out.entry(reason.to_owned()).or_default().push(sample.sample_id.clone());
@@ -198,15 +204,39 @@ pub fn export(
         ExportFormat::OpenLabel => Box::new(openlabel::Writer),
     };
     for split in options.splits() {
-        for sample in release.samples(Some(split)) {
-            let sample = sample?;
+        each_sample(release, split, &mut |sample| {
             output.report.samples += 1;
             writer.add(sample, split, &mut output)?;
             progress();
-        }
+            Ok(())
+        })?;
     }
     writer.finish(&mut output)?;
     finish(output)
+}
+
+/// Calls `each` with the samples of a split in order; the next row group is decoded meanwhile.
+fn each_sample(
+    release: &Release,
+    split: SplitName,
+    each: &mut dyn FnMut(Sample) -> Result<(), DatasetError>,
+) -> Result<(), DatasetError> {
+    std::thread::scope(|scope| {
+        let (send, receive) = mpsc::sync_channel(1);
+        let reading = move || {
+            for samples in release.groups(Some(split)) {
+                let failed = samples.is_err();
+                if send.send(samples).is_err() || failed {
+                    break;
+                }
+            }
+        };
+        std::thread::Builder::new().spawn_scoped(scope, reading).map_err(DatasetError::io(release.dir()))?;
+        for samples in receive {
+            samples?.into_iter().try_for_each(&mut *each)?;
+        }
+        Ok(())
+    })
 }
 
 /// Closes the files and writes the summary.

@@ -26,6 +26,8 @@ pub struct LabelStream {
 
 /// State of labels that come from a plain file.
 pub const IMPORTED: &str = "imported";
+/// States of the labelling service in which a label is finished.
+pub const FINISHED: &[&str] = &["accepted", "checked", "submitted", "rework"];
 /// State of what no person has finished.
 pub const DRAFT: &str = "draft";
 
@@ -122,16 +124,16 @@ pub(crate) fn read(
     let mut hash = blake3::Hasher::new();
     let mut known: HashMap<SampleId, usize> = HashMap::new();
     for mut stream in streams {
-        let (mut number, mut line) = (0, String::new());
+        let (mut number, mut line) = (0, Vec::new());
         loop {
             line.clear();
             let path = Path::new(&stream.name).to_owned();
-            if stream.lines.read_line(&mut line).map_err(DatasetError::io(&path))? == 0 {
+            if stream.lines.read_until(b'\n', &mut line).map_err(DatasetError::io(&path))? == 0 {
                 break;
             }
             number += 1;
-            hash.update(line.as_bytes());
-            if line.trim().is_empty() {
+            hash.update(&line);
+            if line.trim_ascii().is_empty() {
                 continue;
             }
             out.lines += 1;
@@ -238,8 +240,10 @@ fn unreadable(zh: String, en: String) -> Fault {
     }
 }
 
-fn read_line(line: &str, checker: &Checker<'_>) -> Result<Read, Fault> {
-    let value: Value = serde_json::from_str(line)
+fn read_line(line: &[u8], checker: &Checker<'_>) -> Result<Read, Fault> {
+    let line = std::str::from_utf8(line)
+        .map_err(|e| unreadable(format!("不是 UTF-8：{e}"), format!("not UTF-8: {e}")))?;
+    let value: Value = serde_json::from_str(line.strip_prefix('\u{feff}').unwrap_or(line))
         .map_err(|e| unreadable(format!("不是 JSON：{e}"), format!("not JSON: {e}")))?;
     if let Some(task) = value.get("task") {
         return of_task(task, checker);
@@ -371,7 +375,7 @@ fn of_label(
         .provenance
         .as_ref()
         .is_some_and(|p| matches!(p.source, ProvenanceSource::Rule | ProvenanceSource::Model));
-    let finished = matches!(state.as_deref(), Some("submitted" | "checked" | "accepted" | "rework"));
+    let finished = state.as_deref().is_some_and(|state| FINISHED.contains(&state));
     let status = match state {
         Some(state) if finished => state,
         Some(_) => DRAFT.to_owned(),

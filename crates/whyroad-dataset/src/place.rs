@@ -101,7 +101,8 @@ impl<'a> Grid<'a> {
 }
 
 fn bucket(p: [f64; 3], edge: f64) -> [i64; 3] {
-    p.map(|v| (v / edge).floor() as i64)
+    // The bound keeps the neighbours of the farthest bucket representable.
+    p.map(|v| (v / edge).floor().clamp(-1e15, 1e15) as i64)
 }
 
 pub(crate) fn distance(a: &Position, b: &Position) -> f64 {

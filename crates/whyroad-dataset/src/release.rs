@@ -10,8 +10,13 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use rayon::prelude::*;
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+/// Rows that a core decodes at once.
+const DECODED_AT_ONCE: usize = 16;
 
 /// A release that was opened. Nothing but the manifest is read until it is asked for.
 #[derive(Clone, Debug)]
@@ -29,7 +34,12 @@ impl Release {
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DatasetError> {
         let dir = dir.as_ref().to_owned();
         let path = dir.join(MANIFEST);
-        let text = std::fs::read_to_string(&path).map_err(DatasetError::io(&path))?;
+        let text = std::fs::read_to_string(&path).map_err(|e| match e.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory => {
+                DatasetError::broken(&dir, "not a release: there is no manifest.json")
+            }
+            _ => DatasetError::io(&path)(e),
+        })?;
         let manifest: Manifest = serde_json::from_str(&text).map_err(|e| DatasetError::broken(&path, e))?;
         let major = |v: &str| v.split('.').next().map(str::to_owned);
         if manifest.format != FORMAT || major(&manifest.format_version) != major(FORMAT_VERSION) {
@@ -68,12 +78,26 @@ impl Release {
         &self,
         split: Option<SplitName>,
     ) -> impl Iterator<Item = Result<Sample, DatasetError>> + '_ {
-        self.batches(split, None).flat_map(|batch| {
-            let samples = batch.and_then(|b| from_batch(&b).map_err(|e| DatasetError::broken(&self.dir, e)));
-            match samples {
-                Ok(samples) => samples.into_iter().map(Ok).collect::<Vec<_>>(),
-                Err(e) => vec![Err(e)],
-            }
+        self.groups(split).flat_map(|samples| match samples {
+            Ok(samples) => samples.into_iter().map(Ok).collect::<Vec<_>>(),
+            Err(e) => vec![Err(e)],
+        })
+    }
+
+    /// The samples of a split, one row group at a time, decoded on all cores.
+    pub(crate) fn groups(
+        &self,
+        split: Option<SplitName>,
+    ) -> impl Iterator<Item = Result<Vec<Sample>, DatasetError>> + '_ {
+        self.batches(split, None).map(|batch| {
+            let batch = batch?;
+            let rows = batch.num_rows();
+            let starts: Vec<usize> = (0..rows).step_by(DECODED_AT_ONCE).collect();
+            let parts: Result<Vec<Vec<Sample>>, String> = starts
+                .into_par_iter()
+                .map(|start| from_batch(&batch.slice(start, DECODED_AT_ONCE.min(rows - start))))
+                .collect();
+            Ok(parts.map_err(|e| DatasetError::broken(&self.dir, e))?.into_iter().flatten().collect())
         })
     }
 

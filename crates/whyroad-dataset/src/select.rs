@@ -72,6 +72,9 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         );
         out.diagnostics.push(Diagnostic::warning("dataset.labels.drive", message));
     }
+    for name in spec.licences.allow.iter().filter(|name| table.find(name).is_none()) {
+        out.refused.push(unknown_in_spec(name));
+    }
     for (stated, drives) in unlicensed {
         out.refused.push(unknown_licence(&stated, &drives));
     }
@@ -91,6 +94,15 @@ pub(crate) fn select(labels: &mut Labels, spec: &Spec, lake: &Lake, table: &Lice
         out.refused.push(*d);
     }
     out
+}
+
+fn unknown_in_spec(name: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("spec 的 licences.allow 中的许可 '{name}' 未知"),
+        format!("licences.allow in the spec names the unknown licence '{name}'"),
+    );
+    Diagnostic::error("dataset.licence.unknown", message)
+        .with_hint(Bilingual::new("用 schema/licences.yaml 中的编号", "use an id of schema/licences.yaml"))
 }
 
 fn unknown_licence(stated: &str, drives: &BTreeSet<String>) -> Diagnostic {

@@ -219,7 +219,11 @@ fn stages(state: &State<'_>, dir: &Path, dedup: &DedupReport) -> Result<(), Data
             weight: None,
             kept: false,
             reason: Some(line.dropped.reason.to_string()),
-            detail: Some(format!("{}: {}", line.line, line.dropped.detail.as_deref().unwrap_or_default())),
+            detail: Some(format!(
+                "{}: {}",
+                file_name(&line.line),
+                line.dropped.detail.as_deref().unwrap_or_default()
+            )),
         });
         tables::write(&path, stage_columns(), rows_of(state, stage).chain(lines))?;
     }
@@ -375,14 +379,16 @@ fn made_from(state: &State<'_>, label_names: &[String]) -> Inputs {
     for (id, content) in &drives {
         hash.update(format!("{id} {content}\n").as_bytes());
     }
-    let file_name = |name: &String| {
-        Path::new(name).file_name().map_or(name.clone(), |f| f.to_string_lossy().into_owned())
-    };
     Inputs {
-        labels: label_names.iter().map(file_name).collect(),
+        labels: label_names.iter().map(|name| file_name(name)).collect(),
         label_lines: state.labels.lines,
         labels_hash: state.labels.hash.clone(),
         drives: drives.len(),
         drives_hash: hex(hash.finalize().as_bytes()),
     }
+}
+
+/// The name without its folder: a release does not depend on where its inputs lie.
+fn file_name(name: &str) -> String {
+    Path::new(name).file_name().map_or(name.to_owned(), |f| f.to_string_lossy().into_owned())
 }

@@ -1,21 +1,29 @@
 //! The work folder `.<name>.partial` beside the output.
 
 use crate::DatasetError;
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
-/// A work folder.
+/// A work folder, held by one build.
 pub(super) struct Work {
     dir: PathBuf,
+    /// Locked as long as the build lives; a killed build releases it.
+    _lock: File,
 }
 
 impl Work {
-    /// Opens or makes the folder.
+    /// Opens or makes the folder. Another build that works in it is not disturbed: this one is refused.
     pub fn open(out: &Path) -> Result<Self, DatasetError> {
         let name = out.file_name().unwrap_or_default().to_string_lossy();
         let dir = out.with_file_name(format!(".{name}.partial"));
         fs::create_dir_all(&dir).map_err(DatasetError::io(&dir))?;
-        Ok(Self { dir })
+        let path = dir.join("lock");
+        let lock = File::create(&path).map_err(DatasetError::io(&path))?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { dir, _lock: lock }),
+            Err(TryLockError::WouldBlock) => Err(DatasetError::Busy(dir)),
+            Err(TryLockError::Error(e)) => Err(DatasetError::io(&path)(e)),
+        }
     }
 
     /// Makes it the folder of a build with these inputs; what another one left is refused or discarded.

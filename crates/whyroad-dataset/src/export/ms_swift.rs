@@ -1,8 +1,8 @@
 //! ms-swift (4.x) JSON Lines: `sft.<split>.jsonl` (messages, images), `dpo.<split>.jsonl` (with `rejected_response`:
 //! versions that a checker returned), `grpo.<split>.jsonl` (question only; further columns reach the reward functions).
 
-use super::Output;
 use super::chat::{ChatFormat, Conversation};
+use super::{Output, number};
 use crate::DatasetError;
 use serde_json::{Value, json};
 
@@ -26,8 +26,13 @@ impl ChatFormat for MsSwift {
             line("dpo", json!({ "messages": messages, "rejected_response": text }))?;
             self.rejected += 1;
         }
-        let future: Vec<[Option<f32>; 2]> =
-            sample.future.x.iter().zip(&sample.future.y).map(|(x, y)| [*x, *y]).collect();
+        let future: Vec<[Option<f64>; 2]> = sample
+            .future
+            .x
+            .iter()
+            .zip(&sample.future.y)
+            .map(|(x, y)| [*x, *y].map(|v| v.map(number)))
+            .collect();
         let record = json!({
             "messages": [user],
             "solution": c.trace,
@@ -37,7 +42,7 @@ impl ChatFormat for MsSwift {
             "lateral_direction": sample.lateral_direction,
             "components": sample.components.iter().map(|c| &c.description).collect::<Vec<_>>(),
             "future_xy": future,
-            "future_t": sample.future.t_s,
+            "future_t": sample.future.t_s.iter().copied().map(number).collect::<Vec<_>>(),
             "sample_id": sample.sample_id,
         });
         line("grpo", record)

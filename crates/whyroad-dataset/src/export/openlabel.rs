@@ -1,10 +1,11 @@
 //! ASAM OpenLABEL 1.0: one document per sample with the objects' boxes per frame in the ego frame at t0, the ego's
-//! decisions as actions, the critical components as contexts, and their causes as relations.
+//! decisions as actions, the critical components as contexts, and their causes as relations. The standard's schema
+//! wants numbers as keys of elements; the names that the log and the label use are in `name` and `id`.
 
-use super::{Output, SampleWriter};
+use super::{Output, SampleWriter, number};
 use crate::DatasetError;
 use crate::item::SplitName;
-use crate::sample::{Cause, Sample};
+use crate::sample::{Cause, Component, Sample};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -13,13 +14,18 @@ const FRAME: &str = "ego_t0";
 /// Coordinate system of the ego's reference point at each frame.
 const EGO: &str = "ego";
 
+/// What the class in `tags` is defined by.
+const ONTOLOGY: &str = "https://github.com/whyroad/whyroad/blob/main/schema/scenario_taxonomy.yaml";
+
 #[derive(Default)]
 pub(super) struct Writer;
 
 impl SampleWriter for Writer {
     fn add(&mut self, sample: Sample, split: SplitName, out: &mut Output) -> Result<(), DatasetError> {
         out.report.records += 1;
-        out.json(&format!("{}/{}.json", split.name(), sample.sample_id), &document(&sample))
+        let name = format!("{}/{}.json", split.name(), sample.sample_id);
+        let text = serde_json::to_vec(&document(&sample)).map_err(|e| DatasetError::broken(&out.root, e))?;
+        out.write(&name, &text)
     }
 }
 
@@ -37,13 +43,16 @@ fn document(sample: &Sample) -> Value {
     let (objects, mut frames) = objects(sample, &times);
     for (i, t) in times.iter().enumerate() {
         let frame = frames.entry(i.to_string()).or_insert_with(|| json!({ "objects": {} }));
-        frame["frame_properties"] = json!({ "timestamp": t });
+        frame["frame_properties"] = json!({ "timestamp": number(*t) });
         if let Some(pose) = pose(sample, i) {
             let name = format!("{EGO}_to_{FRAME}");
             let transform = json!({ "src": EGO, "dst": FRAME, "transform_src_to_dst": pose });
             frame["frame_properties"]["transforms"] = json!({ name: transform });
         }
     }
+    // Components and the decisions that they cause refer to each other by these keys.
+    let component_id = |i: usize, c: &Component| c.id.clone().unwrap_or_else(|| format!("c{}", i + 1));
+    let ids: Vec<String> = sample.components.iter().enumerate().map(|(i, c)| component_id(i, c)).collect();
     let (mut actions, mut relations) = (Map::new(), Map::new());
     let decisions = [
         ("longitudinal", &sample.longitudinal, &sample.cause_longitudinal),
@@ -51,6 +60,7 @@ fn document(sample: &Sample) -> Value {
     ];
     for (channel, decision, cause) in decisions {
         let Some(decision) = decision else { continue };
+        let key = actions.len().to_string();
         let mut action = json!({
             "name": channel,
             "type": decision,
@@ -59,46 +69,46 @@ fn document(sample: &Sample) -> Value {
         if let (true, Some(side)) = (channel == "lateral", &sample.lateral_direction) {
             action["action_data"] = json!({ "text": [{ "name": "direction", "val": side }] });
         }
-        actions.insert(channel.to_owned(), action);
         for id in cause.iter().flat_map(|c: &Cause| &c.components) {
-            relations.insert(
-                format!("{id}-{channel}"),
-                json!({
-                    "name": format!("{id} causes {channel}"),
-                    "type": "causes",
-                    "rdf_subjects": [{ "uid": id, "type": "context" }],
-                    "rdf_objects": [{ "uid": channel, "type": "action" }],
-                }),
-            );
-        }
-    }
-    let contexts: Map<String, Value> = sample
-        .components
-        .iter()
-        .enumerate()
-        .map(|(i, c)| {
-            let uid = c.id.clone().unwrap_or_else(|| format!("component-{}", i + 1));
-            let context = json!({
-                "name": c.description,
-                "type": c.category.as_deref().unwrap_or("critical_component"),
-                "frame_intervals": at_keyframe,
-                "context_data": { "text": [{ "name": "uncertainty", "val": c.uncertainty }] },
+            let Some(context) = ids.iter().position(|known| known == id) else { continue };
+            let relation = json!({
+                "name": format!("{id} causes {channel}"),
+                "type": "causes",
+                "rdf_subjects": [{ "uid": context.to_string(), "type": "context" }],
+                "rdf_objects": [{ "uid": key, "type": "action" }],
             });
-            (uid, context)
-        })
-        .collect();
+            relations.insert(relations.len().to_string(), relation);
+        }
+        actions.insert(key, action);
+    }
+    let context = |(i, c): (usize, &Component)| {
+        let text = |name: &str, val: &str| json!({ "name": name, "val": val });
+        let texts = [Some(text("id", &ids[i])), c.uncertainty.as_ref().map(|u| text("uncertainty", u))];
+        let context = json!({
+            "name": c.description,
+            "type": c.category.as_deref().unwrap_or("critical_component"),
+            "frame_intervals": at_keyframe,
+            "context_data": { "text": texts.into_iter().flatten().collect::<Vec<_>>() },
+        });
+        (i.to_string(), context)
+    };
+    let contexts: Map<String, Value> = sample.components.iter().enumerate().map(context).collect();
     let texts: Vec<Value> = [("trace_zh", &sample.trace_zh), ("trace_en", &sample.trace_en)]
         .into_iter()
         .filter_map(|(name, text)| Some(json!({ "name": name, "val": text.as_ref()? })))
         .collect();
+    let mut metadata = json!({
+        "schema_version": "1.0.0",
+        "name": sample.sample_id,
+        "comment": sample.lineage.drive_id,
+    });
+    if let Some(by) = &sample.lineage.label_by {
+        metadata["annotator"] = json!(by);
+    }
     json!({
         "openlabel": {
-            "metadata": {
-                "schema_version": "1.0.0",
-                "name": sample.sample_id,
-                "annotator": sample.lineage.label_by,
-                "comment": sample.lineage.drive_id,
-            },
+            "metadata": metadata,
+            "ontologies": { "0": { "uri": ONTOLOGY } },
             "coordinate_systems": {
                 FRAME: { "type": "scene_cs", "parent": "", "children": [EGO] },
                 EGO: { "type": "local_cs", "parent": FRAME, "children": [] },
@@ -110,7 +120,8 @@ fn document(sample: &Sample) -> Value {
             "contexts": contexts,
             "relations": relations,
             "tags": {
-                "scenario": {
+                "0": {
+                    "ontology_uid": "0",
                     "type": sample.scenario_id,
                     "tag_data": { "text": texts },
                 },
@@ -128,15 +139,15 @@ fn pose(sample: &Sample, step: usize) -> Option<Value> {
     let (x, y, heading) = (at(&trajectory.x)?, at(&trajectory.y)?, at(&trajectory.heading)?);
     let half = heading / 2.0;
     Some(json!({
-        "quaternion": [0.0, 0.0, half.sin(), half.cos()],
-        "translation": [x, y, at(&trajectory.z).unwrap_or(0.0)],
+        "quaternion": ([0.0, 0.0, half.sin(), half.cos()].map(number)),
+        "translation": ([x, y, at(&trajectory.z).unwrap_or(0.0)].map(number)),
     }))
 }
 
-/// Objects by id, and frames with their boxes.
+/// Objects by their number, and frames with their boxes. An object is called by its track id.
 fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<String, Value>) {
     let (mut objects, mut frames) = (Map::new(), BTreeMap::new());
-    for object in &sample.objects {
+    for (uid, object) in sample.objects.iter().enumerate().map(|(i, o)| (i.to_string(), o)) {
         let (mut first, mut last) = (usize::MAX, 0);
         for (row, t) in object.t_s.iter().enumerate() {
             let Some(frame) = times.iter().position(|f| (f - t).abs() < 0.01) else { continue };
@@ -151,14 +162,12 @@ fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<Stri
             let height = object.height_m.unwrap_or(0.0);
             // x, y, z, quaternion x, y, z, w, sizes; a turn about z.
             let half = heading / 2.0;
-            let cuboid = json!({
-                "name": "box",
-                "coordinate_system": FRAME,
-                "val": [x, y, 0.0, 0.0, 0.0, half.sin(), half.cos(), length, width, height],
-            });
+            let values = [x, y, 0.0, 0.0, 0.0, half.sin(), half.cos(), length, width, height];
+            let values = values.map(number);
+            let cuboid = json!({ "name": "box", "coordinate_system": FRAME, "val": values });
             let frame: &mut Value =
                 frames.entry(frame.to_string()).or_insert_with(|| json!({ "objects": {} }));
-            frame["objects"][&object.id] = json!({ "object_data": { "cuboid": [cuboid] } });
+            frame["objects"][&uid] = json!({ "object_data": { "cuboid": [cuboid] } });
         }
         if first <= last {
             let intervals = json!([{ "frame_start": first, "frame_end": last }]);
@@ -168,7 +177,7 @@ fn objects(sample: &Sample, times: &[f32]) -> (Map<String, Value>, BTreeMap<Stri
                 "coordinate_system": FRAME,
                 "frame_intervals": intervals,
             });
-            objects.insert(object.id.clone(), entry);
+            objects.insert(uid, entry);
         }
     }
     (objects, frames)

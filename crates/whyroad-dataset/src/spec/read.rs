@@ -69,7 +69,9 @@ fn whole(f: &mut Fields<'_>, spec: &mut Spec, framework: &Framework, r: &mut Fil
     number(f, "seed", &mut spec.seed, r);
     section(f, "labels", r, |s, r| {
         let Labels { statuses, drafts } = &mut spec.labels;
-        texts(s, "statuses", statuses, r);
+        if let Some(list) = s.get("statuses") {
+            *statuses = r.items(list).iter().filter_map(|n| status(n, r)).collect();
+        }
         member(s, "drafts", drafts, r);
     });
     section(f, "select", r, |s, r| {
@@ -119,6 +121,22 @@ fn whole(f: &mut Fields<'_>, spec: &mut Spec, framework: &Framework, r: &mut Fil
     if let Some(n) = f.get("samples_per_shard") {
         spec.samples_per_shard = within(n, 1.0, 1e7, r).map_or(spec.samples_per_shard, |v| v as usize);
     }
+}
+
+/// A state of a finished label. Drafts have a field of their own.
+fn status(node: &Node, r: &mut FileReport<'_>) -> Option<String> {
+    let t = r.text(node)?;
+    if crate::labels::FINISHED.contains(&t.as_str()) || t == crate::labels::IMPORTED {
+        return Some(t);
+    }
+    let known = format!("{}, {}", crate::labels::FINISHED.join(", "), crate::labels::IMPORTED);
+    refuse(
+        r,
+        node,
+        format!("'{t}' 不是标签状态：{known}；草稿用 labels.drafts"),
+        format!("'{t}' is not one of the states {known}; drafts have labels.drafts"),
+    );
+    None
 }
 
 fn cut(s: &mut Fields<'_>, cut: &mut Cut, r: &mut FileReport<'_>) {
@@ -207,6 +225,13 @@ fn polygon(node: &Node, r: &mut FileReport<'_>) -> Option<Polygon> {
         );
         return None;
     }
+    // Twice the area, by the shoelace formula from the first point.
+    let [x0, y0] = points[0];
+    let cross = |a: &[f64; 2], b: &[f64; 2]| (a[0] - x0) * (b[1] - y0) - (b[0] - x0) * (a[1] - y0);
+    if points.windows(2).map(|w| cross(&w[0], &w[1])).sum::<f64>() == 0.0 {
+        refuse(r, list, "多边形没有面积".into(), "the polygon encloses no area".into());
+        return None;
+    }
     Some(Polygon { name: name?, place, points })
 }
 
@@ -270,7 +295,9 @@ fn within(node: &Node, low: f64, high: f64, r: &mut FileReport<'_>) -> Option<f6
     if v >= low && v <= high {
         return Some(v);
     }
-    refuse(r, node, format!("{v} 应在 {low} 与 {high} 之间"), format!("{v} must be from {low} to {high}"));
+    // As it is written: 1e300 is 300 digits otherwise.
+    let t = r.text(node)?;
+    refuse(r, node, format!("{t} 应在 {low} 与 {high} 之间"), format!("{t} must be from {low} to {high}"));
     None
 }
 
@@ -375,6 +402,16 @@ mod tests {
             ]
         );
         assert_eq!(codes("a: [1")[0].0, "dataset.spec.yaml");
+    }
+
+    #[test]
+    fn states_that_no_label_has_and_flat_polygons_are_mistakes() {
+        assert_eq!(codes("labels: {statuses: [acepted]}"), [("dataset.spec.value", 1)]);
+        assert_eq!(codes("labels: {statuses: [draft]}"), [("dataset.spec.value", 1)]);
+        assert!(read("labels: {statuses: [accepted, rework]}", "s", Framework::bundled()).is_ok());
+        let polygon = |points| format!("split: {{polygons: [{{name: n, place: p, points: {points}}}]}}");
+        assert_eq!(codes(&polygon("[[0, 0], [1, 1], [2, 2]]")), [("dataset.spec.value", 1)]);
+        assert!(read(&polygon("[[9, 9], [10, 9], [10, 10]]"), "s", Framework::bundled()).is_ok());
     }
 
     #[test]

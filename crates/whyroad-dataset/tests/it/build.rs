@@ -2,10 +2,12 @@
 
 use crate::fleet::{Fleet, content, label, plan};
 use std::collections::{BTreeMap, BTreeSet};
+use std::str::FromStr;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::verify::verify;
 use whyroad_dataset::{DatasetError, Release, Sample, SplitName};
 use whyroad_framework::Framework;
+use whyroad_model::ScenarioId;
 
 fn samples(release: &Release) -> Vec<Sample> {
     release.samples(None).map(Result::unwrap).collect()
@@ -70,8 +72,25 @@ fn work_of_other_inputs_is_not_mixed_in() {
     let mut fleet = Fleet::town();
     let out = fleet.out("release");
     assert!(fleet.build_until(&out, 3).is_err());
-    fleet.spec_text = "seed: 7\n".into();
+    let spec = std::mem::replace(&mut fleet.spec_text, "seed: 7\n".into());
     assert!(matches!(fleet.build(&out), Err(DatasetError::OtherWork(_))));
+    // The same version of the framework with another text: drafts would say something else.
+    fleet.spec_text = spec;
+    let class = ScenarioId::from_str("reactive_agent.cutin.urgent").unwrap();
+    fleet.framework.specs.remove(&class).unwrap();
+    assert!(matches!(fleet.build(&out), Err(DatasetError::OtherWork(_))));
+}
+
+#[test]
+fn a_release_does_not_depend_on_where_its_inputs_lie() {
+    let mut fleet = Fleet::town();
+    fleet.labels += "{not json\n";
+    let (a, b) = (fleet.out("a"), fleet.out("b"));
+    fleet.source = "/somewhere/labels.jsonl".into();
+    fleet.build(&a).unwrap();
+    fleet.source = "标签/labels.jsonl".into();
+    fleet.build(&b).unwrap();
+    assert_eq!(content(&a), content(&b));
 }
 
 #[test]

@@ -155,3 +155,58 @@ fn invalid_lines_are_dropped_with_their_reason() {
     assert_eq!((dropped["unreadable"], dropped["invalid_label"]), (2, 1));
     assert_eq!(built.diagnostics.iter().filter(|d| d.code == "dataset.labels.line").count(), 2);
 }
+
+#[test]
+fn a_second_build_into_the_same_folder_is_refused_while_the_first_one_works() {
+    let fleet = Fleet::town();
+    let out = fleet.out("release");
+    let first = std::sync::OnceLock::new();
+    let built = fleet.build_with(&out, &|_, done, _| {
+        // Once in the middle of the first build.
+        first.get_or_init(|| (done, fleet.build(&out)));
+        true
+    });
+    assert!(matches!(first.get(), Some((_, Err(DatasetError::Busy(_))))), "{first:?}");
+    assert_eq!(built.unwrap().manifest.counts.samples, 16, "the first one is not disturbed");
+    assert_eq!(codes(&out), [""; 0]);
+}
+
+#[test]
+fn lines_that_are_no_text_are_reported_and_the_others_are_built() {
+    let mut fleet = Fleet::town();
+    fleet.more_lines = b"\xff\xfe{}\n".to_vec();
+    let built = fleet.build(&fleet.out("r")).unwrap();
+    assert_eq!(built.manifest.counts.samples, 16);
+    let found: Vec<_> = built.diagnostics.iter().filter(|d| d.code == "dataset.labels.line").collect();
+    assert!(matches!(found[..], [d] if d.message.en.starts_with("not UTF-8")), "{found:?}");
+}
+
+#[test]
+fn a_release_without_samples_is_refused() {
+    let mut fleet = Fleet::town();
+    fleet.spec_text = "sample: {future_s: 60}\n".into();
+    assert_eq!(refusal(&fleet), ["dataset.window.incomplete", "dataset.samples.none"]);
+    assert!(!fleet.out("refused").exists());
+    fleet.labels.clear();
+    assert_eq!(refusal(&fleet), ["dataset.labels.none"]);
+}
+
+#[test]
+fn a_spec_that_names_what_does_not_exist_is_refused_or_warned_of() {
+    let mut fleet = Fleet::town();
+    fleet.spec_text = "licences: {allow: [Apache-2.0, Beerware]}\n".into();
+    assert_eq!(refusal(&fleet), ["dataset.licence.unknown"]);
+    let unused = |spec: &str| {
+        let mut fleet = Fleet::town();
+        fleet.spec_text = spec.into();
+        let built = fleet.build(&fleet.out("r")).unwrap();
+        built.diagnostics.iter().filter(|d| d.code == "dataset.polygon.unused").count()
+    };
+    let square = "points: [[-1000, -1000], [9000, -1000], [9000, 250], [-1000, 250]]";
+    assert_eq!(unused(&format!("split: {{polygons: [{{name: south, place: town, {square}}}]}}\n")), 0);
+    assert_eq!(unused(&format!("split: {{polygons: [{{name: south, place: twon, {square}}}]}}\n")), 1);
+    assert_eq!(
+        unused(&format!("split: {{by: [drive], polygons: [{{name: south, place: town, {square}}}]}}\n")),
+        1
+    );
+}

@@ -122,6 +122,11 @@ pub struct Fleet {
     pub dir: tempfile::TempDir,
     pub lake: Lake,
     pub labels: String,
+    /// Bytes after the labels.
+    pub more_lines: Vec<u8>,
+    /// Name of the labels' file.
+    pub source: String,
+    pub framework: Framework,
     pub spec_text: String,
 }
 
@@ -137,7 +142,15 @@ impl Fleet {
                 labels += &format!("{}\n", label(p, seconds, l3));
             }
         }
-        Self { dir, lake, labels, spec_text: "name: test\n".into() }
+        Self {
+            dir,
+            lake,
+            labels,
+            more_lines: Vec::new(),
+            source: "labels.jsonl".into(),
+            framework: Framework::bundled().clone(),
+            spec_text: "name: test\n".into(),
+        }
     }
 
     /// Eight drives in streets 100 m apart, each at its own speed.
@@ -161,7 +174,16 @@ impl Fleet {
         let done = std::sync::atomic::AtomicUsize::new(0);
         let progress =
             |_: Step, _: usize, _: usize| done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1 < steps;
-        let framework = Framework::bundled();
+        self.build_with(out, &progress)
+    }
+
+    /// Builds with `progress`.
+    pub fn build_with(
+        &self,
+        out: &Path,
+        progress: &(dyn Fn(Step, usize, usize) -> bool + Sync),
+    ) -> Result<Built, DatasetError> {
+        let framework = &self.framework;
         let spec: Spec = spec::read(&self.spec_text, "spec.yaml", framework).unwrap();
         let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
         let inputs = Inputs {
@@ -176,8 +198,9 @@ impl Fleet {
             queries: &|_, _| None,
             restart: false,
         };
-        let lines = Box::new(Cursor::new(self.labels.clone()));
-        build(&inputs, vec![LabelStream { name: "labels.jsonl".into(), lines }], &progress)
+        let bytes = [self.labels.as_bytes(), &self.more_lines].concat();
+        let lines = Box::new(Cursor::new(bytes));
+        build(&inputs, vec![LabelStream { name: self.source.clone(), lines }], progress)
     }
 }
 
