@@ -185,8 +185,23 @@ def test_openlabel_documents(release: Path, tmp_path: Path) -> None:
                 assert all(len(c["val"]) == 10 for c in data["object_data"]["cuboid"])
 
 
+def test_openlabel_documents_fit_the_schema_of_the_standard(release: Path, tmp_path: Path) -> None:
+    schema = pytest.importorskip("vcd.schema").openlabel_schema
+    validator = pytest.importorskip("jsonschema").Draft7Validator(schema)
+    export(release, "openlabel", tmp_path / "e")
+    for path in (tmp_path / "e").glob("*/*.json"):
+        document = json.loads(path.read_text(encoding="utf-8"))
+        assert [e.message for e in validator.iter_errors(document)] == [], path
+        inside = document["openlabel"]
+        for relation in inside.get("relations", {}).values():
+            assert all(s["uid"] in inside["contexts"] for s in relation["rdf_subjects"])
+            assert all(o["uid"] in inside["actions"] for o in relation["rdf_objects"])
+
+
 def test_jsonl_holds_every_sample(release: Path, tmp_path: Path) -> None:
     summary = export(release, "jsonl", tmp_path / "e")
     records = [r for f in (tmp_path / "e").glob("*.jsonl") for r in lines(f)]
     assert len(records) == summary["samples"]
     assert all(r["label"]["clip_id"] for r in records)
+    # Numbers of 32 bits are written as such: 0.1, not 0.10000000149011612.
+    assert all(len(str(t)) <= 5 for r in records for t in r["future"]["t_s"])
