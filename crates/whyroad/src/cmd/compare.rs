@@ -6,7 +6,7 @@ use crate::output::reason::{cannot_make, cannot_read, cannot_write, no_class, st
 use crate::output::{self, Print};
 use crate::{Global, analytics, framework_folder};
 use anyhow::Context as _;
-use sides::{Kind, Side};
+use sides::{Kind, Side, name_targets};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -59,7 +59,11 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         return Err(stop("数据集只能与数据集比较", "a release can only be compared with a release"));
     }
     let read = |path: &Path, kind| Side::read(global, path, kind, args.lake.as_deref(), class.as_ref());
-    let (before, after) = (read(&args.before, kinds.0)?, read(&args.after, kinds.1)?);
+    let (mut before, mut after) = (read(&args.before, kinds.0)?, read(&args.after, kinds.1)?);
+    if kinds.0 == Kind::Release {
+        name_targets(&mut before.episodes, &after.episodes);
+        name_targets(&mut after.episodes, &before.episodes);
+    }
     let drives: BTreeSet<&DriveId> = before.drives.iter().chain(&after.drives).collect();
     let accepted = args.labels.as_deref().map(|s| accepted(s, &drives, global)).transpose()?;
     let comparison =

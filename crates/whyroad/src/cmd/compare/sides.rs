@@ -4,6 +4,7 @@
 use crate::output::reason::{cannot_read, no_framework, reason, stop};
 use crate::{Global, framework_folder, output};
 use anyhow::{Context as _, anyhow};
+use std::collections::BTreeMap;
 use std::path::Path;
 use whyroad_dataset::{Release, Sample};
 use whyroad_engine::mine::{MineOptions, mine_each};
@@ -172,6 +173,18 @@ fn release(dir: &Path, wanted: impl Fn(&EpisodeRecord) -> bool) -> anyhow::Resul
     Ok(out)
 }
 
+/// Gives each moment without a target the one that the other release knows at this moment of the drive: plain labels
+/// name no target, and would not be found again in a release of episodes.
+pub(super) fn name_targets(of: &mut [EpisodeRecord], other: &[EpisodeRecord]) {
+    let known: BTreeMap<(&DriveId, Nanos), &TrackId> = other
+        .iter()
+        .filter_map(|e| Some(((&e.drive_id, e.keyframe.timestamp), e.target_id.as_ref()?)))
+        .collect();
+    for e in of.iter_mut().filter(|e| e.target_id.is_none()) {
+        e.target_id = known.get(&(&e.drive_id, e.keyframe.timestamp)).map(|t| (*t).clone());
+    }
+}
+
 /// A sample as an episode of its class, and one of each class that is secondary to it.
 fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
     let class = |id: &str| id.parse::<ScenarioId>().map_err(|e| anyhow!("{}: {e}", sample.sample_id));
@@ -225,4 +238,34 @@ fn moments(sample: &Sample) -> anyhow::Result<Vec<EpisodeRecord>> {
         out.push(secondary);
     }
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_release_of_plain_labels_has_the_moments_of_one_of_episodes() {
+        let sample = |target: Option<&str>| {
+            let mut sample =
+                Sample { scenario_id: "reactive_agent.cutin.urgent".into(), ..Sample::default() };
+            sample.lineage.drive_id = "d".into();
+            sample.lineage.keyframe_time_ns = 7_000_000_000;
+            sample.lineage.target_id = target.map(str::to_owned);
+            moments(&sample).unwrap()
+        };
+        let (mut plain, mined) = (sample(None), sample(Some("car7")));
+        name_targets(&mut plain, &mined);
+        let drives = [DriveId::from("d")];
+        let found = whyroad_report::comparison::compare((&drives, &plain), (&drives, &mined), None);
+        assert_eq!(found.unchanged, 1);
+        let other = {
+            let mut e = mined.clone();
+            e[0].keyframe.timestamp = Nanos(9_000_000_000);
+            e
+        };
+        let mut plain = sample(None);
+        name_targets(&mut plain, &other);
+        assert_eq!(plain[0].target_id, None, "another moment");
+    }
 }
