@@ -58,7 +58,14 @@ impl Road {
             let local: Vec<(f64, f64)> = part.points.iter().map(|p| pose.local(p.x, p.y)).collect();
             let inside = |p: &(f64, f64)| p.0.hypot(p.1) <= radius;
             let pieces: Vec<Vec<(f64, f64)>> = if part.is_area {
-                if local.iter().any(inside) { vec![local] } else { vec![] }
+                let crossed = |(i, a): (usize, &(f64, f64))| {
+                    let next = local[(i + 1) % local.len()];
+                    clip(*a, next, radius).is_some()
+                };
+                let near = local.iter().any(inside)
+                    || contains_origin(&local)
+                    || local.iter().enumerate().any(crossed);
+                if near { vec![local] } else { vec![] }
             } else {
                 pieces(&local, radius)
             };
@@ -106,6 +113,14 @@ fn width(lane: &Lane) -> Option<f64> {
         _ => None,
     };
     lane.width_m.filter(|w| w.is_finite()).or(measured).filter(|w| w.is_finite())
+}
+
+/// Even-odd rule.
+fn contains_origin(points: &[(f64, f64)]) -> bool {
+    let pairs = points.iter().zip(points.iter().cycle().skip(1));
+    let crossings = pairs
+        .filter(|(a, b)| (a.1 > 0.0) != (b.1 > 0.0) && 0.0 < (b.0 - a.0) * (0.0 - a.1) / (b.1 - a.1) + a.0);
+    crossings.count() % 2 == 1
 }
 
 /// The parts of a line inside the circle, ends cut at the circle.
@@ -177,6 +192,26 @@ fn thin(line: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_area_larger_than_the_circle_is_there() {
+        use whyroad_model::road_map::Area;
+        let area = |id: &str, points: &[(f64, f64)]| Area {
+            id: id.into(),
+            boundary: points.iter().map(|(x, y)| Point3 { x: *x, y: *y, z: 0.0 }).collect(),
+        };
+        let map = RoadMap {
+            junctions: vec![
+                area("around the ego", &[(-50.0, -50.0), (50.0, -50.0), (50.0, 50.0), (-50.0, 50.0)]),
+                area("beside, its edge in reach", &[(5.0, -50.0), (50.0, -50.0), (50.0, 50.0), (5.0, 50.0)]),
+                area("out of reach", &[(20.0, -50.0), (50.0, -50.0), (50.0, 50.0), (20.0, 50.0)]),
+            ],
+            ..RoadMap::default()
+        };
+        let found = Road::new(Some(&map)).around(&Pose::default(), 10.0).unwrap();
+        let ids: Vec<&str> = found.iter().map(|e| e.id.as_str()).collect();
+        assert_eq!(ids, ["around the ego", "beside, its edge in reach"]);
+    }
 
     #[test]
     fn a_line_through_the_circle_is_cut_at_it() {
