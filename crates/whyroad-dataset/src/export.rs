@@ -171,7 +171,8 @@ impl Exported {
     }
 }
 
-/// Writes `release` in `format` into the new folder `out`. `progress` is called after each sample.
+/// Writes `release` in `format` into the new folder `out`, which appears when it is whole. `progress` is called after
+/// each sample.
 ///
 /// # Errors
 /// When `out` exists and is not empty, when a file cannot be written, or when the release is damaged.
@@ -185,6 +186,31 @@ pub fn export(
     if out.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
         return Err(DatasetError::Exists(out.to_owned()));
     }
+    // A folder of the caller's may be a mount that nothing can be renamed to: it is filled as it is.
+    if out.exists() {
+        return write(release, format, out, options, progress);
+    }
+    let name = out.file_name().unwrap_or_default().to_string_lossy();
+    let aside = out.with_file_name(format!(".{name}.partial"));
+    match fs::remove_dir_all(&aside) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(DatasetError::io(&aside)(e)),
+        _ => {}
+    }
+    let exported = write(release, format, &aside, options, progress);
+    if exported.is_ok() {
+        fs::rename(&aside, out).map_err(DatasetError::io(out))?;
+    }
+    exported
+}
+
+/// The same into a folder that is there or made.
+fn write(
+    release: &Release,
+    format: ExportFormat,
+    out: &Path,
+    options: &ExportOptions,
+    progress: &mut dyn FnMut(),
+) -> Result<Exported, DatasetError> {
     fs::create_dir_all(out).map_err(DatasetError::io(out))?;
     let report = Exported::default();
     let mut output =

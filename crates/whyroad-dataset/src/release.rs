@@ -101,15 +101,25 @@ impl Release {
         })
     }
 
-    /// The sample whose id is, or begins with, `id`.
-    pub fn find(&self, id: &str) -> Result<Option<Sample>, DatasetError> {
+    /// The sample whose id is `id`, or the first of those whose ids begin with it, and how many these are.
+    ///
+    /// # Errors
+    /// When a file of the release cannot be read.
+    pub fn find(&self, id: &str) -> Result<Option<(Sample, usize)>, DatasetError> {
+        let mut found: Option<(Sample, usize)> = None;
         for sample in self.samples(None) {
             let sample = sample?;
+            if sample.sample_id == id {
+                return Ok(Some((sample, 1)));
+            }
             if sample.sample_id.starts_with(id) {
-                return Ok(Some(sample));
+                match &mut found {
+                    Some((_, n)) => *n += 1,
+                    None => found = Some((sample, 1)),
+                }
             }
         }
-        Ok(None)
+        Ok(found)
     }
 }
 

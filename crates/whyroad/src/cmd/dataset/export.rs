@@ -52,7 +52,8 @@ pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
             _ => TraceLanguage::Both,
         },
         split: SplitName::ALL.into_iter().find(|s| Some(s.name()) == a.split.as_deref()),
-        ffmpeg: ffmpeg(),
+        // Only this format has videos.
+        ffmpeg: (to == ExportFormat::Alpamayo).then(ffmpeg).flatten(),
     };
     let bar = output::progress(release.manifest.counts.samples);
     let exported = export(&release, to, &a.out, &options, &mut || bar.inc(1));

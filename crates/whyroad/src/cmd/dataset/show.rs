@@ -44,7 +44,14 @@ pub(crate) struct DiffArgs {
 pub(super) fn run(global: &Global, a: &Args) -> anyhow::Result<ExitCode> {
     let found = Release::open(&a.release).and_then(|release| release.find(&a.sample));
     let mut sample = match found {
-        Ok(Some(sample)) => sample,
+        Ok(Some((sample, 1))) => sample,
+        Ok(Some((_, n))) => {
+            let sample = &a.sample;
+            return Err(stop(
+                format!("{n} 个样本的编号以“{sample}”开头：请多写几位"),
+                format!("{n} samples have an id that begins with '{sample}': give more digits"),
+            ));
+        }
         Ok(None) => {
             let (sample, release) = (&a.sample, a.release.display());
             return Err(stop(
@@ -86,7 +93,8 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
         ("划分", "split", format!("{}{}{:.3}{}", s.split, t("（权重 ", " (weight "), s.weight, t("）", ")"))),
         ("场景", "class", class),
         ("决策", "decision", format!("{} / {}", decision(&s.longitudinal), decision(&s.lateral))),
-        ("因果描述", "trace", s.trace_zh.clone().or_else(|| s.trace_en.clone()).unwrap_or_default()),
+        ("因果描述（中文）", "trace (Chinese)", or(&s.trace_zh)),
+        ("因果描述（英文）", "trace (English)", or(&s.trace_en)),
         ("历史 / 未来", "history / future", format!("{} / {}", sizes(&s.history), sizes(&s.future))),
         ("目标", "objects", s.objects.len().to_string()),
         ("图像", "images", s.images.len().to_string()),
