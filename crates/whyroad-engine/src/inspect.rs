@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use whyroad_lake::{Lake, LakeError, SignalFile, clip_metadata, cut_clip};
 use whyroad_model::messages::clip::ClipMetadata;
 use whyroad_model::road_map::{LayerState, MapLayer};
-use whyroad_model::scene::FrameOfReference;
+use whyroad_model::scene::{Ego, FrameOfReference};
 use whyroad_model::signal::is_deviation;
-use whyroad_model::{ClipId, Drive, DriveId, FrameRange, Need, SignalTable};
+use whyroad_model::{ClipId, Drive, DriveId, FrameRange, Need, SignalId, SignalTable};
 use whyroad_signals::estimate::{LogNoise, Noise};
 
 /// One drive, or one clip of it.
@@ -125,9 +125,8 @@ pub struct SignalShare {
 impl DriveSummary {
     /// Counts a drive of the lake, or only its clip `clip`. Signals are read from the lake where it stores them.
     pub fn read(lake: &Lake, id: &DriveId, clip: Option<&str>) -> Result<Self, LakeError> {
-        let measured = lake.read_drive(id)?;
-        let noise = noise(&measured);
-        let drive = crate::estimated(measured);
+        let drive = lake.read_drive(id)?;
+        let noise = noise(&drive);
         let mut clips = clip_metadata(&drive);
         let mut frames = FrameRange::new(0, drive.frame_count());
         let id_of_clip = clip.map(|id| ClipId(id.to_owned()));
@@ -138,11 +137,13 @@ impl DriveSummary {
         }
         // For a whole drive the statistics in the files' footers are enough.
         let stored = lake.signals(id, whyroad_signals::VERSION)?.filter(|_| of_clip.is_none());
-        let (signals, unavailable) = match stored.and_then(|file| stored_shares(&file)) {
-            Some(shares) => shares,
+        let stored = stored.and_then(|file| Some((stored_shares(&file)?, stored_speeds(&file)?)));
+        let ((signals, unavailable), speeds) = match stored {
+            Some(of_whole_drive) => of_whole_drive,
             None => {
                 let table = crate::drives::signals_of(lake, id)?;
-                (shares(&table, frames), table.unavailable)
+                let speeds = speeds(&crate::estimated(drive.clone()), frames);
+                ((shares(&table, frames), table.unavailable), speeds)
             }
         };
         let meta = &drive.meta;
@@ -152,7 +153,7 @@ impl DriveSummary {
             place: meta.place.clone(),
             licence: meta.licence.clone(),
             clips,
-            ego: ego(&drive, frames),
+            ego: ego(&drive, speeds),
             noise,
             objects: objects(&drive, frames),
             map: map(&drive),
@@ -214,11 +215,27 @@ fn stored_shares(file: &SignalFile) -> Option<Shares> {
     Some((shares, file.contents().drives.first()?.unavailable.clone()))
 }
 
-fn ego(drive: &Drive, frames: FrameRange) -> Option<EgoSummary> {
+/// Lowest and highest speed of the ego, m/s; NaN, which becomes null in JSON, where no speed is known.
+type Speeds = (f64, f64);
+
+/// Of the stored signal; `None` where its column has no statistics.
+fn stored_speeds(file: &SignalFile) -> Option<Speeds> {
+    match file.range(0, SignalId::EgoSpeed.name()) {
+        Some(range) if range.known > 0 => range.bounds,
+        _ => Some((f64::NAN, f64::NAN)),
+    }
+}
+
+fn speeds(estimated: &Drive, frames: FrameRange) -> Speeds {
+    let of = |ego: &Ego| {
+        let known = (frames.start..frames.end).map(|f| ego.motion.speed(f)).filter(|v| !v.is_nan());
+        known.fold((f64::NAN, f64::NAN), |(low, high), v| (v.min(low), v.max(high)))
+    };
+    estimated.ego.as_ref().map_or((f64::NAN, f64::NAN), of)
+}
+
+fn ego(drive: &Drive, (min, max): Speeds) -> Option<EgoSummary> {
     let ego = drive.ego.as_ref()?;
-    let speeds = (frames.start..frames.end).map(|f| ego.motion.speed(f)).filter(|v| !v.is_nan());
-    // NaN becomes null in JSON where no speed is known.
-    let (min, max) = speeds.fold((f64::NAN, f64::NAN), |(a, b), v| (a.min(v), b.max(v)));
     Some(EgoSummary { length_m: ego.length_m, width_m: ego.width_m, min_speed_mps: min, max_speed_mps: max })
 }
 
