@@ -2,7 +2,7 @@
 
 use crate::recorded::{Future, Recorded, episode};
 use serde_json::{Value, json};
-use std::io::{Read, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -239,6 +239,40 @@ impl Person {
 
     /// A call of any path.
     pub fn raw(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> Reply {
+        let mut bytes = Vec::new();
+        let _ = self.send(verb, path, body, more).read_to_end(&mut bytes);
+        parse(&bytes)
+    }
+
+    /// Number of lines in an answer that comes in chunks (RFC 9112, 7.1); it is read without being kept.
+    pub fn lines(&self, path: &str) -> usize {
+        let mut answer = BufReader::new(self.send("GET", &format!("/api/v1{path}"), None, &[]));
+        let line = |answer: &mut BufReader<TcpStream>| {
+            let mut line = String::new();
+            answer.read_line(&mut line).unwrap();
+            line.trim_end().to_owned()
+        };
+        assert_eq!(line(&mut answer).split(' ').nth(1), Some("200"));
+        while !line(&mut answer).is_empty() {}
+        let (mut lines, mut buffer) = (0, vec![0; 1 << 16]);
+        loop {
+            let mut left = usize::from_str_radix(&line(&mut answer), 16).unwrap();
+            if left == 0 {
+                return lines;
+            }
+            while left > 0 {
+                let most = left.min(buffer.len());
+                let n = answer.read(&mut buffer[..most]).unwrap();
+                assert!(n > 0, "the answer is cut off");
+                lines += buffer[..n].iter().filter(|b| **b == b'\n').count();
+                left -= n;
+            }
+            assert_eq!(line(&mut answer), "", "the end of a chunk");
+        }
+    }
+
+    /// Sends a call; the answer is still to be read.
+    fn send(&self, verb: &str, path: &str, body: Option<&[u8]>, more: &[(&str, &str)]) -> TcpStream {
         let mut head = format!("{verb} {path} HTTP/1.1\r\nconnection: close\r\n");
         let mut put = |name: &str, value: &str| head.push_str(&format!("{name}: {value}\r\n"));
         if let Some(cookie) = &self.cookie {
@@ -265,9 +299,7 @@ impl Person {
         stream.write_all(head.as_bytes()).unwrap();
         // The service may answer and close before it has read a body that is too large.
         let _ = stream.write_all(body.unwrap_or_default());
-        let mut bytes = Vec::new();
-        let _ = stream.read_to_end(&mut bytes);
-        parse(&bytes)
+        stream
     }
 }
 
