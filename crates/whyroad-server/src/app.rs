@@ -9,7 +9,7 @@ use crate::problem::Answer;
 use crate::recordings::{CheckedDrives, Recordings};
 use crate::reports::Reports;
 use crate::service::facts::cache::FactsCache;
-use crate::service::model_runs::WaitingCounts;
+use crate::service::model_runs::waiting::WaitingCounts;
 use crate::service::scene::cache::SceneCache;
 use crate::service::veil;
 use crate::service::webhooks::reach::Reach;

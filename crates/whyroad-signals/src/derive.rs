@@ -18,6 +18,7 @@ use crate::road::way::Ways;
 use crate::road::{self, curvature, junction, lane_change, lights, route, terrain};
 use crate::series::seconds;
 use crate::table::TableBuilder;
+use crate::target::approach;
 use crate::target::interaction::Interaction;
 use crate::target::lanes::TargetLanes;
 use crate::target::placement::{Surroundings, Target};
@@ -182,7 +183,7 @@ impl<'a> PlacedStage<'a> {
             road: on_road.road,
         };
         let targets: Vec<Target<'_>> =
-            observed_tracks(ego.drive).map(|t| around.place(t, &ego.times)).collect();
+            observed_tracks(ego.drive).map(|t| approach::place(&around, t, &ego.times)).collect();
         let near = relations::neighbours(&targets, ego.motion.len());
         Self { on_road, around, targets, near }
     }

@@ -13,9 +13,9 @@ use crate::service::projects::{json, parse};
 use crate::service::veil;
 use crate::store::{Row, Tx};
 use crate::values;
-use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
 use whyroad_model::{Bilingual, ModelSpent};
+
+pub mod waiting;
 
 /// A run whose service has not renewed its lease for so long is taken over, ms.
 const LEASE_MS: i64 = 20_000;
@@ -46,21 +46,6 @@ fn conditions(kind: ModelRunKind) -> (String, &'static str) {
             let states = HANDED_IN.map(|state| format!("'{}'", state.word())).join(", ");
             (format!("state IN ({states})"), UNJUDGED)
         }
-    }
-}
-
-/// Tasks that waited for a run when they were last counted, by project and kind: time, ms since 1970, and number.
-#[derive(Debug, Default)]
-pub struct WaitingCounts(Mutex<HashMap<(String, ModelRunKind), (i64, i64)>>);
-
-impl WaitingCounts {
-    fn get(&self, project: &str, kind: ModelRunKind) -> Option<(i64, i64)> {
-        let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        all.get(&(project.to_owned(), kind)).copied()
-    }
-
-    fn put(&self, project: &str, kind: ModelRunKind, counted: (i64, i64)) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((project.to_owned(), kind), counted);
     }
 }
 

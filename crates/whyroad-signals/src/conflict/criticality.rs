@@ -5,9 +5,9 @@ use crate::conflict::ttc::ttc;
 use crate::conflict::ttc_accel::accel_along;
 use crate::geometry::P2;
 use crate::table::TableBuilder;
-use crate::target::approach::{Approach, CLOSING_LEAST_MPS, along};
+use crate::target::approach::{CLOSING_LEAST_MPS, along};
 use crate::target::interaction::Interaction;
-use crate::target::placement::{Placement, Target};
+use crate::target::placement::{Approach, Placement, Target};
 use crate::target::rows::Rows;
 use whyroad_model::catalogue::id;
 

@@ -3,8 +3,8 @@
 
 use crate::ego::motion::EgoMotion;
 use crate::table::TableBuilder;
-use crate::target::approach::{Approach, CLOSING_LEAST_MPS};
-use crate::target::placement::{Placement, Surroundings, Target};
+use crate::target::approach::CLOSING_LEAST_MPS;
+use crate::target::placement::{Approach, Placement, Surroundings, Target};
 use crate::target::rows::Rows;
 use whyroad_model::ObjectClass;
 use whyroad_model::catalogue::{Number, PerTarget, Signal, id};

@@ -3,8 +3,9 @@
 
 use crate::geometry::wrap;
 use crate::target::gaps::{self, gap};
-use crate::target::placement::{Placement, Surroundings};
+use crate::target::placement::{Approach, Placement, Surroundings, Target};
 use std::f64::consts::PI;
+use whyroad_model::scene::Track;
 
 /// Closing slower than this is not closing, m/s: it is within what differentiated positions can tell.
 pub const CLOSING_LEAST_MPS: f64 = 0.1;
@@ -44,24 +45,14 @@ pub fn along(p: &Placement) -> f64 {
     if course_of(p) == Course::Across { along.max(0.0) } else { along }
 }
 
-/// Gap and closing speed of one row.
-#[derive(Clone, Copy, Debug)]
-pub struct Approach {
-    /// As [`gap`] gives it, m.
-    pub gap: f64,
-    /// Closing speed along the path, m/s; 0 when the two will not meet there.
-    pub closing: f64,
-}
-
-impl Approach {
-    /// Before anything is known.
-    pub const UNKNOWN: Approach = Approach { gap: f64::NAN, closing: f64::NAN };
-
-    /// Of a target that is placed, with all else of its placement known.
-    pub fn new(p: &Placement, around: &Surroundings<'_>) -> Self {
+/// Places `track` in all its rows, with gaps and closing speeds; `times` in seconds by frame.
+pub fn place<'t>(around: &Surroundings<'_>, track: &'t Track, times: &[f64]) -> Target<'t> {
+    let mut target = around.place(track, times);
+    for p in target.places.iter_mut().flatten() {
         let gap = gap(p, around.ego.length);
-        Self { gap, closing: closing(p, gap, around) }
+        p.approach = Approach { gap, closing: closing(p, gap, around) };
     }
+    target
 }
 
 /// Closing speed of an in-path pair along the path, m/s; 0 when the two will not meet there. A target that goes

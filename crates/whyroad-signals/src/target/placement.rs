@@ -7,7 +7,6 @@ use crate::geometry::{OrientedBox, P2, Projection, Window, p2, wrap};
 use crate::road::ego_lane::{EgoLane, lateral_extent};
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, LEVEL_M, Road};
 use crate::road::path::DrivenPath;
-use crate::target::approach::Approach;
 use whyroad_model::scene::Track;
 
 /// From this speed on a target moves, m/s.
@@ -75,9 +74,18 @@ pub struct Placement {
     pub heading_at_ego: f64,
     /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's size is unknown.
     pub distance: f64,
-    /// Gap and closing speed.
+    /// Gap and closing speed; of a target placed by [`crate::target::approach::place`].
     pub approach: Approach,
     going: Going,
+}
+
+/// Gap and closing speed of one row.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// As [`crate::target::gaps::gap`] gives it, m; NaN where it is unknown.
+    pub gap: f64,
+    /// Closing speed along the path, m/s; 0 when the two will not meet there.
+    pub closing: f64,
 }
 
 /// How a target goes in one frame: many signals ask it of every row.
@@ -178,7 +186,7 @@ const PATH_MARGIN_M: f64 = 0.3;
 const BAND_STEP_M: f64 = 0.5;
 
 impl Surroundings<'_> {
-    /// Places `track` in all its rows; `times` in seconds by frame.
+    /// Places `track` in all its rows, without gaps and closing speeds; `times` in seconds by frame.
     pub fn place<'t>(&self, track: &'t Track, times: &[f64]) -> Target<'t> {
         let m = &track.motion;
         let row_times: Vec<f64> = track.frames.iter().map(|&f| times[f as usize]).collect();
@@ -193,7 +201,6 @@ impl Surroundings<'_> {
             };
             p.in_way = p.centre_in_way() || (was_in_way && held(p));
             was_in_way = p.in_way;
-            p.approach = Approach::new(p, self);
         }
         Target { track, accel: given_or_slope(&m.accel, &row_times, &forward), places, sd: None }
     }
@@ -334,7 +341,7 @@ impl Surroundings<'_> {
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             distance: if sizes_known { self.ego.footprint(frame).distance(&footprint) } else { f64::NAN },
-            approach: Approach::UNKNOWN,
+            approach: Approach { gap: f64::NAN, closing: f64::NAN },
             leaves_room,
             z,
             same_level: !off_level,
