@@ -44,7 +44,8 @@ pub use size::DriveSize;
 pub use stamp::Stamp;
 
 /// Version of the lake's layout. Raised when a reader of the old one would misread the new one. Version 1 had speeds
-/// and accelerations in it that were derived, which cannot be distinguished from measured ones: such a drive is ingested again.
+/// and accelerations in it that were derived, which cannot be distinguished from measured ones: such a drive is
+/// ingested again.
 pub const LAKE_VERSION: u32 = 2;
 
 /// What `whyroad-lake.json` states once the lake has packs: a build that knows only folders would miss the drives in

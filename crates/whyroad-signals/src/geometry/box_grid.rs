@@ -78,8 +78,8 @@ impl BoxGrid {
         ((along / self.cell) as usize).min(count - 1)
     }
 
-    /// Columns and rows that a box touches. However it is rounded, [`BoxGrid::index`] does not fall where the coordinate
-    /// grows, so that no place of the box is in another cell.
+    /// Columns and rows that a box touches. However it is rounded, [`BoxGrid::index`] does not fall where the
+    /// coordinate grows, so that no place of the box is in another cell.
     fn ranges(&self, (low, high): &Bounds) -> [RangeInclusive<usize>; 2] {
         let (from, to) = (*low - self.origin, *high - self.origin);
         [

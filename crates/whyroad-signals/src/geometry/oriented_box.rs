@@ -73,8 +73,8 @@ impl OrientedBox {
             return 0.0;
         }
         let (a, b) = (self.corners(), other.corners());
-        // Apart, the shortest way between convex shapes ends at a corner of one of them. First to within rounding, almost
-        // without division; exactly only for what can be the shortest.
+        // Apart, the shortest way between convex shapes ends at a corner of one of them. First to within rounding,
+        // almost without division; exactly only for what can be the shortest.
         let about = [about_distances2(&a, &b), about_distances2(&b, &a)];
         let least = about.as_flattened().as_flattened().iter().copied().fold(f64::INFINITY, f64::min);
         let enough = least * (1.0 + 1e-9) + 1e-8;

@@ -97,8 +97,8 @@ impl Block {
         away.dot(away)
     }
 
-    /// True when a segment of it can be as near to `p` as `distance`. Sometimes true where it is not: the foot points are
-    /// rounded too, and one that is left out must not have been the nearest.
+    /// True when a segment of it can be as near to `p` as `distance`. Sometimes true where it is not: the foot points
+    /// are rounded too, and one that is left out must not have been the nearest.
     fn may_be_within(&self, p: P2, distance: f64) -> bool {
         let reach = (self.radius + distance) * (1.0 + 1e-8) + 1e-5;
         self.away2(p) <= reach * reach

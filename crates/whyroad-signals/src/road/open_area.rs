@@ -10,8 +10,8 @@ use whyroad_model::road_map::LaneKind;
 /// A lane this near makes it a roadside, m: a parking strip and a lane beside it are narrower.
 const LANE_NEAR_M: f64 = 5.0;
 
-/// Lanes of the map that lead this near to a place into lanes that it does not have, m: a wide junction of which the map
-/// has the arms on one side only.
+/// Lanes of the map that lead this near to a place into lanes that it does not have, m: a wide junction of which the
+/// map has the arms on one side only.
 const CUT_NEAR_M: f64 = 40.0;
 
 /// Where the map's lanes lead on to, or come from, lanes that it does not have.
